@@ -1,0 +1,6 @@
+"""One asperity against the plane."""
+
+from metafem.asperity.contact import Contact
+from metafem.asperity.hertz import Hertz
+
+__all__ = ["Contact", "Hertz"]

@@ -1,0 +1,46 @@
+"""What can go wrong, as one family of exceptions."""
+
+from __future__ import annotations
+
+from typing import Any
+
+
+class MetafemError(Exception):
+    """Base of every error that metafem raises on purpose."""
+
+
+class InvalidInput(MetafemError, ValueError):
+    """An argument or a key has a value that cannot be used; the message says what would be right."""
+
+
+class Infeasible(MetafemError):
+    """A target that no surface within the limits can reach.
+
+    Attributes
+    ----------
+    nearest : target or None
+        The nearest target of the same kind that can be designed with the same template and
+        limits, where one is known.
+    """
+
+    def __init__(self, message: str, nearest: Any = None) -> None:
+        super().__init__(message)
+        self.nearest = nearest
+
+
+class NotConverged(MetafemError):
+    """A solver stopped before its residual was small.
+
+    Attributes
+    ----------
+    state : object or None
+        What the solver had when it stopped, with its status and residual.
+    """
+
+    def __init__(self, message: str, state: Any = None) -> None:
+        super().__init__(message)
+        self.state = state
+
+
+class MetafemWarning(UserWarning):
+    """A result that holds, but outside the range in which it should be trusted."""

@@ -1,0 +1,282 @@
+"""The part: its material, its friction, its block and its asperities."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from metafem import _validate as check
+from metafem._validate import FloatArray
+from metafem.errors import InvalidInput
+
+__all__ = ["Block", "Friction", "Material", "Surface"]
+
+
+@dataclass(frozen=True)
+class Material:
+    """Linear-elastic material of the block against a rigid plane.
+
+    The composite modulus is ``E* = E / (1 - nu^2)``.
+
+    Parameters
+    ----------
+    composite_modulus : float
+        E* [MPa], positive.
+    poisson_ratio : float
+        nu [-], from 0 to 0.5 (incompressible, the default).
+
+    Raises
+    ------
+    InvalidInput
+        If a value is outside its range.
+
+    Examples
+    --------
+    >>> Material(composite_modulus=1.36, poisson_ratio=0.5).young_modulus
+    1.02
+    """
+
+    composite_modulus: float
+    poisson_ratio: float = 0.5
+
+    def __post_init__(self) -> None:
+        modulus = check.number("composite_modulus", self.composite_modulus, above=0.0)
+        ratio = check.number("poisson_ratio", self.poisson_ratio, at_least=0.0, at_most=0.5)
+        object.__setattr__(self, "composite_modulus", modulus)
+        object.__setattr__(self, "poisson_ratio", ratio)
+
+    @property
+    def young_modulus(self) -> float:
+        """Young's modulus E = E* (1 - nu^2) [MPa]."""
+        return self.composite_modulus * (1.0 - self.poisson_ratio**2)
+
+
+@dataclass(frozen=True)
+class Friction:
+    """Friction of the material pair, ``F = sigma B A0``.
+
+    Parameters
+    ----------
+    shear_strength : float
+        sigma [MPa]: friction force per sheared real contact area, positive.
+    area_ratio : float
+        B [-]: sheared area over initial area, positive; 1 where shear does not change the area.
+
+    Examples
+    --------
+    >>> Friction(shear_strength=0.404, area_ratio=0.85).shear_strength
+    0.404
+    """
+
+    shear_strength: float
+    area_ratio: float = 1.0
+
+    def __post_init__(self) -> None:
+        strength = check.number("shear_strength", self.shear_strength, above=0.0)
+        ratio = check.number("area_ratio", self.area_ratio, above=0.0)
+        object.__setattr__(self, "shear_strength", strength)
+        object.__setattr__(self, "area_ratio", ratio)
+
+
+@dataclass(frozen=True)
+class Block:
+    """The block that carries the asperities, centred on the origin, its base bonded.
+
+    Parameters
+    ----------
+    width, length, thickness : float
+        Extent along x, along y and below the base plane [mm], positive.
+
+    Examples
+    --------
+    >>> Block(width=20.0, length=20.0, thickness=7.2).thickness
+    7.2
+    """
+
+    width: float
+    length: float
+    thickness: float
+
+    def __post_init__(self) -> None:
+        for name in ("width", "length", "thickness"):
+            object.__setattr__(self, name, check.number(name, getattr(self, name), above=0.0))
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class Surface:
+    """Spherical asperities on a block, pressed on a smooth rigid plane.
+
+    Parameters
+    ----------
+    position : array_like, (n, 2)
+        Places of the summits in the base plane [mm]; no two may coincide.
+    height : array_like, (n,)
+        Heights of the summits above the undeformed base plane [mm]; any finite value.
+    radius : float or array_like, (n,)
+        Radii of curvature of the summits [mm], positive.
+    material : Material
+    friction : Friction, optional
+        Needed wherever a friction force is asked for.
+    block : Block, optional
+        Needed by the bonded layer, the true block and the part files.
+
+    Raises
+    ------
+    InvalidInput
+        For arrays that are empty, mis-shaped or not finite, non-positive radii, and coincident
+        asperities.
+
+    Examples
+    --------
+    >>> surface = Surface([[0, 0], [1.5, 0]], [0.10, 0.12], 0.526, Material(1.36))
+    >>> surface.count, surface.radius
+    (2, array([0.526, 0.526]))
+    """
+
+    position: FloatArray
+    height: FloatArray
+    radius: FloatArray
+    material: Material
+    friction: Friction | None
+    block: Block | None
+
+    def __init__(
+        self,
+        position: ArrayLike,
+        height: ArrayLike,
+        radius: ArrayLike,
+        material: Material,
+        friction: Friction | None = None,
+        block: Block | None = None,
+    ) -> None:
+        places = check.array("position", position, shape=(None, 2))
+        n = len(places)
+        heights = check.array("height", height, shape=(n,))
+        radii = check.array("radius", np.full(n, radius) if np.ndim(radius) == 0 else radius, shape=(n,))
+        if radii.min() <= 0.0:
+            i = int(radii.argmin())
+            raise InvalidInput(f"radius[{i}] = {radii[i]:g} must be greater than 0")
+        _refuse_coincident(places)
+        for name, value, kind in (
+            ("material", material, Material),
+            ("friction", friction, Friction),
+            ("block", block, Block),
+        ):
+            if not (isinstance(value, kind) or (value is None and name != "material")):
+                raise InvalidInput(f"{name} = {value!r} must be a metafem.{kind.__name__}")
+        for name, value in (
+            ("position", places),
+            ("height", heights),
+            ("radius", radii),
+            ("material", material),
+            ("friction", friction),
+            ("block", block),
+        ):
+            object.__setattr__(self, name, value)
+
+    @classmethod
+    def square_lattice(
+        cls,
+        height: ArrayLike,
+        shape: tuple[int, int] = (8, 8),
+        pitch: float = 1.5,
+        *,
+        radius: ArrayLike,
+        material: Material,
+        friction: Friction | None = None,
+        block: Block | None = None,
+    ) -> Surface:
+        """Asperities on a square lattice centred on the origin, row by row along x.
+
+        Parameters
+        ----------
+        height : array_like
+            Summit heights [mm]: one for all, (rows * columns,) or (rows, columns).
+        shape : (int, int)
+            Rows (along y) and columns (along x).
+        pitch : float
+            Distance of neighbours [mm].
+        radius, material, friction, block
+            As for `Surface`.
+
+        Examples
+        --------
+        >>> lattice = Surface.square_lattice(0.1, (2, 3), 1.5, radius=0.526, material=Material(1.36))
+        >>> lattice.position[:3, 0]
+        array([-1.5,  0. ,  1.5])
+        """
+        try:
+            rows, columns = shape
+        except (TypeError, ValueError):
+            raise InvalidInput(f"shape = {shape!r} must be (rows, columns)") from None
+        rows = check.integer("shape[0]", rows, at_least=1)
+        columns = check.integer("shape[1]", columns, at_least=1)
+        step = check.number("pitch", pitch, above=0.0)
+        x = step * (np.arange(columns) - 0.5 * (columns - 1))
+        y = step * (np.arange(rows) - 0.5 * (rows - 1))
+        position = np.column_stack([np.tile(x, rows), np.repeat(y, columns)])
+        heights = np.asarray(height)
+        if heights.ndim == 0:
+            heights = np.full(rows * columns, height)
+        elif heights.shape == (rows, columns):
+            heights = heights.ravel()
+        return cls(position, heights, radius, material, friction, block)
+
+    @property
+    def count(self) -> int:
+        """Number of asperities."""
+        return len(self.height)
+
+    @property
+    def gap(self) -> FloatArray:
+        """Depth of each summit below the tallest, (n,) [mm]: exact where heights are close."""
+        return np.asarray(self.height.max() - self.height)
+
+    def replaced(self, **changes: Any) -> Surface:
+        """Return a copy with some of the constructor's arguments changed."""
+        names = ("position", "height", "radius", "material", "friction", "block")
+        return Surface(**{**{name: getattr(self, name) for name in names}, **changes})
+
+    def tilted(self, angle_x: float, angle_y: float) -> Surface:
+        """Return the surface as a misaligned plane sees it, ``h + x tan(angle_x) + y tan(angle_y)``.
+
+        Parameters
+        ----------
+        angle_x, angle_y : float
+            Slopes along x and along y, as angles [rad], between -pi/2 and pi/2; the origin of the
+            coordinates keeps its height.
+        """
+        limit = 0.5 * math.pi
+        slope = [
+            math.tan(check.number(name, value, at_least=-limit, at_most=limit))
+            for name, value in (("angle_x", angle_x), ("angle_y", angle_y))
+        ]
+        return self.replaced(height=self.height + self.position @ np.array(slope))
+
+    def perturbed(self, height_sd: float, rng: Any = 0) -> Surface:
+        """Return the surface with independent Gaussian errors of s.d. `height_sd` [mm] on its heights.
+
+        `rng` is a seed or a numpy Generator.
+        """
+        sd = check.number("height_sd", height_sd, at_least=0.0)
+        return self.replaced(height=self.height + sd * check.generator(rng).standard_normal(self.count))
+
+    def shuffled(self, rng: Any = 0) -> Surface:
+        """Return the surface with its asperities (height and radius) dealt anew to its places."""
+        order = check.generator(rng).permutation(self.count)
+        return self.replaced(height=self.height[order], radius=self.radius[order])
+
+
+def _refuse_coincident(position: FloatArray) -> None:
+    order = np.lexsort(position.T)
+    same = np.flatnonzero((np.diff(position[order], axis=0) == 0.0).all(axis=1))
+    if same.size:
+        i, j = sorted(order[same[0] : same[0] + 2].tolist())
+        x, y = position[i]
+        raise InvalidInput(
+            f"position[{i}] and position[{j}] coincide at ({x:g}, {y:g}); asperities must be apart"
+        )
