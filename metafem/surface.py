@@ -168,15 +168,9 @@ class Surface:
         ):
             if not (isinstance(value, kind) or (value is None and name != "material")):
                 raise InvalidInput(f"{name} = {value!r} must be a metafem.{kind.__name__}")
-        for name, value in (
-            ("position", places),
-            ("height", heights),
-            ("radius", radii),
-            ("material", material),
-            ("friction", friction),
-            ("block", block),
-        ):
-            object.__setattr__(self, name, value)
+        values = {"position": places, "height": heights, "radius": radii}
+        for name, given in {**values, "material": material, "friction": friction, "block": block}.items():
+            object.__setattr__(self, name, given)
 
     @classmethod
     def square_lattice(

@@ -1,0 +1,63 @@
+"""Surfaces with a friction law of your choice.
+
+metafem inverts a wanted friction law into the heights of spherical asperities, predicts the law of a
+surface under models of increasing truth, and writes the files to make the part.
+
+Units are mm, N and MPa everywhere, angles are in radians, compression is positive. The separation is
+the distance from the rigid plane to the undeformed base plane of the asperities; the approach is the
+tallest summit minus the separation. *Rescaled* means load P/E* and friction F/(sigma B) = A0, both in
+mm^2.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from metafem.asperity import Hertz as Hertz
+    from metafem.errors import Infeasible as Infeasible
+    from metafem.errors import InvalidInput as InvalidInput
+    from metafem.errors import MetafemError as MetafemError
+    from metafem.errors import MetafemWarning as MetafemWarning
+    from metafem.errors import NotConverged as NotConverged
+    from metafem.law import FrictionLaw as FrictionLaw
+    from metafem.law import friction_law as friction_law
+    from metafem.models import ContactState as ContactState
+    from metafem.models import Independent as Independent
+    from metafem.models import Status as Status
+    from metafem.models.equilibrium import equilibrium as equilibrium
+    from metafem.surface import Block as Block
+    from metafem.surface import Friction as Friction
+    from metafem.surface import Material as Material
+    from metafem.surface import Surface as Surface
+
+# Where each public name lives: read when it is first used, so that `metafem --help` loads no numpy.
+_HOME = {
+    "metafem.asperity": ("Hertz",),
+    "metafem.errors": (
+        "Infeasible",
+        "InvalidInput",
+        "MetafemError",
+        "MetafemWarning",
+        "NotConverged",
+    ),
+    "metafem.law": ("FrictionLaw", "friction_law"),
+    "metafem.models": ("ContactState", "Independent", "Status", "equilibrium"),
+    "metafem.surface": ("Block", "Friction", "Material", "Surface"),
+}
+_MODULE = {name: module for module, names in _HOME.items() for name in names}
+
+__all__ = sorted(_MODULE)
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _MODULE:
+        raise AttributeError(f"module 'metafem' has no attribute {name!r}")
+    value = getattr(import_module(_MODULE[name]), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

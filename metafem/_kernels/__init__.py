@@ -1,0 +1,1 @@
+"""Compiled kernels; each has a readable numpy twin in tests/."""

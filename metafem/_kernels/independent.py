@@ -1,0 +1,113 @@
+"""Load equation of independent Hertzian asperities, all in rescaled load P/E* [mm^2].
+
+Gaps are sorted: gap[0] = 0 belongs to the tallest asperity, so the sums stop at the first open one.
+With the approach x, d_i = x - gap_i and P/E* = sum 4/3 sqrt(R_i) d_i^(3/2) is convex and increasing.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+# Newton from the right loses two thirds of the distance at first and then converges quadratically;
+# 200 steps shrink any double to nothing.
+MAX_STEPS = 200
+
+
+@njit(cache=True, nogil=True)
+def load_and_slope(gap, root_radius, approach):
+    """Return P/E* [mm^2] and its derivative by the approach [mm]."""
+    load = 0.0
+    slope = 0.0
+    for i in range(gap.size):
+        d = approach - gap[i]
+        if d <= 0.0:
+            break
+        s = root_radius[i] * math.sqrt(d)  # contact radius a_i
+        load += s * d
+        slope += s
+    return 4.0 / 3.0 * load, 2.0 * slope
+
+
+@njit(cache=True, nogil=True)
+def sums(gap, root_radius, approach):
+    """Return P/E* [mm^2], A0 [mm^2] and slope [mm] in compensated (Neumaier) summation."""
+    load = area = slope = 0.0
+    load_rest = area_rest = slope_rest = 0.0
+    for i in range(gap.size):
+        d = approach - gap[i]
+        if d <= 0.0:
+            break
+        s = root_radius[i] * math.sqrt(d)
+        for kind in range(3):
+            if kind == 0:
+                term, total = s * d, load
+            elif kind == 1:
+                term, total = s * s, area
+            else:
+                term, total = s, slope
+            new = total + term
+            rest = (total - new) + term if total >= term else (term - new) + total
+            if kind == 0:
+                load = new
+                load_rest += rest
+            elif kind == 1:
+                area = new
+                area_rest += rest
+            else:
+                slope = new
+                slope_rest += rest
+    return 4.0 / 3.0 * (load + load_rest), math.pi * (area + area_rest), 2.0 * (slope + slope_rest)
+
+
+@njit(cache=True, nogil=True)
+def approach_at_load(gap, root_radius, load, below):
+    """Return the approach [mm] that carries `load`; `below` is one that carries less (0 will do)."""
+    if load <= 0.0:
+        return 0.0
+    # The tallest asperity alone would need the largest approach: an upper bracket.
+    above = (0.75 * load / root_radius[0]) ** (2.0 / 3.0)
+    x = above
+    if below > 0.0:
+        p, s = load_and_slope(gap, root_radius, below)
+        # The tangent of a convex function lies below it: this step ends right of the root.
+        x = min(above, below + (load - p) / s)
+    for _ in range(MAX_STEPS):
+        p, s = load_and_slope(gap, root_radius, x)
+        if p <= load:
+            break
+        new = x - (p - load) / s
+        if new < below:
+            new = 0.5 * (below + x)
+        if new >= x:
+            break
+        x = new
+    return x
+
+
+@njit(cache=True, nogil=True)
+def curves(gap, root_radius, load, approach, carried, area, slope):
+    """Fill (m, k) results for m surfaces of n asperities and k increasing loads.
+
+    gap, root_radius: (m, n), rows sorted by gap. carried: the load recomputed at the approach.
+    """
+    for i in range(gap.shape[0]):
+        x = 0.0
+        for j in range(load.size):
+            x = approach_at_load(gap[i], root_radius[i], load[j], x)
+            approach[i, j] = x
+            carried[i, j], area[i, j], slope[i, j] = sums(gap[i], root_radius[i], x)
+
+
+@njit(cache=True, nogil=True)
+def curve_at_approach(gap, root_radius, approach, load, area, slope):
+    """Fill load, area and slope (k,) of one surface at given approaches (k,)."""
+    for j in range(approach.size):
+        load[j], area[j], slope[j] = sums(gap, root_radius, approach[j])
+
+
+def empty_results(rows: int, columns: int) -> tuple[np.ndarray, ...]:
+    """Return the four result arrays of `curves`."""
+    return tuple(np.empty((rows, columns)) for _ in range(4))

@@ -1,0 +1,292 @@
+"""Height densities made of exponential pieces, and the friction laws that follow from them.
+
+The densities are functions of the height h above the foot of the distribution [mm]. With gamma(s, x)
+the regularised lower incomplete gamma function, every integral is a sum of positive terms
+(Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234, equations S2 to S8).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from metafem import _validate as check
+from metafem._validate import FloatArray
+from metafem.errors import InvalidInput
+
+__all__ = [
+    "PiecewiseExponential",
+    "TruncatedExponential",
+    "TwoBranchExponential",
+    "equal_masses",
+    "scale_from_slope",
+    "slope_excess",
+    "uniform_slope",
+]
+
+
+def slope_excess(x: ArrayLike) -> FloatArray:
+    """Return m(x) / m(0) - 1: the slope at x = h_m / lambda against that of a uniform density.
+
+    ``m = sqrt(pi R / lambda) g(x)`` and ``m(0) = 3 pi/4 sqrt(R/h_m)`` (S3, S4), so the ratio is
+    ``sqrt(x) (1 - e^-x) / (Gamma(5/2) gamma(3/2, x))``. It grows with x, at first as x/10; below
+    x = 1 both factors are Kummer series whose difference is summed term by term.
+
+    Examples
+    --------
+    >>> slope_excess([0.0, 1e-9, 3.0]).round(13)
+    array([0.00000000e+00, 1.00000000e-10, 3.93611793e-01])
+    """
+    from scipy.special import gammainc
+
+    value = np.asarray(x, dtype=np.float64)
+    large = np.maximum(value, 1.0)
+    direct = np.sqrt(large) * -np.expm1(-large) / (math.gamma(2.5) * gammainc(1.5, large)) - 1.0
+    small = np.minimum(value, 1.0)
+    # (e^x - 1)/x = sum x^n/(2)_n over M(1, 5/2, x) = sum x^n/(5/2)_n; x^18/(2)_18 < 1e-17 at x = 1
+    first, second = np.ones_like(small), np.ones_like(small)
+    total, difference = np.ones_like(small), np.zeros_like(small)
+    for n in range(18):
+        first = first * small / (2.0 + n)
+        second = second * small / (2.5 + n)
+        total = total + second
+        difference = difference + (first - second)
+    return np.asarray(np.where(value < 1.0, difference / total, direct))
+
+
+def scale_from_slope(slope: float, radius: float, max_height: float) -> float:
+    """Return the scale lambda [mm] at which the truncated exponential has this slope (S3, S7).
+
+    The slope must exceed `uniform_slope`, the bound of the uniform density.
+    """
+    from scipy.optimize import brentq
+
+    bound = uniform_slope(radius, max_height)
+    wanted = (slope - bound) / bound
+    # k(x) <= 1 makes the ratio exceed sqrt(x) (1 - e^-x)/Gamma(5/2): the root lies below `upper`.
+    upper = 2.0 * (math.gamma(2.5) * (1.0 + wanted)) ** 2
+    # brentq's tightest relative tolerance; the excess is nearly x/10, so x tends to 10 * wanted.
+    tightest = 4.0 * np.finfo(float).eps
+    x = brentq(lambda x: float(slope_excess(x)) - wanted, 0.0, upper, xtol=tightest * wanted, rtol=tightest)
+    return max_height / float(x)
+
+
+def uniform_slope(radius: float, max_height: float) -> float:
+    """Return the smallest slope 3 pi/4 sqrt(R/h_m) [-], that of uniformly distributed heights."""
+    return 0.75 * math.pi * math.sqrt(radius / max_height)
+
+
+@dataclass(frozen=True)
+class Piece:
+    """``alpha exp(-h/lambda)`` between two heights [mm]; alpha in 1/mm."""
+
+    low: float
+    high: float
+    alpha: float
+
+
+class PiecewiseExponential:
+    """What every density made of exponential pieces of one scale offers."""
+
+    scale: float
+    max_height: float
+
+    @property
+    def pieces(self) -> tuple[Piece, ...]:
+        """The pieces from the foot upwards."""
+        raise NotImplementedError
+
+    def density(self, height: ArrayLike) -> FloatArray:
+        """Probability density of the height [1/mm]."""
+        h = np.asarray(height, dtype=np.float64)
+        result = np.zeros_like(h)
+        for piece in self.pieces:
+            inside = (h >= piece.low) & (h <= piece.high)
+            value = piece.alpha * np.exp(-np.where(inside, h, 0.0) / self.scale)
+            result = np.where(inside, value, result)
+        return result
+
+    def mass(self, low: ArrayLike, high: ArrayLike) -> FloatArray:
+        """Probability of a height between low and high [mm]."""
+        lo, hi = np.asarray(low, dtype=np.float64), np.asarray(high, dtype=np.float64)
+        total = np.zeros(np.broadcast(lo, hi).shape)
+        for piece in self.pieces:
+            start, end = np.clip(lo, piece.low, piece.high), np.clip(hi, piece.low, piece.high)
+            total = total + piece.alpha * self.scale * _exponential_mass(start, end, self.scale)
+        return total
+
+    def moment(self, power: float, separation: ArrayLike) -> FloatArray:
+        """Mean of ``max(h - delta, 0)^power`` [mm^power] at separations from 0 to h_m [mm].
+
+        A piece that ends at b gives ``lambda^(q+1) alpha e^(-delta/lambda) Gamma(q+1)`` times
+        ``gamma(q+1, (b - delta)/lambda)`` less the same at its lower end.
+        """
+        from scipy.special import gammainc
+
+        delta = np.asarray(separation, dtype=np.float64)
+        if not ((delta >= 0.0) & (delta <= self.max_height)).all():
+            raise InvalidInput(
+                f"separation = {separation!r:.60} must lie within the density, from 0 to "
+                f"{self.max_height:g} mm"
+            )
+        lam, q = self.scale, power
+        total = np.zeros_like(delta)
+        for piece in self.pieces:
+            high = gammainc(q + 1.0, np.maximum(piece.high - delta, 0.0) / lam)
+            low = gammainc(q + 1.0, np.maximum(piece.low - delta, 0.0) / lam)
+            total = total + piece.alpha * (high - low)
+        return np.asarray(lam ** (q + 1.0) * math.gamma(q + 1.0) * np.exp(-delta / lam) * total)
+
+    def area(self, separation: ArrayLike, count: int, radius: float) -> FloatArray:
+        """Expected real contact area A0 = N pi R <d> [mm^2] (S2)."""
+        return count * math.pi * radius * self.moment(1.0, separation)
+
+    def rescaled_load(self, separation: ArrayLike, count: int, radius: float) -> FloatArray:
+        """Expected load P/E* = N 4/3 sqrt(R) <d^(3/2)> [mm^2] (S2)."""
+        return count * 4.0 / 3.0 * math.sqrt(radius) * self.moment(1.5, separation)
+
+    def slope(self, separation: ArrayLike, radius: float) -> FloatArray:
+        """Slope dA0/d(P/E*) = pi sqrt(R)/2 <1>/<sqrt d> [-] at separations below h_m [mm]."""
+        closed = self.mass(separation, self.max_height)
+        return np.asarray(0.5 * math.pi * math.sqrt(radius) * closed / self.moment(0.5, separation))
+
+
+@dataclass(frozen=True)
+class TruncatedExponential(PiecewiseExponential):
+    """Exponential density cut at a maximum height, ``exp(-h/lambda) / (lambda (1 - exp(-x)))``.
+
+    With x = h_m/lambda, on [0, h_m].
+
+    Parameters
+    ----------
+    scale : float
+        lambda [mm], positive.
+    max_height : float
+        h_m [mm], positive.
+
+    Examples
+    --------
+    >>> density = TruncatedExponential(0.040, 0.120)
+    >>> round(density.asymptotic_slope(0.526), 3), round(density.intercept(64, 0.526), 4)
+    (6.875, 0.2617)
+    """
+
+    scale: float
+    max_height: float
+
+    def __post_init__(self) -> None:
+        check.number("scale", self.scale, above=0.0)
+        check.number("max_height", self.max_height, above=0.0)
+
+    @property
+    def pieces(self) -> tuple[Piece, ...]:
+        """The one piece."""
+        top = self.max_height
+        alpha = 1.0 / (self.scale * float(_exponential_mass(0.0, top, self.scale)))
+        return (Piece(0.0, top, alpha),)
+
+    def asymptotic_slope(self, radius: float) -> float:
+        """Slope m of the law for large loads [-] (S3)."""
+        excess = float(slope_excess(self.max_height / self.scale))
+        return uniform_slope(radius, self.max_height) * (1.0 + excess)
+
+    def intercept(self, count: int, radius: float) -> float:
+        """Intercept alpha = pi N R lambda Gamma(x) of the asymptote [mm^2].
+
+        ``Gamma(x) = x e^-x/(1 - e^-x) (4/(3 sqrt(pi)) sqrt(x) g(x) - 1)``; the bracket is the excess
+        of the slope over that of the uniform density.
+        """
+        x = self.max_height / self.scale
+        factor = x * math.exp(-x) / -math.expm1(-x) * float(slope_excess(x))
+        return math.pi * count * radius * self.scale * factor
+
+
+@dataclass(frozen=True)
+class TwoBranchExponential(PiecewiseExponential):
+    """Exponential density with another weight below a crossover height (S6).
+
+    ``alpha_1 exp(-h/lambda)`` on [0, h_c] and ``alpha_2 exp(-h/lambda)`` on [h_c, h_m], with
+    ``alpha_2 = u / (lambda (1 - exp(-h_m/lambda)))`` and alpha_1 from the unit mass.
+
+    Parameters
+    ----------
+    scale : float
+        lambda [mm], positive.
+    max_height : float
+        h_m [mm], positive.
+    crossover_height : float
+        h_c [mm], above 0 and below h_m.
+    weight : float
+        u [-], positive, and so small that the upper branch holds at most the whole mass; u = 1 is
+        the plain truncated exponential.
+
+    Examples
+    --------
+    >>> density = TwoBranchExponential(0.0357, 0.120, 0.0153, 0.149)
+    >>> round(float(density.mass(0.0, 0.120)), 12)
+    1.0
+    """
+
+    scale: float
+    max_height: float
+    crossover_height: float
+    weight: float
+
+    def __post_init__(self) -> None:
+        check.number("scale", self.scale, above=0.0)
+        top = check.number("max_height", self.max_height, above=0.0)
+        middle = check.number("crossover_height", self.crossover_height, above=0.0)
+        check.number("weight", self.weight, above=0.0)
+        if middle >= top:
+            raise InvalidInput(f"crossover_height = {middle:g} must be below max_height = {top:g}")
+        if self.upper_mass > 1.0 + 1e-12:  # rounding of a weight at its limit
+            raise InvalidInput(
+                f"weight = {self.weight:g} puts {self.upper_mass:.4g} of the asperities above the "
+                "crossover height; it must be small enough for at most 1"
+            )
+
+    @property
+    def upper_mass(self) -> float:
+        """Share of the asperities above the crossover height."""
+        whole = _exponential_mass(0.0, self.max_height, self.scale)
+        upper = _exponential_mass(self.crossover_height, self.max_height, self.scale)
+        return self.weight * float(upper / whole)
+
+    @property
+    def pieces(self) -> tuple[Piece, ...]:
+        """The lower and the upper branch."""
+        lam, top, mid = self.scale, self.max_height, self.crossover_height
+        upper = self.weight / (lam * float(_exponential_mass(0.0, top, lam)))
+        lower = max(0.0, 1.0 - self.upper_mass) / (lam * float(_exponential_mass(0.0, mid, lam)))
+        return Piece(0.0, mid, lower), Piece(mid, top, upper)
+
+    def asymptotic_slopes(self, radius: float) -> tuple[float, float]:
+        """Slopes m_1 and m_2 of the two branches for large loads [-] (S7, S8).
+
+        m_2 is the slope where the plane reaches the foot, m_1 that of the upper density continued
+        down to the foot.
+        """
+        first = TruncatedExponential(self.scale, self.max_height).asymptotic_slope(radius)
+        return first, float(self.slope(0.0, radius))
+
+    def crossover_load(self, count: int, radius: float) -> float:
+        """Load P_c/E* [mm^2] at which the plane reaches the crossover height (S8)."""
+        return float(self.rescaled_load(self.crossover_height, count, radius))
+
+
+def equal_masses(scale: float, low: float, high: float, parts: int) -> FloatArray:
+    """Ends of `parts` intervals of equal mass of exp(-h/lambda) between two heights, (parts + 1,)."""
+    # Measured from the lower end, e^(-(h - low)/lambda) falls linearly with the mass.
+    fallen = np.arange(parts + 1) / parts * -math.expm1((low - high) / scale)
+    ends = low - scale * np.log1p(-np.minimum(fallen, 1.0 - np.finfo(float).tiny))
+    ends[-1] = high
+    return np.asarray(ends)
+
+
+def _exponential_mass(low: ArrayLike, high: ArrayLike, scale: float) -> FloatArray:
+    """Integral of exp(-h/lambda)/lambda between two heights."""
+    lo, hi = np.asarray(low, dtype=np.float64), np.asarray(high, dtype=np.float64)
+    return np.asarray(-np.exp(-lo / scale) * np.expm1((lo - hi) / scale))

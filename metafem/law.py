@@ -1,0 +1,262 @@
+"""The friction law of a surface: its curve, its rescaling and the fits of its branches."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from metafem import _validate as check
+from metafem._validate import FloatArray
+from metafem.errors import InvalidInput, NotConverged
+from metafem.models import Curve, Independent, Model, Status
+from metafem.models.independent import TOLERANCE
+from metafem.surface import Friction, Material, Surface
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+__all__ = ["BranchFit", "FrictionLaw", "friction_law"]
+
+# Points of the law that is drawn when no loads are named.
+GRID_POINTS = 100
+
+# Indentation of the lowest asperity at the end of that grid, in radii: a/R = 0.2.
+GRID_INDENTATION = 0.04
+
+
+@dataclass(frozen=True)
+class BranchFit:
+    """Straight line through a branch of a law, in rescaled load and friction.
+
+    Attributes
+    ----------
+    slope : float
+        Slope m [-]; the friction coefficient is about ``sigma B / E* m``.
+    intercept : float
+        Friction at zero load [mm^2].
+    slope_interval, intercept_interval : (float, float)
+        68 % confidence intervals of the regression.
+    load_range : (float, float)
+        Rescaled loads between which the points were taken [mm^2].
+    points : int
+        Number of points.
+    """
+
+    slope: float
+    intercept: float
+    slope_interval: tuple[float, float]
+    intercept_interval: tuple[float, float]
+    load_range: tuple[float, float]
+    points: int
+
+
+@dataclass(frozen=True, eq=False)
+class FrictionLaw:
+    """Friction law of one surface under one model, along increasing loads; arrays (k,).
+
+    Attributes
+    ----------
+    load : ndarray
+        Normal load P [N].
+    area : ndarray
+        Real contact area A0 [mm^2].
+    separation, approach : ndarray
+        Plane to undeformed base plane, and tallest summit minus that [mm].
+    stiffness : ndarray
+        Normal contact stiffness, dP per decrease of the separation [N/mm].
+    residual : ndarray
+        Relative error of the equations, recomputed on what is returned.
+    status : Status
+    model : Model
+    material : Material
+    friction : Friction or None
+
+    Examples
+    --------
+    >>> surface = Surface.square_lattice(0.1, (2, 2), radius=0.526, material=Material(1.36))
+    >>> law = friction_law(surface, load=[0.1, 0.2])
+    >>> law.rescaled_friction.round(4)
+    array([0.4708, 0.7474])
+    """
+
+    load: FloatArray
+    area: FloatArray
+    separation: FloatArray
+    approach: FloatArray
+    stiffness: FloatArray
+    residual: FloatArray
+    status: Status
+    model: Model
+    material: Material
+    friction: Friction | None = None
+
+    @property
+    def rescaled_load(self) -> FloatArray:
+        """P/E* [mm^2]."""
+        return self.load / self.material.composite_modulus
+
+    @property
+    def rescaled_friction(self) -> FloatArray:
+        """F/(sigma B) = A0 [mm^2]."""
+        return self.area
+
+    @property
+    def friction_force(self) -> FloatArray:
+        """F = sigma B A0 [N]; raises InvalidInput for a surface without a Friction."""
+        if self.friction is None:
+            raise InvalidInput(
+                "friction_force needs the surface's friction; build it with "
+                "friction=metafem.Friction(shear_strength, area_ratio)"
+            )
+        return self.friction.shear_strength * self.friction.area_ratio * self.area
+
+    def fit(self, load_range: tuple[float, float]) -> BranchFit:
+        """Fit a straight line to the branch between two rescaled loads [mm^2].
+
+        Least squares of `rescaled_friction` against `rescaled_load`, with Student's 68 % intervals.
+
+        Raises
+        ------
+        InvalidInput
+            If the range is not increasing or holds fewer than three points.
+
+        Examples
+        --------
+        >>> surface = Surface.square_lattice(0.1, (2, 2), radius=0.526, material=Material(1.36))
+        >>> law = friction_law(surface, load=np.linspace(0.1, 0.2, 11))
+        >>> round(law.fit((0.07, 0.15)).slope, 2)
+        3.75
+        """
+        from scipy.special import stdtrit
+
+        low, high = check.array("load_range", load_range, shape=(2,))
+        x, y = self.rescaled_load, self.rescaled_friction
+        # Loads that were asked for at the very ends belong to the branch in spite of rounding.
+        slack = 1e-12 * abs(high)
+        chosen = (x >= low - slack) & (x <= high + slack)
+        count = int(chosen.sum())
+        if count < 3:
+            raise InvalidInput(
+                f"load_range = ({low:g}, {high:g}) holds {count} of the law's points, which run from "
+                f"{x.min():g} to {x.max():g} mm^2; a fit with its interval needs at least 3"
+            )
+        x, y = x[chosen], y[chosen]
+        centre, spread = x.mean(), ((x - x.mean()) ** 2).sum()
+        slope = float(((x - centre) * (y - y.mean())).sum() / spread)
+        intercept = float(y.mean() - slope * centre)
+        variance = float(((y - intercept - slope * x) ** 2).sum()) / (count - 2)
+        student = float(stdtrit(count - 2, 0.84))  # 68 % two-sided
+        slope_error = student * float(np.sqrt(variance / spread))
+        intercept_error = student * float(np.sqrt(variance * (1.0 / count + centre**2 / spread)))
+        return BranchFit(
+            slope,
+            intercept,
+            (slope - slope_error, slope + slope_error),
+            (intercept - intercept_error, intercept + intercept_error),
+            (float(low), float(high)),
+            count,
+        )
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draw rescaled friction over rescaled load and return the axes."""
+        from metafem.report.figures import plot_law
+
+        return plot_law(self, ax)
+
+
+def friction_law(
+    surface: Surface,
+    model: Model | None = None,
+    *,
+    load: ArrayLike | None = None,
+    separation: ArrayLike | None = None,
+) -> FrictionLaw:
+    """Predict the friction law of a surface.
+
+    Parameters
+    ----------
+    surface : Surface
+    model : Model, optional
+        `Independent()` unless told.
+    load : array_like, (k,), optional
+        Normal loads P [N], not negative.
+    separation : array_like, (k,), optional
+        Separations [mm]. With neither, 100 loads up to the one at which the lowest asperity is
+        indented by 0.04 R, or the plane reaches the base plane.
+
+    Returns
+    -------
+    FrictionLaw
+        Ordered by increasing load.
+
+    Raises
+    ------
+    InvalidInput
+        For negative or non-finite loads, non-finite separations, or both at once.
+    NotConverged
+        If a residual exceeds the model's tolerance.
+
+    Examples
+    --------
+    >>> surface = Surface.square_lattice([0.1, 0.12], (1, 2), radius=0.526, material=Material(1.36))
+    >>> law = friction_law(surface, separation=[0.11, 0.09])
+    >>> law.area.round(5)
+    array([0.01652, 0.0661 ])
+    """
+    solver: Model = Independent() if model is None else model
+    if not isinstance(surface, Surface):
+        raise InvalidInput(f"surface = {surface!r:.60} must be a metafem.Surface")
+    if not isinstance(solver, Model):
+        raise InvalidInput(f"model = {model!r} must be a model such as metafem.Independent()")
+    if load is not None and separation is not None:
+        raise InvalidInput("only one of load and separation can be given")
+    top = float(surface.height.max())
+    modulus = surface.material.composite_modulus
+    if separation is not None:
+        distance = np.sort(check.array("separation", separation, shape=(None,)))[::-1]
+        curve = solver.curve_at(surface, top - distance)
+    else:
+        if load is None:
+            end = solver.curve_at(surface, np.array([_grid_end(surface)])).load[0]
+            rescaled = end * np.arange(1, GRID_POINTS + 1) / GRID_POINTS
+        else:
+            newtons = np.sort(check.array("load", load, shape=(None,)))
+            if newtons[0] < 0.0:
+                raise InvalidInput(f"load holds {newtons[0]:g} N; without adhesion loads are >= 0")
+            rescaled = newtons / modulus
+        curve = solver.curve(surface, rescaled)
+        distance = top - curve.approach
+    return _law(surface, solver, curve, np.asarray(distance))
+
+
+def _law(surface: Surface, model: Model, curve: Curve, separation: FloatArray) -> FrictionLaw:
+    modulus = surface.material.composite_modulus
+    worst = float(curve.residual.max())
+    status = Status.CONVERGED if worst <= TOLERANCE else Status.NOT_CONVERGED
+    law = FrictionLaw(
+        load=modulus * curve.load,
+        area=curve.area,
+        separation=separation,
+        approach=curve.approach,
+        stiffness=modulus * curve.stiffness,
+        residual=curve.residual,
+        status=status,
+        model=model,
+        material=surface.material,
+        friction=surface.friction,
+    )
+    if status is not Status.CONVERGED:
+        raise NotConverged(f"{status.value}: largest residual {worst:.2g}", law)
+    return law
+
+
+def _grid_end(surface: Surface) -> float:
+    """Approach at which the default grid ends [mm]."""
+    gaps = surface.gap
+    lowest = int(gaps.argmax())
+    end = float(gaps[lowest] + GRID_INDENTATION * surface.radius[lowest])
+    top = float(surface.height.max())
+    return min(end, top) if top > gaps[lowest] else end

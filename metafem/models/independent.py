@@ -1,0 +1,158 @@
+"""Independent asperities: each contact obeys Hertz, none feels its neighbours."""
+
+from __future__ import annotations
+
+import math
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from metafem import _validate as check
+from metafem._validate import FloatArray
+from metafem.asperity import Hertz
+from metafem.errors import InvalidInput
+from metafem.models.model import ContactState, Curve, Status
+from metafem.surface import Surface
+
+# Rounding of the approach moves the load by at most 1.5 n R_max/R_min units in the last place; the
+# tolerance is the promise for surfaces of up to a few thousand asperities.
+TOLERANCE = 1e-12
+
+# Fewer points than this are solved before a second thread has started.
+POINTS_PER_THREAD = 20_000
+
+
+@dataclass(frozen=True)
+class Independent:
+    """Independent Hertzian asperities under a common plane.
+
+    ``A0 = sum pi R_i d_i`` and ``P/E* = sum 4/3 sqrt(R_i) d_i^(3/2)`` with ``d_i = max(h_i - delta, 0)``.
+    The load equation is convex and increasing in the approach; it is solved by Newton's method inside a
+    bracket, from the side on which it cannot overshoot. Greenwood and Williamson, Proc. R. Soc. A 295,
+    300 (1966), doi:10.1098/rspa.1966.0242.
+
+    Examples
+    --------
+    >>> from metafem import Material, Surface, equilibrium
+    >>> surface = Surface.square_lattice(0.1, (1, 1), radius=0.526, material=Material(1.36))
+    >>> round(equilibrium(surface, Independent(), load=0.01).approach, 6)
+    0.038668
+    """
+
+    def solve(self, surface: Surface, approach: float, guess: ContactState | None = None) -> ContactState:
+        """Equilibrium at a given approach [mm]; the closed form needs no guess."""
+        modulus = surface.material.composite_modulus
+        law = Hertz()
+        indentation = approach - surface.gap
+        load = modulus * law.load(indentation, surface.radius)
+        area = law.area(indentation, surface.radius)
+        total = math.fsum(load)
+        separation = float(surface.height.max()) - approach
+        return ContactState(
+            load=total,
+            area=math.fsum(area),
+            separation=separation,
+            approach=approach,
+            stiffness=modulus * math.fsum(law.stiffness(indentation, surface.radius)),
+            asperity_load=load,
+            asperity_area=area,
+            residual=0.0,
+            status=Status.CONVERGED,
+            model=self,
+            notes=range_notes(separation),
+        )
+
+    def curve(self, surface: Surface, load: FloatArray) -> Curve:
+        """Equilibria at increasing rescaled loads P/E* [mm^2], (k,)."""
+        approach, carried, area, slope = self.curves(surface.height, surface.radius, load)
+        error = np.abs(carried[0] - load) / np.where(load > 0.0, load, 1.0)
+        return Curve(approach[0], carried[0], area[0], slope[0], error)
+
+    def curve_at(self, surface: Surface, approach: FloatArray) -> Curve:
+        """Equilibria at given approaches [mm], (k,)."""
+        from metafem._kernels import independent as kernel
+
+        gap, root = _sorted_by_gap(surface.height[None, :], surface.radius)
+        load, area, slope = (np.empty(len(approach)) for _ in range(3))
+        kernel.curve_at_approach(gap[0], root[0], approach, load, area, slope)
+        return Curve(np.array(approach), load, area, slope, np.zeros(len(approach)))
+
+    def curves(
+        self, height: ArrayLike, radius: ArrayLike, rescaled_load: ArrayLike
+    ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """Friction laws of many surfaces at once, through one compiled kernel.
+
+        Parameters
+        ----------
+        height : array_like, (m, n) or (n,)
+            Lists of summit heights [mm].
+        radius : float or array_like, (n,) or (m, n)
+            Summit radii [mm].
+        rescaled_load : array_like, (k,)
+            Loads P/E* [mm^2], not negative, in any order.
+
+        Returns
+        -------
+        approach, load, area, stiffness : ndarray, (m, k)
+            Approach [mm], load recomputed at it [mm^2], real contact area [mm^2] and derivative of
+            the rescaled load by the approach [mm].
+
+        Examples
+        --------
+        >>> approach, load, area, stiffness = Independent().curves([[0.1], [0.2]], 0.5, [0.01, 0.02])
+        >>> area.shape, bool((area[0] == area[1]).all())
+        ((2, 2), True)
+        """
+        from metafem._kernels import independent as kernel
+
+        heights = np.atleast_2d(height)
+        heights = check.array("height", heights, shape=(None, None))
+        radii = np.asarray(radius, dtype=np.float64)
+        if not (np.isfinite(radii).all() and (radii > 0.0).all()):
+            raise InvalidInput(f"radius = {radius!r:.80} must be finite and greater than 0")
+        loads = check.array("rescaled_load", rescaled_load, shape=(None,))
+        if loads.min() < 0.0:
+            raise InvalidInput(f"rescaled_load holds {loads.min():g}; loads cannot be negative")
+        gap, root = _sorted_by_gap(heights, radii)
+        order = np.argsort(loads, kind="stable")
+        rising = loads[order]
+        results = kernel.empty_results(len(gap), len(loads))
+
+        def run(rows: slice) -> None:
+            kernel.curves(gap[rows], root[rows], rising, *(part[rows] for part in results))
+
+        pieces = min(2, 1 + len(gap) * len(loads) // POINTS_PER_THREAD, len(gap))
+        edges = np.linspace(0, len(gap), pieces + 1).astype(int)
+        slices = [slice(a, b) for a, b in pairwise(edges)]
+        if pieces == 1:
+            run(slices[0])
+        else:
+            with ThreadPoolExecutor(pieces) as pool:
+                list(pool.map(run, slices))
+        back = np.argsort(order, kind="stable")
+        approach, carried, area, slope = (part[:, back] for part in results)
+        return approach, carried, area, slope
+
+
+def range_notes(separation: float) -> tuple[str, ...]:
+    """Say where the plane would reach the base plane, which no model lets carry load."""
+    if separation <= 0.0:
+        return (
+            f"the base plane would touch: separation {separation:.4g} mm; "
+            "the load it would carry is not counted",
+        )
+    return ()
+
+
+def _sorted_by_gap(height: FloatArray, radius: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return gaps below the tallest and square roots of the radii, (m, n), rows sorted by gap."""
+    gap = height.max(axis=1, keepdims=True) - height
+    if radius.ndim == 0 or (radius == radius.flat[0]).all():
+        gap.sort(axis=1)
+        return gap, np.full_like(gap, math.sqrt(radius.flat[0]))
+    order = np.argsort(gap, axis=1, kind="stable")
+    root = np.sqrt(np.broadcast_to(radius, gap.shape))
+    return np.take_along_axis(gap, order, 1), np.take_along_axis(root, order, 1)

@@ -1,0 +1,99 @@
+"""The model protocol and what a model returns."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+from typing import Protocol, runtime_checkable
+
+from metafem._validate import FloatArray
+from metafem.surface import Surface
+
+
+class Status(Enum):
+    """How a solution ended; the value is the message."""
+
+    CONVERGED = "converged: the residual is within the model's tolerance"
+    NOT_CONVERGED = "not converged: the residual exceeds the model's tolerance"
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """Equilibria of one surface along a list of loads or approaches, all arrays (k,).
+
+    Attributes
+    ----------
+    approach : ndarray
+        Tallest summit minus separation [mm].
+    load : ndarray
+        Rescaled load P/E* [mm^2], recomputed at the approach.
+    area : ndarray
+        Real contact area [mm^2].
+    stiffness : ndarray
+        Derivative of the rescaled load by the approach [mm].
+    residual : ndarray
+        Largest relative error of the equations (0: none) on what is returned.
+    """
+
+    approach: FloatArray
+    load: FloatArray
+    area: FloatArray
+    stiffness: FloatArray
+    residual: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class ContactState:
+    """Equilibrium of one surface under one load.
+
+    Attributes
+    ----------
+    load : float
+        Normal load P [N], the sum over the asperities.
+    area : float
+        Real contact area A0 [mm^2].
+    separation : float
+        Distance of the plane from the undeformed base plane [mm].
+    approach : float
+        Tallest summit minus separation [mm]; keeps its digits at light loads.
+    stiffness : float
+        Normal contact stiffness, dP per decrease of the separation [N/mm], not negative.
+    asperity_load, asperity_area : ndarray, (n,)
+        Load [N] and area [mm^2] of each asperity.
+    residual : float
+        ``max(max |F_i| / max d, |sum P_i - P| / P)``, recomputed on this state.
+    status : Status
+    model : object
+        The model that was solved.
+    notes : tuple of str
+        What was skipped and by which bound, and where the model leaves its range.
+    """
+
+    load: float
+    area: float
+    separation: float
+    approach: float
+    stiffness: float
+    asperity_load: FloatArray
+    asperity_area: FloatArray
+    residual: float
+    status: Status
+    model: Model
+    notes: tuple[str, ...] = ()
+
+
+@runtime_checkable
+class Model(Protocol):
+    """A frozen value that turns a surface and a load into an equilibrium."""
+
+    def solve(self, surface: Surface, approach: float, guess: ContactState | None = None) -> ContactState:
+        """Equilibrium at a given approach [mm]."""
+        ...
+
+    def curve(self, surface: Surface, load: FloatArray) -> Curve:
+        """Equilibria at increasing rescaled loads P/E* [mm^2], (k,)."""
+        ...
+
+    def curve_at(self, surface: Surface, approach: FloatArray) -> Curve:
+        """Equilibria at increasing approaches [mm], (k,)."""
+        ...
