@@ -1,4 +1,4 @@
-"""Triangles of one spherical cap with a foot in the block."""
+"""Triangles of one spherical cap."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import math
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from metafem._validate import FloatArray, IntArray
 
@@ -14,43 +13,38 @@ from metafem._validate import FloatArray, IntArray
 # 526 um, a twentieth of the 0.9 um with which its moulds are made (doi:10.1126/science.adk4234).
 CHORD_ERROR = 1e-4
 
-# Depth of the foot below the base plane, in heights: anything that lets the cap overlap the block.
-FOOT = 0.25
-
 # Neighbours in a ring of six points are 60 degrees apart: an arc of pi/3 ring spacings.
 _RING_ARC = math.pi / 3.0
 
 
-def cap_mesh(height: float, radius: float) -> tuple[FloatArray, IntArray]:
-    """Return vertices (m, 3) [mm] and outward faces (k, 3) of a cap, its summit over the origin.
+def cap_mesh(height: float, radius: float) -> tuple[FloatArray, IntArray, IntArray]:
+    """Return vertices (m, 3) [mm], outward faces (k, 3) and the rim of a cap, summit over the origin.
 
     The summit and rings of 6, 12, 18, ... points lie on the sphere, at equal polar angles down to the
-    base plane z = 0; a cylinder below is the foot. Neighbouring rings are at most D apart along a
-    meridian and pi/3 D along a ring, so no triangle has a circumradius above that of the right
-    triangle of these sides, which lies ``(1 + (pi/3)^2) D^2 / (8 R)`` below the sphere.
+    base plane z = 0, where the last ring is the rim, counterclockwise. Neighbouring rings are at most
+    D apart along a meridian and pi/3 D along a ring, so no triangle has a circumradius above that of
+    the right triangle of these sides, which lies ``(1 + (pi/3)^2) D^2 / (8 R)`` below the sphere.
     """
     angle = 2.0 * math.asin(math.sqrt(0.5 * height / radius))  # h = R (1 - cos) = 2 R sin^2(angle/2)
     step = math.sqrt(8.0 * CHORD_ERROR / (1.0 + _RING_ARC**2))
     rings = max(2, math.ceil(angle / step))
-    faces = _faces(rings)
-    ring = np.repeat(np.arange(rings + 1), np.maximum(6 * np.arange(rings + 1), 1))
-    first = np.where(ring > 0, 1 + 3 * ring * (ring - 1), 0)
-    turn = 2.0 * math.pi * (np.arange(len(ring)) - first) / np.maximum(6 * ring, 1)
+    size = np.arange(rings + 1) * 6
+    size[0] = 1
+    ring = np.repeat(np.arange(rings + 1), size)
+    place = np.arange(len(ring)) - np.repeat(np.cumsum(size) - size, size)
+    turn = 2.0 * math.pi * place / size[ring]
     polar = angle * ring / rings
     across = radius * np.sin(polar)
     z = height - 2.0 * radius * np.sin(0.5 * polar) ** 2
-    rim = ring == rings
+    rim = np.flatnonzero(ring == rings)
     across[rim] = math.sqrt(height * (2.0 * radius - height))
     z[rim] = 0.0
-    top = np.column_stack([across * np.cos(turn), across * np.sin(turn), z])
-    foot = top[rim] - [0.0, 0.0, FOOT * height]
-    centre = [[0.0, 0.0, -FOOT * height]]
-    return np.vstack([top, foot, centre]), faces
+    return np.column_stack([across * np.cos(turn), across * np.sin(turn), z]), _faces(rings), rim
 
 
 @cache
-def _faces(rings: int) -> NDArray[np.int64]:
-    """Return faces of the disc of rings, of the foot's wall and of its bottom."""
+def _faces(rings: int) -> IntArray:
+    """Return faces of the disc of rings: between two rings, six sectors of alternating triangles."""
     faces: list[tuple[int, int, int]] = []
 
     def point(ring: int, place: int) -> int:
@@ -64,11 +58,6 @@ def _faces(rings: int) -> NDArray[np.int64]:
                 faces.append((here, point(ring + 1, outer + j), corner))
                 if j < ring:
                     faces.append((here, corner, point(ring, inner + j + 1)))
-    rim, wall = 6 * rings, 1 + 3 * rings * (rings - 1)
-    centre = wall + 2 * rim
-    for j in range(rim):
-        a, b = wall + j, wall + (j + 1) % rim
-        faces += [(a, a + rim, b), (b, a + rim, b + rim), (b + rim, a + rim, centre)]
     result = np.array(faces, dtype=np.int64)
     result.flags.writeable = False
     return result
