@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import re
 import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -176,7 +177,8 @@ def _worded(detail: Any, sections: type[BaseModel]) -> str:
     place, kind, given = [str(part) for part in detail["loc"]], detail["type"], detail["input"]
     if place[0] == "target" and len(place) > 1 and kind != "union_tag_not_found":
         del place[1]  # the kind of target, which pydantic counts as a place
-    key, name = ".".join(place), place[-1]
+    name = next(part for part in reversed(place) if not part.isdigit())
+    key = re.sub(r"\.(\d+)", r"[\1]", ".".join(place))
     example = f"; write for example {name} = {_EXAMPLES[name]}" if name in _EXAMPLES else ""
     if kind == "extra_forbidden":
         what = "section" if len(place) == 1 else "key"
