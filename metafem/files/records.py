@@ -75,13 +75,13 @@ def from_record(record: Any) -> Any:
     name = record.get("type")
     if name is None:
         return _array(record) if len(record) == 1 and next(iter(record)) in ARRAYS else _mapping(record)
+    if not isinstance(name, str) or name not in {*ENUMS, *VALUES}:
+        raise InvalidInput(f"{name!r:.60} is not a type of this version; known are {', '.join(VALUES)}")
     if name in ENUMS:
         try:
             return ENUMS[name][record["name"]]
         except KeyError:
             raise InvalidInput(f"{record.get('name')!r:.60} is not a {name}") from None
-    if name not in VALUES:
-        raise InvalidInput(f"{name!r:.60} is not a type of this version; known are {', '.join(VALUES)}")
     members = {key: from_record(member) for key, member in record.items() if key != "type"}
     known = {field.name for field in fields(VALUES[name])}
     if members.keys() != known:

@@ -48,6 +48,13 @@ def check_free(folder: str | Path, force: bool = False) -> None:
     target = Path(folder).absolute()
     if not target.name:
         raise InvalidInput(f"{folder} cannot be a result folder; name a new one")
+    try:
+        _check(target, force)
+    except OSError as error:
+        raise InvalidInput(f"{target} cannot be used: {error.strerror}; choose another folder") from None
+
+
+def _check(target: Path, force: bool) -> None:
     if not target.parent.is_dir():
         raise InvalidInput(f"{target.parent} is not a folder; create it first")
     if not target.exists() and not target.is_symlink():
