@@ -61,7 +61,7 @@ def page(design: Design, hardness: float | None = None) -> str:
         law=svg(law_figure(design), "Target and achieved friction law"),
         heights=svg(height_figure(design), "Summit heights at their places"),
         contacts=svg(contact_figure(design), "Real contacts at three loads"),
-        parameters=_parameters(design),
+        parameters=parameter_rows(design),
         fits=_fits(design),
         inputs=_inputs(design),
         summits=[
@@ -106,7 +106,8 @@ def _tiles(design: Design) -> list[tuple[str, str]]:
     ]
 
 
-def _parameters(design: Design) -> list[Row]:
+def parameter_rows(design: Design) -> list[Row]:
+    """Return what the inversion solved for as words, values and units."""
     rows = []
     for name, value in design.parameters.items():
         words, unit, factor = PARAMETERS[name]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from html import escape
 from io import StringIO
 from typing import TYPE_CHECKING, Any
 
@@ -30,6 +31,7 @@ def svg(figure: Figure, title: str) -> str:
         "font.family": "sans-serif",
     }
     with rc_context(style):
-        figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None, "Title": title})
+        figure.savefig(buffer, format="svg", metadata=dict.fromkeys(("Date", "Creator", "Format", "Type")))
     text = buffer.getvalue()
-    return text[text.index("<svg") :]
+    start = text.index(">", text.index("<svg")) + 1
+    return f"{text[text.index('<svg') : start]}<title>{escape(title)}</title>{text[start:]}"
