@@ -13,8 +13,13 @@ from pathlib import Path
 import click
 
 import validation
+from metafem.report.figures import law_figure
+from metafem.report.svg import svg
 from validation.check import Check, Claim
 from validation.page import page, readme_table
+from validation.paper_surfaces import fig4
+
+PICTURE = Path(__file__).parent / "first_minute.svg"
 
 MARKS = ("<!-- validation table: python -m validation --readme -->", "<!-- end of the validation table -->")
 
@@ -35,6 +40,15 @@ def evaluate(name: str) -> Claim:
     except Exception:
         reason = traceback.format_exc(limit=-1).strip().splitlines()[-1]
         return Claim(name, [Check(f"ran into: {reason}", float("inf"), "no error", False, "")])
+
+
+def renew_readme(results: dict[str, Claim]) -> None:
+    """Write the README's table and picture anew."""
+    path = Path("README.md")
+    text = path.read_text("utf-8")
+    head, tail = text.split(MARKS[0])[0], text.split(MARKS[1])[1]
+    path.write_text(f"{head}{MARKS[0]}\n{readme_table(results)}\n{MARKS[1]}{tail}", "utf-8")
+    PICTURE.write_text(svg(law_figure(fig4("red")), "Target, density and achieved friction law"), "utf-8")
 
 
 @click.command()
@@ -63,10 +77,7 @@ def main(output: str, readme: bool, names: tuple[str, ...]) -> None:
     (folder / "results.json").write_text(json.dumps(data, indent=1, ensure_ascii=False), "utf-8")
     (folder / "index.html").write_text(page(list(results.values())), "utf-8")
     if readme:
-        path = Path("README.md")
-        text = path.read_text("utf-8")
-        head, tail = text.split(MARKS[0])[0], text.split(MARKS[1])[1]
-        path.write_text(f"{head}{MARKS[0]}\n{readme_table(results)}\n{MARKS[1]}{tail}", "utf-8")
+        renew_readme(results)
     checks = [check for claim in results.values() for check in claim.checks]
     failed = sum(not check.passed for check in checks)
     console.print(f"{len(checks) - failed} of {len(checks)} checks passed; {folder / 'index.html'}")
