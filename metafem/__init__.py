@@ -21,6 +21,9 @@ if TYPE_CHECKING:
     from metafem.errors import MetafemError as MetafemError
     from metafem.errors import MetafemWarning as MetafemWarning
     from metafem.errors import NotConverged as NotConverged
+    from metafem.files import load as load
+    from metafem.files import read_spec as read_spec
+    from metafem.files import save as save
     from metafem.inversion import BilinearLaw as BilinearLaw
     from metafem.inversion import Limits as Limits
     from metafem.inversion import LinearLaw as LinearLaw
@@ -50,6 +53,7 @@ _HOME = {
         "MetafemWarning",
         "NotConverged",
     ),
+    "metafem.files": ("load", "read_spec", "save"),
     "metafem.inversion": (
         "BilinearLaw",
         "Design",
