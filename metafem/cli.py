@@ -27,12 +27,16 @@ MODELS = ("independent",)
 NOT_ACHIEVED, BAD_INPUT = 1, 2
 
 
-class Failure(click.ClickException):
-    """A MetafemError on its way to the terminal."""
+class BadInput(click.ClickException):
+    """Input that cannot be used, on its way to the terminal."""
 
-    def __init__(self, error: MetafemError) -> None:
-        super().__init__(str(error))
-        self.exit_code = BAD_INPUT if isinstance(error, InvalidInput) else NOT_ACHIEVED
+    exit_code = BAD_INPUT
+
+
+class NotAchieved(click.ClickException):
+    """A target that cannot be reached, on its way to the terminal."""
+
+    exit_code = NOT_ACHIEVED
 
 
 class Commands(click.Group):
@@ -42,8 +46,10 @@ class Commands(click.Group):
         """Run the command."""
         try:
             return super().invoke(ctx)
+        except InvalidInput as error:
+            raise BadInput(str(error)) from None
         except MetafemError as error:
-            raise Failure(error) from None
+            raise NotAchieved(str(error)) from None
 
 
 def model_option(command: Callable[..., Any]) -> Callable[..., Any]:
@@ -74,11 +80,10 @@ def main() -> None:
 @json_option
 def demo(name: str, model: str | None, force: bool, as_json: bool) -> None:
     """Write the paper's specification NAME.toml into this folder and run it into NAME/."""
-    from metafem.files import demo_text, write_text
+    from metafem.files import check_free, demo_text, write_text
 
     path, folder = Path(f"{name}.toml"), Path(name)
-    if folder.exists() and not force:
-        raise InvalidInput(f"{folder}/ exists; remove it, or pass --force to replace it")
+    check_free(folder, force)
     write_text(path, demo_text(name), force=force)
     _run(path, folder, model, force, as_json)
 
@@ -96,15 +101,14 @@ def design(spec: Path, output: Path, model: str | None, force: bool, as_json: bo
 
 def _run(spec: Path, folder: Path, model: str | None, force: bool, as_json: bool) -> None:
     import metafem as mf
-    from metafem.files import MODELS as FACTORIES
-    from metafem.files import check_folder
+    from metafem.files import check_free, model_named
     from metafem.inversion import DesignStatus
     from metafem.report import cautions, page
 
-    check_folder(folder, force)
+    check_free(folder, force)
     with _progress("reading the specification") as say:
         specification = mf.read_spec(spec)
-        chosen = FACTORIES[model]() if model else specification.model
+        chosen = model_named(model) if model else specification.model
         say("inverting the law")
         result = mf.design(
             specification.target, specification.template, chosen, specification.limits, rng=specification.seed
@@ -122,6 +126,7 @@ def _run(spec: Path, folder: Path, model: str | None, force: bool, as_json: bool
 @click.argument("source", type=click.Path(path_type=Path))
 @click.option("--load", multiple=True, help='A load, such as "0.2 N"; may be repeated.')
 @click.option("--composite-modulus", help='E* for a table of heights, such as "1.36 MPa".')
+@click.option("--radius", help='Radius of all summits where the table has none, such as "526 um".')
 @model_option
 @click.option("-o", "--output", type=click.Path(path_type=Path), help="Write the law as CSV, too.")
 @force_option
@@ -130,6 +135,7 @@ def predict(
     source: Path,
     load: tuple[str, ...],
     composite_modulus: str | None,
+    radius: str | None,
     model: str | None,
     output: Path | None,
     force: bool,
@@ -137,16 +143,17 @@ def predict(
 ) -> None:
     """Predict the friction law of a result folder or of a table of heights.
 
-    SOURCE is a folder that `metafem design` made, or a CSV file with the columns x_mm, y_mm, height_mm
-    (or height_um, ...) and radius_mm. A table needs --composite-modulus.
+    SOURCE is a folder that `metafem design` made, or a CSV file with the columns x_mm, y_mm, height_um
+    and radius_um (or in other units). A table needs --composite-modulus.
     """
     import metafem as mf
-    from metafem.files import MODELS as FACTORIES
-    from metafem.files import law_table, quantity, read_surface, write_text
+    from metafem.files import law_table, model_named, quantity, read_heights, write_text
 
     if source.is_dir():
-        if composite_modulus is not None:
-            raise InvalidInput("--composite-modulus is for tables of heights; a folder states its own")
+        if composite_modulus is not None or radius is not None:
+            raise InvalidInput(
+                "--composite-modulus and --radius are for tables of heights; a folder states its own"
+            )
         stored = mf.load(source)
         surface, used = stored.surface, stored.law.model
     else:
@@ -154,10 +161,14 @@ def predict(
             raise InvalidInput(
                 f'a table of heights such as {source} needs --composite-modulus, for example "1.36 MPa"'
             )
-        modulus = quantity("--composite-modulus", composite_modulus, "MPa", example="1.36 MPa")
-        surface, used = read_surface(source, mf.Material(modulus)), mf.Independent()
-    newtons = [quantity("--load", text, "N", example="0.2 N") for text in load]
-    chosen = FACTORIES[model]() if model else used
+        modulus = quantity("--composite-modulus", composite_modulus, "MPa")
+        position, height, radii = read_heights(
+            source, None if radius is None else quantity("--radius", radius, "mm")
+        )
+        surface = mf.Surface(position, height, radii, mf.Material(modulus))
+        used = mf.Independent()
+    newtons = [quantity("--load", text, "N") for text in load]
+    chosen = model_named(model) if model else used
     with _progress("predicting the law"):
         law = mf.friction_law(surface, chosen, load=newtons or None)
     if output is not None:
@@ -187,9 +198,9 @@ def report(folder: Path, as_json: bool) -> None:
 @json_option
 def doctor(as_json: bool) -> None:
     """Check the installation: versions, compiled kernels, a known contact, the part's tools."""
-    from metafem.files import examine
+    from metafem.doctor import examine
 
-    findings = examine()
+    findings = list(examine())
     if as_json:
         click.echo(json.dumps([{"what": f.what, "found": f.found, "well": f.well} for f in findings]))
     else:
@@ -255,14 +266,14 @@ def _tell_law(law: FrictionLaw) -> None:
     from rich.console import Console
     from rich.table import Table
 
-    table = Table("load [N]", "area [mm²]", "separation [mm]", "P/E* [mm²]", "stiffness [N/mm]")
+    table = Table("load [N]", "area [mm²]", "separation [mm]", "stiffness [N/mm]")
     if law.friction is not None:
         table.add_column("friction [N]")
     # Ten lines tell the shape of a curve; loads that were asked for are all shown.
     step = max(1, len(law.load) // 10)
     chosen = range(step - 1, len(law.load), step)
     for i in chosen:
-        numbers = [law.load[i], law.area[i], law.separation[i], law.rescaled_load[i], law.stiffness[i]]
+        numbers = [law.load[i], law.area[i], law.separation[i], law.stiffness[i]]
         if law.friction is not None:
             numbers.append(law.friction_force[i])
         table.add_row(*(f"{number:.6g}" for number in numbers))
