@@ -111,6 +111,27 @@ def load(folder: str | Path) -> Design:
     InvalidInput
         If the folder holds no ``design.json``, or one that is damaged or not of this version.
     """
+    path, record = _read(folder)
+    try:
+        design = from_record(record.get("design"))
+    except (InvalidInput, TypeError, AttributeError) as error:
+        raise InvalidInput(f"{path} is damaged: {error}") from None
+    if not isinstance(design, Design):
+        raise InvalidInput(f"{path} is damaged: it holds no design")
+    return design
+
+
+def stored_hardness(folder: str | Path) -> float | None:
+    """Return the hardness [MPa] that the specification of a result folder states, if any."""
+    path, record = _read(folder)
+    try:
+        return (record["specification"] or {}).get("hardness")
+    except (KeyError, AttributeError):
+        raise InvalidInput(f"{path} is damaged: it lacks its specification") from None
+
+
+def _read(folder: str | Path) -> tuple[Path, dict[str, Any]]:
+    """Return the path and the record of a result folder's design.json."""
     path = Path(folder) / "design.json"
     try:
         record = json.loads(path.read_text(encoding="utf-8"))
@@ -122,13 +143,7 @@ def load(folder: str | Path) -> Design:
         raise InvalidInput(f"{path} is damaged: {error}") from None
     if not isinstance(record, dict) or record.get("format") != FORMAT:
         raise InvalidInput(f"{path} is not a design of this version of metafem ({FORMAT})")
-    try:
-        design = from_record(record.get("design"))
-    except (InvalidInput, TypeError, AttributeError) as error:
-        raise InvalidInput(f"{path} is damaged: {error}") from None
-    if not isinstance(design, Design):
-        raise InvalidInput(f"{path} is damaged: it holds no design")
-    return design
+    return path, record
 
 
 def _record(design: Design, specification: Specification | None) -> dict[str, Any]:
