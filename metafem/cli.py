@@ -248,8 +248,8 @@ def _tell_design(
     from rich.table import Table
 
     console = Console()
-    console.print(f"[bold]{wanted(result.target)}[/bold]", highlight=False)
-    console.print(result.status.value, highlight=False)
+    console.print(wanted(result.target), style="bold", highlight=False, markup=False)
+    console.print(result.status.value, highlight=False, markup=False)
     table = Table(box=None, show_header=False)
     for name, value, unit in parameter_rows(result):
         table.add_row(name, value, unit)
@@ -258,17 +258,21 @@ def _tell_design(
     table.add_row("asperities", f"{result.surface.count} of {result.template.count} places", "")
     console.print(table, highlight=False)
     for text in cautions:
-        console.print(f"[yellow]note:[/yellow] {text}", highlight=False)
-    console.print(f"wrote {folder}/: open {folder / 'report.html'}", highlight=False)
+        console.print(f"note: {text}", style="yellow", highlight=False, markup=False)
+    console.print(f"wrote {folder}/: open {folder / 'report.html'}", highlight=False, markup=False)
 
 
 def _tell_law(law: FrictionLaw) -> None:
     from rich.console import Console
+    from rich.markup import escape
     from rich.table import Table
 
-    table = Table("load [N]", "area [mm²]", "separation [mm]", "stiffness [N/mm]")
+    table = Table()
+    columns = ["load [N]", "area [mm²]", "separation [mm]", "stiffness [N/mm]"]
     if law.friction is not None:
-        table.add_column("friction [N]")
+        columns.append("friction [N]")
+    for column in columns:
+        table.add_column(escape(column))
     # Ten lines tell the shape of a curve; loads that were asked for are all shown.
     step = max(1, len(law.load) // 10)
     chosen = range(step - 1, len(law.load), step)
@@ -279,7 +283,7 @@ def _tell_law(law: FrictionLaw) -> None:
         table.add_row(*(f"{number:.6g}" for number in numbers))
     console = Console()
     console.print(table)
-    console.print(f"{law.model!r}: {law.status.value}", highlight=False)
+    console.print(f"{law.model!r}: {law.status.value}", highlight=False, markup=False)
 
 
 def _law_data(law: FrictionLaw) -> dict[str, Any]:
