@@ -1,11 +1,12 @@
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import metafem as mf
 from metafem.files.demo import demo_text
-from metafem.files.folder import write_all
+from metafem.files.folder import stored_hardness, write_all
 
 
 @pytest.fixture(scope="module")
@@ -111,3 +112,16 @@ def test_a_damaged_design_is_refused(tmp_path, linear, damage, message):
 def test_a_folder_without_a_design_is_refused(tmp_path):
     with pytest.raises(mf.InvalidInput, match="no such file"):
         mf.load(tmp_path)
+
+
+def test_the_hardness_of_the_specification_is_kept(tmp_path, linear):
+    spec, design = linear
+    mf.save(design, tmp_path / "with", specification=replace(spec, hardness=10.0))
+    mf.save(design, tmp_path / "without")
+    assert (stored_hardness(tmp_path / "with"), stored_hardness(tmp_path / "without")) == (10.0, None)
+
+
+def test_a_design_without_its_specification_is_refused(tmp_path):
+    (tmp_path / "design.json").write_text('{"format": "metafem design 1"}')
+    with pytest.raises(mf.InvalidInput, match="lacks its specification"):
+        stored_hardness(tmp_path)
