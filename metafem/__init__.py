@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     from metafem.models import Independent as Independent
     from metafem.models import Status as Status
     from metafem.models.equilibrium import equilibrium as equilibrium
+    from metafem.substrate import BondedLayer as BondedLayer
+    from metafem.substrate import HalfSpace as HalfSpace
     from metafem.surface import Block as Block
     from metafem.surface import Friction as Friction
     from metafem.surface import Material as Material
@@ -44,6 +46,7 @@ _HOME = {
     ),
     "metafem.law": ("FrictionLaw", "friction_law"),
     "metafem.models": ("ContactState", "Independent", "Status", "equilibrium"),
+    "metafem.substrate": ("BondedLayer", "HalfSpace"),
     "metafem.surface": ("Block", "Friction", "Material", "Surface"),
 }
 _MODULE = {name: module for module, names in _HOME.items() for name in names}
