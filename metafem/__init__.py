@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from metafem.law import friction_law as friction_law
     from metafem.models import ContactState as ContactState
     from metafem.models import Independent as Independent
+    from metafem.models import Interacting as Interacting
+    from metafem.models import MeanField as MeanField
     from metafem.models import Status as Status
     from metafem.models.equilibrium import equilibrium as equilibrium
     from metafem.substrate import BondedLayer as BondedLayer
@@ -45,7 +47,7 @@ _HOME = {
         "NotConverged",
     ),
     "metafem.law": ("FrictionLaw", "friction_law"),
-    "metafem.models": ("ContactState", "Independent", "Status", "equilibrium"),
+    "metafem.models": ("ContactState", "Independent", "Interacting", "MeanField", "Status", "equilibrium"),
     "metafem.substrate": ("BondedLayer", "HalfSpace"),
     "metafem.surface": ("Block", "Friction", "Material", "Surface"),
 }
