@@ -230,7 +230,8 @@ def measure(order, radius, gap, approach, target, state, count):
         else:
             worst = max(worst, state.z[i] - error)
     load += rest
-    residual = float(worst > 0.0) if count == 0 else worst / largest
+    nothing = 1.0 if worst > 0.0 else 0.0  # open summits that overlap the plane
+    residual = nothing if count == 0 else worst / largest
     if target > 0.0:
         residual = max(residual, abs(load - target) / target)
     return residual, load

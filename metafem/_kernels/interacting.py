@@ -13,13 +13,13 @@ from metafem._kernels.coupling import assemble, energy, measure, respond
 
 # The residual that is promised, and the one Newton aims at, which leaves room for rounding.
 TOLERANCE = 1e-12
-GOAL = 1e-13
+GOAL = 3e-13
 
 # Newton takes 2 steps along a curve and 3 to 8 from afar; damped ones may take more.
 MAX_STEPS = 60
 
 # The inner solve leaves this much of the residual: two steps square it away.
-INNER = 1e-4
+INNER = 1e-5
 
 # A step is halved at most this often: what is left then is below the noise of the energy.
 MAX_CUTS = 30
