@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
-from scenes import HEIGHT, MODELS, PLACE, RADIUS, lattice, scene
 
 import metafem as mf
+from tests.models.scenes import HEIGHT, MODELS, PLACE, RADIUS, lattice, scene
 
 
 def same_contact(state, other, length=1.0, modulus=1.0, rtol=1e-12):

@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from scenes import HEIGHT, MODELS, PLACE, RADIUS, lattice, scene
 
 import metafem as mf
 from metafem.substrate.pedestal import pedestal_compliance
+from tests.models.scenes import HEIGHT, MODELS, PLACE, RADIUS, lattice, scene
 
 SUBSTRATES = [mf.HalfSpace(), mf.BondedLayer(7.2, 0.5), mf.BondedLayer(1.0, 0.3)]
 
