@@ -36,8 +36,12 @@ if TYPE_CHECKING:
     from metafem.law import friction_law as friction_law
     from metafem.models import ContactState as ContactState
     from metafem.models import Independent as Independent
+    from metafem.models import Interacting as Interacting
+    from metafem.models import MeanField as MeanField
     from metafem.models import Status as Status
     from metafem.models.equilibrium import equilibrium as equilibrium
+    from metafem.substrate import BondedLayer as BondedLayer
+    from metafem.substrate import HalfSpace as HalfSpace
     from metafem.surface import Block as Block
     from metafem.surface import Friction as Friction
     from metafem.surface import Material as Material
@@ -65,7 +69,8 @@ _HOME = {
         "plasticity_index",
     ),
     "metafem.law": ("FrictionLaw", "friction_law"),
-    "metafem.models": ("ContactState", "Independent", "Status", "equilibrium"),
+    "metafem.models": ("ContactState", "Independent", "Interacting", "MeanField", "Status", "equilibrium"),
+    "metafem.substrate": ("BondedLayer", "HalfSpace"),
     "metafem.surface": ("Block", "Friction", "Material", "Surface"),
 }
 _MODULE = {name: module for module, names in _HOME.items() for name in names}

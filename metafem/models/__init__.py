@@ -2,6 +2,17 @@
 
 from metafem.models.equilibrium import equilibrium
 from metafem.models.independent import Independent
+from metafem.models.interacting import Interacting
+from metafem.models.mean_field import MeanField
 from metafem.models.model import ContactState, Curve, Model, Status
 
-__all__ = ["ContactState", "Curve", "Independent", "Model", "Status", "equilibrium"]
+__all__ = [
+    "ContactState",
+    "Curve",
+    "Independent",
+    "Interacting",
+    "MeanField",
+    "Model",
+    "Status",
+    "equilibrium",
+]
