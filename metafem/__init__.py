@@ -23,10 +23,12 @@ if TYPE_CHECKING:
     from metafem.errors import NotConverged as NotConverged
     from metafem.law import FrictionLaw as FrictionLaw
     from metafem.law import friction_law as friction_law
+    from metafem.models import BoundaryElements as BoundaryElements
     from metafem.models import ContactState as ContactState
     from metafem.models import Independent as Independent
     from metafem.models import Status as Status
     from metafem.models.equilibrium import equilibrium as equilibrium
+    from metafem.substrate import HalfSpace as HalfSpace
     from metafem.surface import Block as Block
     from metafem.surface import Friction as Friction
     from metafem.surface import Material as Material
@@ -43,7 +45,8 @@ _HOME = {
         "NotConverged",
     ),
     "metafem.law": ("FrictionLaw", "friction_law"),
-    "metafem.models": ("ContactState", "Independent", "Status", "equilibrium"),
+    "metafem.models": ("BoundaryElements", "ContactState", "Independent", "Status", "equilibrium"),
+    "metafem.substrate": ("HalfSpace",),
     "metafem.surface": ("Block", "Friction", "Material", "Surface"),
 }
 _MODULE = {name: module for module, names in _HOME.items() for name in names}

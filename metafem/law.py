@@ -12,7 +12,6 @@ from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput, NotConverged
 from metafem.models import Curve, Independent, Model, Status
-from metafem.models.independent import TOLERANCE
 from metafem.surface import Friction, Material, Surface
 
 if TYPE_CHECKING:
@@ -235,7 +234,7 @@ def friction_law(
 def _law(surface: Surface, model: Model, curve: Curve, separation: FloatArray) -> FrictionLaw:
     modulus = surface.material.composite_modulus
     worst = float(curve.residual.max())
-    status = Status.CONVERGED if worst <= TOLERANCE else Status.NOT_CONVERGED
+    status = Status.CONVERGED if worst <= model.tolerance else Status.NOT_CONVERGED
     law = FrictionLaw(
         load=modulus * curve.load,
         area=curve.area,

@@ -9,7 +9,7 @@ import numpy as np
 from metafem import _validate as check
 from metafem.errors import InvalidInput, NotConverged
 from metafem.models.independent import Independent
-from metafem.models.model import ContactState, Model, Status
+from metafem.models.model import ContactState, LoadSolver, Model, Status
 from metafem.surface import Surface
 
 
@@ -79,7 +79,11 @@ def equilibrium(
 
 def _under_load(surface: Surface, model: Model, load: float) -> ContactState:
     """Find the approach by the model's curve and report the load's error with the state's."""
-    curve = model.curve(surface, np.array([load / surface.material.composite_modulus]))
-    state = model.solve(surface, float(curve.approach[0]))
+    rescaled = load / surface.material.composite_modulus
+    if isinstance(model, LoadSolver):
+        state = model.solve_load(surface, rescaled)
+    else:
+        curve = model.curve(surface, np.array([rescaled]))
+        state = model.solve(surface, float(curve.approach[0]))
     error = abs(state.load - load) / load if load > 0.0 else state.load
     return replace(state, residual=max(state.residual, error))

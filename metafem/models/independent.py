@@ -42,6 +42,11 @@ class Independent:
     0.038668
     """
 
+    @property
+    def tolerance(self) -> float:
+        """Largest relative error of the load of a converged state."""
+        return TOLERANCE
+
     def solve(self, surface: Surface, approach: float, guess: ContactState | None = None) -> ContactState:
         """Equilibrium at a given approach [mm]; the closed form needs no guess."""
         modulus = surface.material.composite_modulus

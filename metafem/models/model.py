@@ -86,6 +86,11 @@ class ContactState:
 class Model(Protocol):
     """A frozen value that turns a surface and a load into an equilibrium."""
 
+    @property
+    def tolerance(self) -> float:
+        """Largest residual of a converged state."""
+        ...
+
     def solve(self, surface: Surface, approach: float, guess: ContactState | None = None) -> ContactState:
         """Equilibrium at a given approach [mm]."""
         ...
@@ -96,4 +101,13 @@ class Model(Protocol):
 
     def curve_at(self, surface: Surface, approach: FloatArray) -> Curve:
         """Equilibria at increasing approaches [mm], (k,)."""
+        ...
+
+
+@runtime_checkable
+class LoadSolver(Protocol):
+    """A model that solves under a load at the cost of one approach; `equilibrium` then asks for that."""
+
+    def solve_load(self, surface: Surface, load: float) -> ContactState:
+        """Equilibrium under a given rescaled load P/E* [mm^2]."""
         ...

@@ -1,5 +1,7 @@
 """Elastic coupling of the asperities through the block."""
 
+from metafem.substrate.half_space import HalfSpace
+from metafem.substrate.radial import Radial
 from metafem.substrate.substrate import Substrate
 
-__all__ = ["Substrate"]
+__all__ = ["HalfSpace", "Radial", "Substrate"]

@@ -12,9 +12,21 @@ from metafem.surface import Surface
 class Substrate(Protocol):
     """Green's function of the block: surface displacement per unit of rescaled load P/E*."""
 
+    def for_surface(self, surface: Surface) -> Substrate:
+        """Return the substrate with what it takes from the surface's block and material filled in."""
+        ...
+
     def influence_matrix(self, surface: Surface) -> FloatArray:
         """Displacement at each asperity per load on each other, (n, n) [1/mm].
 
         The diagonal holds the regular self terms: what the block adds to a half-space's own answer.
+        """
+        ...
+
+    def influence_derivatives(self, surface: Surface) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Derivatives of the displacement at asperity i per load on j, each (n, n).
+
+        The two components of its in-plane gradient at i [1/mm^2] and its in-plane Laplacian
+        [1/mm^3]; diagonals hold the regular self terms.
         """
         ...

@@ -1,0 +1,38 @@
+"""The elastic half-space."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from metafem._validate import FloatArray
+from metafem.substrate.radial import Radial
+
+
+@dataclass(frozen=True)
+class HalfSpace(Radial):
+    """A block without sides or bottom: ``G(r) = 1/(pi r)``.
+
+    Holds while the distances of the asperities are small against the block. Boussinesq (1885);
+    Johnson, Contact Mechanics, equation 3.22a, doi:10.1017/CBO9781139171731.
+
+    Examples
+    --------
+    >>> HalfSpace().influence([1.0, 2.0]).round(6)
+    array([0.31831 , 0.159155])
+    """
+
+    @property
+    def self_influence(self) -> float:
+        """Zero [1/mm]: Hertz's law is the half-space's own answer."""
+        return 0.0
+
+    @property
+    def self_curvature(self) -> float:
+        """Zero [1/mm^3]."""
+        return 0.0
+
+    def regular_derivatives(self, distance: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return three zeros per distance."""
+        return np.zeros_like(distance), np.zeros_like(distance), np.zeros_like(distance)

@@ -1,0 +1,112 @@
+"""Substrates whose influence depends on the distance alone."""
+
+from __future__ import annotations
+
+import math
+from typing import Literal, Self, overload
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from metafem._validate import FloatArray
+from metafem.errors import InvalidInput
+from metafem.surface import Surface
+
+
+class Radial:
+    """A half-space's influence 1/(pi r) and a regular part; subclasses supply the regular part."""
+
+    def for_surface(self, surface: Surface) -> Self:
+        """Return the substrate with what it takes from the surface filled in."""
+        return self
+
+    @property
+    def self_influence(self) -> float:
+        """Displacement of a point by its own load beyond a half-space's, per P/E* [1/mm]."""
+        raise NotImplementedError
+
+    @property
+    def self_curvature(self) -> float:
+        """Curvature added to a summit by its own load beyond a half-space's, per P/E* [1/mm^3]."""
+        raise NotImplementedError
+
+    def regular_derivatives(self, distance: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return the regular part of G, G' and G'' at distances r >= 0 [mm]."""
+        raise NotImplementedError
+
+    def regular(self, distance: ArrayLike) -> FloatArray:
+        """Return ``G(r) - 1/(pi r)`` [1/mm], finite down to r = 0."""
+        return self.regular_derivatives(_distances(distance, positive=False))[0]
+
+    @overload
+    def influence(self, distance: ArrayLike, derivatives: Literal[False] = False) -> FloatArray: ...
+
+    @overload
+    def influence(
+        self, distance: ArrayLike, derivatives: Literal[True]
+    ) -> tuple[FloatArray, FloatArray, FloatArray]: ...
+
+    def influence(
+        self, distance: ArrayLike, derivatives: bool = False
+    ) -> FloatArray | tuple[FloatArray, FloatArray, FloatArray]:
+        """Surface displacement at a distance from a point load, per unit of P/E*.
+
+        Parameters
+        ----------
+        distance : array_like
+            r [mm], positive.
+        derivatives : bool
+            Return (G, G', G'') in place of G.
+
+        Returns
+        -------
+        G [1/mm], or G, G' [1/mm^2] and G'' [1/mm^3].
+
+        Raises
+        ------
+        InvalidInput
+            For distances that are not positive and finite.
+        """
+        r = _distances(distance, positive=True)
+        value, first, second = self.regular_derivatives(r)
+        point = 1.0 / (math.pi * r)
+        if not derivatives:
+            return np.asarray(point + value)
+        return point + value, first - point / r, second + 2.0 * point / r**2
+
+    def influence_matrix(self, surface: Surface) -> FloatArray:
+        """Displacement at each asperity per load on each other, (n, n) [1/mm]."""
+        bound = self.for_surface(surface)
+        _, _, r = _differences(surface.position)
+        matrix = bound.influence(r)
+        np.fill_diagonal(matrix, bound.self_influence)
+        return matrix
+
+    def influence_derivatives(self, surface: Surface) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Gradient at i [1/mm^2] and Laplacian [1/mm^3] of the influence of j, each (n, n)."""
+        bound = self.for_surface(surface)
+        dx, dy, r = _differences(surface.position)
+        _, first, second = bound.influence(r, derivatives=True)
+        first /= r
+        laplacian = second + first
+        np.fill_diagonal(laplacian, 2.0 * bound.self_curvature)
+        return first * dx, first * dy, laplacian
+
+
+def _differences(position: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return x_i - x_j, y_i - y_j and the distance, its unused diagonal set to that of a neighbour."""
+    x, y = position.T
+    dx, dy = x[:, None] - x, y[:, None] - y
+    r = np.hypot(dx, dy)
+    np.fill_diagonal(r, 1.0 if len(r) == 1 else r[0, 1])
+    return dx, dy, r
+
+
+def _distances(distance: ArrayLike, positive: bool) -> FloatArray:
+    try:
+        r = np.asarray(distance, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InvalidInput(f"distance is not an array of numbers: {distance!r:.80}") from None
+    if not (np.isfinite(r).all() and ((r > 0.0) | ((not positive) & (r == 0.0))).all()):
+        raise InvalidInput(f"distance = {distance!r:.80} must be finite and greater than 0")
+    return r
