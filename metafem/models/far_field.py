@@ -88,18 +88,23 @@ class FarField:
         self.bases = [tuple(_basis(n, self.size) for n in rows_columns) for rows_columns in shape]
         self.shape = shape
 
-    def add(self, pressure: list[FloatArray], displacement: list[FloatArray]) -> None:
-        """Add every other patch's displacement to each patch's."""
-        if len(self.shape) < 2:
-            return
+    def moments(self, pressure: FloatArray, k: int) -> FloatArray:
+        """Return the Chebyshev moments of patch k, (size, size)."""
+        x, y = self.bases[k]
+        return np.asarray(x.T @ pressure @ y)
+
+    def local(self, moments: FloatArray) -> FloatArray:
+        """Return every patch's coefficients of the displacement by the others, (m, size, size)."""
         from metafem._kernels.expansion import apply_pairs
 
-        size = self.size
-        moments = np.array([x.T @ p @ y for p, (x, y) in zip(pressure, self.bases, strict=True)])
-        result = np.zeros((len(self.shape), size, size))
+        result = np.zeros_like(moments)
         apply_pairs(self.first, self.second, self.order, self.start, self.table, moments, result)
-        for u, local, (x, y) in zip(displacement, result, self.bases, strict=True):
-            u += x @ local @ y.T
+        return result
+
+    def displacement(self, local: FloatArray, k: int) -> FloatArray:
+        """Return the displacement of patch k from its coefficients."""
+        x, y = self.bases[k]
+        return np.asarray(x @ local @ y.T)
 
 
 def _basis(count: int, size: int) -> FloatArray:

@@ -114,6 +114,8 @@ def minimise(
     -------
     Minimum
     """
+    from metafem._kernels import vectors as kernel
+
     problem = _Problem(operator, gap, total, multiplier)
     p = pressure
     v = operator.product(p) + gap
@@ -124,25 +126,25 @@ def minimise(
         s = problem.direction(v, face)
         w = v - problem.multiplier
         inner = np.where(face, w, 0.0)
-        outside = float(np.minimum(w, 0.0, where=~face, out=np.zeros_like(w)).min(initial=0.0))
-        worst_inside = float(np.abs(inner).max())
-        if max(worst_inside, -outside) <= tolerance:
+        inside, outside = kernel.violations(w, face)
+        if max(inside, outside) <= tolerance:
             again = operator.product(p) + gap
             if _error(p, again, problem) <= tolerance:
                 return _result(p, again, problem, iteration)
             v = again
-        if -outside > worst_inside:
+        if outside > inside:
             face = _face(p, v, problem)
             rho = 0.0
             continue
-        new_rho = -float(inner @ s)
+        new_rho = -kernel.dot(inner, s)
         d = s + (new_rho / rho) * d if rho > 0.0 else s
         rho = new_rho
-        slope = float(inner @ d)
+        slope = kernel.dot(inner, d)
         image = operator.product(d)
-        trial = p - slope / float(d @ image) * d
+        length = -slope / kernel.dot(d, image)
+        trial = p + length * d
         if trial.min() >= 0.0:
-            v = v - slope / float(d @ image) * image
+            v = v + length * image
             p = trial
             continue
         p, v, moved = _projected_step(problem, p, v, trial)
@@ -184,7 +186,9 @@ class _Problem:
 
     def energy_change(self, step: FloatArray, before: FloatArray, after: FloatArray) -> float:
         """Energy after a step minus before, from both gradients: no digits cancel."""
-        return 0.5 * float(step @ (before + after)) - self.multiplier * float(step.sum())
+        from metafem._kernels import vectors as kernel
+
+        return 0.5 * kernel.dot(step, before + after) - self.multiplier * float(step.sum())
 
 
 def _face(p: FloatArray, v: FloatArray, problem: _Problem) -> NDArray[np.bool_]:
@@ -196,6 +200,8 @@ def _projected_step(
     problem: _Problem, p: FloatArray, v: FloatArray, trial: FloatArray
 ) -> tuple[FloatArray, FloatArray, bool]:
     """Take the projected trial if it lowers the energy, else a projected gradient step that does."""
+    from metafem._kernels import vectors as kernel
+
     operator, gap = problem.operator, problem.gap
     w = v - problem.multiplier
     length = 0.0
@@ -206,7 +212,7 @@ def _projected_step(
             return new, image, True
         if halvings == 0:
             free = np.where((p > 0.0) | (w < 0.0), w, 0.0)
-            length = float(free @ free) / float(free @ operator.product(free))
+            length = kernel.dot(free, free) / kernel.dot(free, operator.product(free))
         trial = p - length * np.where((p > 0.0) | (w < 0.0), w, 0.0)
         length *= 0.5
     return p, v, False

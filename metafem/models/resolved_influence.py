@@ -65,11 +65,22 @@ class Influence:
         result = np.empty_like(pressure)
         sources, targets = self.split(pressure), self.split(result)
 
-        def one(k: int) -> None:
+        def near(k: int) -> None:
             _convolve(sources[k], self.spectra[self.shapes[k]], targets[k])
 
-        self._each(one)
-        self.far.add(sources, targets)
+        def far(k: int) -> None:
+            targets[k] += self.far.displacement(local[k], k)
+
+        count = range(len(sources))
+        if len(sources) == 1:
+            near(0)
+            return result
+        with ThreadPoolExecutor(THREADS) as pool:
+            moments = np.array(list(pool.map(self.far.moments, sources, count)))
+            between = pool.submit(self.far.local, moments)
+            list(pool.map(near, count))
+            local = between.result()
+            list(pool.map(far, count))
         return result
 
     def precondition(self, vector: FloatArray) -> FloatArray:
@@ -81,17 +92,12 @@ class Influence:
             shape = self.shapes[k]
             targets[k][...] = fft.irfft2(fft.rfft2(sources[k]) * self.symbols[shape], s=shape)
 
-        self._each(one)
+        if len(sources) == 1:
+            one(0)
+        else:
+            with ThreadPoolExecutor(THREADS) as pool:
+                list(pool.map(one, range(len(sources))))
         return result
-
-    def _each(self, work: Callable[[int], None]) -> None:
-        """Do the work for every patch, the large ones first."""
-        if len(self.shapes) == 1:
-            work(0)
-            return
-        order = np.argsort([-a * b for a, b in self.shapes], kind="stable")
-        with ThreadPoolExecutor(THREADS) as pool:
-            list(pool.map(work, order.tolist()))
 
 
 def _padded(shape: tuple[int, int]) -> tuple[int, int]:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from metafem._validate import FloatArray
+from metafem.asperity import Hertz
 from metafem.errors import InvalidInput
 from metafem.models import projected_cg
 from metafem.models.far_field import convergence_rate, table_bytes
@@ -78,6 +79,7 @@ class Scene:
         self.substrate = substrate.for_surface(surface)
         self.summits = Summits.of(surface, cell)
         self.coupling = self.substrate.influence_matrix(surface)
+        self.slope_x, self.slope_y, self.laplacian = self.substrate.influence_derivatives(surface)
 
     def start(
         self, *, approach: float | None = None, load: float | None = None, guess: Start | None = None
@@ -141,13 +143,24 @@ class Scene:
         )
 
     def _hertz(self, indentation: FloatArray, patches: list[Patch]) -> FloatArray:
-        """Hertz's pressure under the expected indentations."""
-        s, d = self.summits, np.maximum(indentation, 0.0) / self.cell
+        """Hertz's pressure under the expected indentations, bent and moved by the neighbours' field.
+
+        The field's Laplacian adds half of itself to the summit's curvature, and its slope moves the
+        contact down the slope by R times as much.
+        """
+        surface, h = self.surface, self.cell
+        load = Hertz().load(indentation, surface.radius)
+        curvature = 1.0 / surface.radius + 0.5 * (self.laplacian @ load)
+        radius = 1.0 / (h * np.maximum(curvature, 0.5 / surface.radius))
+        shift = np.stack([self.slope_x @ load, self.slope_y @ load], axis=1) * surface.radius[:, None]
+        centre = self.summits.place - np.where(indentation[:, None] > 0.0, shift, 0.0) / h
+        square = radius * np.maximum(indentation, 0.0) / h
         parts = []
         for p in patches:
-            height = d[p.owner] - 2.0 * (p.gap - s.depth[p.owner])
-            height[d[p.owner] == 0.0] = 0.0
-            parts.append((2.0 / math.pi * np.sqrt(np.maximum(height, 0.0) / s.radius[p.owner])).ravel())
+            x, y = (c + np.arange(n) for c, n in zip(p.corner, p.shape, strict=True))
+            rho = (x[:, None] - centre[p.owner, 0]) ** 2 + (y[None, :] - centre[p.owner, 1]) ** 2
+            height = np.maximum(square[p.owner] - rho, 0.0)
+            parts.append((2.0 / math.pi * np.sqrt(height) / radius[p.owner]).ravel())
         return np.concatenate(parts)
 
     def _minimum(
