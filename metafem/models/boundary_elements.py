@@ -27,9 +27,10 @@ class BoundaryElements:
     is Love's displacement of all cells plus what the substrate adds to a half-space. Cells cover the
     neighbourhoods of the contacts only. One Hertz contact of 50 cells a radius has a load within 5e-5
     and an area within 1.5e-4, and the error falls as the square of the cell. Areas come from the
-    second moments of each contact's pressure, ``A = 5 pi sqrt(<x^2><y^2> - <xy>^2)``, exact for
-    elliptical Hertz contacts; where contacts have merged their cells are counted, and the notes say
-    so. Johnson, Contact Mechanics (1985), section 5.9, doi:10.1017/CBO9781139171731.
+    second moments of each contact's pressure, ``A = 5 pi sqrt(<x^2><y^2> - <xy>^2)``, exact for the
+    ellipses of Hertz; where the fourth moments tell of another shape, and where contacts have merged,
+    cells are counted instead and the notes say so. The stiffness is that of flat punches on the cells
+    in contact. Johnson, Contact Mechanics (1985), section 5.9, doi:10.1017/CBO9781139171731.
 
     Parameters
     ----------
@@ -133,8 +134,7 @@ class BoundaryElements:
         area = h**2 * solution.contacts.area
         load = h**2 * solution.contacts.load
         approach = h * solution.minimum.multiplier
-        indentation = float((area / (math.pi * surface.radius)).max())
-        residual = h * solution.minimum.error / indentation
+        residual = solution.minimum.error / solution.indentation
         separation = float(surface.height.max()) - approach
         converged = solution.covered and residual <= TOLERANCE
         return ContactState(
@@ -142,7 +142,7 @@ class BoundaryElements:
             area=math.fsum(area),
             separation=separation,
             approach=approach,
-            stiffness=modulus * _stiffness(scene, area),
+            stiffness=modulus * h * solution.stiffness,
             asperity_load=modulus * load,
             asperity_area=area,
             residual=residual,
@@ -170,20 +170,6 @@ def _curve(surface: Surface, states: list[ContactState]) -> Curve:
     return Curve(approach, load / modulus, area, stiffness / modulus, residual)
 
 
-def _stiffness(scene: Scene, area: FloatArray) -> float:
-    """Derivative of P/E* by the approach [mm]: flat punches of the contacts' areas, coupled.
-
-    A contact of radius a yields by 1/(2a) under its own load increment. That of another moves its
-    mean under a flat punch by G + (a_i^2 + a_j^2)/6 of G's Laplacian, to fourth order in a/r.
-    """
-    closed = np.flatnonzero(area > 0.0)
-    square = area[closed] / math.pi
-    laplacian = scene.substrate.influence_derivatives(scene.surface)[2][np.ix_(closed, closed)]
-    compliance = scene.coupling[np.ix_(closed, closed)] + (square[:, None] + square) / 6.0 * laplacian
-    compliance += np.diag(0.5 / np.sqrt(square))
-    return float(np.linalg.solve(compliance, np.ones(closed.size)).sum())
-
-
 def _notes(scene: Scene, solution: Solution) -> tuple[str, ...]:
     """Say what was covered and skipped, and where the areas or the cells leave their range."""
     patches, contacts = solution.patches, solution.contacts
@@ -195,11 +181,16 @@ def _notes(scene: Scene, solution: Solution) -> tuple[str, ...]:
     ]
     if len(patches) > 1:
         notes.append(f"displacements between patches by expansions within {far_field.TOLERANCE:g} of each")
-    if len(contacts.merged):
-        shown = ", ".join(f"{i}-{j}" for i, j in contacts.merged[:5].tolist())
+    if contacts.counted.any():
         notes.append(
-            f"{len(contacts.merged)} pairs of contacts have merged ({shown}{', ...' * (len(contacts.merged) > 5)}): "
-            "their areas are counted cells, and loads are split where the summits' paraboloids cross"
+            f"the pressure of {contacts.counted.sum()} contacts is not that of a Hertzian ellipse: their "
+            "areas are counted cells, within about a tenth of the cell over the contact's radius"
+        )
+    if len(contacts.merged):
+        shown = ", ".join(f"{i} and {j}" for i, j in contacts.merged[:5].tolist())
+        notes.append(
+            f"{len(contacts.merged)} pairs of contacts have merged, among them {shown}: their loads and "
+            "areas are split where the summits' paraboloids cross"
         )
     radius = np.sqrt(contacts.area / math.pi)
     coarse = (contacts.load > 0.0) & (radius < COARSEST)

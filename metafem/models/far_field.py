@@ -125,9 +125,7 @@ def _coefficients(
     node = np.cos(math.pi * (np.arange(q) + 0.5) / q)
     transform = (2.0 / q) * chebvander(node, q - 1).T
     transform[0] *= 0.5
-    dx, dy = (
-        apart[k] + half_target[k] * node[:, None] - half_source[k] * node[None, :] for k in range(2)
-    )
+    dx, dy = (apart[k] + half_target[k] * node[:, None] - half_source[k] * node[None, :] for k in range(2))
     # Axes: target x, target y, source x, source y.
     values = influence(np.hypot(dx[:, None, :, None], dy[None, :, None, :]))
     for _ in range(4):

@@ -155,6 +155,33 @@ def minimise(
     return _result(p, operator.product(p) + gap, problem, max_iterations)
 
 
+def solve_on(
+    operator: Operator, face: NDArray[np.bool_], right: FloatArray, tolerance: float, max_iterations: int
+) -> FloatArray:
+    """Solve A q = right on the face, with q = 0 elsewhere, by preconditioned conjugate gradients.
+
+    Stops when the largest error of the equations is within `tolerance`, or after `max_iterations`.
+    """
+    from metafem._kernels import vectors as kernel
+
+    q = np.zeros_like(right)
+    rest = np.where(face, right, 0.0)
+    d = np.zeros_like(right)
+    rho = np.inf
+    for _ in range(max_iterations):
+        if float(np.abs(rest).max()) <= tolerance:
+            break
+        s = np.where(face, operator.precondition(rest), 0.0)
+        new = kernel.dot(rest, s)
+        d = s + (new / rho) * d
+        rho = new
+        image = np.where(face, operator.product(d), 0.0)
+        length = rho / kernel.dot(d, image)
+        q += length * d
+        rest -= length * image
+    return q
+
+
 class _Problem:
     """The data, and the multiplier as it is updated."""
 
@@ -188,7 +215,7 @@ class _Problem:
         """Energy after a step minus before, from both gradients: no digits cancel."""
         from metafem._kernels import vectors as kernel
 
-        return 0.5 * kernel.dot(step, before + after) - self.multiplier * float(step.sum())
+        return float(0.5 * kernel.dot(step, before + after)) - self.multiplier * float(step.sum())
 
 
 def _face(p: FloatArray, v: FloatArray, problem: _Problem) -> NDArray[np.bool_]:

@@ -71,6 +71,13 @@ class Summits:
         return cls(place, surface.gap / cell, surface.radius / cell)
 
 
+def box_rate(first: IntArray, last: IntArray) -> FloatArray:
+    """Return the rate of the far field's expansions between boxes of cells, (m, m)."""
+    centre = np.asarray(0.5 * (first + last), dtype=np.float64)
+    half = np.asarray(0.5 * (last - first + 1), dtype=np.float64)
+    return convergence_rate(centre, half)
+
+
 def boxes(summits: Summits, half_width: FloatArray) -> tuple[list[IntArray], IntArray, IntArray]:
     """Return members, first cells (m, 2) and last cells (m, 2) of the patches.
 
@@ -81,7 +88,7 @@ def boxes(summits: Summits, half_width: FloatArray) -> tuple[list[IntArray], Int
     last = np.ceil(summits.place[wanted] + half_width[wanted, None]).astype(np.int64)
     members = [np.array([i]) for i in wanted]
     while len(members) > 1:
-        rate = convergence_rate(0.5 * (first + last), 0.5 * (last - first + 1))
+        rate = box_rate(first, last)
         a, b = np.nonzero(np.triu(rate < SLOWEST_RATE, 1))
         if a.size == 0:
             break

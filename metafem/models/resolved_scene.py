@@ -12,9 +12,9 @@ from metafem._validate import FloatArray
 from metafem.asperity import Hertz
 from metafem.errors import InvalidInput
 from metafem.models import projected_cg
-from metafem.models.far_field import convergence_rate, table_bytes
+from metafem.models.far_field import table_bytes
 from metafem.models.resolved_contacts import Contacts, measure
-from metafem.models.resolved_grid import Patch, Summits, boxes, patch
+from metafem.models.resolved_grid import Patch, Summits, box_rate, boxes, patch
 from metafem.models.resolved_influence import Influence
 from metafem.models.resolved_start import Start, start
 from metafem.substrate import Radial
@@ -42,6 +42,9 @@ MAX_GROWTHS = 10
 # Conjugate gradients take 10 to 60 iterations; this many mean that rounding stands in the way.
 MAX_ITERATIONS = 1000
 
+# Relative error of the stiffness' equations; the cells' own error is above it.
+STIFFNESS_TOLERANCE = 1e-6
+
 # Vectors of doubles that a solution keeps, and what a transform needs per cell of the largest patch
 # (four times the cells, complex, three at a time, in two threads).
 VECTORS = 16
@@ -62,12 +65,18 @@ class Solution:
     patches : list of Patch
     covered : bool
         No contact reaches the edge of its patch, and no asperity without cells should be closed.
+    indentation : float
+        Largest A/(pi R), which for Hertz's contact is the indentation: what residuals are measured by.
+    stiffness : float
+        Derivative of the load by the approach on the cells that carry pressure.
     """
 
     minimum: projected_cg.Minimum
     contacts: Contacts
     patches: list[Patch]
     covered: bool
+    indentation: float
+    stiffness: float
 
 
 class Scene:
@@ -101,19 +110,26 @@ class Scene:
         half_width = np.where(d > -NEARLY_CLOSED * d.max(), self._reach(d, 1.0 + MARGIN_SHARE), 0.0)
         patches = self._patches(half_width)
         pressure = self._hertz(d, patches)
+        indentation = float(d.max()) / self.cell
         for _ in range(MAX_GROWTHS):
             operator = self._influence(patches)
-            minimum = self._minimum(operator, patches, pressure, first, load)
+            # half of it, for the indentation that is found may be the smaller one
+            tolerance = 0.5 * TOLERANCE * indentation
+            minimum = self._minimum(operator, patches, pressure, first.approach, load, tolerance)
             parts = operator.split(minimum.pressure)
             contacts = measure(patches, parts, self.surface.count)
+            indentation = float((contacts.area / (math.pi * self.summits.radius)).max())
             larger = self._enlarged(half_width, patches, parts, contacts, minimum)
             covered = bool((larger == half_width).all())
-            if covered:
+            if covered and minimum.error <= TOLERANCE * indentation:
                 break
             half_width, old = larger, patches
             patches = self._patches(half_width)
             pressure = _moved(old, parts, patches)
-        return Solution(minimum, contacts, patches, covered)
+        face = minimum.pressure > 0.0
+        ones = np.ones(operator.size)
+        rise = projected_cg.solve_on(operator, face, ones, STIFFNESS_TOLERANCE, MAX_ITERATIONS)
+        return Solution(minimum, contacts, patches, covered, indentation, float(rise.sum()))
 
     def _reach(self, indentation: FloatArray, factor: float) -> FloatArray:
         """Cells to lay around summits with these indentations."""
@@ -122,9 +138,8 @@ class Scene:
 
     def _patches(self, half_width: FloatArray) -> list[Patch]:
         members, first, last = boxes(self.summits, half_width)
-        sides = (last - first + 1).astype(np.float64)
-        cells = sides.prod(axis=1)
-        rate = convergence_rate(0.5 * (first + last), 0.5 * sides)[np.triu_indices(len(cells), 1)]
+        cells = (last - first + 1).astype(np.float64).prod(axis=1)
+        rate = box_rate(first, last)[np.triu_indices(len(cells), 1)]
         needed = 8 * VECTORS * cells.sum() + TRANSFORM_BYTES * cells.max() + table_bytes(rate)
         there = memory()
         if needed > there:
@@ -168,17 +183,18 @@ class Scene:
         operator: Influence,
         patches: list[Patch],
         pressure: FloatArray,
-        first: Start,
+        approach: float,
         load: float | None,
+        tolerance: float,
     ) -> projected_cg.Minimum:
         total = None if load is None else load / self.cell**2
         return projected_cg.minimise(
             operator,
             np.concatenate([p.gap.ravel() for p in patches]),
             pressure if total is None else pressure * (total / pressure.sum()),
-            multiplier=first.approach / self.cell,
+            multiplier=approach / self.cell,
             total=total,
-            tolerance=0.5 * TOLERANCE * float(first.indentation.max()) / self.cell,
+            tolerance=tolerance,
             max_iterations=MAX_ITERATIONS,
         )
 

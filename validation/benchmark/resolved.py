@@ -12,9 +12,10 @@ import argparse
 import math
 import time
 
-import metafem as mf
 import numpy as np
 import tamaas
+
+import metafem as mf
 
 PITCH, RADIUS, MODULUS = 1.5, 0.526, 1.36
 
@@ -36,9 +37,7 @@ def scene(cell: float) -> tuple[mf.Surface, int]:
     share = (np.arange(64) + 0.5) / 64
     height = OFFSET - SCALE * np.log1p(share * math.expm1(-MAX_HEIGHT / SCALE))
     height = np.random.default_rng(1).permutation(height)
-    surface = mf.Surface.square_lattice(
-        height, (8, 8), PITCH, radius=RADIUS, material=mf.Material(MODULUS)
-    )
+    surface = mf.Surface.square_lattice(height, (8, 8), PITCH, radius=RADIUS, material=mf.Material(MODULUS))
     # an odd number puts the middle cell on the centre of the surface, as metafem's grid does
     return surface, 2 * math.ceil((3.5 * PITCH + 0.75 * PITCH) / cell) + 1
 
@@ -79,9 +78,7 @@ def ellipse(x: np.ndarray, y: np.ndarray, pressure: np.ndarray) -> float:
     p = pressure / total
     x = x - p.sum(axis=1) @ x
     y = y - p.sum(axis=0) @ y
-    return 5.0 * math.pi * math.sqrt(
-        (p.sum(axis=1) @ x**2) * (p.sum(axis=0) @ y**2) - (x @ p @ y) ** 2
-    )
+    return 5.0 * math.pi * math.sqrt((p.sum(axis=1) @ x**2) * (p.sum(axis=0) @ y**2) - (x @ p @ y) ** 2)
 
 
 def main() -> None:
@@ -100,9 +97,7 @@ def main() -> None:
         begin = time.perf_counter()
         state = mf.equilibrium(surface, model, load=given.load)
         seconds = min(seconds, time.perf_counter() - begin)
-    peer_seconds, peer_load, peer_area, peer_error = solve_with_tamaas(
-        surface, given.cell, side, given.load
-    )
+    peer_seconds, peer_load, peer_area, peer_error = solve_with_tamaas(surface, given.cell, side, given.load)
     open_count = int((state.asperity_load == 0.0).sum())
     print(f"64 asperities, cell {given.cell:g} mm, {open_count} open; {state.notes[0]}")
     print(f"{'':10s}{'seconds':>10s}{'load [N]':>14s}{'area [mm^2]':>14s}{'residual':>11s}")
