@@ -119,7 +119,7 @@ def minimise(
     problem = _Problem(operator, gap, total, multiplier)
     p = pressure
     v = operator.product(p) + gap
-    face = _face(p, v, problem)
+    face = problem.face(p, v)
     d = np.zeros_like(p)
     rho = 0.0
     for iteration in range(max_iterations):
@@ -133,7 +133,7 @@ def minimise(
                 return _result(p, again, problem, iteration)
             v = again
         if outside > inside:
-            face = _face(p, v, problem)
+            face = (p > 0.0) | (w < 0.0)
             rho = 0.0
             continue
         new_rho = -kernel.dot(inner, s)
@@ -148,7 +148,7 @@ def minimise(
             p = trial
             continue
         p, v, moved = _projected_step(problem, p, v, trial)
-        face = _face(p, v, problem)
+        face = problem.face(p, v)
         rho = 0.0
         if not moved:
             break
@@ -192,6 +192,12 @@ class _Problem:
         self.multiplier = multiplier
         self._ones: tuple[NDArray[np.bool_], FloatArray, float] | None = None
 
+    def face(self, p: FloatArray, v: FloatArray) -> NDArray[np.bool_]:
+        """Cells that carry pressure or overlap the plane; under a given sum the plane is set anew."""
+        if self.total is not None:
+            self.multiplier = float(v[p > 0.0].mean())
+        return np.asarray((p > 0.0) | (v < self.multiplier))
+
     def direction(self, v: FloatArray, face: NDArray[np.bool_]) -> FloatArray:
         """Preconditioned descent direction on the face; under a given sum, one that keeps it.
 
@@ -218,11 +224,6 @@ class _Problem:
         return float(0.5 * kernel.dot(step, before + after)) - self.multiplier * float(step.sum())
 
 
-def _face(p: FloatArray, v: FloatArray, problem: _Problem) -> NDArray[np.bool_]:
-    """Cells that carry pressure or overlap the plane."""
-    return np.asarray((p > 0.0) | (v < problem.multiplier))
-
-
 def _projected_step(
     problem: _Problem, p: FloatArray, v: FloatArray, trial: FloatArray
 ) -> tuple[FloatArray, FloatArray, bool]:
@@ -230,17 +231,20 @@ def _projected_step(
     from metafem._kernels import vectors as kernel
 
     operator, gap = problem.operator, problem.gap
-    w = v - problem.multiplier
-    length = 0.0
+    step, length = np.zeros(0), 0.0
     for halvings in range(MAX_HALVINGS):
         new = project(trial, problem.total)
         image = operator.product(new) + gap
         if problem.energy_change(new - p, v, image) < 0.0:
             return new, image, True
         if halvings == 0:
-            free = np.where((p > 0.0) | (w < 0.0), w, 0.0)
-            length = kernel.dot(free, free) / kernel.dot(free, operator.product(free))
-        trial = p - length * np.where((p > 0.0) | (w < 0.0), w, 0.0)
+            face = problem.face(p, v)
+            w = v - (problem.multiplier if problem.total is None else v[face].mean())
+            step = np.where(face, -w, 0.0)
+            if not step.any():
+                break
+            length = kernel.dot(step, step) / kernel.dot(step, operator.product(step))
+        trial = p + length * step
         length *= 0.5
     return p, v, False
 

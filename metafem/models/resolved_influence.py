@@ -19,6 +19,11 @@ THREADS = 2
 # Aliases a side in the preconditioner's symbol: the terms fall as the cube of the alias' number.
 ALIASES = 3
 
+# Mean over a cell of a function that is smooth on its scale: the Gauss rule of two points a side.
+GAUSS_POINTS = [
+    (x, y) for x in (-math.sqrt(1 / 12), math.sqrt(1 / 12)) for y in (-math.sqrt(1 / 12), math.sqrt(1 / 12))
+]
+
 
 class Influence:
     """Displacement of every cell by the pressure p/E* on every cell, in cells.
@@ -39,11 +44,13 @@ class Influence:
         shapes = [p.shape for p in patches]
         rows, columns = (max(s[k] for s in shapes) for k in range(2))
         i, j = np.arange(rows)[:, None], np.arange(columns)[None, :]
-        near = love.table(rows, columns) + regular(np.hypot(i, j))
+        near = love.table(rows, columns)
+        for x, y in GAUSS_POINTS:
+            near += 0.25 * regular(np.hypot(i + x, j + y))
         self.shapes = shapes
         self.edges = np.concatenate([[0], np.cumsum([a * b for a, b in shapes])])
         self.spectra = {s: _spectrum(near[: s[0], : s[1]]) for s in set(shapes)}
-        self.symbols = {s: _symbol(s) for s in set(shapes)}
+        self.symbols = {s: _symbol(_fast(s)) for s in set(shapes)}
         self.far = FarField(influence, np.array([p.centre for p in patches]), shapes)
         self.products = 0
 
@@ -90,7 +97,9 @@ class Influence:
 
         def one(k: int) -> None:
             shape = self.shapes[k]
-            targets[k][...] = fft.irfft2(fft.rfft2(sources[k]) * self.symbols[shape], s=shape)
+            size = _fast(shape)
+            image = fft.irfft2(fft.rfft2(sources[k], s=size) * self.symbols[shape], s=size)
+            targets[k][...] = image[: shape[0], : shape[1]]
 
         if len(sources) == 1:
             one(0)
@@ -100,8 +109,14 @@ class Influence:
         return result
 
 
+def _fast(shape: tuple[int, int]) -> tuple[int, int]:
+    """Sizes for a fast transform, not below those of the shape."""
+    return fft.next_fast_len(shape[0]), fft.next_fast_len(shape[1], real=True)
+
+
 def _padded(shape: tuple[int, int]) -> tuple[int, int]:
-    return fft.next_fast_len(2 * shape[0] - 1), fft.next_fast_len(2 * shape[1] - 1, real=True)
+    """Sizes at which the wrap of a convolution does not reach the shape."""
+    return _fast((2 * shape[0] - 1, 2 * shape[1] - 1))
 
 
 def _spectrum(quadrant: FloatArray) -> FloatArray:

@@ -42,8 +42,8 @@ MAX_GROWTHS = 10
 # Conjugate gradients take 10 to 60 iterations; this many mean that rounding stands in the way.
 MAX_ITERATIONS = 1000
 
-# Relative error of the stiffness' equations; the cells' own error is above it.
-STIFFNESS_TOLERANCE = 1e-6
+# Relative error of the stiffness' equations; that of the stiffness goes as its square.
+STIFFNESS_TOLERANCE = 1e-3
 
 # Vectors of doubles that a solution keeps, and what a transform needs per cell of the largest patch
 # (four times the cells, complex, three at a time, in two threads).
