@@ -110,6 +110,8 @@ class Scene:
         half_width = np.where(d > -NEARLY_CLOSED * d.max(), self._reach(d, 1.0 + MARGIN_SHARE), 0.0)
         patches = self._patches(half_width)
         pressure = self._hertz(d, patches)
+        if not pressure.any():
+            pressure += 1.0  # summits hidden by others': any start will do
         indentation = float(d.max()) / self.cell
         for _ in range(MAX_GROWTHS):
             operator = self._influence(patches)
@@ -161,15 +163,17 @@ class Scene:
         """Hertz's pressure under the expected indentations, bent and moved by the neighbours' field.
 
         The field's Laplacian adds half of itself to the summit's curvature, and its slope moves the
-        contact down the slope by R times as much.
+        contact down the slope by R times as much: as far as a neighbour is not so close that point
+        loads say nothing.
         """
         surface, h = self.surface, self.cell
         load = Hertz().load(indentation, surface.radius)
-        curvature = 1.0 / surface.radius + 0.5 * (self.laplacian @ load)
-        radius = 1.0 / (h * np.maximum(curvature, 0.5 / surface.radius))
-        shift = np.stack([self.slope_x @ load, self.slope_y @ load], axis=1) * surface.radius[:, None]
-        centre = self.summits.place - np.where(indentation[:, None] > 0.0, shift, 0.0) / h
+        bend = 0.5 * surface.radius * (self.laplacian @ load)
+        radius = surface.radius / (1.0 + np.clip(bend, -0.5, 0.5)) / h
         square = radius * np.maximum(indentation, 0.0) / h
+        shift = np.stack([self.slope_x @ load, self.slope_y @ load], axis=1) * surface.radius[:, None] / h
+        near = (shift**2).sum(axis=1) < 0.25 * square
+        centre = self.summits.place - np.where(near[:, None], shift, 0.0)
         parts = []
         for p in patches:
             x, y = (c + np.arange(n) for c, n in zip(p.corner, p.shape, strict=True))

@@ -14,6 +14,7 @@ import time
 
 import numpy as np
 import tamaas
+from scipy.fft import next_fast_len
 
 import metafem as mf
 
@@ -25,9 +26,9 @@ SCALE, MAX_HEIGHT, OFFSET = 0.04, 0.12, 0.084
 # Runs of metafem, of which the fastest counts.
 REPEATS = 3
 
-# What tamaas is asked for: its error is that of complementarity, relative to the mean pressure and the
-# roughness. Tighter costs it more time and changes nothing at the digits that are printed.
-PEER_TOLERANCE = 1e-9
+# What tamaas is asked for, on its own measure of complementarity: looser than metafem's residual, in
+# favour of tamaas.
+PEER_TOLERANCE = 1e-6
 
 WANTED_SECONDS, WANTED_RATIO = 10.0, 10.0
 
@@ -38,12 +39,13 @@ def scene(cell: float) -> tuple[mf.Surface, int]:
     height = OFFSET - SCALE * np.log1p(share * math.expm1(-MAX_HEIGHT / SCALE))
     height = np.random.default_rng(1).permutation(height)
     surface = mf.Surface.square_lattice(height, (8, 8), PITCH, radius=RADIUS, material=mf.Material(MODULUS))
-    # an odd number puts the middle cell on the centre of the surface, as metafem's grid does
-    return surface, 2 * math.ceil((3.5 * PITCH + 0.75 * PITCH) / cell) + 1
+    # as far as half a pitch beyond the lattice, and a number that its transforms like
+    return surface, next_fast_len(math.ceil(8.0 * PITCH / cell))
 
 
 def solve_with_tamaas(surface: mf.Surface, cell: float, side: int, load: float) -> tuple[float, ...]:
-    """Return seconds, load [N], separation-independent area by moments [mm^2] and iterations."""
+    """Return seconds, load [N], area by moments [mm^2] and tamaas' own error."""
+    # the middle cell stands on the centre of the surface, as in metafem's grid
     x = cell * (np.arange(side) - side // 2)
     depth = np.full((side, side), np.inf)
     for (cx, cy), height in zip(surface.position, surface.height, strict=True):
