@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -109,7 +109,9 @@ class BoundaryElements:
         if load == 0.0:
             return self._open(scene.surface, 0.0), None
         first = scene.start(load=load, guess=guess)
-        return self._state(scene, scene.solve(first, load)), first
+        state = self._state(scene, scene.solve(first, load))
+        error = abs(state.load / scene.surface.material.composite_modulus - load) / load
+        return replace(state, residual=max(state.residual, error)), first
 
     def _open(self, surface: Surface, approach: float) -> ContactState:
         """No contact at all."""
@@ -177,10 +179,12 @@ def _notes(scene: Scene, solution: Solution) -> tuple[str, ...]:
     corner = np.array([p.corner for p in patches])
     extent = (corner + [p.shape for p in patches]).max(axis=0) - corner.min(axis=0)
     notes = [
-        f"{cells} cells on {len(patches)} patches; a grid over the scene would have {extent.prod()}",
+        f"{cells} cells cover the contacts; a grid over all of them would have {extent.prod()}",
     ]
     if len(patches) > 1:
-        notes.append(f"displacements between patches by expansions within {far_field.TOLERANCE:g} of each")
+        notes.append(
+            f"displacements between {len(patches)} patches by expansions within {far_field.TOLERANCE:g}"
+        )
     if contacts.counted.any():
         notes.append(
             f"the pressure of {contacts.counted.sum()} contacts is not that of a Hertzian ellipse: their "

@@ -50,6 +50,10 @@ STIFFNESS_TOLERANCE = 1e-3
 VECTORS = 16
 TRANSFORM_BYTES = 4 * 16 * 3 * 2
 
+# Matrices of all pairs of asperities that are alive at once: influence, its derivatives, distances and
+# the rates of the expansions.
+PAIR_MATRICES = 16
+
 # Assumed where the operating system does not tell.
 DEFAULT_MEMORY = 8 * 2**30
 
@@ -87,6 +91,7 @@ class Scene:
         self.cell = cell
         self.substrate = substrate.for_surface(surface)
         self.summits = Summits.of(surface, cell)
+        _refuse_beyond_memory(8 * PAIR_MATRICES * surface.count**2, f"{surface.count} asperities")
         self.coupling = self.substrate.influence_matrix(surface)
         self.slope_x, self.slope_y, self.laplacian = self.substrate.influence_derivatives(surface)
 
@@ -143,12 +148,7 @@ class Scene:
         cells = (last - first + 1).astype(np.float64).prod(axis=1)
         rate = box_rate(first, last)[np.triu_indices(len(cells), 1)]
         needed = 8 * VECTORS * cells.sum() + TRANSFORM_BYTES * cells.max() + table_bytes(rate)
-        there = memory()
-        if needed > there:
-            raise InvalidInput(
-                f"cell = {self.cell:g} mm makes {cells.sum():.3g} cells on {len(cells)} patches, which "
-                f"need about {needed / 2**30:.3g} GiB; the machine has {there / 2**30:.3g} GiB"
-            )
+        _refuse_beyond_memory(needed, f"cell = {self.cell:g} mm, with {cells.sum():.3g} cells,")
         return [patch(self.summits, *box) for box in zip(members, first, last, strict=True)]
 
     def _influence(self, patches: list[Patch]) -> Influence:
@@ -228,6 +228,14 @@ def memory() -> int:
         return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
     except (AttributeError, ValueError, OSError):
         return DEFAULT_MEMORY
+
+
+def _refuse_beyond_memory(needed: float, what: str) -> None:
+    there = memory()
+    if needed > there:
+        raise InvalidInput(
+            f"{what} needs about {needed / 2**30:.3g} GiB of memory; the machine has {there / 2**30:.3g} GiB"
+        )
 
 
 def _moved(old: list[Patch], pressure: list[FloatArray], new: list[Patch]) -> FloatArray:
