@@ -202,6 +202,6 @@ def _notes(scene: Scene, solution: Solution) -> tuple[str, ...]:
         share = contacts.load[coarse].sum() / contacts.load.sum()
         notes.append(
             f"{coarse.sum()} contacts span fewer than {COARSEST:g} cells a radius and carry "
-            f"{share:.2g} of the load, with errors of 1 % and more of theirs"
+            f"{share:.2g} of the load; their areas err by 2 % and more"
         )
     return tuple(notes)

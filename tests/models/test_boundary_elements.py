@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import metafem as mf
-from metafem.models import resolved_scene
+from metafem.models import resolved_grid, resolved_scene
 from metafem.substrate import Radial
 
 MATERIAL = mf.Material(1.36)
@@ -196,6 +196,14 @@ def test_small_contacts_are_said():
     assert any("fewer than 4 cells" in note for note in state.notes)
 
 
+def test_radii_may_differ_a_thousandfold():
+    place = [[0.0, 0.0], [1.0, 0.3], [0.2, 1.2]]
+    surface = mf.Surface(place, [0.1, 0.11, 0.1], [0.01, 10.0, 0.5], MATERIAL)
+    state = mf.equilibrium(surface, COARSE, load=0.05)
+    assert state.asperity_load.min() > 0.0
+    assert state.status is mf.Status.CONVERGED
+
+
 def test_neighbourhoods_grow_until_they_hold_the_contacts(monkeypatch):
     full = mf.equilibrium(PAIR, COARSE, load=0.05)
     monkeypatch.setattr(resolved_scene, "MARGIN_CELLS", 1.0)
@@ -275,3 +283,14 @@ def test_stopping_early_raises_with_the_state(monkeypatch):
     with pytest.raises(mf.NotConverged) as caught:
         mf.equilibrium(PAIR, COARSE, load=0.05)
     assert caught.value.state.residual > 1e-9
+
+
+def test_patches_give_what_one_grid_gives(monkeypatch):
+    surface = mf.Surface.square_lattice([0.1, 0.11, 0.12, 0.1], (2, 2), 0.9, radius=RADIUS, material=MATERIAL)
+    apart = mf.equilibrium(surface, COARSE, load=0.1)
+    assert "4 patches" in apart.notes[1]
+    monkeypatch.setattr(resolved_grid, "SLOWEST_RATE", math.inf)
+    whole = mf.equilibrium(surface, COARSE, load=0.1)
+    assert len(whole.notes) == 1
+    np.testing.assert_allclose(apart.asperity_load, whole.asperity_load, rtol=1e-8)
+    np.testing.assert_allclose(apart.asperity_area, whole.asperity_area, rtol=1e-8)
