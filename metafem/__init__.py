@@ -21,13 +21,27 @@ if TYPE_CHECKING:
     from metafem.errors import MetafemError as MetafemError
     from metafem.errors import MetafemWarning as MetafemWarning
     from metafem.errors import NotConverged as NotConverged
+    from metafem.files import load as load
+    from metafem.files import read_spec as read_spec
+    from metafem.files import save as save
+    from metafem.inversion import BilinearLaw as BilinearLaw
+    from metafem.inversion import Limits as Limits
+    from metafem.inversion import LinearLaw as LinearLaw
+    from metafem.inversion import OperatingPoints as OperatingPoints
+    from metafem.inversion import achievable_friction_coefficients as achievable_friction_coefficients
+    from metafem.inversion import plasticity_index as plasticity_index
+    from metafem.inversion.design import Design as Design
+    from metafem.inversion.design import design as design
     from metafem.law import FrictionLaw as FrictionLaw
     from metafem.law import friction_law as friction_law
     from metafem.models import BoundaryElements as BoundaryElements
     from metafem.models import ContactState as ContactState
     from metafem.models import Independent as Independent
+    from metafem.models import Interacting as Interacting
+    from metafem.models import MeanField as MeanField
     from metafem.models import Status as Status
     from metafem.models.equilibrium import equilibrium as equilibrium
+    from metafem.substrate import BondedLayer as BondedLayer
     from metafem.substrate import HalfSpace as HalfSpace
     from metafem.surface import Block as Block
     from metafem.surface import Friction as Friction
@@ -44,9 +58,28 @@ _HOME = {
         "MetafemWarning",
         "NotConverged",
     ),
+    "metafem.files": ("load", "read_spec", "save"),
+    "metafem.inversion": (
+        "BilinearLaw",
+        "Design",
+        "Limits",
+        "LinearLaw",
+        "OperatingPoints",
+        "achievable_friction_coefficients",
+        "design",
+        "plasticity_index",
+    ),
     "metafem.law": ("FrictionLaw", "friction_law"),
-    "metafem.models": ("BoundaryElements", "ContactState", "Independent", "Status", "equilibrium"),
-    "metafem.substrate": ("HalfSpace",),
+    "metafem.models": (
+        "BoundaryElements",
+        "ContactState",
+        "Independent",
+        "Interacting",
+        "MeanField",
+        "Status",
+        "equilibrium",
+    ),
+    "metafem.substrate": ("BondedLayer", "HalfSpace"),
     "metafem.surface": ("Block", "Friction", "Material", "Surface"),
 }
 _MODULE = {name: module for module, names in _HOME.items() for name in names}

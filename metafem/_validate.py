@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from metafem.errors import InvalidInput
 
 FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
 
 
 def number(

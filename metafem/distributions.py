@@ -280,10 +280,8 @@ class TwoBranchExponential(PiecewiseExponential):
 def equal_masses(scale: float, low: float, high: float, parts: int) -> FloatArray:
     """Ends of `parts` intervals of equal mass of exp(-h/lambda) between two heights, (parts + 1,)."""
     # Measured from the lower end, e^(-(h - low)/lambda) falls linearly with the mass.
-    fallen = np.arange(parts + 1) / parts * -math.expm1((low - high) / scale)
-    ends = low - scale * np.log1p(-np.minimum(fallen, 1.0 - np.finfo(float).tiny))
-    ends[-1] = high
-    return np.asarray(ends)
+    fallen = np.arange(1, parts) / parts * -math.expm1((low - high) / scale)
+    return np.concatenate([[low], low - scale * np.log1p(-fallen), [high]])
 
 
 def _exponential_mass(low: ArrayLike, high: ArrayLike, scale: float) -> FloatArray:

@@ -267,7 +267,7 @@ class Surface:
 
 def _refuse_coincident(position: FloatArray) -> None:
     order = np.lexsort(position.T)
-    same = np.flatnonzero((np.diff(position[order], axis=0) == 0.0).all(axis=1))
+    same = np.flatnonzero((position[order[1:]] == position[order[:-1]]).all(axis=1))
     if same.size:
         i, j = sorted(order[same[0] : same[0] + 2].tolist())
         x, y = position[i]

@@ -3,6 +3,18 @@
 from metafem.models.boundary_elements import BoundaryElements
 from metafem.models.equilibrium import equilibrium
 from metafem.models.independent import Independent
+from metafem.models.interacting import Interacting
+from metafem.models.mean_field import MeanField
 from metafem.models.model import ContactState, Curve, Model, Status
 
-__all__ = ["BoundaryElements", "ContactState", "Curve", "Independent", "Model", "Status", "equilibrium"]
+__all__ = [
+    "BoundaryElements",
+    "ContactState",
+    "Curve",
+    "Independent",
+    "Interacting",
+    "MeanField",
+    "Model",
+    "Status",
+    "equilibrium",
+]

@@ -116,6 +116,11 @@ class Independent:
         heights = np.atleast_2d(height)
         heights = check.array("height", heights, shape=(None, None))
         radii = np.asarray(radius, dtype=np.float64)
+        if radii.shape not in ((), heights.shape[1:], heights.shape):
+            raise InvalidInput(
+                f"radius has shape {radii.shape}; it must be one number or have shape "
+                f"{heights.shape[1:]} or {heights.shape}"
+            )
         if not (np.isfinite(radii).all() and (radii > 0.0).all()):
             raise InvalidInput(f"radius = {radius!r:.80} must be finite and greater than 0")
         loads = check.array("rescaled_load", rescaled_load, shape=(None,))

@@ -1,22 +1,196 @@
-"""Figures of laws and surfaces, drawn by matplotlib into axes or into self-contained SVG."""
+"""Figures of laws and surfaces."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import singledispatch
 from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from metafem.inversion import BilinearLaw, Design, LinearLaw, OperatingPoints
+from metafem.models import equilibrium
+from metafem.report.svg import new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
     from metafem.law import FrictionLaw
+
+# One colour for what is wanted, one for what is achieved, greys for the rest.
+WANTED, ACHIEVED, QUIET = "#c8553d", "#1b6f8a", "#8a8f98"
+
+# The three loads of the contact views, as shares of the largest load of the law.
+VIEWED_LOADS = (0.1, 0.4, 1.0)
+
+MICROMETRES = 1e3
 
 
 def plot_law(law: FrictionLaw, ax: Axes | None = None, label: str | None = None) -> Axes:
     """Draw rescaled friction over rescaled load and return the axes."""
     if ax is None:
-        from matplotlib import pyplot as plt
-
-        ax = plt.figure().add_subplot()
-    ax.plot(law.rescaled_load, law.rescaled_friction, label=label)
-    ax.set_xlabel("rescaled load P/E* [mm²]")
-    ax.set_ylabel("rescaled friction F/(σB) [mm²]")
+        ax = new_figure(5.0, 3.6).add_subplot()
+    ax.plot(
+        np.append(0.0, law.rescaled_load),
+        np.append(0.0, law.rescaled_friction),
+        color=ACHIEVED,
+        lw=1.8,
+        label=label,
+    )
+    ax.set_xlabel("rescaled load  P/E* [mm²]")
+    ax.set_ylabel("rescaled friction  F/(σB) [mm²]")
+    ax.set_xlim(left=0.0)
+    ax.set_ylim(bottom=0.0)
     return ax
+
+
+def law_figure(design: Design) -> Figure:
+    """Target and achieved law, and below it their relative difference."""
+    figure = new_figure(7.0, 5.6)
+    ax, below = figure.subplots(2, 1, sharex=True, height_ratios=[3, 1])
+    if design.density is not None:
+        count, radius = design.surface.count, float(design.surface.radius[0])
+        separation = np.linspace(0.0, design.density.max_height, 200)
+        ax.plot(
+            design.density.rescaled_load(separation, count, radius),
+            design.density.area(separation, count, radius),
+            color=QUIET,
+            ls="--",
+            lw=1.2,
+            label="law of the height density",
+        )
+    plot_law(design.law, ax, "achieved: " + model_name(design.law.model))
+    draw_target(design.target, design, ax, below)
+    below.spines[["top", "right"]].set_visible(False)
+    below.axhline(0.0, color=QUIET, lw=0.8)
+    below.set_xlabel(ax.get_xlabel())
+    ax.set_xlabel("")
+    below.set_ylabel("difference [%]")
+    ax.legend(frameon=False, loc="upper left")
+    _force_axes(design, ax)
+    return figure
+
+
+@singledispatch
+def draw_target(target: object, design: Design, ax: Axes, below: Axes) -> None:
+    """Draw what was asked for, and how far the law is from it."""
+    raise TypeError(f"no drawing for {type(target).__name__}")
+
+
+@draw_target.register(OperatingPoints)
+def _(target: OperatingPoints, design: Design, ax: Axes, below: Axes) -> None:
+    ax.plot(target.rescaled_load, target.rescaled_friction, "o", color=WANTED, ms=7, label="target")
+    load = target.rescaled_load * design.surface.material.composite_modulus
+    area = [equilibrium(design.surface, design.law.model, load=float(p)).area for p in load]
+    error = np.array(area) / target.rescaled_friction - 1.0
+    below.plot(target.rescaled_load, 100.0 * error, "o", color=ACHIEVED)
+    if np.abs(error).max() < 1e-9:
+        below.set_ylim(-1.0, 1.0)
+        below.annotate("all points are met to 1e-9", (0.02, 0.75), xycoords="axes fraction", color=QUIET)
+
+
+@draw_target.register(LinearLaw)
+@draw_target.register(BilinearLaw)
+def _(target: LinearLaw | BilinearLaw, design: Design, ax: Axes, below: Axes) -> None:
+    for i, (branch, fit) in enumerate(design.fits):
+        load = np.array(branch.load_range)
+        centre = load.mean()
+        middle = fit.intercept + fit.slope * centre
+        through = middle - branch.slope * centre if branch.intercept is None else branch.intercept
+        label = "target slope" + (", asymptote" if branch.intercept is not None else "") if i == 0 else None
+        wide = np.array([0.0 if branch.intercept is not None else load[0], load[1]])
+        ax.plot(wide, through + branch.slope * wide, color=WANTED, lw=1.4, label=label)
+        ax.axvspan(*load, color=WANTED, alpha=0.06, lw=0)
+        below.axvspan(*load, color=WANTED, alpha=0.06, lw=0)
+        inside = (design.law.rescaled_load >= load[0]) & (design.law.rescaled_load <= load[1])
+        x, y = design.law.rescaled_load[inside], design.law.rescaled_friction[inside]
+        below.plot(x, 100.0 * (y / (through + branch.slope * x) - 1.0), color=ACHIEVED)
+    if isinstance(target, BilinearLaw):
+        ax.axvline(target.crossover_load, color=WANTED, ls=":", lw=1.2, label="target crossover")
+
+
+def height_figure(design: Design) -> Figure:
+    """Heights at their places; empty places of the template as rings."""
+    figure = new_figure(5.0, 4.2)
+    ax = figure.add_subplot()
+    _draw_block(design, ax)
+    empty = np.setdiff1d(np.arange(design.template.count), design.sites)
+    x, y = design.template.position[empty].T
+    ax.scatter(x, y, s=60, facecolors="none", edgecolors=QUIET, lw=0.8)
+    x, y = design.surface.position.T
+    dots = ax.scatter(x, y, c=design.surface.height * MICROMETRES, s=110, cmap="viridis")
+    _frame(ax)
+    figure.colorbar(dots, label="summit height [µm]", shrink=0.85)
+    if empty.size:
+        ax.set_title(f"{empty.size} places stay empty (rings)", fontsize=10, color=QUIET)
+    return figure
+
+
+def contact_figure(design: Design) -> Figure:
+    """Top views of the real contacts, to scale, at three loads."""
+    from matplotlib.collections import EllipseCollection
+
+    figure = new_figure(9.6, 3.6)
+    axes = figure.subplots(1, len(VIEWED_LOADS), sharex=True, sharey=True)
+    for ax, share in zip(axes, VIEWED_LOADS, strict=True):
+        load = share * float(design.law.load[-1])
+        state = equilibrium(design.surface, design.law.model, load=load)
+        closed = state.asperity_area > 0.0
+        diameter = 2.0 * np.sqrt(state.asperity_area[closed] / np.pi)
+        x, y = design.surface.position[~closed].T
+        ax.scatter(x, y, s=2, color=QUIET)
+        ax.add_collection(
+            EllipseCollection(
+                diameter,
+                diameter,
+                np.zeros_like(diameter),
+                units="xy",
+                offsets=design.surface.position[closed],
+                offset_transform=ax.transData,
+                facecolors=ACHIEVED,
+            )
+        )
+        _frame(ax)
+        ax.set_title(f"P = {load:.3g} N: {closed.sum()} contacts, {state.area:.3g} mm²", fontsize=10)
+        ax.label_outer()
+    return figure
+
+
+def model_name(model: object) -> str:
+    """Return a model as a user writes it."""
+    return repr(model)
+
+
+def _draw_block(design: Design, ax: Axes) -> None:
+    from matplotlib.patches import Rectangle
+
+    block = design.template.block
+    if block is not None:
+        corner = (-0.5 * block.width, -0.5 * block.length)
+        ax.add_patch(Rectangle(corner, block.width, block.length, fill=False, ec=QUIET, lw=0.8))
+
+
+def _frame(ax: Axes) -> None:
+    ax.set_aspect("equal")
+    ax.autoscale_view()
+    ax.margins(0.08)
+    ax.set_xlabel("x [mm]")
+    ax.set_ylabel("y [mm]")
+
+
+def _force_axes(design: Design, ax: Axes) -> None:
+    """Add the forces of the material pair on the far sides."""
+    friction, modulus = design.surface.friction, design.surface.material.composite_modulus
+    top = ax.secondary_xaxis("top", functions=_scaling(modulus))
+    top.set_xlabel("load P [N]")
+    ax.spines["right"].set_visible(friction is not None)
+    if friction is not None:
+        right = ax.secondary_yaxis("right", functions=_scaling(friction.shear_strength * friction.area_ratio))
+        right.set_ylabel("friction F [N]")
+
+
+def _scaling(factor: float) -> tuple[Callable[[ArrayLike], ArrayLike], Callable[[ArrayLike], ArrayLike]]:
+    """Return the multiplication by a factor and its inverse."""
+    return (lambda value: np.asarray(value) * factor), (lambda value: np.asarray(value) / factor)

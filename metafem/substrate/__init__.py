@@ -1,7 +1,8 @@
 """Elastic coupling of the asperities through the block."""
 
+from metafem.substrate.bonded_layer import BondedLayer
 from metafem.substrate.half_space import HalfSpace
 from metafem.substrate.radial import Radial
 from metafem.substrate.substrate import Substrate
 
-__all__ = ["HalfSpace", "Radial", "Substrate"]
+__all__ = ["BondedLayer", "HalfSpace", "Radial", "Substrate"]

@@ -1,0 +1,209 @@
+"""Whole curves of interacting contacts, each equilibrium predicted from those before.
+
+In terms of the approach x each z is nearly a straight line, and exactly one without interaction. The
+prediction is the cubic through the last two equilibria and their tangents.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from metafem._kernels import projected_cg
+from metafem._kernels.coupling import State, empty_state, quadratic_form
+from metafem._kernels.interacting import TOLERANCE, Scratch, empty_scratch, newton, rates, refresh, settle
+
+# Residual of the tangent; the stiffness is stationary about it and has twice the digits.
+TANGENT = 1e-4
+
+# The cubic is not trusted further ahead than this many of its own lengths.
+REACH = 3.0
+
+# Newton steps for the approach of a prediction, whose own error is larger after three.
+PREDICTOR_STEPS = 3
+
+
+class Memory(NamedTuple):
+    """The last two equilibria of a curve, arrays (n,): z, dz/dx, and dp/dP of the last."""
+
+    before: np.ndarray
+    before_rate: np.ndarray
+    last: np.ndarray
+    last_rate: np.ndarray
+    square: np.ndarray  # coefficients of the cubic
+    cube: np.ndarray
+
+
+class Results(NamedTuple):
+    """What is kept of each equilibrium, (m, k)."""
+
+    approach: np.ndarray  # [mm]
+    load: np.ndarray  # P/E* [mm^2]
+    area: np.ndarray  # [mm^2]
+    stiffness: np.ndarray  # dP/dx [mm]
+    residual: np.ndarray
+    radius: np.ndarray  # of the largest contact [mm]
+
+
+def empty_memory(count: int) -> Memory:
+    """Return memory for `count` asperities."""
+    return Memory(*(np.zeros(count) for _ in Memory._fields))
+
+
+def empty_results(rows: int, columns: int) -> Results:
+    """Return the result arrays of `curves`."""
+    return Results(*(np.zeros((rows, columns)) for _ in Results._fields))
+
+
+def empty_workplace(count: int, order: int) -> tuple[State, Memory, Scratch]:
+    """Return the state, memory and scratch of one thread."""
+    return empty_state(count), empty_memory(count), empty_scratch(count, order)
+
+
+@njit(cache=True, nogil=True)
+def uniform_approach(gap, radius, load):
+    """Return the approach [mm] at which independent asperities carry `load`, to a few percent."""
+    x = math.inf
+    for i in range(gap.size):  # each asperity alone would need more: the smallest bounds from above
+        x = min(x, gap[i] + (0.75 * load / math.sqrt(radius[i])) ** (2.0 / 3.0))
+    for _ in range(60):
+        p = slope = 0.0
+        for i in range(gap.size):
+            d = x - gap[i]
+            if d > 0.0:
+                a = math.sqrt(radius[i] * d)
+                p += 4.0 / 3.0 * a * d
+                slope += 2.0 * a
+        if p <= 1.01 * load:
+            break
+        x -= (p - load) / slope  # convex and increasing: from the right it cannot overshoot
+    return x
+
+
+@njit(cache=True, nogil=True)
+def extrapolate(memory, points, width, ahead, radius, z):
+    """Fill z at a distance `ahead` beyond the last equilibrium; return the load and its slope there."""
+    cubic = points > 1 and ahead <= REACH * width
+    load = slope = 0.0
+    for i in range(z.size):
+        square = memory.square[i] if cubic else 0.0
+        cube = memory.cube[i] if cubic else 0.0
+        z[i] = memory.last[i] + ahead * (memory.last_rate[i] + ahead * (square + ahead * cube))
+        if z[i] > 0.0:
+            a = math.sqrt(radius[i] * z[i])
+            load += 4.0 / 3.0 * a * z[i]
+            slope += 2.0 * a * (memory.last_rate[i] + ahead * (2.0 * square + 3.0 * ahead * cube))
+    return load, slope
+
+
+@njit(cache=True, nogil=True)
+def predict(memory, points, width, ahead, target, radius, z):
+    """Fill z for an approach `ahead` of the last, or for a target load > 0; return the way ahead."""
+    if points > 1:
+        for i in range(z.size):
+            chord = (memory.last[i] - memory.before[i]) / width
+            e = (memory.last_rate[i] - chord) / width
+            f = (memory.before_rate[i] - memory.last_rate[i]) / width
+            memory.square[i] = 3.0 * e + f
+            memory.cube[i] = (2.0 * e + f) / width
+    load, slope = extrapolate(memory, points, width, ahead, radius, z)
+    if target > 0.0:
+        for _ in range(PREDICTOR_STEPS):
+            if not (slope > 0.0):
+                break
+            ahead = max(0.0, ahead - (load - target) / slope)
+            load, slope = extrapolate(memory, points, width, ahead, radius, z)
+    return ahead
+
+
+@njit(cache=True, nogil=True)
+def tangent(field, order, radius, own, state, count, points, memory, scratch):
+    """Fill memory.last_rate = dz/dx and return dP/dx [mm]; dp/dP is kept in scratch.loads."""
+    matrix = refresh(field, order, radius, own, state, count, scratch, False)
+    share = scratch.loads
+    whole = compliance = 0.0
+    for k in range(count):
+        i = state.closed[k]
+        memory.square[i] = share[i] if points > 0 else 0.0
+        whole += memory.square[i]
+        compliance += 1.0 / abs(scratch.diagonal[i])
+    share[:] = 0.0
+    warm = points > 0 and whole > 0.5
+    if warm:
+        for k in range(count):
+            share[state.closed[k]] = memory.square[state.closed[k]] / whole
+    scratch.rhs[:] = 0.0
+    shift, good = projected_cg.solve(
+        matrix, scratch.diagonal, state.closed, count, True, 1.0, scratch.rhs,
+        TANGENT / compliance, warm, share, scratch.work,
+    )  # fmt: skip
+    rates(own, state, count, shift, scratch, memory.last_rate)
+    for i in range(radius.size):
+        memory.last_rate[i] /= shift
+    form = quadratic_form(field, order, radius, own, state, count, share, scratch.work[1], scratch.work[2])
+    return 1.0 / form if good and form > 0.0 else math.inf
+
+
+@njit(cache=True, nogil=True)
+def curve(field, order, radius, own, gap, control, by_load, row, results, state, memory, scratch):
+    """Fill one row of results at increasing loads, or approaches."""
+    n = radius.size
+    points = 0
+    x = width = 0.0
+    share = np.zeros(n)
+    for j in range(control.size):
+        results.approach[row, j] = 0.0 if by_load else control[j]
+        if control[j] <= 0.0:
+            for i in range(n):
+                state.z[i] = min(results.approach[row, j], 0.0) - gap[i]
+                state.load[i] = state.square[i] = 0.0
+            continue
+        if points == 0:
+            start = uniform_approach(gap, radius, control[j]) if by_load else control[j]
+            for i in range(n):
+                state.z[i] = start - gap[i]
+        else:
+            ahead = 0.0 if by_load else control[j] - x
+            target = control[j] if by_load else 0.0
+            start = x + predict(memory, points, width, ahead, target, radius, state.z)
+        if by_load:
+            new, count, load, residual = settle(
+                field, order, radius, own, gap, start, control[j], state, scratch
+            )
+        else:
+            new, count, load, residual = newton(field, order, radius, own, gap, start, 0.0, state, scratch)
+        results.approach[row, j] = new
+        results.load[row, j] = load
+        area = largest = 0.0
+        for k in range(count):
+            square = state.square[state.closed[k]]
+            area += square
+            largest = max(largest, square)
+        results.area[row, j] = math.pi * area
+        results.radius[row, j] = math.sqrt(largest)
+        results.residual[row, j] = residual
+        if residual > TOLERANCE or count == 0:
+            points = 0
+            continue
+        memory.before[:] = memory.last
+        memory.before_rate[:] = memory.last_rate
+        memory.last[:] = state.z
+        scratch.loads[:] = share
+        results.stiffness[row, j] = tangent(field, order, radius, own, state, count, points, memory, scratch)
+        share[:] = scratch.loads
+        width = new - x
+        x = new
+        points = min(2, points + 1) if width > 0.0 else 1
+
+
+@njit(cache=True, nogil=True)
+def curves(field, order, radius, own, gap, control, by_load, results, state, memory, scratch):
+    """Fill the results (m, k) of m surfaces: radius, own and gap are (m, n), control (k,) increasing."""
+    for row in range(gap.shape[0]):
+        curve(
+            field, order, radius[row], own[row], gap[row], control, by_load, row, results,
+            state, memory, scratch,
+        )  # fmt: skip

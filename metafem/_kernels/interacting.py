@@ -1,0 +1,189 @@
+"""Newton's method for interacting Hertzian contacts at one load or approach; see `coupling`."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from metafem._kernels import projected_cg
+from metafem._kernels.coupling import assemble, energy, measure, respond
+
+# The residual that is promised, and the one Newton aims at, which leaves room for rounding.
+TOLERANCE = 1e-12
+GOAL = 3e-13
+
+# Newton takes 2 steps along a curve and 3 to 8 from afar; damped ones may take more.
+MAX_STEPS = 60
+
+# The inner solve leaves this much of the residual: two steps square it away.
+INNER = 1e-5
+
+# A step is halved at most this often: what is left then is below the noise of the energy.
+MAX_CUTS = 30
+
+# Share of the predicted decrease of the energy that is asked for (Armijo).
+ARMIJO = 1e-4
+
+# Approaches that bracket a load on which Newton stalls; each halves the bracket at least.
+MAX_BRACKET = 100
+
+
+class Scratch(NamedTuple):
+    """Work space of one thread."""
+
+    matrix: np.ndarray  # (n, n)
+    ready: np.ndarray  # rows of it that are filled, (n,)
+    work: np.ndarray  # (4, n)
+    loads: np.ndarray  # step of the loads (n,)
+    step: np.ndarray  # step of z
+    rhs: np.ndarray
+    diagonal: np.ndarray
+    start: np.ndarray  # z before the step
+    safe: np.ndarray  # z before a search
+
+
+def empty_scratch(count: int, order: int) -> Scratch:
+    """Return scratch for `count` asperities."""
+    size = 0 if order == 1 else count
+    rows = [np.zeros(count) for _ in range(6)]
+    return Scratch(np.zeros((size, size)), np.zeros(count, np.bool_), projected_cg.empty_work(count), *rows)
+
+
+@njit(cache=True, nogil=True)
+def refresh(field, order, radius, own, state, count, scratch, always):
+    """Fill the diagonal, and the matrix where it must be; return the matrix."""
+    for k in range(count):
+        i = state.closed[k]
+        scratch.diagonal[i] = own[i] + state.bend[i] / (2.0 * math.sqrt(radius[i] * state.z[i]))
+        always = always or not scratch.ready[i]
+    if order == 1:
+        return field.influence
+    if always:
+        assemble(field, radius, state, count, scratch.matrix)
+        scratch.ready[:] = False
+        for k in range(count):
+            scratch.ready[state.closed[k]] = True
+    return scratch.matrix
+
+
+@njit(cache=True, nogil=True)
+def rates(own, state, count, shift, scratch, out):
+    """Fill the change of z on all rows that goes with the loads and the approach just solved for."""
+    for i in range(out.size):
+        out[i] = scratch.work[0, i] + shift
+    for k in range(count):
+        i = state.closed[k]
+        out[i] = (out[i] + (scratch.diagonal[i] - own[i]) * scratch.loads[i]) / state.bend[i]
+
+
+@njit(cache=True, nogil=True)
+def newton(field, order, radius, own, gap, approach, target, state, scratch):
+    """Solve from state.z and the approach; a target load > 0 makes the approach an unknown.
+
+    Return the approach, the number of contacts, the load and the residual.
+    """
+    free = target > 0.0
+    x = approach
+    count = respond(field, order, radius, own, state)
+    residual, load = measure(order, radius, gap, x, target, state, count)
+    always = True
+    for _ in range(MAX_STEPS):
+        if residual <= GOAL:
+            break
+        if count == 0:  # nothing to linearise: let all that overlaps touch
+            for i in range(radius.size):
+                state.z[i] = x - gap[i]
+            count = respond(field, order, radius, own, state)
+            residual, load = measure(order, radius, gap, x, target, state, count)
+            if count == 0:
+                break
+        matrix = refresh(field, order, radius, own, state, count, scratch, always)
+        largest = 0.0
+        for i in range(radius.size):
+            scratch.rhs[i] = (x - gap[i]) - state.indentation[i] - state.displacement[i]
+            largest = max(largest, state.indentation[i])
+        leave = largest * max(INNER * min(residual, 1.0), 0.1 * GOAL)
+        shift, good = projected_cg.solve(
+            matrix, scratch.diagonal, state.closed, count, free, target - load, scratch.rhs,
+            leave, False, scratch.loads, scratch.work,
+        )  # fmt: skip
+        if not good:
+            residual = max(residual, 1.0)
+            break
+        rates(own, state, count, shift, scratch, scratch.step)
+        x, count, load, new, whole = line_search(
+            field, order, radius, own, gap, x, shift, target, residual, count, state, scratch
+        )
+        # a matrix that gains two digits a step is kept
+        always = not whole or new > 1e-2 * residual
+        stalled = new > 0.5 * residual and (new <= TOLERANCE or (free and not whole))
+        residual = new
+        if stalled:
+            break
+    return x, count, load, residual
+
+
+@njit(cache=True, nogil=True)
+def line_search(field, order, radius, own, gap, approach, shift, target, residual, count, state, scratch):
+    """Move z along the step until the energy, or the residual, falls enough; a full step is tried first.
+
+    Return the approach, the number of contacts, the load, the residual, and whether the step is whole.
+    Under a given load the energy has a constraint that the path does not keep: the residual decides.
+    """
+    free = target > 0.0
+    before = slope = 0.0
+    scratch.start[:] = state.z
+    if not free:
+        before = energy(order, radius, gap, approach, state, count)
+        for k in range(count):
+            i = state.closed[k]
+            slope -= scratch.rhs[i] * scratch.loads[i]
+    length = 1.0
+    for _ in range(MAX_CUTS):
+        for i in range(radius.size):
+            state.z[i] = scratch.start[i] + length * scratch.step[i]
+        x = approach + length * shift
+        count = respond(field, order, radius, own, state)
+        new, load = measure(order, radius, gap, x, target, state, count)
+        if new <= (1.0 - 0.5 * length) * residual or new <= TOLERANCE:
+            break
+        if not free:
+            now = energy(order, radius, gap, x, state, count)
+            if now <= before + ARMIJO * length * slope and now < before:
+                break
+        length *= 0.5
+    return x, count, load, new, length == 1.0
+
+
+@njit(cache=True, nogil=True)
+def settle(field, order, radius, own, gap, approach, target, state, scratch):
+    """Solve at a given load by Newton, and where that stalls from equilibria that bracket the load.
+
+    The load grows with the approach, and at a given approach the energy is convex: between an
+    approach that carries less and one that carries more, bisection ends near enough for Newton.
+    """
+    scratch.safe[:] = state.z
+    x, count, load, residual = newton(field, order, radius, own, gap, approach, target, state, scratch)
+    if residual <= TOLERANCE:
+        return x, count, load, residual
+    low, high = 0.0, math.inf
+    x = approach
+    state.z[:] = scratch.safe
+    for _ in range(MAX_BRACKET):
+        x, count, load, residual = newton(field, order, radius, own, gap, x, 0.0, state, scratch)
+        if residual > TOLERANCE:
+            break
+        if load < target:
+            low = x
+        else:
+            high = x
+        scratch.safe[:] = state.z
+        y, count, load, residual = newton(field, order, radius, own, gap, x, target, state, scratch)
+        if residual <= TOLERANCE:
+            return y, count, load, residual
+        state.z[:] = scratch.safe
+        x = 2.0 * max(low, x) if high == math.inf else 0.5 * (low + high)
+    return x, count, load, residual

@@ -1,0 +1,48 @@
+"""Piecewise polynomials for the regular part of a bonded layer's influence.
+
+g(s) = pi t (G - 1/(pi r)) with s = r/t. table: (3, pieces, DEGREE + 1) for g, g' and g'', coefficients
+of the powers of y = 2 (s/WIDTH - piece) - 1. Beyond the table the layer does not answer: g(s) = -1/s.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+# g is analytic in |Im s| < 2, so a piece of half-width 1/16 gains a factor 64 a degree: 64^-10 = 1e-18.
+WIDTH = 0.125
+DEGREE = 9
+
+
+@njit(cache=True, nogil=True)
+def regular(s, table):
+    """Return g, g' and g'' at one distance s [-]."""
+    piece = int(s / WIDTH)
+    if piece >= table.shape[1]:
+        inverse = 1.0 / s
+        return -inverse, inverse * inverse, -2.0 * inverse * inverse * inverse
+    y = 2.0 * (s / WIDTH - piece) - 1.0
+    value = first = second = 0.0
+    for k in range(DEGREE, -1, -1):
+        value = value * y + table[0, piece, k]
+        first = first * y + table[1, piece, k]
+        second = second * y + table[2, piece, k]
+    return value, first, second
+
+
+@njit(cache=True, nogil=True)
+def fill_regular(distance, thickness, table, value, first, second):
+    """Fill the regular part of G [1/mm], G' and G'' at distances r [mm], all (n,)."""
+    unit = 1.0 / (math.pi * thickness)
+    for i in range(distance.size):
+        g, slope, bend = regular(distance[i] / thickness, table)
+        value[i] = unit * g
+        first[i] = unit / thickness * slope
+        second[i] = unit / thickness / thickness * bend
+
+
+def empty_results(count: int) -> tuple[np.ndarray, ...]:
+    """Return the three result arrays of `fill_regular`."""
+    return tuple(np.empty(count) for _ in range(3))

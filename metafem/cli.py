@@ -1,0 +1,306 @@
+"""The metafem command: parse, call, print."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from metafem.errors import InvalidInput, MetafemError
+
+if TYPE_CHECKING:
+    from metafem.files import Specification
+    from metafem.inversion import Design
+    from metafem.law import FrictionLaw
+
+DEMOS = ("operating-points", "linear", "bilinear")
+
+# The kinds that `metafem.files` knows, listed here so that --help needs no import.
+MODELS = ("independent",)
+
+# Exit codes: a target that cannot be reached, and input that cannot be used.
+NOT_ACHIEVED, BAD_INPUT = 1, 2
+
+
+class BadInput(click.ClickException):
+    """Input that cannot be used, on its way to the terminal."""
+
+    exit_code = BAD_INPUT
+
+
+class NotAchieved(click.ClickException):
+    """A target that cannot be reached, on its way to the terminal."""
+
+    exit_code = NOT_ACHIEVED
+
+
+class Commands(click.Group):
+    """A group whose commands end in a message and an exit code instead of a traceback."""
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run the command."""
+        try:
+            return super().invoke(ctx)
+        except InvalidInput as error:
+            raise BadInput(str(error)) from None
+        except MetafemError as error:
+            raise NotAchieved(str(error)) from None
+
+
+def model_option(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Add --model to a command."""
+    choice = click.Choice(MODELS)
+    return click.option("--model", type=choice, help="Model of the predicted law; the file's unless told.")(
+        command
+    )
+
+
+json_option = click.option("--json", "as_json", is_flag=True, help="Print data alone, as JSON.")
+force_option = click.option("--force", is_flag=True, help="Overwrite what is there.")
+
+
+@click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(package_name="metafem")
+def main() -> None:
+    """Design surfaces with a friction law of your choice.
+
+    Lengths are in mm, forces in N, moduli in MPa; files say their units.
+    """
+
+
+@main.command()
+@click.argument("name", type=click.Choice(DEMOS))
+@model_option
+@force_option
+@json_option
+def demo(name: str, model: str | None, force: bool, as_json: bool) -> None:
+    """Write the paper's specification NAME.toml into this folder and run it into NAME/."""
+    from metafem.files import check_free, demo_text, write_text
+
+    path, folder = Path(f"{name}.toml"), Path(name)
+    check_free(folder, force)
+    write_text(path, demo_text(name), force=force)
+    _run(path, folder, model, force, as_json)
+
+
+@main.command()
+@click.argument("spec", type=click.Path(path_type=Path))
+@click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="Result folder to make.")
+@model_option
+@force_option
+@json_option
+def design(spec: Path, output: Path, model: str | None, force: bool, as_json: bool) -> None:
+    """Design a surface from the specification SPEC.toml and write all its files."""
+    _run(spec, output, model, force, as_json)
+
+
+def _run(spec: Path, folder: Path, model: str | None, force: bool, as_json: bool) -> None:
+    import metafem as mf
+    from metafem.files import check_free, model_named
+    from metafem.inversion import DesignStatus
+    from metafem.report import cautions, page
+
+    check_free(folder, force)
+    with _progress("reading the specification") as say:
+        specification = mf.read_spec(spec)
+        chosen = model_named(model) if model else specification.model
+        say("inverting the law")
+        result = mf.design(
+            specification.target, specification.template, chosen, specification.limits, rng=specification.seed
+        )
+        say("drawing the report")
+        text = page(result, specification.hardness)
+        say("writing the files")
+        mf.save(result, folder, specification=specification, force=force, pages={"report.html": text})
+    _tell_design(result, specification, folder, cautions(result, specification.hardness), as_json)
+    if result.status is DesignStatus.MISSED:
+        sys.exit(NOT_ACHIEVED)
+
+
+@main.command()
+@click.argument("source", type=click.Path(path_type=Path))
+@click.option("--load", multiple=True, help='A load, such as "0.2 N"; may be repeated.')
+@click.option("--composite-modulus", help='E* for a table of heights, such as "1.36 MPa".')
+@click.option("--radius", help='Radius of all summits where the table has none, such as "526 um".')
+@model_option
+@click.option("-o", "--output", type=click.Path(path_type=Path), help="Write the law as CSV, too.")
+@force_option
+@json_option
+def predict(
+    source: Path,
+    load: tuple[str, ...],
+    composite_modulus: str | None,
+    radius: str | None,
+    model: str | None,
+    output: Path | None,
+    force: bool,
+    as_json: bool,
+) -> None:
+    """Predict the friction law of a result folder or of a table of heights.
+
+    SOURCE is a folder that `metafem design` made, or a CSV file with the columns x_mm, y_mm, height_um
+    and radius_um (or in other units). A table needs --composite-modulus.
+    """
+    import metafem as mf
+    from metafem.files import law_table, model_named, quantity, read_heights, write_text
+
+    if source.is_dir():
+        if composite_modulus is not None or radius is not None:
+            raise InvalidInput(
+                "--composite-modulus and --radius are for tables of heights; a folder states its own"
+            )
+        stored = mf.load(source)
+        surface, used = stored.surface, stored.law.model
+    else:
+        if composite_modulus is None:
+            raise InvalidInput(
+                f'a table of heights such as {source} needs --composite-modulus, for example "1.36 MPa"'
+            )
+        modulus = quantity("--composite-modulus", composite_modulus, "MPa")
+        position, height, radii = read_heights(
+            source, None if radius is None else quantity("--radius", radius, "mm")
+        )
+        surface = mf.Surface(position, height, radii, mf.Material(modulus))
+        used = mf.Independent()
+    newtons = [quantity("--load", text, "N") for text in load]
+    chosen = model_named(model) if model else used
+    with _progress("predicting the law"):
+        law = mf.friction_law(surface, chosen, load=newtons or None)
+    if output is not None:
+        write_text(output, law_table(law), force=force)
+    if as_json:
+        click.echo(json.dumps(_law_data(law)))
+    else:
+        _tell_law(law)
+
+
+@main.command()
+@click.argument("folder", type=click.Path(path_type=Path))
+@json_option
+def report(folder: Path, as_json: bool) -> None:
+    """Write report.html of a result folder anew."""
+    import metafem as mf
+    from metafem.files import stored_hardness, write_text
+    from metafem.report import page
+
+    with _progress("drawing the report"):
+        path = folder / "report.html"
+        write_text(path, page(mf.load(folder), stored_hardness(folder)), force=True)
+    click.echo(json.dumps({"report": str(path)}) if as_json else f"wrote {path}")
+
+
+@main.command()
+@json_option
+def doctor(as_json: bool) -> None:
+    """Check the installation: versions, compiled kernels, a known contact, the part's tools."""
+    from metafem.doctor import examine
+
+    findings = list(examine())
+    if as_json:
+        click.echo(json.dumps([{"what": f.what, "found": f.found, "well": f.well} for f in findings]))
+    else:
+        for finding in findings:
+            mark = click.style("ok  ", fg="green") if finding.well else click.style("FAIL", fg="red")
+            click.echo(f"{mark} {finding.what}: {finding.found}")
+    sys.exit(0 if all(finding.well for finding in findings) else NOT_ACHIEVED)
+
+
+@contextmanager
+def _progress(first: str) -> Iterator[Callable[[str], None]]:
+    """Show what is being done on a terminal, and say once when kernels are compiled."""
+    from rich.console import Console
+
+    from metafem._kernels.notice import on_first_compilation
+
+    console = Console(stderr=True)
+    on_first_compilation(lambda: console.print("compiling kernels, once for this installation …"))
+    if not console.is_terminal:
+        yield lambda text: None
+        return
+    with console.status(first) as status:
+        yield status.update
+
+
+def _tell_design(
+    result: Design, specification: Specification, folder: Path, cautions: tuple[str, ...], as_json: bool
+) -> None:
+    from metafem.report import parameter_rows, wanted
+
+    if as_json:
+        data = {
+            "folder": str(folder),
+            "status": result.status.name.lower(),
+            "misfit": result.misfit,
+            "asperities": result.surface.count,
+            "model": repr(result.law.model),
+            "parameters": {name: _plain(value) for name, value in result.parameters.items()},
+            "slopes": [{"target": b.slope, "fitted": f.slope} for b, f in result.fits],
+            "cautions": list(cautions),
+        }
+        click.echo(json.dumps(data))
+        return
+    from rich.console import Console
+    from rich.table import Table
+
+    console = Console()
+    console.print(wanted(result.target), style="bold", highlight=False, markup=False)
+    console.print(result.status.value, highlight=False, markup=False)
+    table = Table(box=None, show_header=False)
+    for name, value, unit in parameter_rows(result):
+        table.add_row(name, value, unit)
+    misfit = "below 1e-9" if result.misfit <= 1e-9 else f"{100 * result.misfit:.2g} %"
+    table.add_row("largest deviation from the target", misfit, "")
+    table.add_row("asperities", f"{result.surface.count} of {result.template.count} places", "")
+    console.print(table, highlight=False)
+    for text in cautions:
+        console.print(f"note: {text}", style="yellow", highlight=False, markup=False)
+    console.print(f"wrote {folder}/: open {folder / 'report.html'}", highlight=False, markup=False)
+
+
+def _tell_law(law: FrictionLaw) -> None:
+    from rich.console import Console
+    from rich.markup import escape
+    from rich.table import Table
+
+    table = Table()
+    columns = ["load [N]", "area [mm²]", "separation [mm]", "stiffness [N/mm]"]
+    if law.friction is not None:
+        columns.append("friction [N]")
+    for column in columns:
+        table.add_column(escape(column))
+    # Ten lines tell the shape of a curve; loads that were asked for are all shown.
+    step = max(1, len(law.load) // 10)
+    chosen = range(step - 1, len(law.load), step)
+    for i in chosen:
+        numbers = [law.load[i], law.area[i], law.separation[i], law.stiffness[i]]
+        if law.friction is not None:
+            numbers.append(law.friction_force[i])
+        table.add_row(*(f"{number:.6g}" for number in numbers))
+    console = Console()
+    console.print(table)
+    console.print(f"{law.model!r}: {law.status.value}", highlight=False, markup=False)
+
+
+def _law_data(law: FrictionLaw) -> dict[str, Any]:
+    data = {
+        "model": repr(law.model),
+        "status": law.status.name.lower(),
+        "load_N": law.load.tolist(),
+        "area_mm2": law.area.tolist(),
+        "separation_mm": law.separation.tolist(),
+        "rescaled_load_mm2": law.rescaled_load.tolist(),
+        "stiffness_N_per_mm": law.stiffness.tolist(),
+        "residual": law.residual.tolist(),
+    }
+    if law.friction is not None:
+        data["friction_force_N"] = law.friction_force.tolist()
+    return data
+
+
+def _plain(value: Any) -> Any:
+    return value.tolist() if hasattr(value, "tolist") else value

@@ -1,0 +1,23 @@
+"""The specifications that come with the package."""
+
+from __future__ import annotations
+
+from importlib.resources import files
+
+from metafem.errors import InvalidInput
+from metafem.files.model_names import suggestion
+
+DEMOS = ("operating-points", "linear", "bilinear")
+
+
+def demo_text(name: str) -> str:
+    """Return the text of a specification to start from: operating-points, linear or bilinear.
+
+    Examples
+    --------
+    >>> "[target]" in demo_text("linear")
+    True
+    """
+    if name not in DEMOS:
+        raise InvalidInput(f'demo "{name:.60}" is unknown{suggestion(name, DEMOS)}')
+    return files("metafem.files").joinpath("demos", f"{name}.toml").read_text(encoding="utf-8")

@@ -1,0 +1,179 @@
+"""The result folder of a design, written and read."""
+
+from __future__ import annotations
+
+import json
+import platform
+from collections.abc import Mapping
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+from metafem.errors import InvalidInput
+from metafem.files.part import alignment_asperities, block_mesh, stl_bytes
+from metafem.files.records import from_record, to_record
+from metafem.files.spec import Specification
+from metafem.files.staged import FORMAT, staged
+from metafem.files.tables import heights_table, law_table, mould_table
+from metafem.files.vtu import write_surface
+from metafem.inversion import Design
+
+__all__ = ["load", "save", "write_all"]
+
+NO_PAGES: Mapping[str, str] = MappingProxyType({})
+
+
+def save(
+    design: Design,
+    folder: str | Path,
+    *,
+    specification: Specification | None = None,
+    pages: Mapping[str, str] = NO_PAGES,
+    force: bool = False,
+) -> None:
+    """Write a design and the files to make the part into a new folder.
+
+    ``design.json`` (everything that `load` needs, and the versions it was made with), ``heights.csv``,
+    ``law.csv``, ``mould.csv``, ``surface.vtu``, with a block ``block.stl``, and ``spec.toml`` where a
+    specification is given. The folder appears when all of them are written.
+
+    Parameters
+    ----------
+    design : Design
+    folder : str or Path
+        Does not exist yet, its parent does.
+    specification : Specification, optional
+        What the design was made from; its alignment asperities go into the mould and the part.
+    pages : mapping of str to str, optional
+        Names and texts of further files, such as ``report.html``.
+    force : bool
+        Replace an existing folder, if it is empty or a result folder.
+
+    Raises
+    ------
+    InvalidInput
+        If the folder exists or cannot be written, or the part cannot be made: a summit outside
+        ``0 < h <= R``, caps that overlap or leave the block. Nothing is left behind.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import metafem as mf
+    >>> template = mf.Surface.square_lattice(0.12, (2, 2), radius=0.526, material=mf.Material(1.36))
+    >>> design = mf.design(mf.OperatingPoints([0.01], [0.1]), template)
+    >>> with tempfile.TemporaryDirectory() as parent:
+    ...     save(design, Path(parent, "result"))
+    ...     again = load(Path(parent, "result"))
+    >>> bool((again.surface.height == design.surface.height).all())
+    True
+    """
+    if not isinstance(design, Design):
+        raise InvalidInput(f"design = {design!r:.60} must be a metafem.Design")
+    with staged(folder, force) as fresh:
+        write_all(design, fresh, specification, pages)
+
+
+def write_all(
+    design: Design,
+    folder: Path,
+    specification: Specification | None = None,
+    pages: Mapping[str, str] = NO_PAGES,
+) -> None:
+    """Write all files of a design into an existing folder."""
+    surface = design.surface
+    height = None if specification is None else specification.alignment_height
+    alignment = None if height is None else alignment_asperities(surface, design.template, height)
+    texts = {
+        "design.json": json.dumps(_record(design, specification), indent=1, allow_nan=False) + "\n",
+        "heights.csv": heights_table(design),
+        "law.csv": law_table(design.law),
+        "mould.csv": mould_table(surface, alignment),
+        **pages,
+    }
+    if specification is not None:
+        texts["spec.toml"] = specification.text
+    try:
+        for name, text in texts.items():
+            (folder / name).write_bytes(text.encode("utf-8"))
+        if surface.block is not None:
+            (folder / "block.stl").write_bytes(stl_bytes(block_mesh(surface, height, design.template)))
+        write_surface(design, folder / "surface.vtu")
+    except OSError as error:
+        raise InvalidInput(f"{folder} cannot be written: {error.strerror}") from None
+
+
+def load(folder: str | Path) -> Design:
+    """Read the design of a result folder, equal to the bit to the one that was saved.
+
+    Raises
+    ------
+    InvalidInput
+        If the folder holds no ``design.json``, or one that is damaged or not of this version.
+    """
+    path, record = _read(folder)
+    try:
+        design = from_record(record.get("design"))
+    except (InvalidInput, TypeError, AttributeError) as error:
+        raise InvalidInput(f"{path} is damaged: {error}") from None
+    if not isinstance(design, Design):
+        raise InvalidInput(f"{path} is damaged: it holds no design")
+    return design
+
+
+def stored_hardness(folder: str | Path) -> float | None:
+    """Return the hardness [MPa] that the specification of a result folder states, if any."""
+    path, record = _read(folder)
+    try:
+        return (record["specification"] or {}).get("hardness")
+    except (KeyError, AttributeError):
+        raise InvalidInput(f"{path} is damaged: it lacks its specification") from None
+
+
+def _read(folder: str | Path) -> tuple[Path, dict[str, Any]]:
+    """Return the path and the record of a result folder's design.json."""
+    path = Path(folder) / "design.json"
+    try:
+        record = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise InvalidInput(f"{path}: no such file; name a result folder of metafem") from None
+    except OSError as error:
+        raise InvalidInput(f"{path}: cannot be read: {error.strerror}") from None
+    except ValueError as error:
+        raise InvalidInput(f"{path} is damaged: {error}") from None
+    if not isinstance(record, dict) or record.get("format") != FORMAT:
+        raise InvalidInput(f"{path} is not a design of this version of metafem ({FORMAT})")
+    return path, record
+
+
+def _record(design: Design, specification: Specification | None) -> dict[str, Any]:
+    notes = []
+    if design.surface.block is None:
+        notes.append("block.stl is left out: the surface has no block")
+    return {
+        "format": FORMAT,
+        "versions": versions(),
+        "specification": None
+        if specification is None
+        else {
+            "sha256": specification.sha256,
+            "seed": specification.seed,
+            "alignment_height": specification.alignment_height,
+            "hardness": specification.hardness,
+            "model": to_record(specification.model),
+            "text": specification.text,
+        },
+        "notes": notes,
+        "design": to_record(design),
+    }
+
+
+def versions() -> dict[str, str]:
+    """Return the versions of what a design's numbers depend on."""
+    found = {"python": platform.python_version()}
+    for name in ("metafem", "numpy", "scipy", "numba"):
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:  # a checkout that is run in place
+            found[name] = "not installed"
+    return found

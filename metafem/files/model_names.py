@@ -1,0 +1,33 @@
+"""The models by the names that people write."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from difflib import get_close_matches
+
+from metafem.errors import InvalidInput
+from metafem.models import Independent, Model
+
+MODELS: Mapping[str, Callable[[], Model]] = {
+    "independent": Independent,
+}
+
+
+def model_named(name: str) -> Model:
+    """Return the model of a name; raises InvalidInput that lists the known ones.
+
+    Examples
+    --------
+    >>> model_named("independent")
+    Independent()
+    """
+    if name not in MODELS:
+        raise InvalidInput(f'model "{name:.60}" is unknown{suggestion(name, MODELS)}')
+    return MODELS[name]()
+
+
+def suggestion(name: str, known: Mapping[str, object] | tuple[str, ...]) -> str:
+    """Return the end of an error: the nearest known name and all of them."""
+    near = get_close_matches(name, list(known), 1)
+    meant = f"; did you mean {near[0]}?" if near else ""
+    return f"{meant} (known: {', '.join(known)})"

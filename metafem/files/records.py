@@ -1,0 +1,104 @@
+"""The package's frozen values as plain dicts, for JSON, and back to the bit."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields, is_dataclass
+from enum import Enum
+from typing import Any
+
+import numpy as np
+
+from metafem.asperity import Hertz
+from metafem.distributions import TruncatedExponential, TwoBranchExponential
+from metafem.errors import InvalidInput
+from metafem.inversion import BilinearLaw, Design, DesignStatus, Limits, LinearLaw, OperatingPoints
+from metafem.inversion.blueprint import Branch
+from metafem.law import BranchFit, FrictionLaw
+from metafem.models import Independent, Status
+from metafem.surface import Block, Friction, Material, Surface
+
+# What may stand in a record. A new model, target or density is added here.
+VALUES: Mapping[str, type] = {
+    kind.__name__: kind
+    for kind in (
+        *(Material, Friction, Block, Surface, Hertz, Independent),
+        *(OperatingPoints, LinearLaw, BilinearLaw, Limits, Design, FrictionLaw),
+        *(Branch, BranchFit, TruncatedExponential, TwoBranchExponential),
+    )
+}
+ENUMS: Mapping[str, type[Enum]] = {kind.__name__: kind for kind in (Status, DesignStatus)}
+ARRAYS = ("float64", "int64")
+
+
+def to_record(value: Any) -> Any:
+    """Return a value as dicts, lists, numbers and texts.
+
+    A dataclass becomes ``{"type": its name, field: ...}``, an array ``{"float64": [...]}`` or
+    ``{"int64": [...]}``, an enum ``{"type": ..., "name": ..., "message": ...}``, a tuple a list.
+
+    Examples
+    --------
+    >>> to_record(LinearLaw(6.87))
+    {'type': 'LinearLaw', 'slope': 6.87}
+    """
+    if isinstance(value, Enum) and type(value).__name__ in ENUMS:
+        return {"type": type(value).__name__, "name": value.name, "message": value.value}
+    if is_dataclass(value) and type(value).__name__ in VALUES:
+        members = {field.name: to_record(getattr(value, field.name)) for field in fields(value)}
+        return {"type": type(value).__name__, **members}
+    if isinstance(value, np.ndarray) and value.dtype.name in ARRAYS:
+        return {value.dtype.name: value.tolist()}
+    if isinstance(value, np.generic):
+        return value.item()
+    if isinstance(value, Mapping):
+        return {str(name): to_record(member) for name, member in value.items()}
+    if isinstance(value, (tuple, list)):
+        return [to_record(member) for member in value]
+    if value is None or isinstance(value, (bool, int, float, str)):
+        return value
+    raise InvalidInput(f"{value!r:.80} cannot be written to a record; known are {', '.join(VALUES)}")
+
+
+def from_record(record: Any) -> Any:
+    """Return the value of a record; raises InvalidInput for one that `to_record` did not write.
+
+    Examples
+    --------
+    >>> from_record({"type": "LinearLaw", "slope": 6.87})
+    LinearLaw(slope=6.87)
+    """
+    if isinstance(record, list):
+        return tuple(from_record(member) for member in record)
+    if not isinstance(record, dict):
+        return record
+    name = record.get("type")
+    if name is None:
+        return _array(record) if len(record) == 1 and next(iter(record)) in ARRAYS else _mapping(record)
+    if not isinstance(name, str) or name not in {*ENUMS, *VALUES}:
+        raise InvalidInput(f"{name!r:.60} is not a type of this version; known are {', '.join(VALUES)}")
+    if name in ENUMS:
+        try:
+            return ENUMS[name][record["name"]]
+        except KeyError:
+            raise InvalidInput(f"{record.get('name')!r:.60} is not a {name}") from None
+    members = {key: from_record(member) for key, member in record.items() if key != "type"}
+    known = {field.name for field in fields(VALUES[name])}
+    if members.keys() != known:
+        differing = ", ".join(sorted(members.keys() ^ known))
+        raise InvalidInput(f"a record of {name} has missing or unknown members: {differing}")
+    return VALUES[name](**members)
+
+
+def _array(record: dict[str, Any]) -> Any:
+    ((dtype, values),) = record.items()
+    try:
+        array = np.array(values, dtype=dtype)
+    except (TypeError, ValueError, OverflowError):
+        raise InvalidInput(f"{values!r:.60} is not an array of {dtype}") from None
+    array.flags.writeable = False
+    return array
+
+
+def _mapping(record: dict[str, Any]) -> dict[str, Any]:
+    return {key: from_record(member) for key, member in record.items()}

@@ -1,0 +1,94 @@
+"""A result folder is there whole or not at all."""
+
+from __future__ import annotations
+
+import json
+import secrets
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from metafem.errors import InvalidInput
+
+# First member of a design.json, by which a folder is known as one of ours.
+FORMAT = "metafem design 1"
+
+
+@contextmanager
+def staged(folder: str | Path, force: bool = False) -> Iterator[Path]:
+    """Yield a temporary folder that becomes `folder` when the body ends without an error.
+
+    It stands beside `folder` and is removed if the body fails. An existing folder is refused, unless
+    `force` is true and it is empty or a result folder; it is then replaced once the new one is whole.
+
+    Raises
+    ------
+    InvalidInput
+        If the folder exists, or cannot be written; nothing is left behind.
+    """
+    target = Path(folder).absolute()
+    check_free(target, force)
+    token = secrets.token_hex(4)
+    fresh = target.with_name(f".{target.name}.{token}.new")
+    try:
+        fresh.mkdir()
+    except OSError as error:
+        raise InvalidInput(f"{target} cannot be written: {error.strerror}; choose another folder") from None
+    try:
+        yield fresh
+        _swap(fresh, target, target.with_name(f".{target.name}.{token}.old"))
+    finally:
+        shutil.rmtree(fresh, ignore_errors=True)
+
+
+def check_free(folder: str | Path, force: bool = False) -> None:
+    """Raise InvalidInput if `staged` would refuse the folder: worth knowing before a long run."""
+    target = Path(folder).absolute()
+    if not target.name:
+        raise InvalidInput(f"{folder} cannot be a result folder; name a new one")
+    try:
+        _check(target, force)
+    except OSError as error:
+        raise InvalidInput(f"{target} cannot be used: {error.strerror}; choose another folder") from None
+
+
+def _check(target: Path, force: bool) -> None:
+    if not target.parent.is_dir():
+        raise InvalidInput(f"{target.parent} is not a folder; create it first")
+    if not target.exists() and not target.is_symlink():
+        return
+    if target.is_symlink() or not target.is_dir():
+        raise InvalidInput(f"{target} is in the way and is not a folder; choose another name")
+    if not force:
+        raise InvalidInput(f"{target} exists; choose another folder, or replace it with --force (force=True)")
+    if not (is_result_folder(target) or not any(target.iterdir())):
+        raise InvalidInput(
+            f"{target} holds no design.json of metafem, so it is not replaced; choose another folder"
+        )
+
+
+def is_result_folder(folder: Path) -> bool:
+    """Whether the folder holds a design.json of ours."""
+    try:
+        record: Any = json.loads((folder / "design.json").read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return False
+    return isinstance(record, dict) and record.get("format") == FORMAT
+
+
+def _swap(fresh: Path, target: Path, old: Path) -> None:
+    """Put the fresh folder in the target's place; where that fails, the old one stays."""
+    try:
+        if target.exists():
+            target.rename(old)
+        try:
+            fresh.rename(target)
+        except OSError:
+            if old.exists():
+                old.rename(target)
+            raise
+    except OSError as error:
+        raise InvalidInput(f"{target} cannot be written: {error.strerror}; choose another folder") from None
+    shutil.rmtree(old, ignore_errors=True)

@@ -1,0 +1,118 @@
+"""Quantities written by people, such as "120 um", as floats in mm, N, MPa and radians."""
+
+from __future__ import annotations
+
+import re
+from fractions import Fraction
+from functools import cache
+from typing import Any
+
+from metafem.errors import InvalidInput
+
+# A decimal number, then a product of units with exponents of one digit. Nothing else reaches pint,
+# which would read "1,5 mm" as 15 mm and would work out "9**9**9".
+_NUMBER = r"[+-]?(?:\d{1,40}\.?\d{0,40}|\.\d{1,40})(?:[eE][+-]?\d{1,3})?"
+_QUANTITY = re.compile(rf"\s*({_NUMBER})\s*(.*?)\s*", re.DOTALL | re.ASCII)
+_FACTOR = r"[^\W\d_]+(?:(?:\^|\*\*)?-?\d)?|%|°"
+_UNIT = re.compile(rf"(?:{_FACTOR})(?:\s*[*/·]\s*(?:{_FACTOR})| +(?:{_FACTOR}))*")
+_EXPONENT = re.compile(r"([^\W\d_])(-?\d)")
+_SUPERSCRIPT = str.maketrans("²³", "23")
+
+EXAMPLES = {
+    "mm": "120 um",
+    "mm^2": "0.144 mm^2",
+    "N": "0.2 N",
+    "MPa": "1.36 MPa",
+    "rad": "0.1 deg",
+    "1": "0.85",
+}
+
+
+def quantity(key: str, given: Any, unit: str, example: str | None = None) -> float:
+    """Return a quantity as a float in the wanted unit, rounded once.
+
+    Parameters
+    ----------
+    key : str
+        What the error names, as ``limits.max_height``.
+    given : str
+        Number and unit, such as ``"120 um"``; both micro signs are read, and ``mm^2``, ``mm2``,
+        ``mm**2`` and ``mm²`` are the same.
+    unit : str
+        "mm", "mm^2", "N", "MPa", "rad" or "1".
+    example : str, optional
+        A valid value for the error.
+
+    Raises
+    ------
+    InvalidInput
+        For a bare number, an unknown unit, a unit of another dimension, or no quantity at all.
+
+    Examples
+    --------
+    >>> quantity("limits.max_height", "120 µm", "mm")
+    0.12
+    >>> quantity("target.crossover_load", "0.038 mm2", "mm^2")
+    0.038
+    """
+    try:
+        return converted(given, unit, example)
+    except InvalidInput as error:
+        raise InvalidInput(f"{key} {error}") from None
+
+
+def converted(given: Any, unit: str, example: str | None = None) -> float:
+    """Return `given` in `unit`; errors read on after the name of a key."""
+    valid = f'; write for example "{example or EXAMPLES[unit]}"'
+    if not isinstance(given, str):
+        cause = "needs a unit" if isinstance(given, (int, float)) else f"must be a text in {unit}"
+        raise InvalidInput(f"= {given!r:.60} {cause}{valid}")
+    match = _QUANTITY.fullmatch(given)
+    if match is None:
+        raise InvalidInput(f'= "{given:.60}" does not begin with a number{valid}')
+    number, name = match.groups()
+    if not name and unit != "1":
+        raise InvalidInput(f'= "{given:.60}" needs a unit{valid}')
+    try:
+        return float(Fraction(number) * factor(name, unit))
+    except InvalidInput as error:
+        raise InvalidInput(f'= "{given:.60}" {error}{valid}') from None
+    except OverflowError:
+        raise InvalidInput(f'= "{given:.60}" is too large a number{valid}') from None
+
+
+def decimal(text: str) -> Fraction:
+    """Return a decimal number exactly; raises ValueError for any other text."""
+    if not re.fullmatch(_NUMBER, text, re.ASCII):
+        raise ValueError(text)
+    return Fraction(text)
+
+
+@cache
+def factor(name: str, unit: str) -> Fraction:
+    """Return the number of wanted units in one unit of this name, exactly where it is rational."""
+    if name == unit or (not name and unit == "1"):
+        return Fraction(1)
+    unknown = InvalidInput(f'has the unknown unit "{name:.40}"')
+    plain = name.translate(_SUPERSCRIPT)
+    if not _UNIT.fullmatch(plain):
+        raise unknown
+    import pint
+
+    registry = _registry()
+    try:
+        given = registry.parse_units(_EXPONENT.sub(r"\1^\2", plain))
+    except (pint.errors.PintError, ValueError, AssertionError):
+        raise unknown from None
+    wanted = registry.parse_units("" if unit == "1" else unit)
+    try:
+        return Fraction(registry.Quantity(Fraction(1), given).to(wanted).magnitude)
+    except (pint.errors.PintError, OverflowError):
+        raise InvalidInput(f'has the unit "{name:.40}", which does not measure in {unit}') from None
+
+
+@cache
+def _registry() -> Any:
+    import pint
+
+    return pint.UnitRegistry(non_int_type=Fraction)

@@ -1,0 +1,34 @@
+"""What an inversion hands to the design: heights and how to judge them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from metafem._validate import FloatArray, IntArray
+from metafem.distributions import PiecewiseExponential
+
+Parameter = float | int | FloatArray | IntArray
+
+
+@dataclass(frozen=True)
+class Branch:
+    """A straight branch that the law should have: slope [-] and intercept [mm^2] over rescaled loads.
+
+    The intercept is None where the target leaves it open.
+    """
+
+    slope: float
+    load_range: tuple[float, float]
+    intercept: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Blueprint:
+    """Heights above the base plane, tallest first (n,) [mm], and what they are to achieve."""
+
+    height: FloatArray
+    parameters: Mapping[str, Parameter]
+    branches: tuple[Branch, ...] = ()
+    density: PiecewiseExponential | None = None
+    notes: tuple[str, ...] = field(default=())

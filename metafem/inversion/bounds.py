@@ -1,0 +1,119 @@
+"""Bounds that are known before a design: friction coefficients and plasticity."""
+
+from __future__ import annotations
+
+import math
+import warnings
+
+from metafem import _validate as check
+from metafem.distributions import TruncatedExponential, uniform_slope
+from metafem.errors import InvalidInput, MetafemWarning
+from metafem.inversion.exponential import FINEST_SCALE_IN_SD
+from metafem.inversion.limits import Limits
+from metafem.surface import Surface
+
+# Greenwood and Williamson's limit of mostly elastic contact.
+ELASTIC_LIMIT = 0.6
+
+
+def common_radius(template: Surface) -> float:
+    """Return the radius [mm] that all asperities share, which the closed inversions need."""
+    radius = float(template.radius[0])
+    if (template.radius != radius).any():
+        raise InvalidInput(
+            f"template.radius runs from {template.radius.min():g} to {template.radius.max():g} mm; "
+            "this inversion needs one common radius"
+        )
+    return radius
+
+
+def achievable_friction_coefficients(template: Surface, limits: Limits) -> tuple[float, float]:
+    """Bounds on the friction coefficient of a linear law.
+
+    The lower one is that of uniformly distributed heights, ``3 pi/4 sqrt(R/h_m) sigma B / E*``; the
+    upper one is that of the smallest scale that can be made, ten times `limits.height_sd`; without a
+    `height_sd` it is infinite.
+
+    Parameters
+    ----------
+    template : Surface
+        With one common radius and a friction.
+    limits : Limits
+
+    Returns
+    -------
+    low, high : float
+        Friction coefficients mu [-].
+
+    Raises
+    ------
+    InvalidInput
+        For a template without a friction, or with several radii.
+
+    Notes
+    -----
+    Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234, supplementary text.
+
+    Examples
+    --------
+    >>> import metafem as mf
+    >>> template = mf.Surface.square_lattice(
+    ...     0.12, radius=0.526, material=mf.Material(1.36), friction=mf.Friction(0.358, 0.85)
+    ... )
+    >>> limits = Limits(max_height=0.120, height_sd=0.0009)
+    >>> [round(mu, 3) for mu in achievable_friction_coefficients(template, limits)]
+    [1.104, 3.032]
+    """
+    if template.friction is None:
+        raise InvalidInput("template has no friction; a friction coefficient needs metafem.Friction")
+    radius = common_radius(template)
+    per_slope = (
+        template.friction.shear_strength * template.friction.area_ratio / template.material.composite_modulus
+    )
+    low = uniform_slope(radius, limits.span)
+    high = math.inf
+    if limits.height_sd:
+        finest = TruncatedExponential(FINEST_SCALE_IN_SD * limits.height_sd, limits.span)
+        high = finest.asymptotic_slope(radius)
+    return low * per_slope, high * per_slope
+
+
+def plasticity_index(surface: Surface, hardness: float) -> float:
+    """Plasticity index of a surface, ``psi = E*/H sqrt(s/R)``.
+
+    With s the standard deviation of the heights and R the mean radius. An elastic model is suitable
+    below 0.6; above, a MetafemWarning is issued.
+
+    Parameters
+    ----------
+    surface : Surface
+    hardness : float
+        H [MPa], positive.
+
+    Returns
+    -------
+    float
+        psi [-].
+
+    Notes
+    -----
+    Greenwood and Williamson, Proc. R. Soc. A 295, 300 (1966), doi:10.1098/rspa.1966.0242.
+
+    Examples
+    --------
+    >>> import metafem as mf
+    >>> surface = mf.Surface.square_lattice([0.1, 0.2], (1, 2), radius=0.5, material=mf.Material(1.36))
+    >>> round(plasticity_index(surface, hardness=10.0), 4)
+    0.043
+    """
+    h = check.number("hardness", hardness, above=0.0)
+    ratio = surface.material.composite_modulus / h
+    psi = ratio * math.sqrt(float(surface.height.std()) / float(surface.radius.mean()))
+    if psi >= ELASTIC_LIMIT:
+        warnings.warn(
+            f"plasticity index {psi:.3g} is not below {ELASTIC_LIMIT}: the contacts will deform "
+            "plastically; choose a material with a smaller E*/H, larger radii or closer heights",
+            MetafemWarning,
+            stacklevel=2,
+        )
+    return psi

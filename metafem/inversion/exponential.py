@@ -1,0 +1,183 @@
+"""Heights of linear (S3 to S5) and bilinear (S6 to S8) laws from exponential densities."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from scipy.optimize import brentq
+
+from metafem._validate import FloatArray, IntArray
+from metafem.distributions import (
+    PiecewiseExponential,
+    TruncatedExponential,
+    TwoBranchExponential,
+    equal_masses,
+    scale_from_slope,
+    uniform_slope,
+)
+from metafem.errors import Infeasible
+from metafem.inversion.blueprint import Blueprint, Branch, Parameter
+from metafem.inversion.limits import Limits
+from metafem.inversion.target import BilinearLaw, LinearLaw
+
+# A straight branch is judged over its last three quarters: below, the law still bends towards its
+# asymptote. Over this range the paper's surfaces give its target slopes and its scatter.
+BRANCH_START = 0.25
+
+# A bound is left by this relative step where the nearest reachable law is offered.
+INSIDE = 1e-6
+
+# A scale below this many standard deviations of the made heights no longer makes an exponential
+# density: the source paper's rule of thumb, doi:10.1126/science.adk4234.
+FINEST_SCALE_IN_SD = 10.0
+
+
+def invert_linear(target: LinearLaw, radius: float, count: int, limits: Limits) -> Blueprint:
+    """Return heights of the truncated exponential whose law has the wanted slope."""
+    scale = _scale(target.slope, radius, limits, LinearLaw(_lowest_slope(radius, limits)))
+    density = TruncatedExponential(scale, limits.span)
+    end = float(density.rescaled_load(0.0, count, radius))
+    intercept = density.intercept(count, radius)
+    parameters: dict[str, Parameter] = {"scale": scale, "intercept": intercept, "foot_load": end}
+    if limits.height_step is None:
+        height = _middles(density, 0.0, limits.span, count)
+    else:
+        levels, counts = level_counts(density, count, limits.height_step)
+        height = np.repeat(levels, counts)[::-1]
+        parameters |= {"levels": limits.foot + levels, "counts": counts}
+    branch = Branch(target.slope, (BRANCH_START * end, end), intercept)
+    return Blueprint(limits.foot + height, parameters, (branch,), density, _notes(scale, limits))
+
+
+def invert_bilinear(target: BilinearLaw, radius: float, count: int, limits: Limits) -> Blueprint:
+    """Return heights of the two-branch exponential whose law has the wanted slopes and crossover."""
+    first, second = target.slopes
+    floor = _lowest_slope(radius, limits)
+    scale = _scale(first, radius, limits, BilinearLaw((floor, second), target.crossover_load))
+    density = _two_branches(target, scale, radius, count, limits)
+    upper = round(count * density.upper_mass)
+    if not 0 < upper < count:
+        raise Infeasible(
+            f"crossover_load = {target.crossover_load:g} mm^2 leaves {count * density.upper_mass:.2g} of "
+            f"{count} asperities to the first branch; both branches need at least one: change "
+            "crossover_load or use more asperities"
+        )
+    middle, top = density.crossover_height, limits.span
+    height = np.concatenate(
+        [_middles(density, middle, top, upper), _middles(density, 0.0, middle, count - upper)]
+    )
+    crossover, end = target.crossover_load, float(density.rescaled_load(0.0, count, radius))
+    parameters: dict[str, Parameter] = {
+        "scale": scale,
+        "weight": density.weight,
+        "crossover_height": limits.foot + middle,
+        "counts": np.array([upper, count - upper]),
+        "foot_load": end,
+    }
+    branches = (
+        Branch(first, (BRANCH_START * crossover, crossover)),
+        Branch(second, (crossover + BRANCH_START * (end - crossover), end)),
+    )
+    notes = _notes(scale, limits)
+    if limits.height_step is not None:
+        notes += ("height_step is not applied: each asperity of a bilinear law has its own height",)
+    return Blueprint(limits.foot + height, parameters, branches, density, notes)
+
+
+def level_counts(density: PiecewiseExponential, count: int, step: float) -> tuple[FloatArray, IntArray]:
+    """Levels [mm] at the middles of steps of the height, and whole numbers of asperities on them.
+
+    The nearest integers to the expectations; while their sum is not `count`, the level changes by one
+    whose number then differs least from its expectation, relative to it. Mass above the last middle
+    that fits below the maximum height goes to that level.
+    """
+    number = max(1, math.floor(density.max_height / step + 0.5))
+    levels = np.asarray(step * (np.arange(number) + 0.5), dtype=np.float64)
+    ends = np.append(step * np.arange(len(levels)), density.max_height)
+    expected = count * density.mass(ends[:-1], ends[1:])
+    counts = np.rint(expected).astype(np.int64)
+    while (missing := count - int(counts.sum())) != 0:
+        changed = counts + (1 if missing > 0 else -1)
+        error = np.where(changed >= 0, np.abs(changed - expected) / expected, np.inf)
+        best = int(error.argmin())
+        counts[best] = changed[best]
+    return levels, counts
+
+
+def _middles(density: PiecewiseExponential, low: float, high: float, count: int) -> FloatArray:
+    """Middles of `count` intervals of equal mass between two heights, tallest first [mm]."""
+    ends = equal_masses(density.scale, low, high, count)
+    return np.asarray(0.5 * (ends[1:] + ends[:-1])[::-1])
+
+
+def _lowest_slope(radius: float, limits: Limits) -> float:
+    return uniform_slope(radius, limits.span) * (1.0 + INSIDE)
+
+
+def _scale(slope: float, radius: float, limits: Limits, nearest: LinearLaw | BilinearLaw) -> float:
+    bound = uniform_slope(radius, limits.span)
+    if slope <= bound:
+        raise Infeasible(
+            f"slope {slope:g} is not above the bound 3 pi/4 sqrt(R/h_m) = {bound:.6g} of asperities of "
+            f"radius {radius:g} mm within {limits.span:g} mm of height; raise the slope or max_height, "
+            "or use a smaller radius",
+            nearest,
+        )
+    return scale_from_slope(slope, radius, limits.span)
+
+
+def _two_branches(
+    target: BilinearLaw, scale: float, radius: float, count: int, limits: Limits
+) -> TwoBranchExponential:
+    """Solve S8: the crossover load gives the weight at each crossover height, m_2 then the height."""
+    (first, second), crossover, top = target.slopes, target.crossover_load, limits.span
+    plain = TruncatedExponential(scale, top)
+    full_load = float(plain.rescaled_load(0.0, count, radius))
+    if crossover >= full_load:
+        raise Infeasible(
+            f"crossover_load = {crossover:g} mm^2 is outside the law of slope {first:g}, which ends at "
+            f"{full_load:.6g} mm^2 where the plane reaches the lowest asperity",
+            BilinearLaw((first, first / 0.75), 0.5 * full_load),
+        )
+
+    def weight(middle: float) -> float:
+        return crossover / float(plain.rescaled_load(middle, count, radius))
+
+    def overfull(depth: float) -> float:
+        return weight(top - depth) * float(plain.mass(top - depth, top)) - 1.0
+
+    # The whole mass above a crossover height that lies `depth` below the top has <d^1.5> <= depth^1.5.
+    shallow = (crossover / (4.0 / 3.0 * count * math.sqrt(radius))) ** (2.0 / 3.0)
+    deepest = top * (1.0 - INSIDE)
+    shallowest = float(brentq(overfull, shallow, deepest)) if overfull(deepest) < 0.0 else deepest
+    shallowest += INSIDE * (deepest - shallowest)
+
+    def density(depth: float) -> TwoBranchExponential:
+        return TwoBranchExponential(scale, top, top - depth, weight(top - depth))
+
+    def second_slope(depth: float) -> float:
+        return density(depth).asymptotic_slopes(radius)[1]
+
+    low, high = second_slope(shallowest), second_slope(deepest)
+    if not low <= second <= high:
+        inside = min(max(second, low * (1.0 + INSIDE)), high * (1.0 - INSIDE))
+        raise Infeasible(
+            f"slopes[1] = {second:g} cannot follow a branch of slope {first:g} up to {crossover:g} mm^2 with "
+            f"{count} asperities: the second slope can be from {low:.6g} to {high:.6g}",
+            BilinearLaw((first, inside), crossover),
+        )
+    tightest = 4.0 * np.finfo(float).eps
+    depth = brentq(
+        lambda depth: second_slope(depth) - second, shallowest, deepest, xtol=tightest * top, rtol=tightest
+    )
+    return density(float(depth))
+
+
+def _notes(scale: float, limits: Limits) -> tuple[str, ...]:
+    if limits.height_sd is not None and scale < FINEST_SCALE_IN_SD * limits.height_sd:
+        return (
+            f"the scale {scale:.4g} mm is below {FINEST_SCALE_IN_SD:g} times height_sd = "
+            f"{limits.height_sd:g} mm: errors of the made heights will shape the law",
+        )
+    return ()

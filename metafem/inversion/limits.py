@@ -1,0 +1,67 @@
+"""What the workshop can make."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from metafem import _validate as check
+from metafem.errors import InvalidInput
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Heights that the workshop can make; a designed summit stands at ``offset + h``.
+
+    Parameters
+    ----------
+    max_height : float
+        Largest h [mm], positive; the h_m of the exponential densities and the first level of
+        operating points.
+    min_height : float
+        Smallest h [mm], below max_height; where the densities begin.
+    offset : float
+        Height h_0 added to all [mm], not negative, so that the lowest contacts can be indented before
+        the plane reaches the base plane. It does not change the law.
+    height_step : float, optional
+        Distance of the levels on which a linear law's heights stand [mm]; without it each asperity
+        has a height of its own.
+    height_sd : float, optional
+        Standard deviation of the made heights [mm]; designs too fine for it are noted.
+
+    Raises
+    ------
+    InvalidInput
+        If a value is outside its range.
+
+    Examples
+    --------
+    >>> Limits(max_height=0.120, offset=0.084, height_step=0.006).span
+    0.12
+    """
+
+    max_height: float
+    min_height: float = 0.0
+    offset: float = 0.0
+    height_step: float | None = None
+    height_sd: float | None = None
+
+    def __post_init__(self) -> None:
+        top = check.number("max_height", self.max_height, above=0.0)
+        low = check.number("min_height", self.min_height, at_least=0.0)
+        check.number("offset", self.offset, at_least=0.0)
+        if low >= top:
+            raise InvalidInput(f"min_height = {low:g} must be below max_height = {top:g}")
+        if self.height_step is not None:
+            check.number("height_step", self.height_step, above=0.0, at_most=self.span)
+        if self.height_sd is not None:
+            check.number("height_sd", self.height_sd, at_least=0.0)
+
+    @property
+    def span(self) -> float:
+        """Range of the heights, max_height - min_height [mm]."""
+        return self.max_height - self.min_height
+
+    @property
+    def foot(self) -> float:
+        """Height of the lowest possible summit above the base plane, offset + min_height [mm]."""
+        return self.offset + self.min_height

@@ -1,0 +1,251 @@
+"""Asperities that feel each other through the block."""
+
+from __future__ import annotations
+
+import math
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from metafem import _validate as check
+from metafem._validate import FloatArray
+from metafem.asperity import Contact, Hertz
+from metafem.errors import InvalidInput, NotConverged
+from metafem.models.model import ContactState, Curve, Status
+from metafem.models.range_notes import interaction_notes, refuse_thin_layer
+from metafem.substrate import HalfSpace, Substrate
+from metafem.substrate.pedestal import pedestal_compliance
+from metafem.surface import Surface
+
+if TYPE_CHECKING:
+    from metafem._kernels.continuation import Results
+    from metafem._kernels.coupling import Field
+
+# Largest residual of what is returned; the kernel aims a digit lower.
+TOLERANCE = 1e-12
+
+# Pairs of asperities, times loads, below which a second thread does not pay: about a millisecond.
+PAIRS_PER_THREAD = 200_000
+
+
+@dataclass(frozen=True)
+class Interacting:
+    """Hertzian asperities coupled through an elastic substrate.
+
+    Each indentation obeys ``d_i = h_i - delta - u_i`` with the displacement ``u_i`` that the others
+    cause, and ``P_i = 4/3 E* sqrt(R_i) d_i^(3/2)``.
+
+    Order 1 takes the others as point loads, ``u_i = sum_j P_j/E* G(r_ij)``. Order 3 adds the three
+    terms of the next order, which belong together: the finite size of the sources,
+    ``a_j^2/10 lap G``; the curvature of the field, ``1/R_i + sum_j P_j/E* lap G/2``; and its slope,
+    which moves the contact by ``-R grad u``. They are the gradient of one energy, to first order in
+    the shifts. Both include the regular self terms of the substrate.
+
+    Against resolved contacts on a half-space, order 3 holds the total load at fixed approach within
+    0.025 % and A0 at fixed load within 0.08 % up to a/pitch = 0.32; order 1 is off by 0.08 % and 0.9 %.
+
+    Parameters
+    ----------
+    order : {1, 3}
+    substrate : Substrate
+        `HalfSpace()`, `BondedLayer()`, or any other.
+    contact : Contact
+        Law of one contact: `Hertz()`.
+    pedestal : bool
+        Add the compliance of the caps themselves, which stand on the block.
+
+    Raises
+    ------
+    InvalidInput
+        For an order that does not exist, or a substrate or contact that cannot be used.
+
+    Examples
+    --------
+    >>> from metafem import Material, equilibrium
+    >>> surface = Surface.square_lattice(0.1, (8, 8), radius=0.526, material=Material(1.36))
+    >>> state = equilibrium(surface, Interacting(), load=1.28)
+    >>> round(state.area, 3), round(state.separation, 4)
+    (6.462, -0.0227)
+    """
+
+    order: int = 3
+    substrate: Substrate = field(default_factory=HalfSpace)
+    contact: Contact = field(default_factory=Hertz)
+    pedestal: bool = False
+
+    def __post_init__(self) -> None:
+        if isinstance(self.order, bool) or self.order not in (1, 3):
+            raise InvalidInput(f"order = {self.order!r} does not exist; it must be 1 or 3")
+        if isinstance(self.substrate, type) or not isinstance(self.substrate, Substrate):
+            raise InvalidInput(
+                f"substrate = {self.substrate!r} must be a substrate such as metafem.HalfSpace()"
+            )
+        if not isinstance(self.contact, Hertz):
+            raise InvalidInput(f"contact = {self.contact!r} must be metafem.Hertz()")
+        if not isinstance(self.pedestal, bool):
+            raise InvalidInput(f"pedestal = {self.pedestal!r} must be True or False")
+
+    @property
+    def tolerance(self) -> float:
+        """Largest residual of a converged state."""
+        return TOLERANCE
+
+    def solve(self, surface: Surface, approach: float, guess: ContactState | None = None) -> ContactState:
+        """Equilibrium at a given approach [mm]; the dense solver needs no guess."""
+        return self._state(surface, approach, by_load=False)
+
+    def solve_load(self, surface: Surface, load: float) -> ContactState:
+        """Equilibrium under a given rescaled load P/E* [mm^2]."""
+        return self._state(surface, load, by_load=True)
+
+    def curve(self, surface: Surface, load: FloatArray) -> Curve:
+        """Equilibria at increasing rescaled loads P/E* [mm^2], (k,)."""
+        return self._curve(surface, np.asarray(load), by_load=True)
+
+    def curve_at(self, surface: Surface, approach: FloatArray) -> Curve:
+        """Equilibria at increasing approaches [mm], (k,)."""
+        return self._curve(surface, np.asarray(approach), by_load=False)
+
+    def curves(
+        self, surface: Surface, height: ArrayLike, rescaled_load: ArrayLike
+    ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """Friction laws of many lists of heights on the places of one surface, in compiled code.
+
+        Parameters
+        ----------
+        surface : Surface
+            Positions, radii, material and block; its own heights are not used.
+        height : array_like, (m, n) or (n,)
+            Lists of summit heights [mm].
+        rescaled_load : array_like, (k,)
+            Loads P/E* [mm^2], not negative, in any order.
+
+        Returns
+        -------
+        approach, load, area, stiffness : ndarray, (m, k)
+            Approach [mm], load recomputed at it [mm^2], real contact area [mm^2] and derivative of
+            the rescaled load by the approach [mm].
+
+        Raises
+        ------
+        InvalidInput
+            For heights or loads that cannot be used, and a layer thinner than the contacts.
+        NotConverged
+            If a residual exceeds 1e-12; all results are attached.
+
+        Examples
+        --------
+        >>> from metafem import Material
+        >>> surface = Surface([[0, 0], [1.5, 0]], [0.1, 0.1], 0.526, Material(1.36))
+        >>> approach, load, area, stiffness = Interacting().curves(
+        ...     surface, [[0.1, 0.1], [0.1, 0.2]], [0.01, 0.02]
+        ... )
+        >>> area.round(4)
+        array([[0.0988, 0.1568],
+               [0.0784, 0.1245]])
+        """
+        heights = check.array("height", np.atleast_2d(np.asarray(height)), shape=(None, surface.count))
+        loads = check.array("rescaled_load", rescaled_load, shape=(None,))
+        if loads.min() < 0.0:
+            raise InvalidInput(f"rescaled_load holds {loads.min():g}; loads cannot be negative")
+        results, _ = self._run(surface, heights, loads, by_load=True)
+        refuse_thin_layer(self.substrate.for_surface(surface), float(results.radius.max()))
+        worst = float(results.residual.max())
+        if not worst <= TOLERANCE:
+            count = int((~(results.residual <= TOLERANCE)).sum())
+            raise NotConverged(f"{count} equilibria not converged: largest residual {worst:.2g}", results)
+        return results.approach, results.load, results.area, results.stiffness
+
+    def _curve(self, surface: Surface, control: FloatArray, by_load: bool) -> Curve:
+        results, _ = self._run(surface, surface.height[None, :], control, by_load)
+        refuse_thin_layer(self.substrate.for_surface(surface), float(results.radius.max()))
+        return Curve(
+            results.approach[0], results.load[0], results.area[0], results.stiffness[0], results.residual[0]
+        )
+
+    def _state(self, surface: Surface, control: float, by_load: bool) -> ContactState:
+        results, last = self._run(surface, surface.height[None, :], np.array([control]), by_load)
+        modulus = surface.material.composite_modulus
+        bound = self.substrate.for_surface(surface)
+        refuse_thin_layer(bound, float(results.radius.max()))
+        approach = float(results.approach[0, 0])
+        residual = float(results.residual[0, 0])
+        return ContactState(
+            load=modulus * float(results.load[0, 0]),
+            area=float(results.area[0, 0]),
+            separation=float(surface.height.max()) - approach,
+            approach=approach,
+            stiffness=modulus * float(results.stiffness[0, 0]),
+            asperity_load=modulus * last.load,
+            asperity_area=math.pi * last.square,
+            residual=residual,
+            status=Status.CONVERGED if residual <= TOLERANCE else Status.NOT_CONVERGED,
+            model=self,
+            notes=interaction_notes(surface, np.sqrt(last.square), last.indentation),
+        )
+
+    def _run(
+        self, surface: Surface, height: FloatArray, control: FloatArray, by_load: bool
+    ) -> tuple[Results, Last]:
+        """Run the kernel over (m, n) heights and (k,) loads or approaches, in up to two threads."""
+        from metafem._kernels import continuation as kernel
+
+        coupling, self_term = self._coupling(surface)
+        own = np.broadcast_to(self_term, height.shape)
+        if self.pedestal:
+            own = own + pedestal_compliance(height, surface.radius)
+        own = np.array(own, order="C")
+        gap = height.max(axis=1, keepdims=True) - height
+        order = np.argsort(control, kind="stable")
+        rising = np.ascontiguousarray(control[order])
+        results = kernel.empty_results(len(height), len(rising))
+        radius = np.array(np.broadcast_to(surface.radius, height.shape), order="C")
+        last = Last(*(np.zeros(surface.count) for _ in range(3)))
+
+        def run(rows: slice) -> None:
+            state, memory, scratch = kernel.empty_workplace(surface.count, self.order)
+            part = kernel.Results(*(array[rows] for array in results))
+            kernel.curves(
+                coupling, self.order, radius[rows], own[rows], gap[rows], rising, by_load, part,
+                state, memory, scratch,
+            )  # fmt: skip
+            if rows.stop == len(height):
+                last.load[:], last.square[:] = state.load, state.square
+                last.indentation[:] = state.indentation
+
+        work = height.size * surface.count * len(rising)
+        pieces = min(2, 1 + work // PAIRS_PER_THREAD, len(height))
+        edges = np.linspace(0, len(height), pieces + 1).astype(int)
+        slices = [slice(int(a), int(b)) for a, b in pairwise(edges)]
+        if pieces == 1:
+            run(slices[0])
+        else:
+            with ThreadPoolExecutor(pieces) as pool:
+                list(pool.map(run, slices))
+        back = np.argsort(order, kind="stable")
+        return kernel.Results(*(array[:, back] for array in results)), last
+
+    def _coupling(self, surface: Surface) -> tuple[Field, FloatArray]:
+        """Return the influence of the asperities on each other, and their own regular terms (n,)."""
+        from metafem._kernels.coupling import Field
+
+        influence = np.array(self.substrate.influence_matrix(surface), dtype=np.float64, order="C")
+        own = np.diagonal(influence).copy()
+        np.fill_diagonal(influence, 0.0)
+        if self.order == 1:
+            return Field(influence, *(np.empty((0, 0)) for _ in range(6))), own
+        derivatives = [np.ascontiguousarray(d) for d in self.substrate.influence_derivatives(surface)]
+        return Field(influence, *derivatives, *(np.ascontiguousarray(d.T) for d in derivatives)), own
+
+
+@dataclass(frozen=True)
+class Last:
+    """Rescaled loads, squares of the contact radii and indentations of the last equilibrium, (n,)."""
+
+    load: FloatArray
+    square: FloatArray
+    indentation: FloatArray

@@ -1,0 +1,129 @@
+"""The mean field: every asperity sinks by the same mean displacement."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from metafem._validate import FloatArray
+from metafem.models.independent import TOLERANCE, Independent
+from metafem.models.model import ContactState, Curve
+from metafem.surface import Surface
+
+# Mean of 1/(pi r) over all pairs of points of a unit square: 4/pi [ln(1 + sqrt 2) - (sqrt 2 - 1)/3].
+MEAN_DISPLACEMENT = 4.0 / math.pi * (math.log(1.0 + math.sqrt(2.0)) - (math.sqrt(2.0) - 1.0) / 3.0)
+
+# Newton falls monotonically on the root of a convex function; any double is reached well before.
+MAX_STEPS = 200
+
+
+@dataclass(frozen=True)
+class MeanField:
+    """Independent asperities on a base that sinks by ``c p sqrt(A)/E*``, p = P/A the nominal pressure.
+
+    ``c = 0.9464`` is the mean over a uniformly loaded square of area A, the nominal area of
+    `nominal_area`. A uniform sinking leaves A0(P) exactly that of `Independent` and moves only the
+    separation. For the half-space, and many asperities. Ciavarella, Greenwood and Paggi, Wear 265, 729
+    (2008), doi:10.1016/j.wear.2008.01.019.
+
+    Examples
+    --------
+    >>> from metafem import Material, Surface, equilibrium
+    >>> surface = Surface.square_lattice(0.1, (8, 8), radius=0.526, material=Material(1.36))
+    >>> alone, sunk = (equilibrium(surface, model, load=1.28) for model in (Independent(), MeanField()))
+    >>> alone.area == sunk.area, round(alone.separation - sunk.separation, 4)
+    (True, 0.0742)
+    """
+
+    @property
+    def tolerance(self) -> float:
+        """Largest relative error of a converged state."""
+        return TOLERANCE
+
+    def solve(self, surface: Surface, approach: float, guess: ContactState | None = None) -> ContactState:
+        """Equilibrium at a given approach [mm]; needs no guess."""
+        return self._state(surface, float(self._local(surface, np.array([approach]))[0]), approach)
+
+    def solve_load(self, surface: Surface, load: float) -> ContactState:
+        """Equilibrium under a given rescaled load P/E* [mm^2]."""
+        return self._state(surface, float(Independent().curve(surface, np.array([load])).approach[0]))
+
+    def curve(self, surface: Surface, load: FloatArray) -> Curve:
+        """Equilibria at increasing rescaled loads P/E* [mm^2], (k,)."""
+        return self._sunk(surface, Independent().curve(surface, load))
+
+    def curve_at(self, surface: Surface, approach: FloatArray) -> Curve:
+        """Equilibria at given approaches [mm], (k,)."""
+        local = Independent().curve_at(surface, self._local(surface, approach))
+        sunk = self._sunk(surface, local)
+        error = np.abs(sunk.approach - approach) / np.where(local.approach > 0.0, local.approach, 1.0)
+        return replace(sunk, approach=np.array(approach), residual=error)
+
+    def _sunk(self, surface: Surface, curve: Curve) -> Curve:
+        compliance = _compliance(surface)
+        stiffness = curve.stiffness / (1.0 + compliance * curve.stiffness)
+        return replace(curve, approach=curve.approach + compliance * curve.load, stiffness=stiffness)
+
+    def _state(self, surface: Surface, local: float, approach: float | None = None) -> ContactState:
+        """Return the state whose contacts are those of independent asperities at `local`."""
+        modulus = surface.material.composite_modulus
+        compliance = _compliance(surface) / modulus
+        state = Independent().solve(surface, local)
+        sunk = local + compliance * state.load
+        residual = 0.0 if approach is None or local <= 0.0 else abs(sunk - approach) / local
+        reached = sunk if approach is None else approach
+        note = () if surface.count > 1 else ("one asperity has no neighbours: the mean field is zero",)
+        return replace(
+            state,
+            approach=reached,
+            separation=float(surface.height.max()) - reached,
+            stiffness=state.stiffness / (1.0 + compliance * state.stiffness),
+            residual=residual,
+            model=self,
+            notes=(*state.notes, *note),
+        )
+
+    def _local(self, surface: Surface, approach: FloatArray) -> FloatArray:
+        """Return the approaches y of the contacts themselves, y + compliance P(y) = approach."""
+        compliance = _compliance(surface)
+        local = np.array(approach)
+        for _ in range(MAX_STEPS):
+            curve = Independent().curve_at(surface, local)
+            excess = local + compliance * curve.load - approach
+            step = excess / (1.0 + compliance * curve.stiffness)
+            lower = np.where(excess > 0.0, local - step, local)
+            if (lower == local).all() or (np.abs(step) <= np.finfo(float).eps * np.abs(local)).all():
+                return lower
+            local = lower
+        return local
+
+
+def nominal_area(surface: Surface) -> float:
+    """Return the area A that the asperities stand for [mm^2].
+
+    The rectangle with n equal cells whose lattice has the second moments l1, l2 of the positions:
+    ``A^2 = (12 l1 + A/n)(12 l2 + A/n)``. It is n times the square of the pitch on every rectangular
+    piece of a square lattice, and does not depend on the axes. Infinite for one asperity.
+
+    Examples
+    --------
+    >>> from metafem import Material
+    >>> lattice = Surface.square_lattice(0.1, (8, 5), 1.5, radius=0.526, material=Material(1.36))
+    >>> round(nominal_area(lattice), 9)
+    90.0
+    """
+    n = surface.count
+    if n == 1:
+        return math.inf
+    x, y = (surface.position - surface.position.mean(axis=0)).T
+    xx, yy, xy = (12.0 * float(np.mean(product)) for product in (x * x, y * y, x * y))
+    whole, product = (xx + yy) / n, max(xx * yy - xy * xy, 0.0)
+    rest = 1.0 - 1.0 / n**2
+    return (whole + math.sqrt(whole**2 + 4.0 * rest * product)) / (2.0 * rest)
+
+
+def _compliance(surface: Surface) -> float:
+    """Return the mean sinking per unit of P/E*, c/sqrt(A) [1/mm]."""
+    return MEAN_DISPLACEMENT / math.sqrt(nominal_area(surface))

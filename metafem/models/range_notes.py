@@ -1,0 +1,61 @@
+"""Where an interacting model leaves its range, said in the notes of a state."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from metafem._validate import FloatArray
+from metafem.errors import InvalidInput
+from metafem.substrate import BondedLayer, Substrate
+from metafem.surface import Surface
+
+# Contact radius over distance of neighbours up to which order 3 was compared with resolved contacts.
+COMPARED = 0.32
+
+
+def refuse_thin_layer(substrate: Substrate, contact_radius: float) -> None:
+    """Raise InvalidInput where contacts are wider than the layer is thick: no expansion holds there."""
+    thickness = substrate.thickness if isinstance(substrate, BondedLayer) else None
+    if thickness is not None and contact_radius > thickness:
+        raise InvalidInput(
+            f"the layer of {thickness:g} mm is thinner than the contacts, whose radius is "
+            f"{contact_radius:.4g} mm; use resolved contacts or a thicker layer"
+        )
+
+
+def interaction_notes(
+    surface: Surface, contact_radius: FloatArray, indentation: FloatArray
+) -> tuple[str, ...]:
+    """Return what a reader of the state must know: overlap, wide contacts, the base plane."""
+    from scipy.spatial import cKDTree
+
+    notes = []
+    closed = np.flatnonzero(contact_radius > 0.0)
+    if closed.size > 1:
+        a = contact_radius[closed]
+        # pairs beyond this cannot overlap, nor leave the range
+        reach = float(a.max()) * max(2.0, 1.0 / COMPARED)
+        tree = cKDTree(surface.position[closed])
+        i, j = tree.query_pairs(reach, output_type="ndarray").T
+        if i.size:
+            r = np.hypot(*(tree.data[i] - tree.data[j]).T)
+            overlaps = int((a[i] + a[j] > r).sum())
+            ratio = float((np.maximum(a[i], a[j]) / r).max())
+            if overlaps:
+                notes.append(
+                    f"contacts overlap: {overlaps} pairs of them reach into each other; resolved "
+                    "contacts would merge"
+                )
+            elif ratio > COMPARED:
+                notes.append(
+                    f"a/r = {ratio:.2f} exceeds {COMPARED}, up to which order 3 was compared with "
+                    "resolved contacts"
+                )
+    # the base under a contact has come nearer to the plane by its displacement: h - d is left
+    left = float((surface.height - indentation).min())
+    if left <= 0.0:
+        notes.append(
+            f"the base plane would touch: {left:.4g} mm are left beside an asperity; "
+            "the load it would carry is not counted"
+        )
+    return tuple(notes)

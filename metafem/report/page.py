@@ -1,0 +1,159 @@
+"""The page of one design: one HTML text that opens offline."""
+
+from __future__ import annotations
+
+from functools import singledispatch
+from importlib import resources
+from typing import Any
+
+import numpy as np
+
+from metafem.inversion import BilinearLaw, Design, LinearLaw, OperatingPoints
+from metafem.models import equilibrium
+from metafem.report.cautions import cautions
+from metafem.report.figures import contact_figure, height_figure, law_figure, model_name
+from metafem.report.svg import svg
+
+Row = tuple[str, str, str]
+
+# Units and words of the parameters that inversions report.
+PARAMETERS = {
+    "scale": ("scale λ of the height density", "µm", 1e3),
+    "weight": ("weight u of the upper branch", "", 1.0),
+    "crossover_height": ("crossover height above the base", "µm", 1e3),
+    "intercept": ("intercept α of the asymptote", "mm²", 1.0),
+    "foot_load": ("rescaled load at which the plane reaches the lowest asperity", "mm²", 1.0),
+    "counts": ("numbers of asperities", "", 1.0),
+    "levels": ("levels above the base", "µm", 1e3),
+    "adjustment_heights": ("adjustment heights above the base", "µm", 1e3),
+}
+
+
+def page(design: Design, hardness: float | None = None) -> str:
+    """Return the report of a design as one self-contained HTML text.
+
+    Parameters
+    ----------
+    design : Design
+    hardness : float, optional
+        H [MPa], for the plasticity index.
+
+    Examples
+    --------
+    >>> import metafem as mf
+    >>> template = mf.Surface.square_lattice(0.12, radius=0.526, material=mf.Material(1.36))
+    >>> text = page(mf.design(mf.LinearLaw(6.87), template))
+    >>> text[:15], "http" in text.replace("http://www.w3.org", "")
+    ('<!doctype html>', False)
+    """
+    from jinja2 import Environment, StrictUndefined
+
+    source = resources.files("metafem.report").joinpath("templates/page.html").read_text("utf-8")
+    template = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True).from_string(source)
+    heights = design.surface.height
+    return template.render(
+        title=wanted(design.target),
+        status=design.status.value,
+        achieved=design.status.name != "MISSED",
+        tiles=_tiles(design),
+        cautions=cautions(design, hardness),
+        hardness=hardness,
+        law=svg(law_figure(design), "Target and achieved friction law"),
+        heights=svg(height_figure(design), "Summit heights at their places"),
+        contacts=svg(contact_figure(design), "Real contacts at three loads"),
+        parameters=parameter_rows(design),
+        fits=_fits(design),
+        inputs=_inputs(design),
+        summits=[
+            (int(site), f"{x:.4f}", f"{y:.4f}", f"{h * 1e3:.2f}")
+            for site, (x, y), h in zip(design.sites, design.surface.position, heights, strict=True)
+        ],
+        residual=f"{design.law.residual.max():.1e}",
+        model=model_name(design.law.model),
+    )
+
+
+@singledispatch
+def wanted(target: object) -> str:
+    """Say in one line what was asked for."""
+    raise TypeError(f"no words for {type(target).__name__}")
+
+
+@wanted.register(OperatingPoints)
+def _(target: OperatingPoints) -> str:
+    return f"Friction law through {len(target.rescaled_load)} operating points"
+
+
+@wanted.register(LinearLaw)
+def _(target: LinearLaw) -> str:
+    return f"Linear friction law of slope {target.slope:.4g}"
+
+
+@wanted.register(BilinearLaw)
+def _(target: BilinearLaw) -> str:
+    first, second = target.slopes
+    return f"Bilinear friction law of slopes {first:.4g} and {second:.4g}"
+
+
+def _tiles(design: Design) -> list[tuple[str, str]]:
+    heights = design.surface.height * 1e3
+    exact = design.misfit <= 1e-9
+    return [
+        ("largest deviation from the target", "below 1e-9" if exact else f"{100 * design.misfit:.2g} %"),
+        ("places with an asperity", f"{design.surface.count} of {design.template.count}"),
+        ("heights", f"{heights.min():.1f} – {heights.max():.1f} µm"),
+        ("largest load shown", f"{design.law.load[-1]:.3g} N"),
+    ]
+
+
+def parameter_rows(design: Design) -> list[Row]:
+    """Return what the inversion solved for as words, values and units."""
+    rows = []
+    for name, value in design.parameters.items():
+        words, unit, factor = PARAMETERS[name]
+        numbers = np.atleast_1d(np.asarray(value) * (int(factor) if factor == 1.0 else factor))
+        rows.append((words, ", ".join(f"{number:.6g}" for number in numbers), unit))
+    return rows
+
+
+def _fits(design: Design) -> list[dict[str, Any]]:
+    rows = []
+    for branch, fit in design.fits:
+        half = 0.5 * (fit.slope_interval[1] - fit.slope_interval[0])
+        rows.append(
+            {
+                "range": f"{fit.load_range[0]:.4g} – {fit.load_range[1]:.4g}",
+                "target": f"{branch.slope:.4g}",
+                "slope": f"{fit.slope:.4g} ± {half:.1g}",
+                "deviation": f"{100 * (fit.slope / branch.slope - 1):+.2f} %",
+                "intercept": f"{fit.intercept:.4f}",
+                "closed": "–" if branch.intercept is None else f"{branch.intercept:.4f}",
+            }
+        )
+    return rows
+
+
+def _inputs(design: Design) -> list[Row]:
+    surface = design.template
+    rows = [
+        ("composite modulus E*", f"{surface.material.composite_modulus:g}", "MPa"),
+        ("Poisson's ratio ν", f"{surface.material.poisson_ratio:g}", ""),
+        ("summit radius R", f"{surface.radius[0] * 1e3:g}", "µm"),
+        ("places for asperities", f"{surface.count}", ""),
+        ("largest height h_m", f"{design.limits.max_height * 1e3:g}", "µm"),
+        ("offset h_0", f"{design.limits.offset * 1e3:g}", "µm"),
+    ]
+    if surface.friction is not None:
+        rows[2:2] = [
+            ("shear strength σ", f"{surface.friction.shear_strength:g}", "MPa"),
+            ("area ratio B", f"{surface.friction.area_ratio:g}", ""),
+        ]
+    if surface.block is not None:
+        block = surface.block
+        rows.append(("block", f"{block.width:g} × {block.length:g} × {block.thickness:g}", "mm"))
+    for name, value in (("level step", design.limits.height_step), ("height error", design.limits.height_sd)):
+        if value is not None:
+            rows.append((name, f"{value * 1e3:g}", "µm"))
+    contact = equilibrium(design.surface, design.law.model, separation=0.0)
+    rows.append(("load at which the plane reaches the base plane", f"{contact.load:.4g}", "N"))
+    return rows

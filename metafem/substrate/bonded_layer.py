@@ -1,0 +1,158 @@
+"""The elastic layer bonded to a rigid base."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+
+from metafem import _validate as check
+from metafem._validate import FloatArray
+from metafem.errors import InvalidInput
+from metafem.substrate.radial import Radial
+from metafem.surface import Surface
+
+# 1 - M falls as x^2 exp(-2x): what lies beyond is below 1e-19.
+LAST_WAVENUMBER = 25.0
+
+# Panels of 16 Gauss points up to there, each shorter than three waves of J0 at the table's end.
+PANELS = 72
+PANEL_POINTS = 16
+
+# The slowest decay of G, at nu = 1/2, is exp(-0.739 s) (0.739 = cos 0.739 is the first pole of M): at
+# the end of the table the layer is below 1e-13 of the half-space.
+TABLE_END = 48.0
+
+
+@dataclass(frozen=True)
+class BondedLayer(Radial):
+    """A layer of thickness t, unbounded in the plane, bonded to a rigid base.
+
+    ``G(r) = 1/pi int_0^inf M(k t) J0(k r) dk`` with
+    ``M(x) = (2 K sinh 2x - 4x) / (2 K cosh 2x + 4x^2 + 1 + K^2)`` and ``K = 3 - 4 nu``. The half-space
+    1/(pi r) is taken out; the rest is a table of polynomials in r/t, built once for each nu, with an
+    error below 1e-12 of the half-space's value. Holds while the sides of the block are farther away
+    than t. Johnson, Contact Mechanics, section 5.8, doi:10.1017/CBO9781139171731.
+
+    Parameters
+    ----------
+    thickness : float, optional
+        t [mm], positive; that of the surface's block unless told.
+    poisson_ratio : float, optional
+        nu [-], from 0 to 0.5; that of the surface's material unless told.
+
+    Raises
+    ------
+    InvalidInput
+        For values outside their range, or that differ from the surface's own.
+
+    Examples
+    --------
+    >>> from metafem import HalfSpace
+    >>> layer = BondedLayer(thickness=7.2, poisson_ratio=0.5)
+    >>> (layer.influence([1.5, 6.0]) / HalfSpace().influence([1.5, 6.0])).round(3)
+    array([ 0.64 , -0.059])
+    """
+
+    thickness: float | None = None
+    poisson_ratio: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.thickness is not None:
+            object.__setattr__(self, "thickness", check.number("thickness", self.thickness, above=0.0))
+        if self.poisson_ratio is not None:
+            ratio = check.number("poisson_ratio", self.poisson_ratio, at_least=0.0, at_most=0.5)
+            object.__setattr__(self, "poisson_ratio", ratio)
+
+    def for_surface(self, surface: Surface) -> BondedLayer:
+        """Return the layer with the thickness and Poisson ratio of a surface."""
+        ratio = _agreed("poisson_ratio", self.poisson_ratio, surface.material.poisson_ratio)
+        block = surface.block
+        if block is None and self.thickness is None:
+            raise InvalidInput("BondedLayer() needs the surface's block, or a thickness of its own")
+        thickness = _agreed("thickness", self.thickness, None if block is None else block.thickness)
+        return replace(self, thickness=thickness, poisson_ratio=ratio)
+
+    @property
+    def self_influence(self) -> float:
+        """``-1/(pi t) int (1 - M) dx`` [1/mm], about -0.56/t for nu = 0.5."""
+        thickness, ratio = self._values()
+        return float(-_moments(ratio)[0] / (math.pi * thickness))
+
+    @property
+    def self_curvature(self) -> float:
+        """``1/(2 pi t^3) int (1 - M) x^2 dx`` [1/mm^3], about 0.61/t^3 for nu = 0.5."""
+        thickness, ratio = self._values()
+        return float(_moments(ratio)[1] / (2.0 * math.pi * thickness**3))
+
+    def regular_derivatives(self, distance: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return the regular part of G [1/mm], G' and G'' at distances r >= 0 [mm]."""
+        from metafem._kernels import layer as kernel
+
+        thickness, ratio = self._values()
+        flat = np.ravel(distance)
+        parts = kernel.empty_results(flat.size)
+        kernel.fill_regular(flat, thickness, regular_table(ratio), *parts)
+        value, first, second = (part.reshape(np.shape(distance)) for part in parts)
+        return value, first, second
+
+    def _values(self) -> tuple[float, float]:
+        if self.thickness is None or self.poisson_ratio is None:
+            raise InvalidInput(
+                "a bare BondedLayer needs thickness and poisson_ratio; for_surface(surface) fills them in"
+            )
+        return self.thickness, self.poisson_ratio
+
+
+def _agreed(name: str, own: float | None, given: float | None) -> float | None:
+    """Return the one value that is there; two must be equal."""
+    if own is not None and given is not None and own != given:
+        raise InvalidInput(f"BondedLayer has {name} = {own:g}, but the surface has {given:g}")
+    return given if own is None else own
+
+
+def _deficit(wavenumber: FloatArray, poisson_ratio: float) -> FloatArray:
+    """Return 1 - M, in a form that does not cancel."""
+    x, kappa = wavenumber, 3.0 - 4.0 * poisson_ratio
+    # the exponential parts of numerator and denominator are subtracted beforehand
+    upper = 2.0 * kappa * np.exp(-2.0 * x) + 4.0 * x + 4.0 * x**2 + 1.0 + kappa**2
+    return np.asarray(upper / (2.0 * kappa * np.cosh(2.0 * x) + 4.0 * x**2 + 1.0 + kappa**2))
+
+
+@lru_cache
+def _quadrature(poisson_ratio: float) -> tuple[FloatArray, FloatArray]:
+    """Return wavenumbers x and the weights of int (1 - M) f(x) dx."""
+    node, weight = np.polynomial.legendre.leggauss(PANEL_POINTS)
+    half = 0.5 * LAST_WAVENUMBER / PANELS
+    x = (half * (2.0 * np.arange(PANELS)[:, None] + 1.0 + node)).ravel()
+    return x, half * np.tile(weight, PANELS) * _deficit(x, poisson_ratio)
+
+
+def _moments(poisson_ratio: float) -> tuple[float, float]:
+    """Return int (1 - M) dx and int (1 - M) x^2 dx."""
+    x, weight = _quadrature(poisson_ratio)
+    return float(weight.sum()), float(weight @ x**2)
+
+
+@lru_cache
+def regular_table(poisson_ratio: float) -> FloatArray:
+    """Return the coefficients that `metafem._kernels.layer` evaluates, read-only."""
+    from scipy.special import j0, j1
+
+    from metafem._kernels.layer import DEGREE, WIDTH
+
+    x, weight = _quadrature(poisson_ratio)
+    node = np.cos(math.pi * (np.arange(DEGREE + 1) + 0.5) / (DEGREE + 1))
+    powers = np.linalg.inv(np.vander(node, increasing=True))
+    start = np.arange(0.0, TABLE_END, WIDTH)
+    table = np.empty((3, start.size, DEGREE + 1))
+    for piece, s in enumerate(start[:, None] + 0.5 * WIDTH * (node + 1.0)):
+        phase = np.outer(s, x)
+        zero, one = j0(phase), j1(phase)
+        table[0, piece] = powers @ -(zero @ weight)
+        table[1, piece] = powers @ (one @ (weight * x))
+        table[2, piece] = powers @ ((zero - one / phase) @ (weight * x**2))
+    table.flags.writeable = False
+    return table

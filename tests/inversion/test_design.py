@@ -1,0 +1,238 @@
+"""Designs of all three kinds: exact where they can be, refused with a reason where they cannot."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import metafem as mf
+from metafem.distributions import TruncatedExponential
+from metafem.inversion import DesignStatus
+from metafem.inversion.exponential import level_counts
+
+LIMITS = mf.Limits(max_height=0.12, offset=0.05)
+LATTICE = mf.Surface.square_lattice(0.12, radius=0.526, material=mf.Material(1.36))
+POINTS = mf.OperatingPoints([0.144, 0.336, 0.649], [0.84, 1.68, 4.12])
+
+
+def test_operating_points_are_met(template):
+    result = mf.design(POINTS, template, limits=mf.Limits(0.27))
+    areas = [mf.equilibrium(result.surface, load=1.36 * p).area for p in POINTS.rescaled_load]
+    np.testing.assert_allclose(areas, POINTS.rescaled_friction, rtol=1e-9)
+    assert result.status is DesignStatus.EXACT
+    assert result.surface.count == 58
+
+
+@given(st.integers(0, 10**6))
+def test_points_of_any_level_surface_can_be_designed(seed):
+    """A law taken from levels with adjustments is reachable, whatever they are."""
+    rng = np.random.default_rng(seed)
+    levels = 0.3 - np.concatenate([[0.0], np.cumsum(rng.uniform(0.01, 0.06, 2))])
+    height = np.repeat(levels, rng.integers(1, 12, 3))
+    at = np.append(levels[1:], levels[-1] - 0.02)
+    surface = mf.Surface.square_lattice(height, (1, len(height)), radius=0.526, material=mf.Material(1.0))
+    law = mf.friction_law(surface, separation=at)
+    target = mf.OperatingPoints(law.rescaled_load, law.rescaled_friction)
+    result = mf.design(target, LATTICE, limits=mf.Limits(0.3))
+    assert result.misfit <= 1e-9
+    assert result.surface.count <= len(height) + 3
+
+
+@pytest.mark.parametrize(
+    ("load", "friction", "words"),
+    [
+        ([0.144, 0.336, 0.649], [0.84, 1.68, 9.0], r"point 3 .* 927 more asperities are needed, 54 are left"),
+        ([0.144, 0.336, 0.649], [0.84, 1.0, 4.0], r"point 2 .*from 1.48208 to 2.80861 mm\^2"),
+        ([0.0001], [1e-4], "point 1 .*a single asperity already gives more friction"),
+    ],
+)
+def test_unreachable_points_say_why_and_what_is_near(template, load, friction, words):
+    target = mf.OperatingPoints(load, friction)
+    with pytest.raises(mf.Infeasible, match=words) as caught:
+        mf.design(target, template, limits=mf.Limits(0.27))
+    near = mf.design(caught.value.nearest, template, limits=mf.Limits(0.27))
+    assert near.misfit <= 1e-9
+
+
+@pytest.mark.parametrize(
+    ("limits", "words"),
+    [
+        (mf.Limits(0.15), "point 3 needs a summit at -0.0126.* raise max_height = 0.15 mm by 0.0126 mm"),
+        (mf.Limits(0.163), "at operating point 3 the plane would reach the base plane; raise offset = 0"),
+        (mf.Limits(0.27, min_height=0.15), "needs a summit at 0.1.* mm, below min_height = 0.15"),
+    ],
+)
+def test_points_beyond_the_workshop_say_what_to_raise(template, limits, words):
+    with pytest.raises(mf.Infeasible, match=words):
+        mf.design(POINTS, template, limits=limits)
+
+
+def test_linear_law_from_a_friction_coefficient(template):
+    target = mf.LinearLaw.from_friction_coefficient(1.5, template.material, template.friction)
+    result = mf.design(target, template, limits=LIMITS)
+    slope = result.density.asymptotic_slope(0.526) * 0.358 * 0.85 / 1.36
+    assert slope == pytest.approx(1.5, rel=1e-10)
+
+
+@pytest.mark.parametrize("shape", [(8, 8), (60, 60)])
+def test_discrete_law_approaches_that_of_the_density(shape):
+    lattice = mf.Surface.square_lattice(0.12, shape, radius=0.526, material=mf.Material(1.0))
+    result = mf.design(mf.LinearLaw(7.0), lattice, limits=LIMITS)
+    delta = np.linspace(0.0, 0.08, 9)
+    load = result.density.rescaled_load(delta, lattice.count, 0.526)
+    expected = result.density.area(delta, lattice.count, 0.526)
+    found = mf.friction_law(result.surface, load=load).area[::-1]
+    # the tallest interval holds 1/N of the mass: its middle is off by O(1/N) of the area there
+    np.testing.assert_allclose(found, expected, rtol=1.5 / lattice.count)
+
+
+def test_bilinear_density_meets_its_target(template):
+    target = mf.BilinearLaw((7.15, 12.52), 0.0380)
+    result = mf.design(target, template, limits=LIMITS)
+    np.testing.assert_allclose(result.density.asymptotic_slopes(0.526), target.slopes, rtol=1e-10)
+    assert result.density.crossover_load(64, 0.526) == pytest.approx(0.0380, rel=1e-10)
+
+
+def design_or_reason(target):
+    try:
+        return mf.design(target, LATTICE, limits=LIMITS)
+    except mf.Infeasible as error:
+        return str(error)
+
+
+@given(st.floats(5.2, 12.0), st.floats(0.0, 1.0), st.floats(0.05, 0.8))
+def test_every_second_slope_within_the_stated_bounds_is_solved(first, share, load):
+    full = mf.design(mf.LinearLaw(first), LATTICE, limits=LIMITS).parameters["foot_load"]
+    bounds = []
+    for extreme in (1e-3, 1e6):
+        with pytest.raises(mf.Infeasible) as caught:
+            mf.design(mf.BilinearLaw((first, extreme), load * full), LATTICE, limits=LIMITS)
+        bounds.append(caught.value.nearest.slopes[1])
+    second = bounds[0] + share * (bounds[1] - bounds[0])
+    found = design_or_reason(mf.BilinearLaw((first, second), load * full))
+    if isinstance(found, str):
+        assert "to the first branch" in found  # 64 asperities are too few for one of the branches
+    else:
+        assert found.density.asymptotic_slopes(0.526)[1] == pytest.approx(second, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("target", "words"),
+    [
+        (mf.LinearLaw(3.0), "slope 3 is not above the bound 3 pi/4 .* = 4.93303"),
+        (mf.BilinearLaw((3.0, 9.0), 0.04), "slope 3 is not above"),
+        (mf.BilinearLaw((7.15, 12.0), 5.0), "crossover_load = 5 mm.2 is outside the law .* 0.4354"),
+        (mf.BilinearLaw((7.15, 12.0), 0.4), "the second slope can be from 5.59.* to 7.78"),
+    ],
+)
+def test_unreachable_slopes_say_why_and_what_is_near(template, target, words):
+    with pytest.raises(mf.Infeasible, match=words) as caught:
+        mf.design(target, template, limits=LIMITS)
+    near = mf.design(caught.value.nearest, template, limits=LIMITS)
+    assert near.density is not None
+
+
+def test_crossover_with_too_few_asperities_is_refused(template):
+    with pytest.raises(mf.Infeasible, match="of 64 asperities to the first branch"):
+        mf.design(mf.BilinearLaw((7.15, 9.0), 1e-6), template, limits=LIMITS)
+
+
+@given(st.floats(0.003, 1.0), st.integers(1, 300), st.floats(0.02, 1.0))
+def test_level_counts_add_up_and_stay_near_their_expectation(scale, count, share):
+    density = TruncatedExponential(scale, 0.12)
+    levels, counts = level_counts(density, count, 0.12 * share)
+    assert counts.sum() == count
+    assert counts.min() >= 0
+    assert levels.max() <= 0.12 * (1.0 + 1e-12)
+
+
+def test_heights_are_dealt_by_the_seed_and_never_sorted(template):
+    first, second, other = (mf.design(mf.LinearLaw(7.0), template, limits=LIMITS, rng=s) for s in (0, 0, 1))
+    np.testing.assert_array_equal(first.surface.height, second.surface.height)
+    assert not (first.surface.height == other.surface.height).all()
+    np.testing.assert_array_equal(np.sort(first.surface.height), np.sort(other.surface.height))
+    assert (np.diff(first.surface.height) > 0).any()
+    assert (np.diff(first.surface.height) < 0).any()
+
+
+def test_sites_map_to_the_template(template):
+    result = mf.design(POINTS, template, limits=mf.Limits(0.27))
+    np.testing.assert_array_equal(result.surface.position, template.position[result.sites])
+    assert len(set(result.sites.tolist())) == 58
+
+
+def test_heights_stay_within_the_limits(template):
+    limits = mf.Limits(max_height=0.15, min_height=0.03, offset=0.02, height_step=0.006)
+    height = mf.design(mf.LinearLaw(7.0), template, limits=limits).surface.height
+    assert height.min() >= 0.05
+    assert height.max() <= 0.17
+
+
+def test_heights_too_fine_for_the_workshop_are_noted(template):
+    limits = mf.Limits(max_height=0.12, height_sd=0.003)
+    notes = mf.design(mf.LinearLaw(9.0), template, limits=limits).notes
+    assert "below 10 times height_sd" in notes[0]
+    assert "stand lower than 10 times height_sd" in notes[1]
+
+
+def test_a_missed_target_is_called_so(template):
+    result = mf.design(mf.BilinearLaw((7.15, 30.0), 0.04), template, limits=LIMITS)
+    assert result.status is DesignStatus.MISSED
+
+
+@pytest.mark.parametrize(
+    ("build", "words"),
+    [
+        (lambda: mf.OperatingPoints([1, 2], [1]), r"rescaled_friction has shape \(1,\)"),
+        (lambda: mf.OperatingPoints([1, 1], [1, 2]), r"rescaled_load\[1\] = 1 does not exceed"),
+        (lambda: mf.OperatingPoints([1, 2], [2, 1]), r"rescaled_friction\[1\] = 1 does not exceed"),
+        (lambda: mf.OperatingPoints([0, 1], [1, 2]), r"rescaled_load\[0\] = 0 must be greater than 0"),
+        (lambda: mf.LinearLaw(math.nan), "slope = nan must be finite"),
+        (lambda: mf.BilinearLaw((1, 2, 3), 0.1), "slopes has shape"),
+        (lambda: mf.BilinearLaw((1, -2), 0.1), r"slopes\[1\] = -2 must be greater"),
+        (lambda: mf.Limits(0.0), "max_height = 0 must be greater"),
+        (lambda: mf.Limits(0.1, min_height=0.2), "min_height = 0.2 must be below max_height"),
+        (lambda: mf.Limits(0.1, height_step=0.2), "height_step = 0.2 must be at most 0.1"),
+        (lambda: mf.design("linear", LATTICE), "target = 'linear' must be one of OperatingPoints"),
+        (lambda: mf.design(mf.LinearLaw(7), 3), "template = 3 must be a metafem.Surface"),
+        (lambda: mf.design(mf.LinearLaw(7), LATTICE, limits=0.1), "limits = 0.1 must be metafem.Limits"),
+        (
+            lambda: mf.design(mf.LinearLaw(7), LATTICE.replaced(radius=np.linspace(1, 2, 64))),
+            "needs one common radius",
+        ),
+    ],
+)
+def test_bad_requests_are_named(build, words):
+    with pytest.raises(mf.InvalidInput, match=words):
+        build()
+
+
+def test_targets_from_forces(template):
+    pair = template.material, template.friction
+    factor = 0.358 * 0.85
+    points = mf.OperatingPoints.from_forces([0.2, 0.4], [0.3, 0.5], *pair)
+    np.testing.assert_allclose(points.rescaled_load, np.array([0.2, 0.4]) / 1.36, rtol=1e-12)
+    np.testing.assert_allclose(points.rescaled_friction, np.array([0.3, 0.5]) / factor, rtol=1e-12)
+    line = mf.LinearLaw.from_forces([0.1, 0.2, 0.3], [0.3, 0.5, 0.7], *pair)
+    assert line.slope == pytest.approx(2.0 * 1.36 / factor, rel=1e-12)
+    two = mf.BilinearLaw.from_forces([0.1, 0.2, 0.3], [0.1, 0.2, 0.4], *pair)
+    assert two.slopes[1] == pytest.approx(2.0 * two.slopes[0], rel=1e-12)
+    assert two.crossover_load == pytest.approx(0.2 / 1.36, rel=1e-12)
+
+
+def test_plasticity_index_warns_above_its_limit(template):
+    rough = template.replaced(height=np.linspace(0.0, 0.2, 64))
+    psi = mf.plasticity_index(rough, 100.0)
+    assert psi == pytest.approx(1.36 / 100.0 * math.sqrt(rough.height.std() / 0.526), rel=1e-12)
+    with pytest.warns(mf.MetafemWarning, match="plasticity index .* is not below 0.6"):
+        mf.plasticity_index(rough, 0.5)
+
+
+def test_coefficient_bounds_need_a_friction(template):
+    low, high = mf.achievable_friction_coefficients(template, mf.Limits(0.12))
+    bound = 0.75 * math.pi * math.sqrt(0.526 / 0.12) * 0.358 * 0.85 / 1.36
+    assert (low, high) == (pytest.approx(bound, rel=1e-12), math.inf)
+    with pytest.raises(mf.InvalidInput, match="template has no friction"):
+        mf.achievable_friction_coefficients(template.replaced(friction=None), LIMITS)

@@ -1,0 +1,31 @@
+"""Scenes and models that several tests share."""
+
+import numpy as np
+
+import metafem as mf
+
+MODELS = [
+    mf.Independent(),
+    mf.MeanField(),
+    mf.Interacting(order=1),
+    mf.Interacting(order=3),
+    mf.Interacting(order=1, substrate=mf.BondedLayer()),
+    mf.Interacting(order=3, substrate=mf.BondedLayer()),
+    mf.Interacting(order=3, substrate=mf.BondedLayer(), pedestal=True),
+]
+
+# Six unequal asperities, none at a special place.
+PLACE = np.array([[0.1, 0.2], [1.4, -0.3], [-0.2, 1.9], [1.7, 1.5], [3.3, 0.4], [2.9, 2.6]])
+HEIGHT = np.array([0.10, 0.16, 0.13, 0.149, 0.155, 0.11])
+RADIUS = np.array([0.5, 0.6, 0.4, 0.526, 0.45, 0.7])
+
+
+def scene(place=PLACE, height=HEIGHT, radius=RADIUS, modulus=1.36, thickness=7.2, poisson_ratio=0.5):
+    material = mf.Material(modulus, poisson_ratio)
+    return mf.Surface(place, height, radius, material, block=mf.Block(20, 20, thickness))
+
+
+def lattice(height, radius=0.526, **material):
+    side = round(np.sqrt(np.size(height)))
+    x = 1.5 * np.arange(side)
+    return scene(np.column_stack([np.tile(x, side), np.repeat(x, side)]), height, radius, **material)

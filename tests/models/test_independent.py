@@ -1,0 +1,106 @@
+"""Independent asperities and their equilibrium."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import metafem as mf
+
+MATERIAL = mf.Material(1.36)
+
+
+def test_one_asperity_obeys_hertz(template):
+    surface = template.replaced(position=[[0.0, 0.0]], height=[0.1], radius=[0.526])
+    state = mf.equilibrium(surface, load=0.05)
+    a = (0.75 * 0.05 * 0.526 / 1.36) ** (1.0 / 3.0)
+    assert state.area == pytest.approx(math.pi * a * a, rel=1e-12)
+    assert state.approach == pytest.approx(a * a / 0.526, rel=1e-12)
+    assert state.separation == pytest.approx(0.1 - a * a / 0.526, rel=1e-12)
+    assert state.stiffness == pytest.approx(2.0 * 1.36 * a, rel=1e-12)
+
+
+def test_load_equation_holds_from_light_to_heavy_loads(rough):
+    full = mf.equilibrium(rough, separation=float(rough.height.min())).load
+    for load in full * np.geomspace(1e-12, 10.0, 23):
+        state = mf.equilibrium(rough, load=load)
+        assert state.residual <= 1e-12
+        # the load follows from what the state holds, though the separation has lost the digits
+        indentation = np.maximum(state.approach - rough.gap, 0.0)
+        again = 4 / 3 * 1.36 * math.sqrt(0.526) * math.fsum(indentation**1.5)
+        assert again == pytest.approx(load, rel=1e-9)
+        assert math.fsum(state.asperity_load) == pytest.approx(load, rel=1e-12)
+
+
+def test_approach_load_and_separation_agree(rough):
+    state = mf.equilibrium(rough, load=0.3)
+    assert mf.equilibrium(rough, approach=state.approach).load == pytest.approx(0.3, rel=1e-12)
+    # the separation holds the approach to a unit in the last place of the height
+    assert mf.equilibrium(rough, separation=state.separation).load == pytest.approx(0.3, rel=1e-12)
+
+
+def test_open_contact_carries_nothing(rough):
+    for given_ in ({"load": 0.0}, {"separation": 1.0}, {"approach": -0.1}):
+        state = mf.equilibrium(rough, **given_)
+        assert (state.load, state.area, state.stiffness) == (0.0, 0.0, 0.0)
+
+
+def test_base_contact_is_said(rough):
+    assert not mf.equilibrium(rough, separation=0.01).notes
+    assert "base plane would touch" in mf.equilibrium(rough, separation=-0.001).notes[0]
+
+
+@given(st.integers(0, 10**6), st.floats(0.01, 3.0))
+def test_many_surfaces_at_once_agree_with_one_by_one(seed, load):
+    rng = np.random.default_rng(seed)
+    height, radius = rng.exponential(0.03, (3, 6)), rng.uniform(0.3, 3.0, 6)
+    _, carried, area, slope = mf.Independent().curves(height, radius, [2.0 * load, load])
+    assert carried[:, 1] == pytest.approx(load, rel=1e-12)
+    for row, a, s in zip(height, area[:, 1], slope[:, 1], strict=True):
+        surface = mf.Surface(rng.random((6, 2)), row, radius, MATERIAL)
+        state = mf.equilibrium(surface, load=1.36 * load)
+        assert (state.area, state.stiffness) == pytest.approx((a, 1.36 * s), rel=1e-11)
+
+
+def test_threads_do_not_change_the_numbers():
+    height = np.random.default_rng(0).exponential(0.03, (600, 64))
+    load = np.linspace(0.01, 0.5, 50)
+    together = mf.Independent().curves(height, 0.526, load)
+    apart = [mf.Independent().curves(part, 0.526, load) for part in (height[:7], height[7:])]
+    for whole, first, second in zip(together, *apart, strict=True):
+        np.testing.assert_array_equal(whole, np.concatenate([first, second]))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({}, "exactly one of load, approach and separation must be given; got none"),
+        ({"load": 1.0, "approach": 0.1}, r"got \['load', 'approach'\]"),
+        ({"load": -1.0}, "load = -1 must be at least 0"),
+        ({"load": math.nan}, "load = nan must be finite"),
+        ({"separation": math.inf}, "separation = inf must be finite"),
+        ({"approach": "deep"}, "approach = 'deep' is not a number"),
+        ({"load": 1.0, "model": "independent"}, "model = 'independent' must be a model"),
+        ({"load": 1.0, "surface": 3}, "surface = 3 must be a metafem.Surface"),
+    ],
+)
+def test_bad_requests_are_named(rough, arguments, words):
+    with pytest.raises(mf.InvalidInput, match=words):
+        mf.equilibrium(**({"surface": rough} | arguments))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (([], 0.5, [1.0]), "height is empty"),
+        (([0.1], -0.5, [1.0]), "radius = -0.5 must be finite and greater than 0"),
+        (([0.1], 0.5, [-1.0]), "rescaled_load holds -1"),
+        (([0.1], 0.5, [math.nan]), "rescaled_load holds nan"),
+        (([0.1, 0.2], [0.5, 0.5, 0.5], [1.0]), r"radius has shape \(3,\)"),
+    ],
+)
+def test_bad_batches_are_named(arguments, words):
+    with pytest.raises(mf.InvalidInput, match=words):
+        mf.Independent().curves(*arguments)

@@ -1,0 +1,212 @@
+"""Interacting asperities against a readable twin, the printed 3 x 3 table and closed forms."""
+
+import math
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import metafem as mf
+from metafem.substrate.pedestal import pedestal_compliance
+from tests.models.scenes import HEIGHT, MODELS, PLACE, RADIUS, lattice, scene
+
+SUBSTRATES = [mf.HalfSpace(), mf.BondedLayer(7.2, 0.5), mf.BondedLayer(1.0, 0.3)]
+
+
+def displacement(surface, substrate, order, load):
+    """Displacement u (n,) and curvature k (n,) under rescaled loads: the readable twin."""
+    influence = substrate.influence_matrix(surface)
+    if order == 1:
+        return influence @ load, 1 / surface.radius
+    gx, gy, laplacian = substrate.influence_derivatives(surface)
+    curvature = 1 / surface.radius + laplacian @ load / 2
+    square = (0.75 * load / curvature) ** (2 / 3)  # a^2 from a^3 = 3/4 p/k
+    slope_x, slope_y = gx @ load, gy @ load
+    own_shift = -surface.radius / 2 * (slope_x**2 + slope_y**2)
+    moment = load * surface.radius
+    their_shift = -gx.T @ (moment * slope_x) - gy.T @ (moment * slope_y)
+    return influence @ load + laplacian.T @ (load * square / 10) + own_shift + their_shift, curvature
+
+
+def moved_displacement(surface, load, steps=50):
+    """The same on a half-space with distances at the moved centres, to all orders in the shifts."""
+    centre, square = surface.position, 0.0
+    for _ in range(steps):
+        dx, dy = (c[:, None] - c for c in centre.T)
+        r = np.hypot(dx, dy)
+        np.fill_diagonal(r, np.inf)
+        curvature = 1 / surface.radius + (load / (2 * math.pi * r**3)).sum(1)
+        square = (0.75 * load / curvature) ** (2 / 3)
+        slope = -np.column_stack([(load * d / (math.pi * r**3)).sum(1) for d in (dx, dy)])
+        shift = -surface.radius[:, None] * slope
+        centre = surface.position + shift
+    u = (load / (math.pi * r) * (1 + square / (10 * r**2))).sum(1)
+    return u + (shift**2).sum(1) / (2 * surface.radius), curvature
+
+
+@pytest.mark.parametrize("order", [1, 3])
+@pytest.mark.parametrize("substrate", SUBSTRATES)
+@pytest.mark.parametrize("approach", [0.03, 0.12])
+def test_states_fulfil_the_equations_of_the_readable_twin(order, substrate, approach):
+    thickness = getattr(substrate, "thickness", 7.2)
+    surface = scene(thickness=thickness, poisson_ratio=getattr(substrate, "poisson_ratio", 0.5))
+    state = mf.equilibrium(surface, mf.Interacting(order=order, substrate=substrate), approach=approach)
+    load = state.asperity_load / 1.36
+    u, curvature = displacement(surface, substrate, order, load)
+    room = HEIGHT - state.separation - u
+    closed = load > 0
+    d = (0.75 * load) ** (2 / 3) * curvature ** (1 / 3)
+    assert_allclose(d[closed], room[closed], rtol=0, atol=1e-12 * d.max())
+    assert (room[~closed] <= 0).all()
+    assert_allclose(state.asperity_area, math.pi * d / curvature, rtol=1e-11)
+
+
+@pytest.mark.parametrize("substrate", SUBSTRATES)
+def test_order_3_is_the_gradient_of_its_energy(substrate):
+    surface = scene(0.5 * PLACE, thickness=getattr(substrate, "thickness", 7.2))
+    surface = surface.replaced(material=mf.Material(1.36, getattr(substrate, "poisson_ratio", 0.5)))
+    load = np.array([0.02, 0.03, 0.01, 0.015, 0.04, 0.025])
+    slope = [g @ load for g in substrate.influence_derivatives(surface)[:2]]
+
+    def energy(p):
+        gx, gy, laplacian = substrate.influence_derivatives(surface)
+        d = (0.75 * p) ** (2 / 3) * (1 / surface.radius + laplacian @ p / 2) ** (1 / 3)
+        tilt = p @ (surface.radius * ((gx @ p) ** 2 + (gy @ p) ** 2)) / 2
+        return 0.6 * p @ d + p @ substrate.influence_matrix(surface) @ p / 2 - tilt
+
+    u, curvature = displacement(surface, substrate, 3, load)
+    gradient = (0.75 * load) ** (2 / 3) * curvature ** (1 / 3) + u
+    step = 1e-6
+    difference = [(energy(load + step * e) - energy(load - step * e)) / (2 * step) for e in np.eye(6)]
+    assert_allclose(difference, gradient, rtol=1e-7)
+    assert np.abs(slope).max() > 1e-3  # the shifts are not idle in this scene
+
+
+@pytest.mark.parametrize("approach", [0.1, 0.2, 0.3, 0.45])
+def test_shifts_to_first_order_against_moved_centres(approach):
+    surface = lattice(0.5 * np.ones(9), modulus=1.0)
+    state = mf.equilibrium(surface, mf.Interacting(), approach=approach)
+    u, curvature = moved_displacement(surface, state.asperity_load)
+    d = (0.75 * state.asperity_load) ** (2 / 3) * curvature ** (1 / 3)
+    # the square of a shift over the pitch, (R p/(pi L^3))^2, over the indentation's own share
+    shift = 0.526 * state.asperity_load.max() / (math.pi * 1.5**3)
+    assert_allclose(d, approach - u, rtol=0, atol=5 * shift**2 * approach)
+
+
+@pytest.mark.parametrize(
+    ("approach", "order_1", "area_1"),
+    [(0.1, 0.05, 0.12), (0.2, 0.07, 0.30), (0.3, 0.08, 0.51), (0.45, 0.05, 0.86)],
+)
+def test_point_loads_err_as_resolved_contacts_found(approach, order_1, area_1):
+    """Order 1 and order 3 differ by the printed errors of order 1, within those of order 3."""
+    surface = lattice(0.5 * np.ones(9))
+    point = mf.equilibrium(surface, mf.Interacting(order=1), approach=approach)
+    full = mf.equilibrium(surface, mf.Interacting(), approach=approach)
+    assert 100 * (point.load / full.load - 1) == pytest.approx(order_1, abs=0.025)
+    area = mf.equilibrium(surface, mf.Interacting(), load=point.load).area
+    assert 100 * (point.area / area - 1) == pytest.approx(area_1, abs=0.08)
+
+
+@pytest.mark.parametrize("substrate", SUBSTRATES[:2])
+def test_without_coupling_it_is_independent(substrate):
+    """Asperities far apart, with the layer's self term negligible at their scale."""
+    surface = scene(1e9 * PLACE, thickness=1e9 if substrate != mf.HalfSpace() else 7.2)
+    substrate = mf.BondedLayer() if substrate != mf.HalfSpace() else substrate
+    alone = mf.equilibrium(surface, load=0.1)
+    state = mf.equilibrium(surface, mf.Interacting(substrate=substrate), load=0.1)
+    assert_allclose(state.asperity_load, alone.asperity_load, rtol=1e-8, atol=1e-10)
+
+
+class Raised(mf.HalfSpace):
+    """A half-space with one constant added to every entry of its matrix."""
+
+    def influence_matrix(self, surface):
+        return super().influence_matrix(surface) + 0.3
+
+
+def test_a_constant_in_every_entry_moves_the_separation_alone():
+    plain, raised = (
+        mf.equilibrium(scene(), mf.Interacting(order=1, substrate=s), load=0.1)
+        for s in (mf.HalfSpace(), Raised())
+    )
+    assert_allclose(raised.asperity_load, plain.asperity_load, rtol=1e-11)
+    assert plain.separation - raised.separation == pytest.approx(0.3 * 0.1 / 1.36, rel=1e-10)
+
+
+def test_common_sinking_of_the_array_of_the_paper():
+    """8 x 8 contacts at 0.02 N each sink by 75 um on the half-space and 16 um on the layer."""
+    surface = lattice(0.1 * np.ones(64))
+    for substrate, sinking in ((mf.HalfSpace(), 75.0), (mf.BondedLayer(), 16.0)):
+        u = substrate.influence_matrix(surface) @ np.full(64, 0.02 / 1.36)
+        own = np.diagonal(substrate.influence_matrix(surface)) * 0.02 / 1.36
+        assert 1e3 * (u - own).reshape(8, 8)[3:5, 3:5].mean() == pytest.approx(sinking, abs=3.0)
+
+
+def test_mean_field_leaves_the_law_exactly_unchanged():
+    surface = lattice(0.1 + 0.003 * np.arange(16))
+    load = np.linspace(0.01, 1.0, 7)
+    alone, sunk = (mf.friction_law(surface, model, load=load) for model in (mf.Independent(), mf.MeanField()))
+    assert (alone.area == sunk.area).all()
+    side = 1.5 * 4
+    shift = 0.9464 * load / 1.36 / side
+    assert_allclose(alone.separation - sunk.separation, shift, rtol=2e-5)
+
+
+def test_pedestal_adds_its_compliance():
+    surface = scene(PLACE[:1], HEIGHT[:1], RADIUS[:1])
+    bare, cap = (
+        mf.equilibrium(surface, mf.Interacting(pedestal=pedestal), load=0.02) for pedestal in (False, True)
+    )
+    compliance = float(pedestal_compliance(HEIGHT[:1], RADIUS[:1])[0])
+    assert cap.approach - bare.approach == pytest.approx(compliance * 0.02 / 1.36, rel=1e-9)
+
+
+def test_overlap_wide_contacts_and_the_base_plane_are_noted():
+    near = scene([[0, 0], [0.3, 0]], [0.5, 0.5], 0.5)
+    assert "overlap" in mf.equilibrium(near, mf.Interacting(), approach=0.1).notes[0]
+    wide = scene([[0, 0], [0.5, 0]], [0.5, 0.5], 0.5)
+    assert "exceeds 0.32" in mf.equilibrium(wide, mf.Interacting(), approach=0.1).notes[0]
+    low = scene([[0, 0], [5.0, 0]], [0.1, 0.0], 0.5)
+    assert "base plane would touch" in mf.equilibrium(low, mf.Interacting(), approach=0.11).notes[0]
+
+
+def test_batch_agrees_with_single_laws():
+    surface = lattice(0.1 * np.ones(16))
+    heights = 0.1 - 0.08 * np.random.default_rng(0).random((5, 16))
+    loads = np.array([0.3, 0.01, 0.1])
+    for model in MODELS[2:]:
+        approach, load, area, stiffness = model.curves(surface, heights, loads)
+        law = mf.friction_law(surface.replaced(height=heights[3]), model, load=np.sort(loads) * 1.36)
+        assert_allclose(area[3][[1, 2, 0]], law.area, rtol=1e-11)
+        assert_allclose(load, np.tile(loads, (5, 1)), rtol=1e-12)
+        assert approach.shape == stiffness.shape == (5, 3)
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [{"order": 2}, {"order": True}, {"substrate": mf.HalfSpace}, {"contact": 3}, {"pedestal": 1}],
+)
+def test_refuses_models_that_do_not_exist(arguments):
+    with pytest.raises(mf.InvalidInput, match=next(iter(arguments))):
+        mf.Interacting(**arguments)
+
+
+def test_refuses_layers_thinner_than_the_contacts():
+    surface = scene(PLACE[:1], [0.5], 5.0, thickness=0.3)
+    with pytest.raises(mf.InvalidInput, match="thinner than the contacts"):
+        mf.equilibrium(surface, mf.Interacting(substrate=mf.BondedLayer()), approach=0.4)
+
+
+def test_an_ill_posed_scene_raises_with_its_state():
+    """At order 1 the layer's self term wins over Hertz's compliance above a = 0.89 t."""
+    surface = scene(PLACE[:1], [0.5], 1.0, thickness=0.3)
+    with pytest.raises(mf.NotConverged) as caught:
+        mf.equilibrium(surface, mf.Interacting(order=1, substrate=mf.BondedLayer()), load=0.035)
+    assert caught.value.state.residual > 1e-12
+
+
+@pytest.mark.parametrize("change", [{"rescaled_load": [-1.0]}, {"height": [[0.1, 0.2]]}])
+def test_batch_refuses_what_it_cannot_use(change):
+    arguments = {"height": HEIGHT, "rescaled_load": [0.1], **change}
+    with pytest.raises(mf.InvalidInput):
+        mf.Interacting().curves(scene(), **arguments)

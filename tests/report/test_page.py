@@ -1,0 +1,43 @@
+"""The page: self-contained, the same to the byte, and saying what it should."""
+
+import re
+
+import pytest
+
+import metafem as mf
+from metafem.report.page import page
+
+TARGETS = {
+    "points": (mf.OperatingPoints([0.144, 0.336, 0.649], [0.84, 1.68, 4.12]), mf.Limits(0.27)),
+    "linear": (mf.LinearLaw(6.87), mf.Limits(0.12, offset=0.084, height_step=0.006)),
+    "bilinear": (mf.BilinearLaw((7.15, 12.52), 0.038), mf.Limits(0.12, offset=0.05)),
+}
+
+
+@pytest.mark.parametrize("kind", TARGETS)
+def test_page_is_self_contained_and_reproducible(template, kind):
+    target, limits = TARGETS[kind]
+    design = mf.design(target, template, limits=limits)
+    text = page(design)
+    assert text == page(design)
+    links = re.findall(r"""(?:src|href)="([^"]*)"|url\(([^)]*)\)""", text)
+    assert {(first or second)[0] for first, second in links} <= {
+        "#",
+        "d",
+    }  # elements of the page, and data: images
+    assert text.count("<svg") == 3
+    assert design.status.value.split(":")[0] in text
+
+
+def test_page_warns_of_plastic_contacts_and_low_summits(template):
+    design = mf.design(mf.LinearLaw(6.87), template, limits=mf.Limits(0.12, height_sd=0.0009))
+    text = page(design, hardness=0.5)
+    assert "plasticity index" in text
+    assert "raise the offset" in text
+
+
+def test_page_warns_where_the_plane_would_reach_the_base(template):
+    design = mf.design(
+        mf.OperatingPoints([0.144, 0.336], [0.84, 1.68]), template, limits=mf.Limits(0.27 - 0.1284)
+    )
+    assert "base plane would touch" in page(design)

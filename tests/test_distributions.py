@@ -1,0 +1,131 @@
+"""Height densities against quadrature in many digits, and the inversion of their slope."""
+
+import math
+
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import metafem as mf
+from metafem.distributions import (
+    TruncatedExponential,
+    TwoBranchExponential,
+    equal_masses,
+    scale_from_slope,
+    slope_excess,
+    uniform_slope,
+)
+from metafem.reference import height_densities as printed
+
+TOP, RADIUS = 0.12, 0.526
+
+
+def exact_excess(x):
+    """m(x)/m(0) - 1 in fifty digits."""
+    with mpmath.workdps(50):
+        x = mpmath.mpf(x)
+        k = mpmath.gammainc(mpmath.mpf(3) / 2, 0, x, regularized=True)
+        return mpmath.sqrt(x) * (1 - mpmath.exp(-x)) / (mpmath.gamma(mpmath.mpf(5) / 2) * k) - 1
+
+
+def exact_moment(density, power, delta):
+    """Mean of (h - delta)^power in thirty digits, piece by piece."""
+    with mpmath.workdps(30):
+        total = mpmath.mpf(0)
+        for piece in density.pieces:
+            low = max(piece.low, delta)
+            if piece.high > low:
+                # h = delta + t^2 removes the root at the lower end
+                ends = [mpmath.sqrt(mpmath.mpf(low) - delta), mpmath.sqrt(mpmath.mpf(piece.high) - delta)]
+                total += piece.alpha * mpmath.quad(
+                    lambda t: 2 * t ** (2 * power + 1) * mpmath.exp(-(delta + t * t) / density.scale), ends
+                )
+        return total
+
+
+@given(st.floats(-12.0, 3.0).map(lambda e: 10.0**e))
+def test_slope_excess_keeps_its_digits(x):
+    # a few units in the last place: 5e-14 near x = 1, where the direct form loses one and a half digits
+    assert float(slope_excess(x)) == pytest.approx(float(exact_excess(x)), rel=1e-13)
+
+
+@pytest.mark.parametrize("x", np.geomspace(1e-3, 400.0, 25))
+def test_slope_inversion_recovers_the_scale(x):
+    with mpmath.workdps(30):
+        slope = float(mpmath.mpf(uniform_slope(RADIUS, TOP)) * (1 + exact_excess(x)))
+    assert TOP / scale_from_slope(slope, RADIUS, TOP) == pytest.approx(x, rel=1e-10)
+
+
+@pytest.mark.parametrize("power", [0.5, 1.0, 1.5])
+@pytest.mark.parametrize(
+    "density",
+    [
+        TruncatedExponential(TOP / 1e-3, TOP),
+        TruncatedExponential(0.04, TOP),
+        TruncatedExponential(TOP / 400.0, TOP),
+        TwoBranchExponential(0.03568, TOP, 0.0153, 0.149),
+        TwoBranchExponential(0.02, TOP, 0.05, 3.0),
+    ],
+)
+def test_moments_agree_with_quadrature(density, power):
+    for delta in (0.0, 0.3 * TOP, 0.99 * TOP):
+        exact = float(exact_moment(density, power, delta))
+        assert float(density.moment(power, delta)) == pytest.approx(exact, rel=1e-12)
+
+
+@given(st.floats(0.005, 1.0), st.floats(0.02, 0.9), st.floats(0.05, 1.0))
+def test_two_branches_have_unit_mass_and_the_printed_slopes(scale, share, weight):
+    density = TwoBranchExponential(scale, TOP, share * TOP, weight)
+    assert float(density.mass(0.0, TOP)) == pytest.approx(1.0, rel=1e-12)
+    form = printed.second_slope(scale, RADIUS, TOP, share * TOP, weight)
+    # the printed form loses digits where its k cancels: x^(3/2) of a unit in the last place
+    assert density.asymptotic_slopes(RADIUS)[1] == pytest.approx(form, rel=1e-9)
+    load = printed.crossover_load(scale, RADIUS, TOP, share * TOP, weight, 64)
+    lost = (scale / (TOP * (1.0 - share))) ** 2.5 * np.finfo(float).eps
+    assert density.crossover_load(64, RADIUS) == pytest.approx(load, rel=1e-9 + 100 * lost)
+
+
+def test_slope_is_the_derivative_of_the_law():
+    density, delta = TwoBranchExponential(0.03568, TOP, 0.0153, 0.149), 0.01
+    step = 1e-4 * TOP  # central differences: second order
+    area = density.area(np.array([delta - step, delta + step]), 64, RADIUS)
+    load = density.rescaled_load(np.array([delta - step, delta + step]), 64, RADIUS)
+    ratio = (area[0] - area[1]) / (load[0] - load[1])
+    assert float(density.slope(delta, RADIUS)) == pytest.approx(ratio, rel=1e-6)
+
+
+def test_plain_and_weighted_density_agree_at_unit_weight():
+    plain, same = TruncatedExponential(0.04, TOP), TwoBranchExponential(0.04, TOP, 0.05, 1.0)
+    heights = np.linspace(0.0, TOP, 7)
+    np.testing.assert_allclose(same.density(heights), plain.density(heights), rtol=1e-12)
+    np.testing.assert_allclose(same.moment(1.5, heights[:-1]), plain.moment(1.5, heights[:-1]), rtol=1e-12)
+
+
+@given(st.floats(1e-3, 10.0), st.integers(1, 80))
+def test_equal_masses_are_equal(scale, parts):
+    ends = equal_masses(scale, 0.02, TOP, parts)
+    masses = TruncatedExponential(scale, TOP).mass(ends[:-1], ends[1:])
+    np.testing.assert_allclose(masses, masses.mean(), rtol=1e-9)  # differences of close heights
+
+
+@pytest.mark.parametrize(
+    ("build", "words"),
+    [
+        (lambda: TruncatedExponential(0.0, TOP), "scale = 0 must be greater"),
+        (lambda: TwoBranchExponential(0.04, TOP, TOP, 0.5), "crossover_height = 0.12 must be below"),
+        (lambda: TwoBranchExponential(0.04, TOP, 0.01, 5.0), "puts 3.836 of the asperities above"),
+        (lambda: TruncatedExponential(0.04, TOP).moment(1.0, 0.2), "must lie within the density"),
+    ],
+)
+def test_bad_densities_are_refused(build, words):
+    with pytest.raises(mf.InvalidInput, match=words):
+        build()
+
+
+def test_intercept_vanishes_at_both_ends():
+    assert TruncatedExponential(TOP / 700.0, TOP).intercept(64, RADIUS) < 1e-12
+    thin = TruncatedExponential(TOP * 1e9, TOP)
+    # lambda Gamma(x) tends to h_m/x * x/10 = h_m/10
+    assert thin.intercept(64, RADIUS) == pytest.approx(math.pi * 64 * RADIUS * TOP / 10.0, rel=1e-8)

@@ -1,0 +1,81 @@
+"""The friction law and the fits of its branches."""
+
+import numpy as np
+import pytest
+from scipy import stats
+
+import metafem as mf
+
+
+def test_law_agrees_with_single_equilibria_in_any_order(rough):
+    law = mf.friction_law(rough, load=[0.4, 0.1])
+    for i, load in enumerate((0.1, 0.4)):
+        state = mf.equilibrium(rough, load=load)
+        computed = law.load[i], law.area[i], law.separation[i], law.stiffness[i]
+        assert computed == pytest.approx((load, state.area, state.separation, state.stiffness), rel=1e-12)
+
+
+def test_law_by_separation_is_the_same_curve(rough):
+    law = mf.friction_law(rough, load=np.linspace(0.05, 0.5, 7))
+    again = mf.friction_law(rough, separation=law.separation)
+    np.testing.assert_allclose(again.load, law.load, rtol=1e-12)
+    np.testing.assert_allclose(again.area, law.area, rtol=1e-12)
+
+
+def test_default_grid_brings_every_asperity_into_contact(rough):
+    law = mf.friction_law(rough)
+    last = mf.equilibrium(rough, load=float(law.load[-1]))
+    assert len(law.load) == 100
+    assert (last.asperity_area > 0.0).all()
+    assert last.separation > 0.0
+
+
+def test_rescaling_and_friction_force(rough):
+    law = mf.friction_law(rough, load=[0.2])
+    assert law.rescaled_load[0] == pytest.approx(0.2 / 1.36, rel=1e-12)
+    assert law.friction_force[0] == pytest.approx(0.358 * 0.85 * law.area[0], rel=1e-12)
+    with pytest.raises(mf.InvalidInput, match="needs the surface's friction"):
+        _ = mf.friction_law(rough.replaced(friction=None), load=[0.2]).friction_force
+
+
+def test_rescaled_law_does_not_know_the_material(rough):
+    hard = rough.replaced(material=mf.Material(1.36e6))
+    soft_law, hard_law = mf.friction_law(rough), mf.friction_law(hard)
+    np.testing.assert_allclose(hard_law.rescaled_load, soft_law.rescaled_load, rtol=1e-12)
+    np.testing.assert_allclose(hard_law.rescaled_friction, soft_law.rescaled_friction, rtol=1e-12)
+
+
+def test_fit_is_the_regression_with_its_interval(rough):
+    law = mf.friction_law(rough, load=np.linspace(0.1, 0.6, 26))
+    fit = law.fit((0.1, 0.4))
+    inside = (law.rescaled_load >= 0.1) & (law.rescaled_load <= 0.4)
+    line = stats.linregress(law.rescaled_load[inside], law.rescaled_friction[inside])
+    student = stats.t.ppf(0.84, inside.sum() - 2)
+    assert fit.points == inside.sum()
+    assert (fit.slope, fit.intercept) == pytest.approx((line.slope, line.intercept), rel=1e-9)
+    assert fit.slope_interval[1] - fit.slope == pytest.approx(student * line.stderr, rel=1e-9)
+    assert fit.intercept - fit.intercept_interval[0] == pytest.approx(
+        student * line.intercept_stderr, rel=1e-9
+    )
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda s: mf.friction_law(s, load=[0.1], separation=[0.1]), "only one of load and separation"),
+        (lambda s: mf.friction_law(s, load=[-0.1, 0.2]), "load holds -0.1 N"),
+        (lambda s: mf.friction_law(s, load=[]), "load is empty"),
+        (lambda s: mf.friction_law(s, separation=[np.nan]), "separation holds nan"),
+        (lambda s: mf.friction_law(s).fit((5.0, 6.0)), "holds 0 of the law's points"),
+        (lambda s: mf.friction_law(s).fit((1.0,)), "load_range has shape"),
+    ],
+)
+def test_bad_requests_are_named(rough, call, words):
+    with pytest.raises(mf.InvalidInput, match=words):
+        call(rough)
+
+
+def test_plot_draws_the_law(rough):
+    law = mf.friction_law(rough)
+    (line,) = law.plot().get_lines()
+    np.testing.assert_array_equal(line.get_xdata()[1:], law.rescaled_load)

@@ -1,0 +1,25 @@
+"""The package as a whole: names, imports, versions."""
+
+import subprocess
+import sys
+
+import pytest
+
+import metafem as mf
+
+
+@pytest.mark.parametrize("name", mf.__all__)
+def test_every_public_name_resolves_and_has_a_docstring(name):
+    assert getattr(mf, name).__doc__
+
+
+def test_unknown_name_is_an_attribute_error():
+    with pytest.raises(AttributeError, match="no attribute 'nothing'"):
+        _ = mf.nothing
+
+
+def test_importing_the_package_loads_nothing_heavy():
+    heavy = "{'numpy', 'numba', 'scipy', 'matplotlib', 'pydantic', 'pint'}"
+    code = f"import metafem.cli, sys; print(sorted({heavy} & set(sys.modules)))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"

@@ -1,0 +1,82 @@
+"""Materials, blocks and surfaces: what they refuse and how they change."""
+
+import math
+
+import numpy as np
+import pytest
+
+import metafem as mf
+
+MATERIAL = mf.Material(1.36)
+
+
+def pair(**changes):
+    given = {"position": [[0, 0], [1, 0]], "height": [0.1, 0.2], "radius": 0.5, "material": MATERIAL}
+    return mf.Surface(**(given | changes))
+
+
+@pytest.mark.parametrize(
+    ("build", "words"),
+    [
+        (lambda: mf.Material(0.0), "composite_modulus = 0 must be greater than 0"),
+        (lambda: mf.Material(math.nan), "composite_modulus = nan must be finite"),
+        (lambda: mf.Material(1.0, 0.51), "poisson_ratio = 0.51 must be at most 0.5"),
+        (lambda: mf.Material(1.0, -0.1), "poisson_ratio = -0.1 must be at least 0"),
+        (lambda: mf.Material("soft"), "composite_modulus = 'soft' is not a number"),
+        (lambda: mf.Friction(-1.0), "shear_strength = -1 must be greater"),
+        (lambda: mf.Block(20.0, 20.0, 0.0), "thickness = 0 must be greater"),
+        (lambda: pair(position=[[0, 0, 0]]), r"position has shape \(1, 3\); it must have shape \(n, 2\)"),
+        (lambda: pair(position=np.zeros((0, 2))), "position is empty"),
+        (lambda: pair(position=[[0, 0], [0, 0]]), r"position\[0\] and position\[1\] coincide at \(0, 0\)"),
+        (lambda: pair(height=[0.1]), r"height has shape \(1,\); it must have shape \(2\)"),
+        (lambda: pair(height=[0.1, math.inf]), "height holds inf at entry 1"),
+        (lambda: pair(height=["a", "b"]), "height is not an array of numbers"),
+        (lambda: pair(radius=[0.5, -0.5]), r"radius\[1\] = -0.5 must be greater than 0"),
+        (lambda: pair(material=1.36), "material = 1.36 must be a metafem.Material"),
+        (lambda: pair(block=7.2), "block = 7.2 must be a metafem.Block"),
+        (lambda: pair().perturbed(0.1, rng=-1), "rng = -1 must be a non-negative seed"),
+        (lambda: pair().tilted(2.0, 0.0), "angle_x = 2 must be at most 1.5708"),
+        (lambda: mf.Surface.square_lattice(0.1, 8, radius=0.5, material=MATERIAL), "shape = 8 must be"),
+        (lambda: mf.Surface.square_lattice(0.1, (0, 8), radius=0.5, material=MATERIAL), "shape.0. = 0"),
+    ],
+)
+def test_bad_values_are_named(build, words):
+    with pytest.raises(mf.InvalidInput, match=words):
+        build()
+
+
+def test_arrays_are_copied_and_read_only():
+    height = np.array([0.1, 0.2])
+    surface = pair(height=height)
+    height[0] = 5.0
+    assert surface.height[0] == 0.1
+    with pytest.raises(ValueError, match="read-only"):
+        surface.height[0] = 1.0
+
+
+def test_lattice_is_centred_and_runs_along_x():
+    lattice = mf.Surface.square_lattice([[1, 2, 3], [4, 5, 6]], (2, 3), 2.0, radius=1.0, material=MATERIAL)
+    np.testing.assert_array_equal(lattice.position[:3], [[-2, -1], [0, -1], [2, -1]])
+    np.testing.assert_array_equal(lattice.height, [1, 2, 3, 4, 5, 6])
+
+
+def test_tilt_adds_the_slopes_of_both_angles():
+    tilted = pair(position=[[1.0, 2.0], [3.0, -1.0]]).tilted(0.01, -0.02)
+    expected = np.array([1.0, 3.0]) * math.tan(0.01) + np.array([2.0, -1.0]) * math.tan(-0.02)
+    np.testing.assert_allclose(tilted.height - [0.1, 0.2], expected, rtol=1e-12)
+
+
+def test_perturbation_is_seeded_and_has_the_stated_deviation():
+    lattice = mf.Surface.square_lattice(0.0, (100, 100), radius=1.0, material=MATERIAL)
+    errors = lattice.perturbed(0.003, rng=3).height
+    np.testing.assert_array_equal(errors, lattice.perturbed(0.003, rng=3).height)
+    # five standard errors of a standard deviation from 10^4 draws
+    assert errors.std() == pytest.approx(0.003, rel=5.0 / math.sqrt(2e4))
+
+
+def test_shuffling_keeps_each_height_with_its_radius():
+    surface = mf.Surface.square_lattice(
+        np.arange(9.0), (3, 3), radius=1.0 + np.arange(9.0), material=MATERIAL
+    ).shuffled(rng=2)
+    np.testing.assert_array_equal(surface.radius, surface.height + 1.0)
+    assert not (surface.height == np.arange(9.0)).all()

@@ -1,0 +1,88 @@
+"""Run all claims: print the table, write results.json and the page, exit 1 if any check failed."""
+
+from __future__ import annotations
+
+import importlib
+import json
+import pkgutil
+import sys
+import time
+import traceback
+from pathlib import Path
+
+import click
+
+import validation
+from metafem.report.figures import law_figure
+from metafem.report.svg import svg
+from validation.check import Check, Claim
+from validation.page import page, readme_table
+from validation.paper_surfaces import fig4
+
+PICTURE = Path(__file__).parent / "first_minute.svg"
+
+MARKS = ("<!-- validation table: python -m validation --readme -->", "<!-- end of the validation table -->")
+
+
+def claims() -> list[str]:
+    """Names of the modules that make a claim."""
+    names = []
+    for module in pkgutil.iter_modules(validation.__path__):
+        if not module.ispkg and hasattr(importlib.import_module(f"validation.{module.name}"), "claim"):
+            names.append(module.name)
+    return names
+
+
+def evaluate(name: str) -> Claim:
+    """Evaluate one claim; an exception is a failed check."""
+    try:
+        return importlib.import_module(f"validation.{name}").claim()
+    except Exception:
+        reason = traceback.format_exc(limit=-1).strip().splitlines()[-1]
+        return Claim(name, [Check(f"ran into: {reason}", float("inf"), "no error", False, "")])
+
+
+def renew_readme(results: dict[str, Claim]) -> None:
+    """Write the README's table and picture anew."""
+    path = Path("README.md")
+    text = path.read_text("utf-8")
+    head, tail = text.split(MARKS[0])[0], text.split(MARKS[1])[1]
+    path.write_text(f"{head}{MARKS[0]}\n{readme_table(results)}\n{MARKS[1]}{tail}", "utf-8")
+    PICTURE.write_text(svg(law_figure(fig4("red")), "Target, density and achieved friction law"), "utf-8")
+
+
+@click.command()
+@click.option("-o", "--output", default="validation/results", show_default=True, help="Folder to write.")
+@click.option("--readme", is_flag=True, help="Also renew the table in README.md.")
+@click.argument("names", nargs=-1)
+def main(output: str, readme: bool, names: tuple[str, ...]) -> None:
+    """Check NAMES, or every claim."""
+    from rich.console import Console
+    from rich.table import Table
+
+    console = Console()
+    results: dict[str, Claim] = {}
+    for name in names or claims():
+        start = time.perf_counter()
+        claim = results[name] = evaluate(name)
+        table = Table("check", "computed", "expected", "source", title=claim.title, title_justify="left")
+        for check in claim.checks:
+            style = None if check.passed else "bold red"
+            table.add_row(check.name, f"{check.computed:.6g}", check.expected, check.source, style=style)
+        console.print(table)
+        console.print(f"{time.perf_counter() - start:.1f} s\n")
+    folder = Path(output)
+    folder.mkdir(parents=True, exist_ok=True)
+    data = {name: {"title": c.title, "checks": [k.row() for k in c.checks]} for name, c in results.items()}
+    (folder / "results.json").write_text(json.dumps(data, indent=1, ensure_ascii=False), "utf-8")
+    (folder / "index.html").write_text(page(list(results.values())), "utf-8")
+    if readme:
+        renew_readme(results)
+    checks = [check for claim in results.values() for check in claim.checks]
+    failed = sum(not check.passed for check in checks)
+    console.print(f"{len(checks) - failed} of {len(checks)} checks passed; {folder / 'index.html'}")
+    sys.exit(1 if failed else 0)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,1 @@
+"""Speed, measured where anyone can repeat it: `python -m validation.benchmark`."""

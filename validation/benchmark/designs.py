@@ -1,0 +1,49 @@
+"""Times of designs, of many laws at once, and of the commands."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+
+import metafem as mf
+from validation.benchmark.timing import Row, best, processor_time
+from validation.paper_surfaces import fig3, fig4, fig5
+
+SURFACES, LOADS, ASPERITIES = 10_000, 100, 64
+
+
+def rows() -> list[Row]:
+    """Measure every row of the first part's table that is a time."""
+    measured = [
+        Row(f"one design, {name}", 20.0, 1e3 * best(work, 10), "ms")
+        for name, work in (
+            ("operating points", fig3),
+            ("linear law", lambda: fig4("red")),
+            ("bilinear law", lambda: fig5("red")),
+        )
+    ]
+    height = np.random.default_rng(0).exponential(0.03, (SURFACES, ASPERITIES))
+    load = np.linspace(0.01, 0.6, LOADS)
+    seconds = best(lambda: mf.Independent().curves(height, 0.526, load), 3)
+    measured.append(Row("10⁶ points of A0(P), 64 asperities", 2.0, seconds, "s"))
+    metafem = [sys.executable, "-m", "metafem"]
+    measured.append(Row("metafem --help, processor time", 0.25, processor_time([*metafem, "--help"]), "s"))
+    with tempfile.TemporaryDirectory() as folder:
+        # A cache of its own shows the first time on this machine; the second run reads it.
+        environment = os.environ | {"NUMBA_CACHE_DIR": str(Path(folder) / "cache")}
+        for what, wanted in (("the first time", 45.0), ("once compiled", 8.0)):
+            start = time.perf_counter()
+            command = [*metafem, "demo", "linear", "--force", "--json"]
+            subprocess.run(command, check=True, cwd=folder, env=environment, capture_output=True)
+            measured.append(Row(f"metafem demo linear, {what}", wanted, time.perf_counter() - start, "s"))
+    start = time.perf_counter()
+    with tempfile.TemporaryDirectory() as folder:
+        subprocess.run([sys.executable, "-m", "validation", "-o", folder], capture_output=True)
+    measured.append(Row("python -m validation", 30.0, time.perf_counter() - start, "s"))
+    return measured

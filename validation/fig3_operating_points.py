@@ -1,0 +1,60 @@
+"""Fig. 3: a law through three operating points."""
+
+from __future__ import annotations
+
+import numpy as np
+
+import metafem as mf
+from metafem.report.figures import law_figure
+from validation.check import Check, Claim, near
+from validation.paper_surfaces import fig3, template
+from validation.published import PAPER, paper
+
+# Half of the last printed digit of the points.
+LOAD_DIGIT, FRICTION_DIGIT = 5e-4, 5e-3
+
+# Recomputed independently from the printed points [µm].
+LEVELS, ADJUSTMENTS = (270.0, 180.4, 128.6), (240.8, 170.4, 107.4)
+
+
+def claim() -> Claim:
+    """Design the surface from its points, and press the printed one."""
+    design, wanted = fig3(), paper()["fig3"]
+    found = design.parameters
+    checks = [near("largest relative error at the points", design.misfit, 0, 1e-9, "target")]
+    for i in range(3):
+        where = f"{PAPER}, Fig. 3"
+        checks += [
+            near(f"n_{i + 1}", found["counts"][i], wanted["counts"][i], 0, where),
+            near(f"level {i + 1} [µm]", found["levels"][i] * 1e3, LEVELS[i], 0.05, "solved for"),
+            near(
+                f"adjustment {i + 1} [µm]",
+                found["adjustment_heights"][i] * 1e3,
+                ADJUSTMENTS[i],
+                0.05,
+                "solved for",
+            ),
+        ]
+    checks += _printed_surface(wanted)
+    return Claim("Fig. 3: three operating points", checks, {"law": lambda: law_figure(fig3())})
+
+
+def _printed_surface(wanted: dict) -> list[Check]:
+    """Show that the printed heights pass through the printed points, to the digits of both."""
+    levels = np.repeat(wanted["levels_um"], wanted["counts"])
+    height = np.concatenate([levels, wanted["adjustment_um"]]) / 1e3
+    lattice = template("fig3")
+    surface = lattice.replaced(
+        position=lattice.position[: len(height)], height=height, radius=lattice.radius[: len(height)]
+    )
+    modulus = surface.material.composite_modulus
+    checks = []
+    for load, friction in zip(wanted["load_mm2"], wanted["friction_mm2"], strict=True):
+        at = [
+            mf.equilibrium(surface, load=modulus * (load + step)).area
+            for step in (-LOAD_DIGIT, 0, LOAD_DIGIT)
+        ]
+        tolerance = FRICTION_DIGIT + 0.5 * (at[2] - at[0])
+        name = f"friction of the printed heights at P/E* = {load} [mm²]"
+        checks.append(near(name, at[1], friction, tolerance, f"{PAPER}, Fig. 3"))
+    return checks

@@ -1,0 +1,57 @@
+"""The validation report as one HTML page, and its summary for the README."""
+
+from __future__ import annotations
+
+from metafem.report.svg import svg
+from validation.check import Claim
+
+TEMPLATE = """<!doctype html>
+<html lang="en"><head><meta charset="utf-8"><title>metafem: validation</title>
+<style>
+body { margin: 0 auto; max-width: 1060px; padding: 24px 20px 60px; color: #1f2933;
+  font: 15px/1.5 system-ui, "DejaVu Sans", sans-serif; }
+h2 { margin: 34px 0 8px; }
+table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nums; }
+th, td { text-align: left; padding: 4px 14px 4px 0; border-bottom: 1px solid #dfe3e8; vertical-align: top; }
+th { color: #667078; } .failed td { color: #b3261e; font-weight: 600; }
+.figures { display: flex; flex-wrap: wrap; gap: 16px; } svg { max-width: 100%; height: auto; }
+</style></head><body>
+<h1>Validation of metafem</h1>
+<p>{{ passed }} of {{ total }} checks passed. Every number is computed when this page is made.</p>
+{% for claim in claims %}
+<h2>{{ claim.title }}</h2>
+<table><thead><tr><th>check</th><th>computed</th><th>expected</th><th>source</th></tr></thead><tbody>
+{% for check in claim.checks %}
+<tr{% if not check.passed %} class="failed"{% endif %}><td>{{ check.name }}</td>
+<td>{{ "%.6g"|format(check.computed) }}</td><td>{{ check.expected }}</td><td>{{ check.source }}</td></tr>
+{% endfor %}
+</tbody></table>
+<div class="figures">{% for figure in drawn[claim.title] %}{{ figure|safe }}{% endfor %}</div>
+{% endfor %}
+</body></html>
+"""
+
+
+def page(claims: list[Claim]) -> str:
+    """Return the page with all figures drawn."""
+    from jinja2 import Environment, StrictUndefined
+
+    checks = [check for claim in claims for check in claim.checks]
+    drawn = {
+        claim.title: [svg(draw(), f"{claim.title}: {name}") for name, draw in claim.figures.items()]
+        for claim in claims
+    }
+    return (
+        Environment(autoescape=True, undefined=StrictUndefined)
+        .from_string(TEMPLATE)
+        .render(claims=claims, drawn=drawn, total=len(checks), passed=sum(check.passed for check in checks))
+    )
+
+
+def readme_table(results: dict[str, Claim]) -> str:
+    """Return the summary, one line a claim, in Markdown."""
+    rows = ["| claim | checks passed | file |", "|---|---|---|"]
+    for name, claim in results.items():
+        passed = sum(check.passed for check in claim.checks)
+        rows.append(f"| {claim.title} | {passed} of {len(claim.checks)} | `validation/{name}.py` |")
+    return "\n".join(rows)

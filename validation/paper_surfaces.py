@@ -1,0 +1,50 @@
+"""The five surfaces of the paper's Figs. 3 to 5, designed anew from their targets."""
+
+from __future__ import annotations
+
+import metafem as mf
+from validation.published import paper
+
+
+def template(figure: str) -> mf.Surface:
+    """Return the paper's lattice with the material pair of one figure, such as "fig4_blue"."""
+    printed = paper()
+    sample, batch = printed["sample"], printed["batch"]["2" if figure == "fig5_red" else "1"]
+    strength = printed["shear_strength_MPa"][figure][0]
+    width, thickness = sample["block_width_mm"], sample["block_thickness_mm"]
+    return mf.Surface.square_lattice(
+        0.0,
+        tuple(sample["lattice_shape"]),
+        sample["lattice_pitch_mm"],
+        radius=sample["radius_um"] / 1e3,
+        material=mf.Material(batch["composite_modulus_MPa"], 0.5),
+        friction=mf.Friction(strength, batch["area_ratio"]),
+        block=mf.Block(width, width, thickness),
+    )
+
+
+def fig3() -> mf.Design:
+    """Three operating points."""
+    wanted = paper()["fig3"]
+    target = mf.OperatingPoints(wanted["load_mm2"], wanted["friction_mm2"])
+    return mf.design(target, template("fig3"), limits=mf.Limits(wanted["max_height_um"] / 1e3))
+
+
+def fig4(colour: str) -> mf.Design:
+    """A linear law, "blue" or "red"."""
+    printed = paper()["fig4"]
+    wanted = printed[colour]
+    limits = mf.Limits(
+        max_height=wanted["max_height_um"] / 1e3,
+        offset=wanted["offset_um"] / 1e3,
+        height_step=printed["level_step_um"] / 1e3,
+    )
+    return mf.design(mf.LinearLaw(wanted["target_slope"]), template(f"fig4_{colour}"), limits=limits)
+
+
+def fig5(colour: str) -> mf.Design:
+    """A bilinear law, "blue" or "red"."""
+    printed = paper()["fig5"]
+    target = mf.BilinearLaw(printed["slopes"], printed[colour]["crossover_load_mm2"])
+    limits = mf.Limits(printed["max_height_um"] / 1e3, offset=printed["offset_um"] / 1e3)
+    return mf.design(target, template(f"fig5_{colour}"), limits=limits)
