@@ -25,12 +25,12 @@ class BoundaryElements:
 
     Finds the pressures with ``p >= 0, u + gap - approach >= 0, p (u + gap - approach) = 0``, where u
     is Love's displacement of all cells plus what the substrate adds to a half-space. Cells cover the
-    neighbourhoods of the contacts only. One Hertz contact of 50 cells a radius has a load within 5e-5
-    and an area within 1.5e-4, and the error falls as the square of the cell. Areas come from the
-    second moments of each contact's pressure, ``A = 5 pi sqrt(<x^2><y^2> - <xy>^2)``, exact for the
-    ellipses of Hertz; where the fourth moments tell of another shape, and where contacts have merged,
-    cells are counted instead and the notes say so. The stiffness is that of flat punches on the cells
-    in contact. Johnson, Contact Mechanics (1985), section 5.9, doi:10.1017/CBO9781139171731.
+    neighbourhoods of the contacts only. With n cells a radius one Hertz contact, wherever it stands on
+    the grid, has a load within 0.12/n^2 and an area within 0.37/n^2: 5e-5 and 1.5e-4 at n = 50. Areas
+    come from the second moments of each contact's pressure, ``A = 5 pi sqrt(<x^2><y^2> - <xy>^2)``,
+    exact for the ellipses of Hertz; where the fourth moments tell of another shape, and where contacts
+    have merged, cells are counted instead and the notes say so. The stiffness is that of flat punches
+    on the cells in contact. Johnson, Contact Mechanics (1985), section 5.9, doi:10.1017/CBO9781139171731.
 
     Parameters
     ----------

@@ -78,6 +78,9 @@ def test_nine_asperities_carry_what_the_reference_says(approach, independent, po
     if independent is not None:
         excess = mf.equilibrium(surface, approach=approach).load / state.load - 1.0
         assert excess == pytest.approx(independent, abs=5e-3)
+    third = mf.Interacting(order=3)
+    assert mf.equilibrium(surface, third, approach=approach).load == pytest.approx(state.load, rel=2.5e-4)
+    assert mf.equilibrium(surface, third, load=state.load).area == pytest.approx(state.area, rel=8e-4)
 
 
 @dataclass(frozen=True)
@@ -103,6 +106,36 @@ def test_a_constant_in_the_influence_moves_the_approach_alone():
     assert lifted.area == pytest.approx(plain.area, rel=1e-8)
     shift = -0.2 * 0.05 / MATERIAL.composite_modulus
     assert lifted.approach - plain.approach == pytest.approx(shift, rel=1e-8)
+
+
+def on_layer(surface, thickness, cell=0.008, **given):
+    bonded = surface.replaced(block=mf.Block(20.0, 20.0, thickness))
+    return mf.equilibrium(bonded, mf.BoundaryElements(cell, mf.BondedLayer()), **given)
+
+
+def test_a_very_thick_layer_is_a_half_space():
+    thick, half = on_layer(PAIR, 1e6, load=0.05), mf.equilibrium(PAIR, COARSE, load=0.05)
+    # the layer's part is -0.56/t per load
+    assert thick.area == pytest.approx(half.area, rel=1e-6)
+    assert thick.approach == pytest.approx(half.approach, rel=1e-6)
+
+
+def test_a_layer_bends_the_contact_by_its_self_curvature():
+    lone = mf.Surface([[0.0, 0.0]], [0.3], RADIUS, MATERIAL)
+    state = on_layer(lone, 1.5, cell=0.004, load=0.05)
+    load, cube = 0.05 / MATERIAL.composite_modulus, (state.area / math.pi) ** 1.5
+    bend = load * mf.BondedLayer(1.5, 0.5).self_curvature
+    # Hertz with the bent summit, P = 4/3 a^3 (1/R + bend); the next term is (a/t)^2 of the bend
+    assert load / (4.0 / 3.0 * cube) == pytest.approx(1.0 / RADIUS + bend, rel=3e-4)
+    assert bend * RADIUS > 2e-3
+
+
+def test_thin_layers_are_resolved_and_their_shape_is_said():
+    surface = PAIR.replaced(height=[0.3, 0.31])
+    state = on_layer(surface, 0.1, load=0.05)
+    assert any("not that of a Hertzian ellipse" in note for note in state.notes)
+    # an incompressible layer squeezed thin: stiffer than any half-space
+    assert state.stiffness > 2.0 * mf.equilibrium(surface, COARSE, load=0.05).stiffness
 
 
 def test_load_and_approach_agree():
