@@ -20,8 +20,8 @@ from metafem.surface import Surface
 IntArray = NDArray[np.int64]
 
 # Boxes between which expansions converge more slowly than this per order share one patch: at this
-# rate the far field's tolerance is met by an expansion of twenty terms a side.
-SLOWEST_RATE = 2.8
+# rate 23 terms a side meet the far field's tolerance, and a table of them costs as much as the patch.
+SLOWEST_RATE = 2.4
 
 
 @dataclass(frozen=True, eq=False)

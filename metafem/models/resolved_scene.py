@@ -23,8 +23,8 @@ from metafem.surface import Surface
 # Largest gap under pressure or overlap without, relative to the largest indentation.
 TOLERANCE = 1e-9
 
-# A contact of this many cells a radius errs by 0.5 % in load and 1 % in area; the error falls as the
-# square of the cell.
+# A contact of n cells a radius errs by up to 0.1/n^2 in load and 0.3/n^2 in area (measured on one Hertz
+# contact at six offsets, n = 4 to 12): of this many, by 0.6 % and 2 %.
 COARSEST = 4.0
 
 # Free cells around the expected contact, and the share of its radius: point loads misplace the edge
@@ -49,6 +49,10 @@ STIFFNESS_TOLERANCE = 1e-3
 # (four times the cells, complex, three at a time, in two threads).
 VECTORS = 16
 TRANSFORM_BYTES = 4 * 16 * 3 * 2
+
+# Matrices of all pairs of asperities that are alive at once: influence, its derivatives, distances and
+# the rates of the expansions.
+PAIR_MATRICES = 16
 
 # Assumed where the operating system does not tell.
 DEFAULT_MEMORY = 8 * 2**30
@@ -87,6 +91,7 @@ class Scene:
         self.cell = cell
         self.substrate = substrate.for_surface(surface)
         self.summits = Summits.of(surface, cell)
+        _refuse_beyond_memory(8 * PAIR_MATRICES * surface.count**2, f"{surface.count} asperities")
         self.coupling = self.substrate.influence_matrix(surface)
         self.slope_x, self.slope_y, self.laplacian = self.substrate.influence_derivatives(surface)
 
@@ -143,12 +148,7 @@ class Scene:
         cells = (last - first + 1).astype(np.float64).prod(axis=1)
         rate = box_rate(first, last)[np.triu_indices(len(cells), 1)]
         needed = 8 * VECTORS * cells.sum() + TRANSFORM_BYTES * cells.max() + table_bytes(rate)
-        there = memory()
-        if needed > there:
-            raise InvalidInput(
-                f"cell = {self.cell:g} mm makes {cells.sum():.3g} cells on {len(cells)} patches, which "
-                f"need about {needed / 2**30:.3g} GiB; the machine has {there / 2**30:.3g} GiB"
-            )
+        _refuse_beyond_memory(needed, f"cell = {self.cell:g} mm, with {cells.sum():.3g} cells,")
         return [patch(self.summits, *box) for box in zip(members, first, last, strict=True)]
 
     def _influence(self, patches: list[Patch]) -> Influence:
@@ -228,6 +228,14 @@ def memory() -> int:
         return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
     except (AttributeError, ValueError, OSError):
         return DEFAULT_MEMORY
+
+
+def _refuse_beyond_memory(needed: float, what: str) -> None:
+    there = memory()
+    if needed > there:
+        raise InvalidInput(
+            f"{what} needs about {needed / 2**30:.3g} GiB of memory; the machine has {there / 2**30:.3g} GiB"
+        )
 
 
 def _moved(old: list[Patch], pressure: list[FloatArray], new: list[Patch]) -> FloatArray:

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import metafem as mf
-from metafem.models import resolved_scene
+from metafem.models import resolved_grid, resolved_scene
 from metafem.substrate import Radial
 
 MATERIAL = mf.Material(1.36)
@@ -78,6 +78,9 @@ def test_nine_asperities_carry_what_the_reference_says(approach, independent, po
     if independent is not None:
         excess = mf.equilibrium(surface, approach=approach).load / state.load - 1.0
         assert excess == pytest.approx(independent, abs=5e-3)
+    third = mf.Interacting(order=3)
+    assert mf.equilibrium(surface, third, approach=approach).load == pytest.approx(state.load, rel=2.5e-4)
+    assert mf.equilibrium(surface, third, load=state.load).area == pytest.approx(state.area, rel=8e-4)
 
 
 @dataclass(frozen=True)
@@ -103,6 +106,36 @@ def test_a_constant_in_the_influence_moves_the_approach_alone():
     assert lifted.area == pytest.approx(plain.area, rel=1e-8)
     shift = -0.2 * 0.05 / MATERIAL.composite_modulus
     assert lifted.approach - plain.approach == pytest.approx(shift, rel=1e-8)
+
+
+def on_layer(surface, thickness, cell=0.008, **given):
+    bonded = surface.replaced(block=mf.Block(20.0, 20.0, thickness))
+    return mf.equilibrium(bonded, mf.BoundaryElements(cell, mf.BondedLayer()), **given)
+
+
+def test_a_very_thick_layer_is_a_half_space():
+    thick, half = on_layer(PAIR, 1e6, load=0.05), mf.equilibrium(PAIR, COARSE, load=0.05)
+    # the layer's part is -0.56/t per load
+    assert thick.area == pytest.approx(half.area, rel=1e-6)
+    assert thick.approach == pytest.approx(half.approach, rel=1e-6)
+
+
+def test_a_layer_bends_the_contact_by_its_self_curvature():
+    lone = mf.Surface([[0.0, 0.0]], [0.3], RADIUS, MATERIAL)
+    state = on_layer(lone, 1.5, cell=0.004, load=0.05)
+    load, cube = 0.05 / MATERIAL.composite_modulus, (state.area / math.pi) ** 1.5
+    bend = load * mf.BondedLayer(1.5, 0.5).self_curvature
+    # Hertz with the bent summit, P = 4/3 a^3 (1/R + bend); the next term is (a/t)^2 of the bend
+    assert load / (4.0 / 3.0 * cube) == pytest.approx(1.0 / RADIUS + bend, rel=3e-4)
+    assert bend * RADIUS > 2e-3
+
+
+def test_thin_layers_are_resolved_and_their_shape_is_said():
+    surface = PAIR.replaced(height=[0.3, 0.31])
+    state = on_layer(surface, 0.1, load=0.05)
+    assert any("not that of a Hertzian ellipse" in note for note in state.notes)
+    # an incompressible layer squeezed thin: stiffer than any half-space
+    assert state.stiffness > 2.0 * mf.equilibrium(surface, COARSE, load=0.05).stiffness
 
 
 def test_load_and_approach_agree():
@@ -187,13 +220,21 @@ def test_contacts_that_nearly_touch_are_resolved():
     surface = PAIR.replaced(position=[[0.0, 0.0], [0.33, 0.0]], height=0.1 * np.ones(2))
     state = mf.equilibrium(surface, mf.BoundaryElements(0.004), approach=0.06)
     assert state.asperity_area == pytest.approx(state.area / 2.0, rel=1e-6)
-    assert "1 patches" in state.notes[0]
+    assert state.status is mf.Status.CONVERGED
 
 
 def test_small_contacts_are_said():
     surface = PAIR.replaced(height=[0.1, 0.2018])
     state = mf.equilibrium(surface, COARSE, load=0.05)
     assert any("fewer than 4 cells" in note for note in state.notes)
+
+
+def test_radii_may_differ_a_thousandfold():
+    place = [[0.0, 0.0], [1.0, 0.3], [0.2, 1.2]]
+    surface = mf.Surface(place, [0.1, 0.11, 0.1], [0.01, 10.0, 0.5], MATERIAL)
+    state = mf.equilibrium(surface, COARSE, load=0.05)
+    assert state.asperity_load.min() > 0.0
+    assert state.status is mf.Status.CONVERGED
 
 
 def test_neighbourhoods_grow_until_they_hold_the_contacts(monkeypatch):
@@ -234,9 +275,39 @@ def test_cells_too_coarse_for_the_largest_contact_are_refused():
         mf.equilibrium(PAIR, mf.BoundaryElements(0.1), load=0.05)
 
 
+def test_memory_is_that_of_the_machine_or_a_guess(monkeypatch):
+    def unknown(name):
+        raise ValueError(name)
+
+    assert resolved_scene.memory() > 2**28
+    monkeypatch.setattr(resolved_scene.os, "sysconf", unknown)
+    assert resolved_scene.memory() == resolved_scene.DEFAULT_MEMORY
+
+
 def test_memory_is_estimated_before_it_is_taken():
-    with pytest.raises(mf.InvalidInput, match="GiB; the machine has"):
+    with pytest.raises(mf.InvalidInput, match="of memory; the machine has"):
         mf.equilibrium(PAIR, mf.BoundaryElements(1e-6), load=0.05)
+
+
+heights = st.lists(st.floats(0.0, 0.1), min_size=1, max_size=6)
+
+
+@settings(deadline=None, max_examples=30)
+@given(heights, st.integers(0, 10**6), st.floats(0.4, 4.0), st.floats(0.05, 0.15))
+def test_random_scenes_end_certified(height, seed, spread, approach):
+    rng = np.random.default_rng(seed)
+    radius = 0.5 * 10.0 ** rng.uniform(-0.5, 0.5, len(height))
+    surface = mf.Surface(rng.uniform(0.0, spread, (len(height), 2)), height, radius, MATERIAL)
+    model = mf.BoundaryElements(0.015)
+    at = mf.equilibrium(surface, model, approach=approach)
+    under = mf.equilibrium(surface, model, load=1.1 * at.load)
+    for state in (at, under):
+        assert state.residual <= 1e-9
+        assert state.asperity_load.min() >= 0.0
+        assert state.asperity_load.sum() == pytest.approx(state.load, rel=1e-12)
+    assert under.load == pytest.approx(1.1 * at.load, rel=1e-12)
+    # the load is convex in the approach, so the tangent at the lower end underrates it
+    assert approach < under.approach <= approach + 0.1 * at.load / at.stiffness * 1.02
 
 
 def test_stopping_early_raises_with_the_state(monkeypatch):
@@ -245,3 +316,14 @@ def test_stopping_early_raises_with_the_state(monkeypatch):
     with pytest.raises(mf.NotConverged) as caught:
         mf.equilibrium(PAIR, COARSE, load=0.05)
     assert caught.value.state.residual > 1e-9
+
+
+def test_patches_give_what_one_grid_gives(monkeypatch):
+    surface = mf.Surface.square_lattice([0.1, 0.11, 0.12, 0.1], (2, 2), 0.9, radius=RADIUS, material=MATERIAL)
+    apart = mf.equilibrium(surface, COARSE, load=0.1)
+    assert "4 patches" in apart.notes[1]
+    monkeypatch.setattr(resolved_grid, "SLOWEST_RATE", math.inf)
+    whole = mf.equilibrium(surface, COARSE, load=0.1)
+    assert len(whole.notes) == 1
+    np.testing.assert_allclose(apart.asperity_load, whole.asperity_load, rtol=1e-8)
+    np.testing.assert_allclose(apart.asperity_area, whole.asperity_area, rtol=1e-8)
