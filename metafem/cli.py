@@ -84,6 +84,10 @@ def demo(name: str, model: str | None, force: bool, as_json: bool) -> None:
 
     path, folder = Path(f"{name}.toml"), Path(name)
     check_free(folder, force)
+    if path.exists() and not force:
+        raise InvalidInput(
+            f"{path} exists; run it by `metafem design {path} -o FOLDER`, or replace it with --force"
+        )
     write_text(path, demo_text(name), force=force)
     _run(path, folder, model, force, as_json)
 
@@ -157,6 +161,8 @@ def predict(
         stored = mf.load(source)
         surface, used = stored.surface, stored.law.model
     else:
+        if not source.exists():
+            raise InvalidInput(f"{source}: no such file or folder")
         if composite_modulus is None:
             raise InvalidInput(
                 f'a table of heights such as {source} needs --composite-modulus, for example "1.36 MPa"'
@@ -176,7 +182,7 @@ def predict(
     if as_json:
         click.echo(json.dumps(_law_data(law)))
     else:
-        _tell_law(law)
+        _tell_law(law, whole=bool(load))
 
 
 @main.command()
@@ -262,7 +268,7 @@ def _tell_design(
     console.print(f"wrote {folder}/: open {folder / 'report.html'}", highlight=False, markup=False)
 
 
-def _tell_law(law: FrictionLaw) -> None:
+def _tell_law(law: FrictionLaw, whole: bool) -> None:
     from rich.console import Console
     from rich.markup import escape
     from rich.table import Table
@@ -276,7 +282,7 @@ def _tell_law(law: FrictionLaw) -> None:
     for column in columns:
         table.add_column(escape(column))
     # Ten lines tell the shape of a curve; loads that were asked for are all shown.
-    step = max(1, len(law.load) // 10)
+    step = 1 if whole else max(1, len(law.load) // 10)
     chosen = range(step - 1, len(law.load), step)
     for i in chosen:
         numbers = [law.load[i], law.area[i], law.separation[i], law.stiffness[i]]
@@ -286,6 +292,8 @@ def _tell_law(law: FrictionLaw) -> None:
     console = Console()
     console.print(table)
     console.print(f"{model_name(law.model)}: {law.status.value}", highlight=False, markup=False)
+    for note in law.notes:
+        console.print(f"note: {note}", style="yellow", highlight=False, markup=False)
 
 
 def _law_data(law: FrictionLaw) -> dict[str, Any]:
@@ -300,6 +308,7 @@ def _law_data(law: FrictionLaw) -> dict[str, Any]:
         "rescaled_load_mm2": law.rescaled_load.tolist(),
         "stiffness_N_per_mm": law.stiffness.tolist(),
         "residual": law.residual.tolist(),
+        "notes": list(law.notes),
     }
     if law.friction is not None:
         data["friction_force_N"] = law.friction_force.tolist()

@@ -113,9 +113,10 @@ def test_predict_reads_a_folder_and_a_table(run):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (("predict", "none.csv"), "needs --composite-modulus"),
-        (("predict", "none.csv", "--composite-modulus", "1.36 MPa"), "none.csv: no such file"),
-        (("predict", "none.csv", "--composite-modulus", "1.36 mm"), "--composite-modulus"),
+        (("predict", "none.csv"), "none.csv: no such file or folder"),
+        (("predict", "table.csv"), "needs --composite-modulus"),
+        (("predict", "table.csv", "--composite-modulus", "1.36 mm"), "--composite-modulus"),
+        (("predict", "table.csv", "--composite-modulus", "1.36 MPa"), "table.csv is empty"),
         (("predict", ".", "--composite-modulus", "1 MPa"), "are for tables of heights"),
         (("predict", "."), "no such file; name a result folder"),
         (("report", "."), "no such file; name a result folder"),
@@ -125,6 +126,7 @@ def test_predict_reads_a_folder_and_a_table(run):
     ],
 )
 def test_bad_arguments_exit_with_two(run, arguments, words):
+    Path("table.csv").touch()
     result = run(*arguments)
     assert (result.exit_code, words in result.output) == (2, True), result.output
 

@@ -162,6 +162,8 @@ def _decoded(path: str | Path, raw: bytes) -> str:
 def _table(path: str | Path, text: str) -> dict[str, Any]:
     try:
         return tomllib.loads(text.removeprefix("\ufeff"))
+    except RecursionError:
+        raise InvalidInput(f"{path} nests its values too deeply to be a specification") from None
     except tomllib.TOMLDecodeError as error:
         end = f"at line {len(text.splitlines())}, the end of the file"
         cause = str(error).replace("at end of document", end)

@@ -53,18 +53,18 @@ def law_figure(design: Design) -> Figure:
     """Target and achieved law, and below it their relative difference."""
     figure = new_figure(7.0, 5.6)
     ax, below = figure.subplots(2, 1, sharex=True, height_ratios=[3, 1])
+    plot_law(design.law, ax, "achieved: " + model_name(design.law.model))
     if design.density is not None:
         count, radius = design.surface.count, float(design.surface.radius[0])
         separation = np.linspace(0.0, design.density.max_height, 200)
         ax.plot(
             design.density.rescaled_load(separation, count, radius),
             design.density.area(separation, count, radius),
-            color=QUIET,
-            ls="--",
-            lw=1.2,
+            color="black",
+            ls=(0, (2, 3)),
+            lw=1.0,
             label="law of the height density",
         )
-    plot_law(design.law, ax, "achieved: " + model_name(design.law.model))
     draw_target(design.target, design, ax, below)
     below.spines[["top", "right"]].set_visible(False)
     below.axhline(0.0, color=QUIET, lw=0.8)

@@ -87,7 +87,7 @@ WRONG = {
     "out of range": ("poisson_ratio = 0.5", "poisson_ratio = 0.6", ["material.poisson_ratio = 0.6"]),
     "bad slope": ("slope = 6.87", "slope = -1", ["target.slope = -1"]),
     "bad block": ('"7.2 mm"', '"0 mm"', ["block.thickness = 0"]),
-    "bad radius": ('"526 um"', '"-526 um"', ["lattice.radius[0] = -0.526"]),
+    "bad radius": ('"526 um"', '"-526 um"', ["lattice.radius = -0.526"]),
     "bad limits": ('"6 um"', '"6 m"', ["limits.height_step"]),
     "short shape": ("[8, 8]", "[8]", ["lattice.shape[1] is missing", "[8, 8]"]),
     "bad seed": ("seed = 0", "seed = -1", ["layout.seed = -1"]),
