@@ -72,7 +72,9 @@ def test_scattered_products_are_nearly_exact(substrate):
         block = mf.Block(20, 20, substrate.thickness)
         surface = surface.replaced(material=mf.Material(1, substrate.poisson_ratio), block=block)
     sums = ScatteredSums(surface.position, substrate)
-    assert max(products(surface, substrate, sums)) < 1e-10
+    errors = products(surface, substrate, sums)
+    assert errors[0] < 1e-10
+    assert max(errors) < 1e-9  # derivatives lose the shortest wave on the grid, 5 per mean distance
     load = np.linspace(0.0, 1.0, 600)
     assert sums.error(load) < 1e-10 * np.abs(sums.displacement(load)).max()
 
