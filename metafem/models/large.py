@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from metafem._validate import FloatArray
-from metafem.errors import InvalidInput
 from metafem.models.coarse import coarsen
 from metafem.models.lattice import LatticeSums, find_lattice
 from metafem.models.memory import require_memory
 from metafem.models.newton_krylov import Contacts, Iterate, Sums
+from metafem.models.scattered import PAIRS, ScatteredSums
 from metafem.substrate import Radial
 from metafem.surface import Surface
 
@@ -63,6 +63,7 @@ class LargeScene:
             state, x = contacts.newton(z, x, target)
             z = state.z
             results.stiffness[j], rate = contacts.tangent(state)
+            state.residual = max(state.residual, self.sums.error(state.load) / float(state.indentation.max()))
             self._record(results, j, x, state)
             last = Last(state.load, state.square, state.indentation, (self.sums.note,))
         return last
@@ -79,11 +80,15 @@ class LargeScene:
 def fast_sums(surface: Surface, substrate: Radial, order: int) -> Sums:
     """Return the sums that suit the places."""
     lattice = find_lattice(surface.position)
+    spectra, arrays = (1, 5) if order == 1 else (4, 12)
     if lattice is None:
-        raise InvalidInput(f"{surface.count} scattered asperities are more than can be summed densely")
-    # padded transforms: the spectra of the influence and its derivatives, and as much in passing
-    arrays = 5 if order == 1 else 12
-    require_memory(8 * 4 * math.prod(lattice.shape) * arrays, f"a lattice of {lattice.shape}")
+        scattered = ScatteredSums(surface.position, substrate)
+        # near pairs: both ends, differences, and a value for each spectrum; and the grid
+        pairs = 0.5 * math.pi * PAIRS**2 * surface.count
+        needed = pairs * (56 + 12 * spectra) + 8 * scattered.cells * arrays
+        require_memory(needed, f"the sums over {surface.count} scattered places")
+        return scattered
+    require_memory(32 * math.prod(lattice.shape) * arrays, f"a lattice of {lattice.shape}")
     return LatticeSums(lattice, substrate)
 
 

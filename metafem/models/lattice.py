@@ -107,6 +107,10 @@ class LatticeSums:
         rows, columns = self.lattice.shape
         return f"all pairs of the {rows} x {columns} lattice were summed by FFT, exact to rounding"
 
+    def error(self, load: FloatArray) -> float:
+        """Return the error of G p [mm]: none but rounding."""
+        return 0.0
+
     def displacement(
         self, load: FloatArray, size: FloatArray | None = None, *moment: FloatArray
     ) -> FloatArray:

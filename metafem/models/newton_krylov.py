@@ -39,6 +39,10 @@ class Sums(Protocol):
         """What is said in the notes."""
         ...
 
+    def error(self, load: FloatArray) -> float:
+        """Return the error of G p [mm], from a sample where it is not exact."""
+        ...
+
     def displacement(
         self, load: FloatArray, size: FloatArray | None = None, *moment: FloatArray
     ) -> FloatArray:

@@ -9,6 +9,7 @@ from metafem._kernels.continuation import Results
 from metafem.models import interacting
 from metafem.models.coarse import coarsen
 from metafem.models.lattice import LatticeSums, find_lattice
+from metafem.models.scattered import ScatteredSums
 from tests.models.scenes import lattice, scene
 
 SUBSTRATES = [mf.HalfSpace(), mf.BondedLayer(7.2, 0.5)]
@@ -56,6 +57,28 @@ def test_lattice_products_are_exact(substrate):
     assert max(products(surface, substrate, LatticeSums(find_lattice(surface.position), substrate))) < 1e-13
 
 
+def loose(count, seed=0, **arguments):
+    """Places anywhere, no nearer than half a millimetre."""
+    shift = np.random.default_rng(seed).uniform(-0.5, 0.5, (count, 2))
+    columns = round(np.sqrt(count))
+    grid = 1.5 * np.column_stack([np.arange(count) % columns, np.arange(count) // columns])
+    return scene(grid + shift, rough(count), 0.526, **arguments)
+
+
+@pytest.mark.parametrize("substrate", [*SUBSTRATES, mf.BondedLayer(1.0, 0.3)])
+def test_scattered_products_are_nearly_exact(substrate):
+    surface = loose(600)
+    if substrate != SUBSTRATES[0]:
+        block = mf.Block(20, 20, substrate.thickness)
+        surface = surface.replaced(material=mf.Material(1, substrate.poisson_ratio), block=block)
+    sums = ScatteredSums(surface.position, substrate)
+    errors = products(surface, substrate, sums)
+    assert errors[0] < 1e-10
+    assert max(errors) < 1e-9  # derivatives lose the shortest wave on the grid, 5 per mean distance
+    load = np.linspace(0.0, 1.0, 600)
+    assert sums.error(load) < 1e-10 * np.abs(sums.displacement(load)).max()
+
+
 @pytest.mark.parametrize("shape", [(1, 9), (7, 1), (5, 8)])
 def test_lattices_are_found_in_any_direction(shape):
     surface = mf.Surface.square_lattice(0.1, shape, 0.7, radius=0.1, material=mf.Material(1))
@@ -76,8 +99,9 @@ def test_scattered_places_are_no_lattice():
 
 @pytest.mark.parametrize("substrate", SUBSTRATES)
 @pytest.mark.parametrize("order", [1, 3])
-def test_newton_krylov_agrees_with_the_dense_kernel(monkeypatch, substrate, order):
-    surface = lattice(rough(400))
+@pytest.mark.parametrize("places", ["lattice", "scattered"])
+def test_newton_krylov_agrees_with_the_dense_kernel(monkeypatch, substrate, order, places):
+    surface = lattice(rough(400)) if places == "lattice" else loose(400)
     model = mf.Interacting(order=order, substrate=substrate)
     loads = np.linspace(0.0, 3.0, 5)
     dense = mf.friction_law(surface, model, load=loads)
@@ -101,6 +125,12 @@ def test_load_and_approach_are_inverse_for_large_scenes():
         low, high = (mf.equilibrium(surface, model, approach=state.approach + s).load for s in (-step, step))
         assert (high - low) / (2 * step) == pytest.approx(state.stiffness, rel=1e-4)
         assert mf.equilibrium(surface, model, approach=-1.0).load == 0.0
+
+
+@pytest.mark.usefixtures("large")
+def test_the_way_of_summing_is_noted():
+    for surface, word in ((lattice(rough(100)), "FFT"), (loose(100), "scattered")):
+        assert word in mf.equilibrium(surface, mf.Interacting(order=1), load=0.5).notes[0]
 
 
 @pytest.mark.usefixtures("large")

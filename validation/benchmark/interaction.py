@@ -2,15 +2,26 @@
 
 from __future__ import annotations
 
+import resource
+import time
+
 import numpy as np
 
 import metafem as mf
+import metafem.substrate
 from metafem._kernels import continuation
+from metafem.models.large import LargeScene
 from validation.benchmark.timing import Row, best
 
+# Rescaled load per asperity at which two thirds of them touch [mm^2].
+LOAD_PER_ASPERITY = 0.003
+
+PITCH = 1.5
 SURFACES, LOADS, ASPERITIES = 10_000, 20, 64
 MATERIAL = mf.Material(1.36)
 BLOCK = mf.Block(20.0, 20.0, 7.2)
+SIDES = (64, 256, 1000)
+COUNTS = (10_000, 100_000, 300_000)
 SUBSTRATES = {"half-space": mf.HalfSpace(), "layer": mf.BondedLayer()}
 
 
@@ -22,6 +33,29 @@ def heights(shape: int | tuple[int, ...]) -> np.ndarray:
 def small() -> mf.Surface:
     """The paper's lattice."""
     return mf.Surface.square_lattice(heights(ASPERITIES), radius=0.526, material=MATERIAL, block=BLOCK)
+
+
+def lattice(side: int) -> mf.Surface:
+    """A square lattice of `side` rows with the same heights."""
+    height = heights(side**2)
+    return mf.Surface.square_lattice(height, (side, side), radius=0.526, material=MATERIAL, block=BLOCK)
+
+
+def scattered(count: int) -> mf.Surface:
+    """Places at random within two thirds of each cell of a lattice."""
+    shift = np.random.default_rng(1).uniform(-0.5, 0.5, (count, 2))
+    columns = round(np.sqrt(count))
+    place = PITCH * np.column_stack([np.arange(count) % columns, np.arange(count) // columns])
+    return mf.Surface(place + shift, heights(count), 0.526, MATERIAL, block=BLOCK)
+
+
+def products(surface: mf.Surface, substrate: metafem.substrate.Radial, order: int) -> int:
+    """FFT products of one load, the tangent stiffness included."""
+    scene = LargeScene(surface, substrate.for_surface(surface), order)
+    results = continuation.Results(*np.zeros((len(continuation.Results._fields), 1)))
+    load = np.array([LOAD_PER_ASPERITY * surface.count])
+    scene.follow(np.zeros(surface.count), surface.gap, load, True, results)
+    return scene.sums.products
 
 
 def kernel_time(model: mf.Interacting, surface: mf.Surface, loads: int) -> float:
@@ -51,4 +85,26 @@ def rows() -> list[Row]:
         seconds = best(lambda model=model: model.curves(small(), height, load), 1)
         what = f"10,000 curves of 20 loads, 64 asperities, order 3, {name}, two cores"
         measured.append(Row(what, 10.0, seconds, "s"))
+    for name, substrate, wanted in (("layer", mf.BondedLayer(), 40), ("half-space", mf.HalfSpace(), 150)):
+        for side in SIDES:
+            count = products(lattice(side), substrate, 1)
+            what = f"lattice of {side} x {side}, one load, order 1, {name}: FFT products"
+            measured.append(Row(what, wanted, count, ""))
+    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
+    measured.append(Row(f"memory after the lattice of {SIDES[-1]} x {SIDES[-1]}", 3.0, memory, "GiB"))
+    for name, substrate in SUBSTRATES.items():
+        times = []
+        for count in COUNTS:
+            surface = scattered(count)
+            load = LOAD_PER_ASPERITY * count * MATERIAL.composite_modulus
+            model = mf.Interacting(order=1, substrate=substrate)
+            start = time.perf_counter()
+            mf.equilibrium(surface, model, load=load)
+            times.append(time.perf_counter() - start)
+            if count == 100_000:
+                what = f"{count} scattered asperities, one load, order 1, {name}"
+                measured.append(Row(what, 30.0, times[-1], "s"))
+        growth = np.log(times[-1] / times[0]) / np.log(COUNTS[-1] / COUNTS[0])
+        what = f"growth of the time from {COUNTS[0]} to {COUNTS[-1]}, exponent, {name}"
+        measured.append(Row(what, 1.15, float(growth), ""))
     return measured

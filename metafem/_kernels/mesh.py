@@ -1,0 +1,61 @@
+"""Spreading of point sources to a regular grid, and interpolation from it, by a smooth window.
+
+``w(x) = exp(b (sqrt(1 - (2x/POINTS)^2) - 1))`` for |x| < POINTS/2 grid steps (Barnett, Magland and af
+Klinteberg, SIAM J. Sci. Comput. 41, C479 (2019), doi:10.1137/18M120885X).
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+# Width of the window, and its shape for a grid twice as fine as the field needs: 1e-11 (same source).
+POINTS = 13
+SHAPE = 2.30 * POINTS
+
+
+@njit(cache=True, nogil=True)
+def window(x):
+    """Return w at a distance x [grid steps]."""
+    square = 1.0 - (2.0 * x / POINTS) ** 2
+    return math.exp(SHAPE * (math.sqrt(square) - 1.0)) if square > 0.0 else 0.0
+
+
+@njit(cache=True, nogil=True)
+def weights(place, out):
+    """Fill the window (POINTS,) around a place [grid steps]; return the first grid point."""
+    first = math.ceil(place - 0.5 * POINTS)
+    for k in range(POINTS):
+        out[k] = window(first + k - place)
+    return first
+
+
+@njit(cache=True, nogil=True)
+def spread(place, source, grid):
+    """Add sources (n,) at places (n, 2) [grid steps: row, column] to the grid."""
+    wy, wx = np.empty(POINTS), np.empty(POINTS)
+    for i in range(source.size):
+        if source[i] == 0.0:
+            continue
+        row, column = weights(place[i, 0], wy), weights(place[i, 1], wx)
+        for k in range(POINTS):
+            amount = source[i] * wy[k]
+            for j in range(POINTS):
+                grid[row + k, column + j] += amount * wx[j]
+
+
+@njit(cache=True, nogil=True)
+def gather(place, grid, out):
+    """Fill the sums (n,) of the grid under the windows at places (n, 2)."""
+    wy, wx = np.empty(POINTS), np.empty(POINTS)
+    for i in range(out.size):
+        row, column = weights(place[i, 0], wy), weights(place[i, 1], wx)
+        total = 0.0
+        for k in range(POINTS):
+            part = 0.0
+            for j in range(POINTS):
+                part += wx[j] * grid[row + k, column + j]
+            total += wy[k] * part
+        out[i] = total

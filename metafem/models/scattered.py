@@ -1,0 +1,231 @@
+"""Sums over scattered places: neighbours one by one, the smooth rest on a grid.
+
+Ewald's splitting, ``1/r = erfc(r/s)/r + erf(r/s)/r``. The first part ends within a few s and is summed
+over pairs. The second, with the regular part of the substrate, has no waves shorter than the grid
+carries: sources are spread by a smooth window, multiplied by the transform of the field, and gathered.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from metafem._validate import FloatArray
+from metafem.models.lattice import WORKERS
+from metafem.substrate import BondedLayer, Radial
+
+# Pairs are summed up to REACH s, where erfc = 3e-11.
+REACH = 4.7
+
+# Grid step over s. The field's waves fall as exp(-(k s/2)^2) and are 4e-11 of the longest at a quarter of
+# the waves per step, to which the window is faithful.
+STEP = 0.16
+
+# Radius of the pairs in mean distances of the places: pairs and grid then cost about the same.
+PAIRS = 9.0
+
+# Beyond the scene the distance bends over, within this many grid steps, to close the periodic grid
+# smoothly: an error function of 1/12 of them as its width, 1e-17 from a kink at both ends, whose own
+# waves are 1e-12 at the end of the band.
+MARGIN = 80
+WIDTHS = 12.0
+
+# A layer's regular part falls as k t exp(-2 k t): 1e-12 at the end of the band with this t over the step.
+LAYER_STEPS = 10.0
+
+# Rows that are summed exactly to certify a state.
+SAMPLE = 64
+
+
+class ScatteredSums:
+    """Products with the influence matrix and its derivatives for places anywhere; see the module."""
+
+    def __init__(self, position: FloatArray, substrate: Radial) -> None:
+        from metafem._kernels.mesh import POINTS
+
+        self.substrate = substrate
+        self.products = 0
+        low = position.min(axis=0)
+        extent = position.max(axis=0) - low
+        spacing = math.sqrt(float(np.prod(np.maximum(extent, extent.max() / len(position)))) / len(position))
+        self.reach = PAIRS * spacing
+        self.split = self.reach / REACH
+        self.step = STEP * self.split
+        if isinstance(substrate, BondedLayer) and substrate.thickness is not None:
+            self.step = min(self.step, substrate.thickness / LAYER_STEPS)
+        self._place = np.ascontiguousarray((position - low)[:, ::-1]) / self.step + 0.5 * POINTS + 1.0
+        self._span = np.ceil(extent[::-1] / self.step) + POINTS + 3.0
+        self._position = position
+
+    @property
+    def note(self) -> str:
+        """What is said in the notes."""
+        return (
+            f"{len(self._position)} scattered places: pairs nearer than {self.reach:.3g} mm were summed one "
+            f"by one, the rest on a grid, {SAMPLE} rows again exactly"
+        )
+
+    @property
+    def cells(self) -> int:
+        """Cells of the padded grid."""
+        return math.prod(self._padded)
+
+    def error(self, load: FloatArray) -> float:
+        """Return the largest error of G p on a sample of the loaded places [mm]."""
+        loaded = np.flatnonzero(load)
+        rows = loaded[:: max(1, len(loaded) // SAMPLE)]
+        worst, fast = 0.0, self.displacement(load)
+        for i in rows:
+            r = np.hypot(*(self._position[i] - self._position).T)
+            r[i] = math.inf
+            near = np.where(np.isfinite(r), r, 1.0)
+            value = np.where(np.isfinite(r), self.substrate.influence(near), 0.0)
+            worst = max(worst, abs(float(value @ load) - float(fast[i])))
+        return worst
+
+    def displacement(
+        self, load: FloatArray, size: FloatArray | None = None, *moment: FloatArray
+    ) -> FloatArray:
+        """Return G p, and with sizes v and moments (w_x, w_y) of the sources + lap v + grad . w, (n,)."""
+        total = self._forward(load) * self._influence
+        near = self._near[0]
+        result = near @ load + near.T @ load - self._own[0] * load
+        if size is not None:
+            # the slope by the source's place is the opposite of that at the displaced end
+            for source, spectrum in zip((size, *moment), self._derivatives, strict=True):
+                total += self._forward(source) * spectrum
+            laplacian, x, y = self._near_derivatives
+            result += laplacian @ size + laplacian.T @ size - self._own[1] * size
+            result += x.T @ moment[0] - x @ moment[0] + y.T @ moment[1] - y @ moment[1]
+        return np.asarray(result + self._backward(total))
+
+    def field(self, load: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return the Laplacian and the two slopes of G p at the asperities, (n,) each."""
+        load_hat = self._forward(load)
+        smooth, smooth_x, smooth_y = (self._backward(load_hat * s) for s in self._derivatives)
+        near, x, y = self._near_derivatives
+        laplacian = smooth + near @ load + near.T @ load - self._own[1] * load
+        return laplacian, x @ load - x.T @ load - smooth_x, y @ load - y.T @ load - smooth_y
+
+    @cached_property
+    def _own(self) -> tuple[float, float]:
+        """What the smooth part says of a source at its own place, but for the substrate's Laplacian."""
+        constant = 2.0 / (self.split * math.pi**1.5) + self.substrate.self_influence
+        return constant, -8.0 / (3.0 * math.pi**1.5 * self.split**3)
+
+    @cached_property
+    def _pairs(self) -> tuple[NDArray[np.int64], NDArray[np.int64], FloatArray, FloatArray]:
+        """Return both ends of the near pairs, x_i - x_j and y_i - y_j."""
+        from scipy.spatial import cKDTree
+
+        i, j = cKDTree(self._position).query_pairs(self.reach, output_type="ndarray").T
+        dx, dy = (self._position[i] - self._position[j]).T
+        return i, j, dx, dy
+
+    def _matrix(self, value: FloatArray) -> Any:
+        from scipy.sparse import csr_array
+
+        i, j, _, _ = self._pairs
+        shape = (len(self._position), len(self._position))
+        return csr_array((value, (i.astype(np.int32), j.astype(np.int32))), shape=shape)
+
+    @cached_property
+    def _near(self) -> tuple[Any]:
+        from scipy.special import erfc
+
+        _, _, dx, dy = self._pairs
+        r = np.hypot(dx, dy)
+        return (self._matrix(erfc(r / self.split) / (math.pi * r)),)
+
+    @cached_property
+    def _near_derivatives(self) -> tuple[Any, Any, Any]:
+        """Laplacian and slopes at the first end of the near part."""
+        from scipy.special import erfc
+
+        _, _, dx, dy = self._pairs
+        r, s = np.hypot(dx, dy), self.split
+        point = erfc(r / s) / (math.pi * r)
+        bell = 2.0 / (s * math.pi**1.5) * np.exp(-((r / s) ** 2)) / r
+        first = -point / r - bell  # d/dr of erfc(r/s)/(pi r)
+        second = 2.0 * point / r**2 + 2.0 * bell / r + 2.0 * r * bell / s**2
+        first /= r
+        return self._matrix(second + first), self._matrix(first * dx), self._matrix(first * dy)
+
+    @cached_property
+    def _padded(self) -> tuple[int, ...]:
+        from scipy.fft import next_fast_len
+
+        return tuple(next_fast_len(2 * int(span + MARGIN), real=True) for span in self._span)
+
+    @cached_property
+    def _waves(self) -> tuple[FloatArray, FloatArray]:
+        """Wavenumbers of rows and columns [1/step]."""
+        rows, columns = self._padded
+        full, half = np.fft.fftfreq(rows), np.fft.rfftfreq(columns)
+        return np.asarray(2.0 * math.pi * full[:, None]), np.asarray(2.0 * math.pi * half)
+
+    @cached_property
+    def _influence(self) -> FloatArray:
+        """Transform of the smooth field, over the window's twice: it is spread and gathered."""
+        from scipy.fft import rfft2
+        from scipy.special import erf
+
+        axes = [self._bent(size, span) for size, span in zip(self._padded, self._span, strict=True)]
+        r = np.hypot(axes[0][:, None], axes[1])
+        with np.errstate(invalid="ignore"):
+            point = np.where(r > 0.0, erf(r / self.split) / (math.pi * r), 2.0 / (self.split * math.pi**1.5))
+        spectrum = np.asarray(rfft2(point + self.substrate.regular(r), workers=WORKERS).real)
+        for k in self._waves:
+            spectrum *= np.where(np.abs(k) <= 0.5 * math.pi, 1.0 / _window_transform(k) ** 2, 0.0)
+        return spectrum
+
+    @cached_property
+    def _derivatives(self) -> tuple[NDArray[Any], ...]:
+        """Transforms of the Laplacian and of the slopes by the source's place along x and y."""
+        ky, kx = (k / self.step for k in self._waves)
+        influence = self._influence
+        return -(kx**2 + ky**2) * influence, -1j * kx * influence, -1j * ky * influence
+
+    def _bent(self, size: int, span: float) -> FloatArray:
+        """Return distances along a cyclic axis [mm], exact up to `span` steps and then bent to rest."""
+        from scipy.special import erfc
+
+        x = np.abs(np.fft.fftfreq(size, 1.0 / size))
+        width = MARGIN / WIDTHS
+        y = (x - span - 0.5 * MARGIN) / width
+        # integral of erfc((x - middle)/width)/2 from 0: x itself far below the middle
+        bent = 0.5 * width * (y * erfc(y) - np.exp(-(y**2)) / math.sqrt(math.pi)) + span + 0.5 * MARGIN
+        return np.asarray(self.step * np.where(x <= span, x, bent))
+
+    def _forward(self, vector: FloatArray) -> NDArray[np.complex128]:
+        from scipy.fft import rfft2
+
+        from metafem._kernels import mesh
+
+        self.products += 1
+        grid = np.zeros(self._padded)
+        mesh.spread(self._place, np.ascontiguousarray(vector), grid)
+        return np.asarray(rfft2(grid, workers=WORKERS, overwrite_x=True))
+
+    def _backward(self, spectrum: NDArray[np.complex128]) -> FloatArray:
+        from scipy.fft import irfft2
+
+        from metafem._kernels import mesh
+
+        result = np.empty(len(self._position))
+        mesh.gather(self._place, irfft2(spectrum, self._padded, workers=WORKERS), result)
+        return result
+
+
+def _window_transform(wavenumber: FloatArray) -> FloatArray:
+    """Fourier transform of the spreading window at wavenumbers [1/step]."""
+    from metafem._kernels.mesh import POINTS, SHAPE
+
+    node, weight = np.polynomial.legendre.leggauss(60)
+    x = 0.25 * POINTS * (node + 1.0)
+    value = np.exp(SHAPE * (np.sqrt(1.0 - (2.0 * x / POINTS) ** 2) - 1.0))
+    return np.asarray(np.cos(wavenumber[..., None] * x) @ (0.5 * POINTS * weight * value))
