@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 DEMOS = ("operating-points", "linear", "bilinear")
 
 # The kinds that `metafem.files` knows, listed here so that --help needs no import.
-MODELS = ("independent",)
+MODELS = ("independent", "mean-field", "half-space", "layer", "resolved")
 
 # Exit codes: a target that cannot be reached, and input that cannot be used.
 NOT_ACHIEVED, BAD_INPUT = 1, 2
@@ -229,7 +229,7 @@ def _progress(first: str) -> Iterator[Callable[[str], None]]:
 def _tell_design(
     result: Design, specification: Specification, folder: Path, cautions: tuple[str, ...], as_json: bool
 ) -> None:
-    from metafem.report import parameter_rows, wanted
+    from metafem.report import model_name, parameter_rows, wanted
 
     if as_json:
         data = {
@@ -237,7 +237,7 @@ def _tell_design(
             "status": result.status.name.lower(),
             "misfit": result.misfit,
             "asperities": result.surface.count,
-            "model": repr(result.law.model),
+            "model": model_name(result.law.model),
             "parameters": {name: _plain(value) for name, value in result.parameters.items()},
             "slopes": [{"target": b.slope, "fitted": f.slope} for b, f in result.fits],
             "cautions": list(cautions),
@@ -267,6 +267,8 @@ def _tell_law(law: FrictionLaw) -> None:
     from rich.markup import escape
     from rich.table import Table
 
+    from metafem.report import model_name
+
     table = Table()
     columns = ["load [N]", "area [mm²]", "separation [mm]", "stiffness [N/mm]"]
     if law.friction is not None:
@@ -283,12 +285,14 @@ def _tell_law(law: FrictionLaw) -> None:
         table.add_row(*(f"{number:.6g}" for number in numbers))
     console = Console()
     console.print(table)
-    console.print(f"{law.model!r}: {law.status.value}", highlight=False, markup=False)
+    console.print(f"{model_name(law.model)}: {law.status.value}", highlight=False, markup=False)
 
 
 def _law_data(law: FrictionLaw) -> dict[str, Any]:
+    from metafem.report import model_name
+
     data = {
-        "model": repr(law.model),
+        "model": model_name(law.model),
         "status": law.status.name.lower(),
         "load_N": law.load.tolist(),
         "area_mm2": law.area.tolist(),

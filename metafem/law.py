@@ -234,7 +234,7 @@ def friction_law(
 def _law(surface: Surface, model: Model, curve: Curve, separation: FloatArray) -> FrictionLaw:
     modulus = surface.material.composite_modulus
     worst = float(curve.residual.max())
-    status = Status.CONVERGED if worst <= model.tolerance else Status.NOT_CONVERGED
+    status = Status.CONVERGED if worst <= max(model.tolerance, curve.tolerance) else Status.NOT_CONVERGED
     law = FrictionLaw(
         load=modulus * curve.load,
         area=curve.area,

@@ -35,6 +35,13 @@ def test_every_command_has_help(run, command):
     assert "Usage:" in result.output
 
 
+@pytest.mark.parametrize("model", ["mean-field", "half-space", "layer"])
+def test_demo_takes_every_model(run, model):
+    result = run("demo", "linear", "--model", model, "--json")
+    assert result.exit_code == 0, result.output
+    assert mf.load("linear").law.model == MODELS[model]()
+
+
 @pytest.mark.parametrize("name", cli.DEMOS)
 def test_demo_writes_the_specification_and_the_whole_folder(run, name):
     result = run("demo", name, "--json")

@@ -15,14 +15,16 @@ from metafem.errors import InvalidInput
 from metafem.inversion import BilinearLaw, Design, DesignStatus, Limits, LinearLaw, OperatingPoints
 from metafem.inversion.blueprint import Branch
 from metafem.law import BranchFit, FrictionLaw
-from metafem.models import Independent, Status
+from metafem.models import BoundaryElements, Independent, Interacting, MeanField, Status
+from metafem.substrate import BondedLayer, HalfSpace
 from metafem.surface import Block, Friction, Material, Surface
 
 # What may stand in a record. A new model, target or density is added here.
 VALUES: Mapping[str, type] = {
     kind.__name__: kind
     for kind in (
-        *(Material, Friction, Block, Surface, Hertz, Independent),
+        *(Material, Friction, Block, Surface, Hertz, HalfSpace, BondedLayer),
+        *(Independent, MeanField, Interacting, BoundaryElements),
         *(OperatingPoints, LinearLaw, BilinearLaw, Limits, Design, FrictionLaw),
         *(Branch, BranchFit, TruncatedExponential, TwoBranchExponential),
     )

@@ -15,9 +15,12 @@ from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.asperity import Contact, Hertz
 from metafem.errors import InvalidInput, NotConverged
+from metafem.models.large import LargeScene, Last
+from metafem.models.memory import require_memory
 from metafem.models.model import ContactState, Curve, Status
+from metafem.models.newton_krylov import TOLERANCE as FAST_TOLERANCE
 from metafem.models.range_notes import interaction_notes, refuse_thin_layer
-from metafem.substrate import HalfSpace, Substrate
+from metafem.substrate import HalfSpace, Radial, Substrate
 from metafem.substrate.pedestal import pedestal_compliance
 from metafem.surface import Surface
 
@@ -27,6 +30,10 @@ if TYPE_CHECKING:
 
 # Largest residual of what is returned; the kernel aims a digit lower.
 TOLERANCE = 1e-12
+
+# Scenes up to this size are solved with all pairs in dense matrices: at 2000 a product takes as long as
+# the transforms of a lattice, and the matrices of order 3 need 0.5 GB.
+DENSE_LIMIT = 2000
 
 # Pairs of asperities, times loads, below which a second thread does not pay: about a millisecond.
 PAIRS_PER_THREAD = 200_000
@@ -91,7 +98,7 @@ class Interacting:
 
     @property
     def tolerance(self) -> float:
-        """Largest residual of a converged state."""
+        """Largest residual of a converged state of up to 2000 asperities; 1e-9 above."""
         return TOLERANCE
 
     def solve(self, surface: Surface, approach: float, guess: ContactState | None = None) -> ContactState:
@@ -135,7 +142,7 @@ class Interacting:
         InvalidInput
             For heights or loads that cannot be used, and a layer thinner than the contacts.
         NotConverged
-            If a residual exceeds 1e-12; all results are attached.
+            If a residual exceeds 1e-12 (1e-9 above 2000 asperities); all results are attached.
 
         Examples
         --------
@@ -155,17 +162,21 @@ class Interacting:
         results, _ = self._run(surface, heights, loads, by_load=True)
         refuse_thin_layer(self.substrate.for_surface(surface), float(results.radius.max()))
         worst = float(results.residual.max())
-        if not worst <= TOLERANCE:
-            count = int((~(results.residual <= TOLERANCE)).sum())
+        promise = self._promise(surface)
+        if not worst <= promise:
+            count = int((~(results.residual <= promise)).sum())
             raise NotConverged(f"{count} equilibria not converged: largest residual {worst:.2g}", results)
         return results.approach, results.load, results.area, results.stiffness
+
+    def _promise(self, surface: Surface) -> float:
+        """Return the residual that is promised for a surface of this size."""
+        return TOLERANCE if surface.count <= DENSE_LIMIT else FAST_TOLERANCE
 
     def _curve(self, surface: Surface, control: FloatArray, by_load: bool) -> Curve:
         results, _ = self._run(surface, surface.height[None, :], control, by_load)
         refuse_thin_layer(self.substrate.for_surface(surface), float(results.radius.max()))
-        return Curve(
-            results.approach[0], results.load[0], results.area[0], results.stiffness[0], results.residual[0]
-        )
+        approach, load, area, stiffness, residual = (results[k][0] for k in range(5))
+        return Curve(approach, load, area, stiffness, residual, self._promise(surface))
 
     def _state(self, surface: Surface, control: float, by_load: bool) -> ContactState:
         results, last = self._run(surface, surface.height[None, :], np.array([control]), by_load)
@@ -183,28 +194,53 @@ class Interacting:
             asperity_load=modulus * last.load,
             asperity_area=math.pi * last.square,
             residual=residual,
-            status=Status.CONVERGED if residual <= TOLERANCE else Status.NOT_CONVERGED,
+            status=Status.CONVERGED if residual <= self._promise(surface) else Status.NOT_CONVERGED,
             model=self,
-            notes=interaction_notes(surface, np.sqrt(last.square), last.indentation),
+            notes=(*last.notes, *interaction_notes(surface, np.sqrt(last.square), last.indentation)),
         )
 
     def _run(
         self, surface: Surface, height: FloatArray, control: FloatArray, by_load: bool
     ) -> tuple[Results, Last]:
-        """Run the kernel over (m, n) heights and (k,) loads or approaches, in up to two threads."""
+        """Solve (m, n) heights at (k,) loads or approaches, in any order; keep the last state."""
         from metafem._kernels import continuation as kernel
 
-        coupling, self_term = self._coupling(surface)
-        own = np.broadcast_to(self_term, height.shape)
+        own = np.zeros(height.shape)
         if self.pedestal:
-            own = own + pedestal_compliance(height, surface.radius)
-        own = np.array(own, order="C")
+            own += pedestal_compliance(height, surface.radius)
         gap = height.max(axis=1, keepdims=True) - height
         order = np.argsort(control, kind="stable")
         rising = np.ascontiguousarray(control[order])
         results = kernel.empty_results(len(height), len(rising))
-        radius = np.array(np.broadcast_to(surface.radius, height.shape), order="C")
-        last = Last(*(np.zeros(surface.count) for _ in range(3)))
+        bound = self.substrate.for_surface(surface)
+        if surface.count > DENSE_LIMIT and isinstance(bound, Radial):
+            large = LargeScene(surface, bound, self.order)
+            for row in range(len(height)):
+                part = kernel.Results(*(array[row] for array in results))
+                last = large.follow(own[row], gap[row], rising, by_load, part)
+        else:
+            last = self._run_dense(surface, own, gap, rising, by_load, results)
+        back = np.argsort(order, kind="stable")
+        return kernel.Results(*(array[:, back] for array in results)), last
+
+    def _run_dense(
+        self,
+        surface: Surface,
+        own: FloatArray,
+        gap: FloatArray,
+        rising: FloatArray,
+        by_load: bool,
+        results: Results,
+    ) -> Last:
+        """Fill the results by the compiled kernel, in up to two threads."""
+        from metafem._kernels import continuation as kernel
+
+        # the matrices, those with their ends exchanged, the Jacobian, and as much while they are made
+        require_memory(8 * surface.count**2 * (3 if self.order == 1 else 14), f"{surface.count} asperities")
+        coupling, self_term = self._coupling(surface)
+        own = own + self_term
+        radius = np.array(np.broadcast_to(surface.radius, gap.shape), order="C")
+        last = Last(np.zeros(surface.count), np.zeros(surface.count), np.zeros(surface.count))
 
         def run(rows: slice) -> None:
             state, memory, scratch = kernel.empty_workplace(surface.count, self.order)
@@ -213,21 +249,20 @@ class Interacting:
                 coupling, self.order, radius[rows], own[rows], gap[rows], rising, by_load, part,
                 state, memory, scratch,
             )  # fmt: skip
-            if rows.stop == len(height):
+            if rows.stop == len(gap):
                 last.load[:], last.square[:] = state.load, state.square
                 last.indentation[:] = state.indentation
 
-        work = height.size * surface.count * len(rising)
-        pieces = min(2, 1 + work // PAIRS_PER_THREAD, len(height))
-        edges = np.linspace(0, len(height), pieces + 1).astype(int)
+        work = gap.size * surface.count * len(rising)
+        pieces = min(2, 1 + work // PAIRS_PER_THREAD, len(gap))
+        edges = np.linspace(0, len(gap), pieces + 1).astype(int)
         slices = [slice(int(a), int(b)) for a, b in pairwise(edges)]
         if pieces == 1:
             run(slices[0])
         else:
             with ThreadPoolExecutor(pieces) as pool:
                 list(pool.map(run, slices))
-        back = np.argsort(order, kind="stable")
-        return kernel.Results(*(array[:, back] for array in results)), last
+        return last
 
     def _coupling(self, surface: Surface) -> tuple[Field, FloatArray]:
         """Return the influence of the asperities on each other, and their own regular terms (n,)."""
@@ -240,12 +275,3 @@ class Interacting:
             return Field(influence, *(np.empty((0, 0)) for _ in range(6))), own
         derivatives = [np.ascontiguousarray(d) for d in self.substrate.influence_derivatives(surface)]
         return Field(influence, *derivatives, *(np.ascontiguousarray(d.T) for d in derivatives)), own
-
-
-@dataclass(frozen=True)
-class Last:
-    """Rescaled loads, squares of the contact radii and indentations of the last equilibrium, (n,)."""
-
-    load: FloatArray
-    square: FloatArray
-    indentation: FloatArray

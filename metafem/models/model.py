@@ -33,6 +33,8 @@ class Curve:
         Derivative of the rescaled load by the approach [mm].
     residual : ndarray
         Largest relative error of the equations (0: none) on what is returned.
+    tolerance : float
+        What was promised for this surface, where that is looser than the model's own tolerance.
     """
 
     approach: FloatArray
@@ -40,6 +42,7 @@ class Curve:
     area: FloatArray
     stiffness: FloatArray
     residual: FloatArray
+    tolerance: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)

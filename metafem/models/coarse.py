@@ -1,0 +1,138 @@
+"""A coarse copy of a large scene, for its long waves: a start for Newton and a preconditioner."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from metafem._validate import FloatArray
+from metafem.substrate import Radial
+
+# Cells of the coarse scene: a dense matrix of that many rows is factored within milliseconds.
+MAX_CELLS = 400
+
+# Fewest asperities a cell should hold.
+FEWEST = 8
+
+# Points a side of a cell between which its mean influence is taken.
+POINTS = 3
+
+# Newton on the coarse scene only makes a start.
+START_RESIDUAL = 1e-3
+MAX_STEPS = 40
+MAX_CUTS = 8
+
+
+@dataclass(frozen=True, eq=False)
+class Coarse:
+    """Square cells over the scene within which displacements are taken as uniform.
+
+    Attributes
+    ----------
+    cell : ndarray of int, (n,)
+        The cell of each asperity.
+    count : int
+        Number of cells that hold any.
+    influence : ndarray, (count, count)
+        Mean influence of the cells on each other [1/mm].
+    """
+
+    cell: NDArray[np.int64]
+    count: int
+    influence: FloatArray
+
+    def loads(self, load: FloatArray) -> FloatArray:
+        """Return the sums over the cells."""
+        return np.asarray(np.bincount(self.cell, load, minlength=self.count), dtype=np.float64)
+
+    def preconditioner(self, inverse: FloatArray) -> Callable[[FloatArray], FloatArray]:
+        """Return ``v -> D v - D E Q E' D v``, about (1/D + K)^-1 v by Woodbury's formula.
+
+        E spreads the cells over their asperities, ``Q = (K^-1 + E' D E)^-1``. It is positive for any D,
+        because no (E' D v)^2 exceeds D's sum over the cell times v.D v.
+        """
+        from scipy.linalg import cho_factor, cho_solve
+
+        root = np.sqrt(self.loads(inverse))
+        inner = np.eye(self.count) + root[:, None] * self.influence * root
+        factor = cho_factor(inner, lower=True, overwrite_a=True)
+
+        def apply(vector: FloatArray) -> FloatArray:
+            phi = self.influence @ self.loads(inverse * vector)
+            phi -= self.influence @ (root * cho_solve(factor, root * phi))
+            return np.asarray(inverse * (vector - phi[self.cell]))
+
+        return apply
+
+    def start(
+        self, radius: FloatArray, gap: FloatArray, approach: float, target: float
+    ) -> tuple[FloatArray, float]:
+        """Return nominal indentations and an approach from the equilibrium of the coarse scene.
+
+        ``phi = K q(x - phi)`` for the displacements phi of the cells, by damped Newton; with a target
+        load > 0 the approach x is found with them, from `approach`, which carries it without phi.
+        """
+        phi, x = np.zeros(self.count), approach
+
+        def state(phi: FloatArray, x: float) -> tuple[FloatArray, FloatArray, FloatArray, float]:
+            z = x - gap - phi[self.cell]
+            root = np.sqrt(radius * np.maximum(z, 0.0))
+            load = self.loads(4.0 / 3.0 * root * z)
+            error = phi - self.influence @ load
+            missing = (target - float(load.sum())) / target if target > 0.0 else 0.0
+            size = max(float(np.abs(error).max()) / max(float(z.max()), 1e-300), abs(missing))
+            return z, error, self.loads(2.0 * root), size
+
+        z, error, slope, size = state(phi, x)
+        for _ in range(MAX_STEPS):
+            if size <= START_RESIDUAL:
+                break
+            jacobian = np.eye(self.count) + self.influence * slope
+            drive = -np.column_stack([error, -self.influence @ slope])
+            still, moved = np.linalg.solve(jacobian, drive).T
+            shift = 0.0
+            if target > 0.0:
+                load = float((self.loads(4.0 / 3.0 * np.sqrt(radius * np.maximum(z, 0.0)) * z)).sum())
+                stiff = float(slope @ (1.0 - moved))
+                if stiff <= 0.0:
+                    break
+                shift = (target - load + float(slope @ still)) / stiff
+            step = still + shift * moved
+            length = 1.0
+            for _ in range(MAX_CUTS):
+                trial = state(phi + length * step, x + length * shift)
+                if trial[3] < size:
+                    break
+                length *= 0.5
+            phi, x = phi + length * step, x + length * shift
+            z, error, slope, size = trial
+        return z, x
+
+
+def coarsen(position: FloatArray, substrate: Radial) -> Coarse:
+    """Return the coarse copy of places (n, 2) on a substrate."""
+    low = position.min(axis=0)
+    extent = np.maximum(position.max(axis=0) - low, 1e-12 * float(np.ptp(position)))
+    cells = max(1.0, min(MAX_CELLS, len(position) / FEWEST))
+    size = max(math.sqrt(float(extent[0] * extent[1]) / cells), float(extent.max()) / cells)
+    place = np.floor((position - low) / (size * (1.0 + 1e-9))).astype(np.int64)
+    columns = int(place[:, 0].max()) + 1
+    used, cell = np.unique(place @ np.array([1, columns]), return_inverse=True)
+    x, y = used % columns, used // columns
+    # mean over pairs of points of two cells, by their offset in whole cells
+    offset = np.arange(max(int(x.max()), int(y.max())) + 1)
+    point = (np.arange(POINTS) + 0.5) / POINTS
+    between = (point[:, None] - point).ravel()
+    dx, dy = (
+        offset[:, None, None, None] + between[None, None, :, None],
+        offset[None, :, None, None] + between[None, None, None, :],
+    )
+    r = size * np.hypot(dx, dy)
+    # coincident points stand for subcells: 1/r averages to 2.973 over the side of a square
+    r[r == 0.0] = size / POINTS / 2.973
+    table = substrate.influence(r).mean(axis=(2, 3))
+    return Coarse(cell, len(used), table[np.abs(x[:, None] - x), np.abs(y[:, None] - y)])

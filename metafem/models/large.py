@@ -1,0 +1,94 @@
+"""Curves of scenes too large for dense matrices."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from metafem._validate import FloatArray
+from metafem.errors import InvalidInput
+from metafem.models.coarse import coarsen
+from metafem.models.lattice import LatticeSums, find_lattice
+from metafem.models.memory import require_memory
+from metafem.models.newton_krylov import Contacts, Iterate, Sums
+from metafem.substrate import Radial
+from metafem.surface import Surface
+
+if TYPE_CHECKING:
+    from metafem._kernels.continuation import Results
+
+
+@dataclass(frozen=True)
+class Last:
+    """Rescaled loads, squares of the contact radii and indentations of the last equilibrium, (n,)."""
+
+    load: FloatArray
+    square: FloatArray
+    indentation: FloatArray
+    notes: tuple[str, ...] = ()
+
+
+class LargeScene:
+    """The places of one surface, ready for any heights: a coarse copy and fast sums."""
+
+    def __init__(self, surface: Surface, substrate: Radial, order: int) -> None:
+        self.radius, self.order, self.substrate = surface.radius, order, substrate
+        self.sums = fast_sums(surface, substrate, order)
+        self.coarse = coarsen(surface.position, substrate)
+
+    def follow(
+        self, own: FloatArray, gap: FloatArray, control: FloatArray, by_load: bool, results: Results
+    ) -> Last:
+        """Fill the results (k,) at increasing loads or approaches, and return the last state."""
+        own = own + self.substrate.self_influence
+        contacts = Contacts(self.sums, self.order, self.radius, own, gap, self.coarse)
+        x, z, rate = 0.0, -gap, None
+        zero = np.zeros_like(gap)
+        last = Last(zero, zero, -gap)
+        for j, value in enumerate(control):
+            results.approach[j] = 0.0 if by_load else value
+            if value <= 0.0:
+                last = Last(zero, zero, min(float(results.approach[j]), 0.0) - gap)
+                continue
+            target = float(value) if by_load else 0.0
+            if rate is None:
+                x = uniform_approach(gap, self.radius, target) if by_load else float(value)
+                z, x = self.coarse.start(self.radius, gap, x, target)
+            else:
+                ahead = (target - results.load[j - 1]) / results.stiffness[j - 1] if by_load else value - x
+                z, x = z + ahead * rate, x + float(ahead)
+            state, x = contacts.newton(z, x, target)
+            z = state.z
+            results.stiffness[j], rate = contacts.tangent(state)
+            self._record(results, j, x, state)
+            last = Last(state.load, state.square, state.indentation, (self.sums.note,))
+        return last
+
+    @staticmethod
+    def _record(results: Results, j: int, approach: float, state: Iterate) -> None:
+        results.approach[j] = approach
+        results.load[j] = math.fsum(state.load)
+        results.area[j] = math.pi * math.fsum(state.square)
+        results.radius[j] = math.sqrt(float(state.square.max()))
+        results.residual[j] = state.residual
+
+
+def fast_sums(surface: Surface, substrate: Radial, order: int) -> Sums:
+    """Return the sums that suit the places."""
+    lattice = find_lattice(surface.position)
+    if lattice is None:
+        raise InvalidInput(f"{surface.count} scattered asperities are more than can be summed densely")
+    # padded transforms: the spectra of the influence and its derivatives, and as much in passing
+    arrays = 5 if order == 1 else 12
+    require_memory(8 * 4 * math.prod(lattice.shape) * arrays, f"a lattice of {lattice.shape}")
+    return LatticeSums(lattice, substrate)
+
+
+def uniform_approach(gap: FloatArray, radius: FloatArray, load: float) -> float:
+    """Return about the approach [mm] at which independent asperities carry `load`."""
+    from metafem._kernels.continuation import uniform_approach as kernel
+
+    return float(kernel(np.ascontiguousarray(gap), np.array(radius), load))

@@ -1,0 +1,172 @@
+"""Sums over a square lattice by fast Fourier transforms."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from metafem._validate import FloatArray
+from metafem.substrate import Radial
+
+# Places may differ from the lattice by this share of the pitch, and by the rounding of their values.
+LATTICE_TOLERANCE = 1e-9
+
+# A lattice with more missing sites than this is left to the sum over scattered places.
+FEWEST_SITES = 0.25
+
+# Threads of scipy's transforms.
+WORKERS = 2
+
+
+@dataclass(frozen=True, eq=False)
+class Lattice:
+    """Sites of a square lattice, in whole steps along its two axes.
+
+    Attributes
+    ----------
+    site : ndarray of int, (n, 2)
+        Row and column of each place, from 0.
+    shape : (int, int)
+        Rows and columns of the smallest rectangle that holds them.
+    pitch : float
+        Distance of neighbours [mm].
+    """
+
+    site: NDArray[np.int64]
+    shape: tuple[int, int]
+    pitch: float
+
+
+def find_lattice(position: FloatArray) -> Lattice | None:
+    """Return the square lattice that the places (n, 2) lie on, in any direction, or None."""
+    from scipy.spatial import cKDTree
+
+    if len(position) < 2:
+        return None
+    centre = position - position.mean(axis=0)
+    first = centre[int(np.hypot(*centre.T).argmin())]
+    distance, near = cKDTree(centre).query(first, k=2)
+    step = centre[near[1]] - first
+    extent = float(np.hypot(*centre.T).max())
+    # the axes are improved by the farthest places: a short step cannot tell the direction of a long row
+    for reach in (3.0 * distance[1], math.sqrt(distance[1] * extent), 2.0 * extent):
+        square = step @ step
+        axes = np.array([step, [-step[1], step[0]]]) / square
+        exact = (centre - first) @ axes.T
+        whole = np.rint(exact)
+        inside = np.hypot(*(centre - first).T) <= reach
+        # least squares of the similarity x = step * whole, as complex numbers
+        places = (centre - first)[inside] @ np.array([1.0, 1.0j])
+        steps = whole[inside] @ np.array([1.0, 1.0j])
+        weight = float((np.abs(steps) ** 2).sum())
+        if weight == 0.0:
+            return None
+        best = complex((np.conj(steps) * places).sum() / weight)
+        step = np.array([best.real, best.imag])
+    pitch = abs(best)
+    axes = np.array([step, [-step[1], step[0]]]) / pitch**2
+    exact = (centre - first) @ axes.T
+    whole = np.rint(exact)
+    # whole numbers of steps from the place that was taken as the origin, but for its own rounding
+    rounding = 8.0 * np.finfo(float).eps * float(np.abs(position).max()) / pitch
+    offset = (exact - whole).mean(axis=0)
+    if float(np.abs(exact - whole - offset).max()) > LATTICE_TOLERANCE + rounding:
+        return None
+    site = whole.astype(np.int64)[:, ::-1]
+    site = site - site.min(axis=0)
+    rows, columns = (int(size) + 1 for size in site.max(axis=0))
+    if len(position) < FEWEST_SITES * rows * columns:
+        return None
+    if len(np.unique(site @ np.array([columns, 1]))) < len(position):
+        return None
+    return Lattice(site, (rows, columns), pitch)
+
+
+class LatticeSums:
+    """Products with the influence matrix and its derivatives, by transforms of twice the lattice.
+
+    The padding makes the cyclic products those of the bounded lattice: they are exact to rounding.
+    """
+
+    def __init__(self, lattice: Lattice, substrate: Radial) -> None:
+        from scipy.fft import next_fast_len
+
+        self.lattice = lattice
+        self.substrate = substrate
+        self.products = 0
+        self._index = lattice.site @ np.array([lattice.shape[1], 1])
+        self._padded = tuple(next_fast_len(2 * size - 1, real=True) for size in lattice.shape)
+
+    @property
+    def note(self) -> str:
+        """What is said in the notes."""
+        rows, columns = self.lattice.shape
+        return f"all pairs of the {rows} x {columns} lattice were summed by FFT, exact to rounding"
+
+    def displacement(
+        self, load: FloatArray, size: FloatArray | None = None, *moment: FloatArray
+    ) -> FloatArray:
+        """Return G p, and with sizes v and moments (w_x, w_y) of the sources + lap v + grad . w, (n,)."""
+        total = self._forward(load) * self._influence
+        if size is not None:
+            for source, spectrum in zip((size, *moment), self._derivatives, strict=True):
+                total += self._forward(source) * spectrum
+        return self._backward(total)
+
+    def field(self, load: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return the Laplacian and the two slopes of G p at the asperities, (n,) each."""
+        load_hat = self._forward(load)
+        # the derivative at the displaced end is the opposite of that at the source
+        laplacian, x, y = (self._backward(load_hat * spectrum) for spectrum in self._derivatives)
+        return laplacian, -x, -y
+
+    def _grid(self, vector: FloatArray) -> FloatArray:
+        grid = np.zeros(math.prod(self.lattice.shape))
+        grid[self._index] = vector
+        return grid.reshape(self.lattice.shape)
+
+    def _forward(self, vector: FloatArray) -> NDArray[np.complex128]:
+        from scipy.fft import rfft2
+
+        self.products += 1
+        return np.asarray(rfft2(self._grid(vector), self._padded, workers=WORKERS))
+
+    def _backward(self, spectrum: NDArray[np.complex128]) -> FloatArray:
+        from scipy.fft import irfft2
+
+        rows, columns = self.lattice.shape
+        field = irfft2(spectrum, self._padded, workers=WORKERS)
+        return np.asarray(field[:rows, :columns].ravel()[self._index])
+
+    def _offsets(self, shape: tuple[int, ...]) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return y, x and r [mm] of the nearest image on a cyclic grid, r = pitch at the origin."""
+        steps = [np.fft.fftfreq(size, 1.0 / size) * self.lattice.pitch for size in shape]
+        y, x = np.meshgrid(*steps, indexing="ij")
+        r = np.hypot(x, y)
+        r[0, 0] = self.lattice.pitch
+        return y, x, r
+
+    @cached_property
+    def _influence(self) -> NDArray[np.complex128]:
+        """Transform of G."""
+        from scipy.fft import rfft2
+
+        value = self.substrate.influence(self._offsets(self._padded)[2])
+        value[0, 0] = 0.0
+        return np.asarray(rfft2(value, workers=WORKERS))
+
+    @cached_property
+    def _derivatives(self) -> tuple[NDArray[np.complex128], ...]:
+        """Transforms of lap G and of the slopes by the source's place, along the lattice's axes."""
+        from scipy.fft import rfft2
+
+        y, x, r = self._offsets(self._padded)
+        _, first, second = self.substrate.influence(r, derivatives=True)
+        first /= r
+        laplacian = second + first
+        laplacian[0, 0] = 2.0 * self.substrate.self_curvature
+        return tuple(rfft2(kernel, workers=WORKERS) for kernel in (laplacian, -first * x, -first * y))

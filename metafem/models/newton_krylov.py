@@ -1,0 +1,208 @@
+"""Newton-Krylov for many interacting contacts; `metafem._kernels.coupling` states the equations."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from metafem._validate import FloatArray
+from metafem.models.coarse import Coarse
+
+# Residual that is promised with sums that are not exact to the last digit, and the one aimed at.
+TOLERANCE = 1e-9
+GOAL = 3e-10
+
+# Newton takes about 6 steps from a mean-field state.
+MAX_STEPS = 60
+MAX_CUTS = 20
+MAX_INNER = 300
+
+# Loosest inner solve. Later ones follow the fall of the residual squared (Eisenstat and Walker, SIAM J.
+# Sci. Comput. 17, 16 (1996), doi:10.1137/0917003, choice 2).
+LOOSEST = 0.1
+
+# Residual of the tangent; the stiffness has twice its digits.
+TANGENT = 1e-4
+
+
+class Sums(Protocol):
+    """Products of one surface's influence; `metafem.models.lattice.LatticeSums` says what they are."""
+
+    products: int
+
+    @property
+    def note(self) -> str:
+        """What is said in the notes."""
+        ...
+
+    def displacement(
+        self, load: FloatArray, size: FloatArray | None = None, *moment: FloatArray
+    ) -> FloatArray:
+        """Return G p + lap v + grad . w without self terms."""
+        ...
+
+    def field(self, load: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return the Laplacian and the slopes of G p."""
+        ...
+
+
+@dataclass
+class Iterate:
+    """Everything that follows from the nominal indentations z, (n,) each."""
+
+    z: FloatArray
+    load: FloatArray
+    indentation: FloatArray
+    displacement: FloatArray
+    bend: FloatArray
+    square: FloatArray
+    slope: tuple[FloatArray, FloatArray]
+    residual: float = math.inf
+    error: FloatArray = field(default_factory=lambda: np.empty(0))
+
+    @property
+    def closed(self) -> NDArray[np.bool_]:
+        """Where there is contact."""
+        return np.asarray(self.z > 0.0)
+
+
+@dataclass
+class Contacts:
+    """The contacts of one surface, coupled by fast sums.
+
+    Newton's inner solves take the Jacobian of order 1: what order 3 adds is a percent of it.
+    """
+
+    sums: Sums
+    order: int
+    radius: FloatArray
+    own: FloatArray
+    gap: FloatArray
+    coarse: Coarse
+
+    def respond(self, z: FloatArray, approach: float, target: float) -> Iterate:
+        """Return the iterate of given z with its residual."""
+        closed = np.maximum(z, 0.0)
+        load = 4.0 / 3.0 * np.sqrt(self.radius * closed) * closed
+        if self.order == 1:
+            u = self.own * load + self.sums.displacement(load)
+            state = Iterate(z, load, z, u, np.ones_like(z), self.radius * closed, (z, z))
+        else:
+            curvature, x, y = self.sums.field(load)
+            bend = np.where(z > 0.0, np.cbrt(np.maximum(1.0 + 0.5 * self.radius * curvature, 0.1)), 1.0)
+            square = self.radius * closed / bend**2
+            moment = -load * self.radius
+            u = self.sums.displacement(load, 0.1 * load * square, moment * x, moment * y)
+            u += self.own * load - 0.5 * self.radius * (x**2 + y**2)
+            state = Iterate(z, load, z * bend, u, bend, square, (x, y))
+        state.error = state.indentation + state.displacement - (approach - self.gap)
+        overlap = np.where(z > 0.0, np.abs(state.error), z - state.error)
+        largest = float(state.indentation.max())
+        state.residual = float(max(overlap.max(), 0.0)) / largest if largest > 0.0 else 1.0
+        if target > 0.0:
+            state.residual = max(state.residual, abs(math.fsum(load) - target) / target)
+        return state
+
+    def newton(self, z: FloatArray, approach: float, target: float) -> tuple[Iterate, float]:
+        """Solve from z and an approach; a target load > 0 makes the approach an unknown."""
+        state = self.respond(z, approach, target)
+        forcing = LOOSEST
+        for _ in range(MAX_STEPS):
+            if state.residual <= GOAL:
+                break
+            if not state.closed.any():
+                state = self.respond(approach - self.gap, approach, target)
+            missing = target - float(state.load.sum()) if target > 0.0 else None
+            largest = float(state.indentation.max())
+            leave = largest * max(forcing * min(state.residual, 1.0), 0.3 * GOAL)
+            loads, shift, rest = self.solve(state, -state.error, missing, leave)
+            step = (rest + shift + (self.diagonal(state) - self.own) * loads) / state.bend
+            length = 1.0
+            for _ in range(MAX_CUTS):
+                new = self.respond(state.z + length * step, approach + length * shift, target)
+                if new.residual <= (1.0 - 0.25 * length) * state.residual or new.residual <= GOAL:
+                    break
+                length *= 0.5
+            if new.residual >= state.residual:
+                break
+            forcing = min(LOOSEST, max(0.9 * (new.residual / state.residual) ** 2, 1e-3))
+            state, approach = new, approach + length * shift
+        return state, approach
+
+    def diagonal(self, state: Iterate) -> FloatArray:
+        """Return the diagonal of the Jacobian dF/dp; 0 for open asperities."""
+        root = np.sqrt(self.radius * np.maximum(state.z, 0.0))
+        return np.divide(state.bend, 2.0 * root, out=np.zeros_like(root), where=root > 0.0) + self.own
+
+    def tangent(self, state: Iterate) -> tuple[float, FloatArray]:
+        """Return dP/dx [mm] and dz/dx (n,) at an equilibrium."""
+        diagonal = self.diagonal(state)
+        # independent contacts would share a load in inverse proportion
+        alone = 1.0 / float((1.0 / diagonal[state.closed]).sum())
+        none = np.zeros_like(diagonal)
+        share, shift, rest = self.solve(state, none, 1.0, TANGENT * alone, exact=True)
+        rate = (rest + shift + (diagonal - self.own) * share) / state.bend / shift
+        # y.H y is stationary at the tangent, and rest = -H y
+        return -1.0 / float(share @ rest), rate
+
+    def jacobian(self, state: Iterate, loads: FloatArray, exact: bool) -> FloatArray:
+        """Return dF/dp times a change of the loads, without the diagonal of Hertz and self terms."""
+        if self.order == 1 or not exact:
+            return self.sums.displacement(loads)
+        third, radius = state.square / 6.0, self.radius
+        curvature, *slope = self.sums.field(loads)
+        flatter = state.load * state.square * radius / (30.0 * state.bend**3)
+        moment = [
+            -radius * (old * loads + state.load * new) for old, new in zip(state.slope, slope, strict=True)
+        ]
+        image = self.sums.displacement(loads, third * loads - flatter * curvature, *moment)
+        tilt = sum(old * new for old, new in zip(state.slope, slope, strict=True))
+        return image + third * curvature - radius * tilt
+
+    def solve(
+        self,
+        state: Iterate,
+        rhs: FloatArray,
+        total: float | None,
+        leave: float,
+        exact: bool = False,
+    ) -> tuple[FloatArray, float, FloatArray]:
+        """Solve for loads of the contacts, within the plane of a total load where there is one.
+
+        Preconditioned conjugate gradients with the constraint in the preconditioner, as in
+        `metafem._kernels.projected_cg`. Return the loads, the approach and the residual on every row.
+        """
+        closed = state.closed
+        diagonal = self.diagonal(state)
+        inverse = np.divide(1.0, diagonal, out=np.zeros_like(diagonal), where=closed)
+        precondition = self.coarse.preconditioner(inverse)
+        loads, shift, rest = np.zeros_like(rhs), 0.0, rhs.copy()
+        if total is not None:
+            uniform = precondition(closed.astype(np.float64))
+            whole = float(uniform.sum())
+            if total != 0.0:
+                loads = uniform * (total / whole)
+                rest -= self.jacobian(state, loads, exact) + np.where(closed, diagonal * loads, 0.0)
+        direction, before = np.zeros_like(rhs), 0.0
+        for _ in range(MAX_INNER):
+            inside = np.where(closed, rest, 0.0)
+            ahead = precondition(inside)
+            if total is not None:
+                shift = -float(ahead.sum()) / whole
+                ahead += shift * uniform
+            if float(np.abs(np.where(closed, rest + shift, 0.0)).max()) <= leave:
+                break
+            product = float(inside @ ahead)
+            direction = ahead + (product / before if before > 0.0 else 0.0) * direction
+            before = product
+            image = self.jacobian(state, direction, exact) + np.where(closed, diagonal * direction, 0.0)
+            length = product / float(direction @ image)
+            if not length > 0.0:
+                break
+            loads = loads + length * direction
+            rest -= length * image
+        return loads, shift, rest

@@ -1,0 +1,146 @@
+"""Large scenes: fast sums and Newton-Krylov against the dense kernel."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import metafem as mf
+from metafem._kernels.continuation import Results
+from metafem.models import interacting
+from metafem.models.coarse import coarsen
+from metafem.models.lattice import LatticeSums, find_lattice
+from tests.models.scenes import lattice, scene
+
+SUBSTRATES = [mf.HalfSpace(), mf.BondedLayer(7.2, 0.5)]
+
+
+def rough(count, seed=0):
+    return 0.12 - np.minimum(np.random.default_rng(seed).exponential(0.035, count), 0.12)
+
+
+def turned(position, angle=0.3):
+    return position @ np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]]) + 7.0
+
+
+@pytest.fixture
+def large(monkeypatch):
+    """Small scenes take the way of large ones."""
+    monkeypatch.setattr(interacting, "DENSE_LIMIT", 1)
+
+
+def products(surface, substrate, sums):
+    """Differences of every product from the dense matrices, over the largest value."""
+    rng = np.random.default_rng(3)
+    load, size = rng.random((2, surface.count))
+    influence = substrate.influence_matrix(surface)
+    np.fill_diagonal(influence, 0.0)
+    gx, gy, laplacian = substrate.influence_derivatives(surface)
+    pairs = [
+        (sums.displacement(load), influence @ load),
+        (sums.field(load)[0], laplacian @ load),
+        (np.hypot(*sums.field(load)[1:]), np.hypot(gx @ load, gy @ load)),
+        # sources with moments along their own slope: free of the choice of axes
+        (
+            sums.displacement(load, size, *(load * s for s in sums.field(load)[1:])),
+            influence @ load + laplacian.T @ size + gx.T @ (load * (gx @ load)) + gy.T @ (load * (gy @ load)),
+        ),
+    ]
+    return [float(np.abs(a - b).max() / np.abs(b).max()) for a, b in pairs]
+
+
+@pytest.mark.parametrize("substrate", SUBSTRATES)
+def test_lattice_products_are_exact(substrate):
+    surface = lattice(rough(49))
+    keep = np.random.default_rng(1).permutation(49)[:40]  # missing sites, any order
+    surface = scene(turned(surface.position[keep]), surface.height[keep], 0.526)
+    assert max(products(surface, substrate, LatticeSums(find_lattice(surface.position), substrate))) < 1e-13
+
+
+@pytest.mark.parametrize("shape", [(1, 9), (7, 1), (5, 8)])
+def test_lattices_are_found_in_any_direction(shape):
+    surface = mf.Surface.square_lattice(0.1, shape, 0.7, radius=0.1, material=mf.Material(1))
+    for position in (surface.position, turned(surface.position), surface.position + 1e5):
+        found = find_lattice(position)
+        assert sorted(found.shape) == sorted(shape)
+        assert found.pitch == pytest.approx(0.7, rel=1e-9)
+
+
+def test_scattered_places_are_no_lattice():
+    rng = np.random.default_rng(0)
+    assert find_lattice(rng.random((50, 2))) is None
+    position = lattice(rough(49)).position
+    assert find_lattice(position + 1e-6 * rng.random((49, 2))) is None
+    sparse = np.vstack([position[:4], position[:4] + 150.0])
+    assert find_lattice(sparse) is None
+
+
+@pytest.mark.parametrize("substrate", SUBSTRATES)
+@pytest.mark.parametrize("order", [1, 3])
+def test_newton_krylov_agrees_with_the_dense_kernel(monkeypatch, substrate, order):
+    surface = lattice(rough(400))
+    model = mf.Interacting(order=order, substrate=substrate)
+    loads = np.linspace(0.0, 3.0, 5)
+    dense = mf.friction_law(surface, model, load=loads)
+    monkeypatch.setattr(interacting, "DENSE_LIMIT", 1)
+    fast = mf.friction_law(surface, model, load=loads)
+    assert fast.residual.max() < 1e-9
+    assert_allclose(fast.area, dense.area, rtol=1e-8)
+    assert_allclose(fast.approach, dense.approach, rtol=1e-8)
+    assert_allclose(fast.stiffness, dense.stiffness, rtol=1e-6)
+
+
+@pytest.mark.usefixtures("large")
+def test_load_and_approach_are_inverse_for_large_scenes():
+    surface = lattice(rough(100))
+    for model in (mf.Interacting(), mf.Interacting(pedestal=True, substrate=mf.BondedLayer())):
+        state = mf.equilibrium(surface, model, load=0.5)
+        assert "FFT" in state.notes[0]
+        again = mf.equilibrium(surface, model, approach=state.approach)
+        assert again.load == pytest.approx(0.5, rel=1e-8)
+        step = 1e-4 * state.approach
+        low, high = (mf.equilibrium(surface, model, approach=state.approach + s).load for s in (-step, step))
+        assert (high - low) / (2 * step) == pytest.approx(state.stiffness, rel=1e-4)
+        assert mf.equilibrium(surface, model, approach=-1.0).load == 0.0
+
+
+@pytest.mark.usefixtures("large")
+def test_tilted_lattice_with_contact_on_one_side_alone():
+    surface = lattice(rough(900)).tilted(0.004, 0.001)
+    for substrate in SUBSTRATES:
+        law = mf.friction_law(
+            surface, mf.Interacting(order=1, substrate=substrate), load=[0.01, 0.1, 1.0, 10.0]
+        )
+        assert (np.diff(law.area) > 0.0).all()
+
+
+def test_products_do_not_grow_with_the_layer_s_lattice():
+    counts = []
+    for side in (8, 24, 72):
+        surface = mf.Surface.square_lattice(
+            rough(side**2), (side, side), radius=0.526, material=mf.Material(1.0), block=mf.Block(20, 20, 7.2)
+        )
+        large_scene = interacting.LargeScene(surface, SUBSTRATES[1], 1)
+        results = [np.zeros(1) for _ in range(6)]
+        large_scene.follow(
+            np.zeros(side**2), surface.gap, np.array([0.003 * side**2]), True, Results(*results)
+        )
+        counts.append(large_scene.sums.products)
+    assert max(counts) < 40
+
+
+def test_coarse_influence_is_the_mean_over_its_cells():
+    surface = lattice(rough(400))
+    coarse = coarsen(surface.position, mf.HalfSpace())
+    influence = mf.HalfSpace().influence_matrix(surface)
+    share = np.zeros((coarse.count, 400))
+    share[coarse.cell, np.arange(400)] = 1.0
+    mean = share @ influence @ share.T / np.outer(share.sum(1), share.sum(1))
+    # cells hold unequal parts of the lattice: only the mean matters for a start
+    assert np.abs(coarse.influence - mean).mean() < 0.15 * mean.mean()
+
+
+def test_memory_is_refused_before_it_is_allocated():
+    from metafem.models.memory import require_memory
+
+    with pytest.raises(mf.InvalidInput, match="GiB"):
+        require_memory(1e18, "a scene")
