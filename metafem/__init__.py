@@ -27,8 +27,12 @@ if TYPE_CHECKING:
     from metafem.inversion import BilinearLaw as BilinearLaw
     from metafem.inversion import Limits as Limits
     from metafem.inversion import LinearLaw as LinearLaw
+    from metafem.inversion import MultilinearLaw as MultilinearLaw
     from metafem.inversion import OperatingPoints as OperatingPoints
+    from metafem.inversion import PowerLaw as PowerLaw
+    from metafem.inversion import SampledLaw as SampledLaw
     from metafem.inversion import achievable_friction_coefficients as achievable_friction_coefficients
+    from metafem.inversion import feasible_region as feasible_region
     from metafem.inversion import plasticity_index as plasticity_index
     from metafem.inversion.design import Design as Design
     from metafem.inversion.design import design as design
@@ -64,9 +68,13 @@ _HOME = {
         "Design",
         "Limits",
         "LinearLaw",
+        "MultilinearLaw",
         "OperatingPoints",
+        "PowerLaw",
+        "SampledLaw",
         "achievable_friction_coefficients",
         "design",
+        "feasible_region",
         "plasticity_index",
     ),
     "metafem.law": ("FrictionLaw", "friction_law"),

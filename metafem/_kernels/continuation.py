@@ -148,8 +148,8 @@ def tangent(field, order, radius, own, state, count, points, memory, scratch):
 
 
 @njit(cache=True, nogil=True)
-def curve(field, order, radius, own, gap, control, by_load, row, results, state, memory, scratch):
-    """Fill one row of results at increasing loads, or approaches."""
+def curve(field, order, radius, own, gap, control, by_load, row, results, state, memory, scratch, trail):
+    """Fill one row of results at increasing loads, or approaches; and z (k, n) where `trail` has room."""
     n = radius.size
     points = 0
     x = width = 0.0
@@ -160,6 +160,8 @@ def curve(field, order, radius, own, gap, control, by_load, row, results, state,
             for i in range(n):
                 state.z[i] = min(results.approach[row, j], 0.0) - gap[i]
                 state.load[i] = state.square[i] = 0.0
+            if trail.size > 0:
+                trail[j] = state.z
             continue
         if points == 0:
             start = uniform_approach(gap, radius, control[j]) if by_load else control[j]
@@ -175,6 +177,8 @@ def curve(field, order, radius, own, gap, control, by_load, row, results, state,
             )
         else:
             new, count, load, residual = newton(field, order, radius, own, gap, start, 0.0, state, scratch)
+        if trail.size > 0:
+            trail[j] = state.z
         results.approach[row, j] = new
         results.load[row, j] = load
         area = largest = 0.0
@@ -200,10 +204,10 @@ def curve(field, order, radius, own, gap, control, by_load, row, results, state,
 
 
 @njit(cache=True, nogil=True)
-def curves(field, order, radius, own, gap, control, by_load, results, state, memory, scratch):
+def curves(field, order, radius, own, gap, control, by_load, results, state, memory, scratch, trail):
     """Fill the results (m, k) of m surfaces: radius, own and gap are (m, n), control (k,) increasing."""
     for row in range(gap.shape[0]):
         curve(
             field, order, radius[row], own[row], gap[row], control, by_load, row, results,
-            state, memory, scratch,
+            state, memory, scratch, trail,
         )  # fmt: skip

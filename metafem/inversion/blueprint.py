@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 from metafem._validate import FloatArray, IntArray
 from metafem.distributions import PiecewiseExponential
+from metafem.inversion.wanted import Wanted
 
 Parameter = float | int | FloatArray | IntArray
 
@@ -25,10 +26,14 @@ class Branch:
 
 @dataclass(frozen=True, eq=False)
 class Blueprint:
-    """Heights above the base plane, tallest first (n,) [mm], and what they are to achieve."""
+    """Heights above the base plane, tallest first (n,) [mm], and what they are to achieve.
+
+    `wanted` is the law that heights for another model are to have.
+    """
 
     height: FloatArray
     parameters: Mapping[str, Parameter]
+    wanted: Wanted
     branches: tuple[Branch, ...] = ()
     density: PiecewiseExponential | None = None
     notes: tuple[str, ...] = field(default=())

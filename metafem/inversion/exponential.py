@@ -21,6 +21,7 @@ from metafem.errors import Infeasible
 from metafem.inversion.blueprint import Blueprint, Branch, Parameter
 from metafem.inversion.limits import Limits
 from metafem.inversion.target import BilinearLaw, LinearLaw
+from metafem.inversion.wanted import Wanted
 
 # A straight branch is judged over its last three quarters: below, the law still bends towards its
 # asymptote. Over this range the paper's surfaces give its target slopes and its scatter.
@@ -35,12 +36,17 @@ INSIDE = 1e-6
 # The scale falls as the square of the slope: here it is a rounding error of the largest height.
 STEEPEST = 1e7
 
+# Separations from the top of a density to its foot at which its law is asked of other models.
+LAW_POINTS = 61
+
 # A scale below this many standard deviations of the made heights no longer makes an exponential
 # density: the source paper's rule of thumb, doi:10.1126/science.adk4234.
 FINEST_SCALE_IN_SD = 10.0
 
 
-def invert_linear(target: LinearLaw, radius: float, count: int, limits: Limits) -> Blueprint:
+def invert_linear(
+    target: LinearLaw, radius: float, count: int, limits: Limits, rng: np.random.Generator
+) -> Blueprint:
     """Return heights of the truncated exponential whose law has the wanted slope."""
     scale = _scale(target.slope, radius, limits, LinearLaw(_lowest_slope(radius, limits)))
     density = TruncatedExponential(scale, limits.span)
@@ -54,10 +60,13 @@ def invert_linear(target: LinearLaw, radius: float, count: int, limits: Limits) 
         height = np.repeat(levels, counts)[::-1]
         parameters |= {"levels": limits.foot + levels[counts > 0], "counts": counts[counts > 0]}
     branch = Branch(target.slope, (BRANCH_START * end, end), intercept)
-    return Blueprint(limits.foot + height, parameters, (branch,), density, _notes(scale, limits))
+    wanted = _law_of(density, (branch,), radius, count)
+    return Blueprint(limits.foot + height, parameters, wanted, (branch,), density, _notes(scale, limits))
 
 
-def invert_bilinear(target: BilinearLaw, radius: float, count: int, limits: Limits) -> Blueprint:
+def invert_bilinear(
+    target: BilinearLaw, radius: float, count: int, limits: Limits, rng: np.random.Generator
+) -> Blueprint:
     """Return heights of the two-branch exponential whose law has the wanted slopes and crossover."""
     first, second = target.slopes
     floor = _lowest_slope(radius, limits)
@@ -83,7 +92,16 @@ def invert_bilinear(target: BilinearLaw, radius: float, count: int, limits: Limi
     notes = _notes(scale, limits)
     if limits.height_step is not None:
         notes += ("height_step is not applied: each asperity of a bilinear law has its own height",)
-    return Blueprint(limits.foot + height, parameters, branches, density, notes)
+    wanted = _law_of(density, branches, radius, count)
+    return Blueprint(limits.foot + height, parameters, wanted, branches, density, notes)
+
+
+def _law_of(density: PiecewiseExponential, branches: tuple[Branch, ...], radius: float, count: int) -> Wanted:
+    """Return the density's law over all branches, at even steps of the separation."""
+    separation = density.max_height * (1.0 - np.arange(LAW_POINTS) / (LAW_POINTS - 1))
+    load = density.rescaled_load(separation, count, radius)
+    inside = load >= branches[0].load_range[0]
+    return Wanted.exactly(load[inside], density.area(separation[inside], count, radius))
 
 
 def level_counts(density: PiecewiseExponential, count: int, step: float) -> tuple[FloatArray, IntArray]:

@@ -17,6 +17,7 @@ from metafem.errors import Infeasible
 from metafem.inversion.blueprint import Blueprint
 from metafem.inversion.limits import Limits
 from metafem.inversion.target import OperatingPoints
+from metafem.inversion.wanted import Wanted
 from metafem.models import Independent
 
 # brentq's tightest tolerance, so that the points are met to rounding.
@@ -26,7 +27,9 @@ TIGHTEST = 4.0 * np.finfo(float).eps
 ROUNDING = 1e-12
 
 
-def invert(target: OperatingPoints, radius: float, count: int, limits: Limits) -> Blueprint:
+def invert(
+    target: OperatingPoints, radius: float, count: int, limits: Limits, rng: np.random.Generator
+) -> Blueprint:
     """Return the heights that lead the independent law through all points, or raise Infeasible."""
     stand: list[float] = []  # heights above the foot plane of `limits`, tallest first
     counts: list[int] = []
@@ -60,7 +63,8 @@ def invert(target: OperatingPoints, radius: float, count: int, limits: Limits) -
         if limits.height_step is None
         else ("height_step is not applied: operating points are met by heights off the steps",)
     )
-    return Blueprint(limits.offset + np.array(stand), parameters, notes=notes)
+    wanted = Wanted.exactly(target.rescaled_load, target.rescaled_friction)
+    return Blueprint(limits.offset + np.array(stand), parameters, wanted, notes=notes)
 
 
 class _Step:

@@ -5,7 +5,7 @@ from metafem.models.equilibrium import equilibrium
 from metafem.models.independent import Independent
 from metafem.models.interacting import Interacting
 from metafem.models.mean_field import MeanField
-from metafem.models.model import ContactState, Curve, Model, Status
+from metafem.models.model import ContactState, Curve, Model, Sensitive, Sensitivity, Status
 
 __all__ = [
     "BoundaryElements",
@@ -15,6 +15,8 @@ __all__ = [
     "Interacting",
     "MeanField",
     "Model",
+    "Sensitive",
+    "Sensitivity",
     "Status",
     "equilibrium",
 ]

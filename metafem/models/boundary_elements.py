@@ -12,7 +12,8 @@ from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.models import far_field
 from metafem.models.independent import range_notes
-from metafem.models.model import ContactState, Curve, Status
+from metafem.models.interacting import Interacting
+from metafem.models.model import ContactState, Curve, Sensitivity, Status
 from metafem.models.resolved_scene import COARSEST, TOLERANCE, Scene, Solution
 from metafem.models.resolved_start import Start
 from metafem.substrate import HalfSpace, Radial
@@ -80,6 +81,11 @@ class BoundaryElements:
     def solve_load(self, surface: Surface, load: float) -> ContactState:
         """Equilibrium under a given rescaled load P/E* [mm^2]."""
         return self._under(Scene(surface, self.cell, self.substrate), load, None)[0]
+
+    def sensitivity(self, surface: Surface, load: FloatArray) -> Sensitivity:
+        """Resolved law at increasing rescaled loads (k,), and dA0/dh (k, n) of the third order."""
+        third = Interacting(order=3, substrate=self.substrate).sensitivity(surface, load)
+        return replace(third, curve=self.curve(surface, load))
 
     def curve(self, surface: Surface, load: FloatArray) -> Curve:
         """Equilibria at increasing rescaled loads P/E* [mm^2], (k,)."""

@@ -14,7 +14,7 @@ from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.asperity import Hertz
 from metafem.errors import InvalidInput
-from metafem.models.model import ContactState, Curve, Status
+from metafem.models.model import ContactState, Curve, Sensitivity, Status
 from metafem.surface import Surface
 
 # The load is solved for by the indentation of the shallowest contact, which keeps its digits.
@@ -98,6 +98,19 @@ class Independent:
         load, area, slope = (np.empty(len(approach)) for _ in range(3))
         kernel.curve_at_approach(gap[0], root[0], approach, load, area, slope)
         return Curve(np.array(approach), load, area, slope, np.zeros(len(approach)))
+
+    def sensitivity(self, surface: Surface, load: FloatArray) -> Sensitivity:
+        """Law at increasing rescaled loads (k,), and dA0/dh of each height at fixed load [mm], (k, n).
+
+        ``pi R_i - sum_j pi R_j sqrt(R_i d_i) / sum_j sqrt(R_j d_j)`` for the asperities in contact.
+        """
+        curve = self.curve(surface, load)
+        indentation = curve.approach[:, None] - surface.gap
+        own = math.pi * surface.radius * (indentation > 0.0)
+        share = np.sqrt(surface.radius * np.maximum(indentation, 0.0))
+        whole = share.sum(axis=1, keepdims=True)
+        share /= np.where(whole > 0.0, whole, 1.0)
+        return Sensitivity(curve, own - own.sum(axis=1, keepdims=True) * share, indentation)
 
     def curves(
         self, height: ArrayLike, radius: ArrayLike, rescaled_load: ArrayLike

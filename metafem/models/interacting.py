@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -15,13 +15,14 @@ from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.asperity import Contact, Hertz
 from metafem.errors import InvalidInput, NotConverged
+from metafem.models.independent import Independent
 from metafem.models.large import LargeScene, Last
 from metafem.models.memory import require_memory
-from metafem.models.model import ContactState, Curve, Status
+from metafem.models.model import ContactState, Curve, Sensitivity, Status
 from metafem.models.newton_krylov import TOLERANCE as FAST_TOLERANCE
 from metafem.models.range_notes import interaction_notes, refuse_thin_layer
 from metafem.substrate import HalfSpace, Radial, Substrate
-from metafem.substrate.pedestal import pedestal_compliance
+from metafem.substrate.pedestal import pedestal_compliance, pedestal_rate
 from metafem.surface import Surface
 
 if TYPE_CHECKING:
@@ -37,6 +38,10 @@ DENSE_LIMIT = 2000
 
 # Pairs of asperities, times loads, below which a second thread does not pay: about a millisecond.
 PAIRS_PER_THREAD = 200_000
+
+
+# Curves whose states nobody asks for.
+NO_TRAIL = np.empty((0, 0))
 
 
 @dataclass(frozen=True)
@@ -231,6 +236,7 @@ class Interacting:
         rising: FloatArray,
         by_load: bool,
         results: Results,
+        trail: FloatArray = NO_TRAIL,
     ) -> Last:
         """Fill the results by the compiled kernel, in up to two threads."""
         from metafem._kernels import continuation as kernel
@@ -247,7 +253,7 @@ class Interacting:
             part = kernel.Results(*(array[rows] for array in results))
             kernel.curves(
                 coupling, self.order, radius[rows], own[rows], gap[rows], rising, by_load, part,
-                state, memory, scratch,
+                state, memory, scratch, trail,
             )  # fmt: skip
             if rows.stop == len(gap):
                 last.load[:], last.square[:] = state.load, state.square
@@ -263,6 +269,30 @@ class Interacting:
             with ThreadPoolExecutor(pieces) as pool:
                 list(pool.map(run, slices))
         return last
+
+    def sensitivity(self, surface: Surface, load: FloatArray) -> Sensitivity:
+        """Law at increasing rescaled loads (k,), and dA0/dh of each height at fixed load [mm], (k, n).
+
+        The factor of each load's contact system serves for all heights. Beyond the size of the dense
+        solver the sensitivities are those of independent asperities.
+        """
+        from metafem.models.interacting_sensitivity import area_gradients
+
+        if surface.count > DENSE_LIMIT:
+            return replace(Independent().sensitivity(surface, load), curve=self.curve(surface, load))
+        from metafem._kernels import continuation as kernel
+
+        own, rate = np.zeros((1, surface.count)), np.zeros(surface.count)
+        if self.pedestal:
+            own[0], rate = pedestal_compliance(surface.height, surface.radius), pedestal_rate(surface)
+        results = kernel.empty_results(1, len(load))
+        trail = np.empty((len(load), surface.count))
+        self._run_dense(surface, own, surface.gap[None, :], load, True, results, trail)
+        approach, carried, area, stiffness, residual = (results[k][0] for k in range(5))
+        curve = Curve(approach, carried, area, stiffness, residual, self._promise(surface))
+        coupling, self_term = self._coupling(surface)
+        gradients = area_gradients(coupling, self.order, surface.radius, own[0] + self_term, trail, rate)
+        return Sensitivity(curve, gradients, trail)
 
     def _coupling(self, surface: Surface) -> tuple[Field, FloatArray]:
         """Return the influence of the asperities on each other, and their own regular terms (n,)."""

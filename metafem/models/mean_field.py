@@ -9,7 +9,7 @@ import numpy as np
 
 from metafem._validate import FloatArray
 from metafem.models.independent import TOLERANCE, Independent
-from metafem.models.model import ContactState, Curve
+from metafem.models.model import ContactState, Curve, Sensitivity
 from metafem.surface import Surface
 
 # Mean of 1/(pi r) over all pairs of points of a unit square: 4/pi [ln(1 + sqrt 2) - (sqrt 2 - 1)/3].
@@ -54,6 +54,11 @@ class MeanField:
     def curve(self, surface: Surface, load: FloatArray) -> Curve:
         """Equilibria at increasing rescaled loads P/E* [mm^2], (k,)."""
         return self._sunk(surface, Independent().curve(surface, load))
+
+    def sensitivity(self, surface: Surface, load: FloatArray) -> Sensitivity:
+        """Law at increasing rescaled loads (k,), and dA0/dh at fixed load, that of `Independent`."""
+        found = Independent().sensitivity(surface, load)
+        return replace(found, curve=self._sunk(surface, found.curve))
 
     def curve_at(self, surface: Surface, approach: FloatArray) -> Curve:
         """Equilibria at given approaches [mm], (k,)."""

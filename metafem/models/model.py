@@ -109,3 +109,30 @@ class Model(Protocol):
     def curve_at(self, surface: Surface, approach: FloatArray) -> Curve:
         """Equilibria at increasing approaches [mm], (k,)."""
         ...
+
+
+@dataclass(frozen=True, eq=False)
+class Sensitivity:
+    """A law at loads (k,) and how its area changes with the heights (n,) at fixed load.
+
+    Attributes
+    ----------
+    curve : Curve
+    gradient : ndarray, (k, n)
+        dA0/dh [mm].
+    indentation : ndarray, (k, n)
+        Of each asperity [mm]; an open one has its gap, negative.
+    """
+
+    curve: Curve
+    gradient: FloatArray
+    indentation: FloatArray
+
+
+@runtime_checkable
+class Sensitive(Protocol):
+    """A model that knows how its law changes with the heights; every inversion needs that."""
+
+    def sensitivity(self, surface: Surface, load: FloatArray) -> Sensitivity:
+        """Law at increasing rescaled loads P/E* (k,), and how it changes with each height at fixed load."""
+        ...

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from metafem._validate import FloatArray
+from metafem.surface import Surface
 
 # Radius of the caps [mm], their heights [mm] and the compliance c_p [1/mm] that small-strain finite
 # elements of the true cap on a block of 1000 mm find beyond Hertz's: d = d_Hertz + c_p P/(pi E*).
@@ -27,9 +28,22 @@ def pedestal_compliance(height: FloatArray, radius: FloatArray) -> FloatArray:
     >>> (math.pi * pedestal_compliance(np.array([0.12, 0.27]), np.array([0.526, 0.526]))).round(2)
     array([0.27, 0.64])
     """
-    known = np.array(CAP_HEIGHT) / CAP_RADIUS
-    linear, square = np.linalg.lstsq(
-        np.column_stack([known, known**2]), CAP_RADIUS * np.array(COMPLIANCE), rcond=None
-    )[0]
+    linear, square = _parabola()
     x = np.maximum(height, 0.0) / radius
     return np.asarray(x * (linear + square * x) / (math.pi * radius))
+
+
+def pedestal_rate(surface: Surface) -> FloatArray:
+    """Derivative of `pedestal_compliance` by the height, (n,) [1/mm^2]."""
+    linear, square = _parabola()
+    x = np.maximum(surface.height, 0.0) / surface.radius
+    slope = (linear + 2.0 * square * x) / (math.pi * surface.radius**2)
+    return np.asarray(np.where(surface.height > 0.0, slope, 0.0))
+
+
+def _parabola() -> tuple[float, float]:
+    """Return the coefficients of ``c_p R`` by h/R and its square."""
+    known = np.array(CAP_HEIGHT) / CAP_RADIUS
+    powers = np.column_stack([known, known**2])
+    linear, square = np.linalg.lstsq(powers, CAP_RADIUS * np.array(COMPLIANCE), rcond=None)[0]
+    return float(linear), float(square)

@@ -1,0 +1,114 @@
+"""Heights found for independent asperities, adapted to another model on their places."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from metafem._validate import FloatArray, IntArray
+from metafem.inversion.blueprint import Blueprint
+from metafem.inversion.judge import UNCOUPLED
+from metafem.inversion.limits import Limits
+from metafem.inversion.refine import Evaluate, Refined, descend, search
+from metafem.inversion.wanted import Wanted
+from metafem.models import Independent, Model, Sensitive
+from metafem.surface import Surface
+
+# Operating points are met to this, a hundredth of what is promised.
+POINT_GOAL = 1e-11
+
+# Depths below the tallest are stretched, so that no level touches just at a point: interaction lowers
+# free summits by a hundredth to a tenth of their depth.
+STRETCHES = (1.03, 1.0, 1.06, 1.1)
+
+# Depth of spare summits below the last level, in the last level's own depth.
+FILL = 0.01
+
+# Misfit at which the search under an interacting model ends, a little above that of the first search:
+# its own noise of entering contacts is left.
+ADAPTED_GOAL = 9e-4
+
+# Random restarts under an interacting model, whose descents cost ten times those of the independent one.
+RESTARTS = 3
+
+# Loads at which the margin of interaction is taken, in shares of the load that closes all contacts.
+MARGIN_SHARES = np.array([0.25, 1.0])
+
+
+def adapted(
+    surface: Surface,
+    sites: IntArray,
+    template: Surface,
+    model: Model,
+    blueprint: Blueprint,
+    limits: Limits,
+    rng: np.random.Generator,
+) -> tuple[Surface, IntArray, tuple[str, ...]]:
+    """Return the surface with heights refined under the model, its sites, and a note that says so.
+
+    Heights on steps stay there, and models without sensitivities leave them as they are.
+    """
+    if isinstance(model, UNCOUPLED) or not isinstance(model, Sensitive) or limits.height_step is not None:
+        return surface, sites, ()
+    solver: Sensitive = model
+    points = "adjustment_heights" in blueprint.parameters
+    start = surface
+    if points:
+        start, sites = _filled(
+            surface, sites, template, float(np.asarray(blueprint.parameters["levels"])[-1])
+        )
+
+    def evaluate(height: FloatArray) -> tuple[FloatArray, FloatArray]:
+        found = solver.sensitivity(start.replaced(height=height), blueprint.wanted.load)
+        return found.curve.area, found.gradient
+
+    if points:
+        found = _through_points(evaluate, start.height, blueprint.wanted, limits.span)
+    else:
+        found = search(
+            evaluate, [start.height], blueprint.wanted, limits.span, start.count, ADAPTED_GOAL, RESTARTS, rng
+        )
+    top = limits.offset + limits.max_height
+    result = start.replaced(height=top - (found.height.max() - found.height))
+    change = 1e3 * float(np.abs(result.height - start.height).max())
+    note = f"heights were moved by at most {change:.3g} um for the interaction of the asperities"
+    return result, sites, (note,)
+
+
+def _filled(
+    surface: Surface, sites: IntArray, template: Surface, last_level: float
+) -> tuple[Surface, IntArray]:
+    """Return the surface with summits on all places of the template, new ones just below the last level.
+
+    Interaction takes friction at every point; without spare asperities the levels could only give it
+    back by reaching into contact before their point.
+    """
+    height = np.full(template.count, last_level - FILL * (float(surface.height.max()) - last_level))
+    height[sites] = surface.height
+    return template.replaced(height=height), np.arange(template.count)
+
+
+def _through_points(evaluate: Evaluate, height: FloatArray, wanted: Wanted, span: float) -> Refined:
+    """Meet points exactly. Each level just touches at the point before it: its kink must be left first."""
+    best: Refined | None = None
+    for stretch in STRETCHES:
+        start = height.max() - np.minimum(stretch * (height.max() - height), span)
+        found = descend(evaluate, start, wanted, span, POINT_GOAL, patient=True)
+        best = found if best is None or found.misfit < best.misfit else best
+        if best.misfit <= POINT_GOAL:
+            break
+    return best if best is not None else Refined(height, np.inf)
+
+
+def interaction_margin(template: Surface, model: Model) -> float:
+    """Return how much interaction changes A0 of the template with equal heights, relative.
+
+    Bounds that are proven for independent asperities are enforced only beyond twice that.
+    """
+    if isinstance(model, UNCOUPLED) or template.count == 1:
+        return 0.0
+    equal = template.replaced(height=np.zeros(template.count))
+    # indentation to a/R = 0.2, within the range of all models
+    depth = 0.04 * float(template.radius.min())
+    load = Independent().curve_at(equal, np.array([depth])).load[0] * MARGIN_SHARES
+    change = model.curve(equal, load).area / Independent().curve(equal, load).area - 1.0
+    return 2.0 * float(np.abs(change).max())

@@ -1,0 +1,78 @@
+"""How near a surface's law is to what was asked for."""
+
+from __future__ import annotations
+
+from enum import Enum
+
+import numpy as np
+
+from metafem.inversion.blueprint import Blueprint, Branch
+from metafem.law import BranchFit, friction_law
+from metafem.models import Independent, MeanField, Model
+from metafem.surface import Surface
+
+# Promise of an exact design: relative error of the friction at each load asked for.
+EXACT = 1e-9
+
+# A law of any shape counts as reached within this rms: the made part will be off by as much.
+REACHED = 0.01
+
+# A straight branch of few asperities further off than this has missed its target; the source paper
+# counts 10 % on its crossover load, the loosest of its comparisons, as a success.
+MISSED = 0.1
+
+# Points on a straight branch when its slope is judged.
+BRANCH_POINTS = 76
+
+# Models whose A0(P) is that of independent asperities.
+UNCOUPLED = (Independent, MeanField)
+
+
+class DesignStatus(Enum):
+    """How a design ended; the value is the message."""
+
+    EXACT = "exact: the law meets the target to 1e-9"
+    REFINED = "refined: the heights were adjusted until the law met the target within the misfit"
+    APPROXIMATE = "approximate: the density has the target's slopes at large loads; the law has the misfit"
+    UNCORRECTED = "uncorrected: designed for independent asperities; this model's law has the misfit"
+    MISSED = "missed: the law is further from the target than its kind allows; see the misfit"
+
+
+def branch_fits(surface: Surface, model: Model, blueprint: Blueprint) -> tuple[tuple[Branch, BranchFit], ...]:
+    """Fit the law over each straight branch."""
+    modulus = surface.material.composite_modulus
+    found = []
+    for branch in blueprint.branches:
+        load = modulus * np.linspace(*branch.load_range, BRANCH_POINTS)
+        found.append((branch, friction_law(surface, model, load=load).fit(branch.load_range)))
+    return tuple(found)
+
+
+def largest_misfit(
+    surface: Surface, model: Model, blueprint: Blueprint, fits: tuple[tuple[Branch, BranchFit], ...]
+) -> float:
+    """Return the largest relative deviation: of fitted slopes, and of the law from the wanted one.
+
+    The latter at single points where they are few, else in the root mean square.
+    """
+    wanted = blueprint.wanted
+    area = friction_law(surface, model, load=surface.material.composite_modulus * wanted.load).area
+    errors = [abs(fit.slope / branch.slope - 1.0) for branch, fit in fits]
+    if "adjustment_heights" in blueprint.parameters:
+        errors.append(float(np.abs(area / wanted.law(area) - 1.0).max()))
+    else:
+        errors.append(wanted.misfit(area))
+    return max(errors)
+
+
+def status_of(model: Model, blueprint: Blueprint, misfit: float, moved: bool) -> DesignStatus:
+    """Return how a design ended; a misfit that is not a number has missed."""
+    if blueprint.density is None:
+        if not misfit <= REACHED:
+            return DesignStatus.MISSED
+        return DesignStatus.EXACT if misfit <= EXACT else DesignStatus.REFINED
+    if not misfit <= MISSED:
+        return DesignStatus.MISSED
+    if moved:
+        return DesignStatus.REFINED
+    return DesignStatus.APPROXIMATE if isinstance(model, UNCOUPLED) else DesignStatus.UNCORRECTED

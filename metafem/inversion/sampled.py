@@ -1,0 +1,151 @@
+"""Heights of laws of any shape: samples, powers, and straight branches with free intercepts."""
+
+from __future__ import annotations
+
+from functools import singledispatch
+
+import numpy as np
+
+from metafem._validate import FloatArray
+from metafem.inversion.blueprint import Blueprint, Branch, Parameter
+from metafem.inversion.feasibility import friction_bounds
+from metafem.inversion.limits import Limits
+from metafem.inversion.march import march
+from metafem.inversion.refine import Evaluate, search
+from metafem.inversion.target import MultilinearLaw, PowerLaw, SampledLaw
+from metafem.inversion.wanted import Wanted
+from metafem.models import Independent
+from metafem.surface import Material, Surface
+
+# Loads at which a power law or all branches of a multilinear law are asked for.
+POINTS = 30
+
+# Misfit at which a search ends: heights of 1 um of error change A0 by more.
+GOAL = 6e-4
+
+# Random restarts of a search, of some 10 ms each; nearly all laws of real surfaces need none or a few.
+RESTARTS = 30
+
+# Where a law leaves its level open, it is tried at these shares of what is feasible (of its logarithm).
+TRIED_SHARES = (0.5, 0.25, 0.75, 0.1, 0.9)
+
+
+def invert(
+    target: SampledLaw | PowerLaw | MultilinearLaw,
+    radius: float,
+    count: int,
+    limits: Limits,
+    rng: np.random.Generator,
+) -> Blueprint:
+    """Return heights whose independent law is nearest to the target."""
+    wanted = wanted_law(target)
+    low, high = friction_bounds(wanted.load, radius, count)
+    starts = [march(wanted.load, law, radius, count) for law in first_laws(target, wanted, low, high)]
+    evaluate = independent(radius, wanted.load)
+    found = search(evaluate, starts, wanted, limits.span, count, GOAL, RESTARTS, rng)
+    height = np.sort(found.height - found.height.max())[::-1]
+    area, _ = evaluate(height)
+    parameters: dict[str, Parameter] = {"span": float(-height[-1]), **open_parameters(target, wanted, area)}
+    branches: tuple[Branch, ...] = ()
+    if isinstance(target, MultilinearLaw):
+        branches = tuple(Branch(slope, ends) for slope, ends in target.branches)
+    top = limits.offset + limits.max_height
+    return Blueprint(top + height, parameters, wanted, branches)
+
+
+def independent(radius: float, load: FloatArray) -> Evaluate:
+    """Return the law of independent asperities and its gradient as a function of the heights."""
+    material = Material(1.0)
+
+    def evaluate(height: FloatArray) -> tuple[FloatArray, FloatArray]:
+        surface = Surface.square_lattice(height, (1, len(height)), radius=radius, material=material)
+        found = Independent().sensitivity(surface, load)
+        return found.curve.area, found.gradient
+
+    return evaluate
+
+
+@singledispatch
+def wanted_law(target: object) -> Wanted:
+    """Return what the target wants at a list of loads."""
+    raise TypeError(f"{type(target).__name__} names no law")
+
+
+@wanted_law.register
+def _(target: SampledLaw) -> Wanted:
+    return Wanted.exactly(target.rescaled_load, target.rescaled_friction, target.weight)
+
+
+@wanted_law.register
+def _(target: PowerLaw) -> Wanted:
+    load = np.geomspace(*target.load_range, POINTS)
+    shape = load**target.exponent
+    if target.prefactor is not None:
+        return Wanted.exactly(load, target.prefactor * shape)
+    return Wanted(load, np.zeros(POINTS), shape[:, None], np.ones(POINTS))
+
+
+@wanted_law.register
+def _(target: MultilinearLaw) -> Wanted:
+    each = max(4, POINTS // len(target.slopes))
+    loads: list[FloatArray] = []
+    base: list[FloatArray] = []
+    piece: list[int] = []
+    column, offset, last = 0, 0.0, 0.0
+    for i, (slope, (start, end)) in enumerate(target.branches):
+        load = np.linspace(start, end, each)
+        if i and start > last:  # free between the branches: an intercept of its own
+            column, offset = column + 1, 0.0
+        elif i:
+            load = load[1:]
+            offset += (target.slopes[i - 1] - slope) * start
+        loads.append(load)
+        base.append(offset + slope * load)
+        piece += [column] * len(load)
+        last = end
+    free = np.eye(column + 1)[piece]
+    return Wanted(np.concatenate(loads), np.concatenate(base), free, np.ones(len(piece)))
+
+
+@singledispatch
+def first_laws(target: object, wanted: Wanted, low: FloatArray, high: FloatArray) -> list[FloatArray]:
+    """Return laws to start from; those that leave their level open at several levels."""
+    return [wanted.base]
+
+
+@first_laws.register
+def _(target: PowerLaw, wanted: Wanted, low: FloatArray, high: FloatArray) -> list[FloatArray]:
+    if target.prefactor is not None:
+        return [wanted.base]
+    shape = wanted.free[:, 0]
+    least, most = float((low / shape).max()), float((high / shape).min())
+    return [shape * least * (most / least) ** share for share in TRIED_SHARES]
+
+
+@first_laws.register
+def _(target: MultilinearLaw, wanted: Wanted, low: FloatArray, high: FloatArray) -> list[FloatArray]:
+    laws = []
+    for share in TRIED_SHARES:
+        law = np.empty_like(wanted.load)
+        for column in range(wanted.free.shape[1]):
+            rows = np.flatnonzero(wanted.free[:, column])
+            base, load = wanted.base[rows], wanted.load[rows]
+            if column == 0:
+                least, most = float((low[rows] - base).max()), float((high[rows] - base).min())
+                level = least + share * (most - least)
+            else:  # across a gap friction keeps its ratio to the load
+                last = rows[0] - 1
+                level = float(law[last] * load[0] / wanted.load[last] - base[0])
+            law[rows] = base + level
+        laws.append(law)
+    return laws
+
+
+def open_parameters(target: object, wanted: Wanted, area: FloatArray) -> dict[str, Parameter]:
+    """Return the parameters that the target left open, as the law has them."""
+    if not wanted.free.shape[1]:
+        return {}
+    found = np.linalg.lstsq(wanted.free, wanted.law(area) - wanted.base, rcond=None)[0]
+    if isinstance(target, PowerLaw):
+        return {"prefactor": float(found[0])}
+    return {"intercepts": np.asarray(found, dtype=np.float64)}

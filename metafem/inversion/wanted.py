@@ -1,0 +1,70 @@
+"""What a law should be at a list of loads, up to parameters that the target leaves open."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from metafem._validate import FloatArray
+
+# Solving for the open parameters, each relative to the law that the last ones give: the weights have
+# settled to a digit of the residual after two rounds.
+ROUNDS = 3
+
+
+@dataclass(frozen=True, eq=False)
+class Wanted:
+    """The law ``base + free @ c`` at loads (k,), with open parameters c (q,), and weights.
+
+    Attributes
+    ----------
+    load : ndarray, (k,)
+        P/E* [mm^2], increasing.
+    base : ndarray, (k,)
+        Fixed part of F/(sigma B) [mm^2].
+    free : ndarray, (k, q)
+        What the open parameters multiply.
+    weight : ndarray, (k,)
+        Weights of the squared relative differences, of mean 1.
+    """
+
+    load: FloatArray
+    base: FloatArray
+    free: FloatArray
+    weight: FloatArray
+
+    @classmethod
+    def exactly(cls, load: FloatArray, friction: FloatArray, weight: FloatArray | None = None) -> Wanted:
+        """A law without open parameters."""
+        given = np.ones(len(load)) if weight is None else weight
+        return cls(load, friction, np.empty((len(load), 0)), given / given.mean())
+
+    def law(self, area: FloatArray) -> FloatArray:
+        """Return the wanted law nearest to an area curve, (k,) [mm^2]."""
+        if not self.free.shape[1]:
+            return self.base
+        law = area
+        for _ in range(ROUNDS):
+            scale = np.sqrt(self.weight) / law
+            c = np.linalg.lstsq(scale[:, None] * self.free, scale * (area - self.base), rcond=None)[0]
+            law = self.base + self.free @ c
+            if law.min() <= 0.0:  # far from any law of this kind: measure against the curve itself
+                return area
+        return np.asarray(law)
+
+    def residual(self, area: FloatArray, gradient: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return weighted relative differences (k,) and their Jacobian (k, n), clear of open parameters."""
+        law = self.law(area)
+        scale = np.sqrt(self.weight) / law
+        residual, jacobian = scale * (area - law), scale[:, None] * gradient
+        if self.free.shape[1]:
+            q, _ = np.linalg.qr(scale[:, None] * self.free)
+            residual = residual - q @ (q.T @ residual)
+            jacobian = jacobian - q @ (q.T @ jacobian)
+        return residual, jacobian
+
+    def misfit(self, area: FloatArray) -> float:
+        """Return the weighted root mean square of the relative differences."""
+        law = self.law(area)
+        return float(np.sqrt((self.weight * (area / law - 1.0) ** 2).mean()))
