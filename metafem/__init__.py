@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from metafem.inversion.design import design as design
     from metafem.law import FrictionLaw as FrictionLaw
     from metafem.law import friction_law as friction_law
+    from metafem.models import Automatic as Automatic
     from metafem.models import ContactState as ContactState
     from metafem.models import Independent as Independent
     from metafem.models import Interacting as Interacting
@@ -69,7 +70,15 @@ _HOME = {
         "plasticity_index",
     ),
     "metafem.law": ("FrictionLaw", "friction_law"),
-    "metafem.models": ("ContactState", "Independent", "Interacting", "MeanField", "Status", "equilibrium"),
+    "metafem.models": (
+        "Automatic",
+        "ContactState",
+        "Independent",
+        "Interacting",
+        "MeanField",
+        "Status",
+        "equilibrium",
+    ),
     "metafem.substrate": ("BondedLayer", "HalfSpace"),
     "metafem.surface": ("Block", "Friction", "Material", "Surface"),
 }

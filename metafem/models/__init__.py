@@ -1,5 +1,6 @@
 """From heights to loads: models of the whole interface."""
 
+from metafem.models.automatic import Automatic
 from metafem.models.equilibrium import equilibrium
 from metafem.models.independent import Independent
 from metafem.models.interacting import Interacting
@@ -7,6 +8,7 @@ from metafem.models.mean_field import MeanField
 from metafem.models.model import ContactState, Curve, Model, Status
 
 __all__ = [
+    "Automatic",
     "ContactState",
     "Curve",
     "Independent",
