@@ -24,9 +24,11 @@ def number(
 ) -> float:
     """Return `value` as a finite float within the bounds."""
     try:
+        if isinstance(value, (str, bytes, bool)):
+            raise TypeError
         result = float(value)
-    except (TypeError, ValueError):
-        raise InvalidInput(f"{name} = {value!r} is not a number") from None
+    except (TypeError, ValueError, OverflowError):
+        raise InvalidInput(f"{name} = {value!r:.60} is not a number of double precision") from None
     if not math.isfinite(result):
         raise InvalidInput(f"{name} = {result} must be finite")
     if above is not None and not result > above:
@@ -49,7 +51,7 @@ def array(name: str, value: Any, *, shape: tuple[int | None, ...]) -> FloatArray
     """Return `value` as a new, read-only, finite float array; None in `shape` is any length > 0."""
     try:
         result = np.array(value, dtype=np.float64, order="C")
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InvalidInput(f"{name} is not an array of numbers: {value!r:.80}") from None
     wanted = "(" + ", ".join("n" if length is None else str(length) for length in shape) + ")"
     if result.ndim != len(shape) or any(
@@ -63,6 +65,17 @@ def array(name: str, value: Any, *, shape: tuple[int | None, ...]) -> FloatArray
         raise InvalidInput(f"{name} holds {result.flat[bad[0]]} at entry {bad[0]}; all must be finite")
     result.flags.writeable = False
     return result
+
+
+def instance(name: str, value: Any, kind: type, wanted: str) -> None:
+    """Refuse a value that is not of a kind, or is a class where an object is due."""
+    if isinstance(value, type) or not isinstance(value, kind):
+        raise InvalidInput(f"{name} = {value!r:.60} must be {wanted}")
+
+
+def scalar(value: Any) -> bool:
+    """Whether a value is one number rather than a list of them."""
+    return np.isscalar(value) or (isinstance(value, np.ndarray) and value.ndim == 0)
 
 
 def increasing(name: str, value: FloatArray) -> FloatArray:

@@ -21,18 +21,22 @@ if TYPE_CHECKING:
 DEMOS = ("operating-points", "linear", "bilinear")
 
 # The kinds that `metafem.files` knows, listed here so that --help needs no import.
-MODELS = ("independent",)
+MODELS = ("independent", "mean-field", "half-space", "layer", "resolved")
 
 # Exit codes: a target that cannot be reached, and input that cannot be used.
 NOT_ACHIEVED, BAD_INPUT = 1, 2
 
 
-class Failure(click.ClickException):
-    """A MetafemError on its way to the terminal."""
+class BadInput(click.ClickException):
+    """Input that cannot be used, on its way to the terminal."""
 
-    def __init__(self, error: MetafemError) -> None:
-        super().__init__(str(error))
-        self.exit_code = BAD_INPUT if isinstance(error, InvalidInput) else NOT_ACHIEVED
+    exit_code = BAD_INPUT
+
+
+class NotAchieved(click.ClickException):
+    """A target that cannot be reached, on its way to the terminal."""
+
+    exit_code = NOT_ACHIEVED
 
 
 class Commands(click.Group):
@@ -42,8 +46,10 @@ class Commands(click.Group):
         """Run the command."""
         try:
             return super().invoke(ctx)
+        except InvalidInput as error:
+            raise BadInput(str(error)) from None
         except MetafemError as error:
-            raise Failure(error) from None
+            raise NotAchieved(str(error)) from None
 
 
 def model_option(command: Callable[..., Any]) -> Callable[..., Any]:
@@ -74,11 +80,14 @@ def main() -> None:
 @json_option
 def demo(name: str, model: str | None, force: bool, as_json: bool) -> None:
     """Write the paper's specification NAME.toml into this folder and run it into NAME/."""
-    from metafem.files import demo_text, write_text
+    from metafem.files import check_free, demo_text, write_text
 
     path, folder = Path(f"{name}.toml"), Path(name)
-    if folder.exists() and not force:
-        raise InvalidInput(f"{folder}/ exists; remove it, or pass --force to replace it")
+    check_free(folder, force)
+    if path.exists() and not force:
+        raise InvalidInput(
+            f"{path} exists; run it by `metafem design {path} -o FOLDER`, or replace it with --force"
+        )
     write_text(path, demo_text(name), force=force)
     _run(path, folder, model, force, as_json)
 
@@ -96,15 +105,14 @@ def design(spec: Path, output: Path, model: str | None, force: bool, as_json: bo
 
 def _run(spec: Path, folder: Path, model: str | None, force: bool, as_json: bool) -> None:
     import metafem as mf
-    from metafem.files import MODELS as FACTORIES
-    from metafem.files import check_folder
+    from metafem.files import check_free, model_named
     from metafem.inversion import DesignStatus
     from metafem.report import cautions, page
 
-    check_folder(folder, force)
+    check_free(folder, force)
     with _progress("reading the specification") as say:
         specification = mf.read_spec(spec)
-        chosen = FACTORIES[model]() if model else specification.model
+        chosen = model_named(model) if model else specification.model
         say("inverting the law")
         result = mf.design(
             specification.target, specification.template, chosen, specification.limits, rng=specification.seed
@@ -122,6 +130,7 @@ def _run(spec: Path, folder: Path, model: str | None, force: bool, as_json: bool
 @click.argument("source", type=click.Path(path_type=Path))
 @click.option("--load", multiple=True, help='A load, such as "0.2 N"; may be repeated.')
 @click.option("--composite-modulus", help='E* for a table of heights, such as "1.36 MPa".')
+@click.option("--radius", help='Radius of all summits where the table has none, such as "526 um".')
 @model_option
 @click.option("-o", "--output", type=click.Path(path_type=Path), help="Write the law as CSV, too.")
 @force_option
@@ -130,6 +139,7 @@ def predict(
     source: Path,
     load: tuple[str, ...],
     composite_modulus: str | None,
+    radius: str | None,
     model: str | None,
     output: Path | None,
     force: bool,
@@ -137,27 +147,34 @@ def predict(
 ) -> None:
     """Predict the friction law of a result folder or of a table of heights.
 
-    SOURCE is a folder that `metafem design` made, or a CSV file with the columns x_mm, y_mm, height_mm
-    (or height_um, ...) and radius_mm. A table needs --composite-modulus.
+    SOURCE is a folder that `metafem design` made, or a CSV file with the columns x_mm, y_mm, height_um
+    and radius_um (or in other units). A table needs --composite-modulus.
     """
     import metafem as mf
-    from metafem.files import MODELS as FACTORIES
-    from metafem.files import law_table, quantity, read_surface, write_text
+    from metafem.files import law_table, model_named, quantity, read_heights, write_text
 
     if source.is_dir():
-        if composite_modulus is not None:
-            raise InvalidInput("--composite-modulus is for tables of heights; a folder states its own")
+        if composite_modulus is not None or radius is not None:
+            raise InvalidInput(
+                "--composite-modulus and --radius are for tables of heights; a folder states its own"
+            )
         stored = mf.load(source)
         surface, used = stored.surface, stored.law.model
     else:
+        if not source.exists():
+            raise InvalidInput(f"{source}: no such file or folder")
         if composite_modulus is None:
             raise InvalidInput(
                 f'a table of heights such as {source} needs --composite-modulus, for example "1.36 MPa"'
             )
-        modulus = quantity("--composite-modulus", composite_modulus, "MPa", example="1.36 MPa")
-        surface, used = read_surface(source, mf.Material(modulus)), mf.Independent()
-    newtons = [quantity("--load", text, "N", example="0.2 N") for text in load]
-    chosen = FACTORIES[model]() if model else used
+        modulus = quantity("--composite-modulus", composite_modulus, "MPa")
+        position, height, radii = read_heights(
+            source, None if radius is None else quantity("--radius", radius, "mm")
+        )
+        surface = mf.Surface(position, height, radii, mf.Material(modulus))
+        used = mf.Independent()
+    newtons = [quantity("--load", text, "N") for text in load]
+    chosen = model_named(model) if model else used
     with _progress("predicting the law"):
         law = mf.friction_law(surface, chosen, load=newtons or None)
     if output is not None:
@@ -165,7 +182,7 @@ def predict(
     if as_json:
         click.echo(json.dumps(_law_data(law)))
     else:
-        _tell_law(law)
+        _tell_law(law, whole=bool(load))
 
 
 @main.command()
@@ -187,9 +204,9 @@ def report(folder: Path, as_json: bool) -> None:
 @json_option
 def doctor(as_json: bool) -> None:
     """Check the installation: versions, compiled kernels, a known contact, the part's tools."""
-    from metafem.files import examine
+    from metafem.doctor import examine
 
-    findings = examine()
+    findings = list(examine())
     if as_json:
         click.echo(json.dumps([{"what": f.what, "found": f.found, "well": f.well} for f in findings]))
     else:
@@ -218,7 +235,7 @@ def _progress(first: str) -> Iterator[Callable[[str], None]]:
 def _tell_design(
     result: Design, specification: Specification, folder: Path, cautions: tuple[str, ...], as_json: bool
 ) -> None:
-    from metafem.report import parameter_rows, wanted
+    from metafem.report import model_name, parameter_rows, wanted
 
     if as_json:
         data = {
@@ -226,7 +243,7 @@ def _tell_design(
             "status": result.status.name.lower(),
             "misfit": result.misfit,
             "asperities": result.surface.count,
-            "model": repr(result.law.model),
+            "model": model_name(result.law.model),
             "parameters": {name: _plain(value) for name, value in result.parameters.items()},
             "slopes": [{"target": b.slope, "fitted": f.slope} for b, f in result.fits],
             "cautions": list(cautions),
@@ -237,8 +254,8 @@ def _tell_design(
     from rich.table import Table
 
     console = Console()
-    console.print(f"[bold]{wanted(result.target)}[/bold]", highlight=False)
-    console.print(result.status.value, highlight=False)
+    console.print(wanted(result.target), style="bold", highlight=False, markup=False)
+    console.print(result.status.value, highlight=False, markup=False)
     table = Table(box=None, show_header=False)
     for name, value, unit in parameter_rows(result):
         table.add_row(name, value, unit)
@@ -247,33 +264,43 @@ def _tell_design(
     table.add_row("asperities", f"{result.surface.count} of {result.template.count} places", "")
     console.print(table, highlight=False)
     for text in cautions:
-        console.print(f"[yellow]note:[/yellow] {text}", highlight=False)
-    console.print(f"wrote {folder}/: open {folder / 'report.html'}", highlight=False)
+        console.print(f"note: {text}", style="yellow", highlight=False, markup=False)
+    console.print(f"wrote {folder}/: open {folder / 'report.html'}", highlight=False, markup=False)
 
 
-def _tell_law(law: FrictionLaw) -> None:
+def _tell_law(law: FrictionLaw, whole: bool) -> None:
     from rich.console import Console
+    from rich.markup import escape
     from rich.table import Table
 
-    table = Table("load [N]", "area [mm²]", "separation [mm]", "P/E* [mm²]", "stiffness [N/mm]")
+    from metafem.report import model_name
+
+    table = Table()
+    columns = ["load [N]", "area [mm²]", "separation [mm]", "stiffness [N/mm]"]
     if law.friction is not None:
-        table.add_column("friction [N]")
+        columns.append("friction [N]")
+    for column in columns:
+        table.add_column(escape(column))
     # Ten lines tell the shape of a curve; loads that were asked for are all shown.
-    step = max(1, len(law.load) // 10)
+    step = 1 if whole else max(1, len(law.load) // 10)
     chosen = range(step - 1, len(law.load), step)
     for i in chosen:
-        numbers = [law.load[i], law.area[i], law.separation[i], law.rescaled_load[i], law.stiffness[i]]
+        numbers = [law.load[i], law.area[i], law.separation[i], law.stiffness[i]]
         if law.friction is not None:
             numbers.append(law.friction_force[i])
         table.add_row(*(f"{number:.6g}" for number in numbers))
     console = Console()
     console.print(table)
-    console.print(f"{law.model!r}: {law.status.value}", highlight=False)
+    console.print(f"{model_name(law.model)}: {law.status.value}", highlight=False, markup=False)
+    for note in law.notes:
+        console.print(f"note: {note}", style="yellow", highlight=False, markup=False)
 
 
 def _law_data(law: FrictionLaw) -> dict[str, Any]:
+    from metafem.report import model_name
+
     data = {
-        "model": repr(law.model),
+        "model": model_name(law.model),
         "status": law.status.name.lower(),
         "load_N": law.load.tolist(),
         "area_mm2": law.area.tolist(),
@@ -281,6 +308,7 @@ def _law_data(law: FrictionLaw) -> dict[str, Any]:
         "rescaled_load_mm2": law.rescaled_load.tolist(),
         "stiffness_N_per_mm": law.stiffness.tolist(),
         "residual": law.residual.tolist(),
+        "notes": list(law.notes),
     }
     if law.friction is not None:
         data["friction_force_N"] = law.friction_force.tolist()

@@ -25,6 +25,9 @@ GRID_POINTS = 100
 # Indentation of the lowest asperity at the end of that grid, in radii: a/R = 0.2.
 GRID_INDENTATION = 0.04
 
+# Share of the tallest height at which the grid ends before the plane reaches the base plane.
+CLEAR = 0.999
+
 
 @dataclass(frozen=True)
 class BranchFit:
@@ -72,6 +75,8 @@ class FrictionLaw:
     model : Model
     material : Material
     friction : Friction or None
+    notes : tuple of str
+        Where the law leaves its range.
 
     Examples
     --------
@@ -91,6 +96,11 @@ class FrictionLaw:
     model: Model
     material: Material
     friction: Friction | None = None
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        for name in ("load", "area", "separation", "approach", "stiffness", "residual"):
+            getattr(self, name).flags.writeable = False
 
     @property
     def rescaled_load(self) -> FloatArray:
@@ -137,10 +147,12 @@ class FrictionLaw:
         slack = 1e-12 * abs(high)
         chosen = (x >= low - slack) & (x <= high + slack)
         count = int(chosen.sum())
-        if count < 3:
+        if high <= low:
+            raise InvalidInput(f"load_range = ({low:g}, {high:g}) must increase")
+        if count < 3 or np.ptp(x[chosen]) == 0.0:
             raise InvalidInput(
                 f"load_range = ({low:g}, {high:g}) holds {count} of the law's points, which run from "
-                f"{x.min():g} to {x.max():g} mm^2; a fit with its interval needs at least 3"
+                f"{x.min():g} to {x.max():g} mm^2; a fit with its interval needs at least 3 of them, apart"
             )
         x, y = x[chosen], y[chosen]
         centre, spread = x.mean(), ((x - x.mean()) ** 2).sum()
@@ -206,10 +218,8 @@ def friction_law(
     array([0.01652, 0.0661 ])
     """
     solver: Model = Independent() if model is None else model
-    if not isinstance(surface, Surface):
-        raise InvalidInput(f"surface = {surface!r:.60} must be a metafem.Surface")
-    if not isinstance(solver, Model):
-        raise InvalidInput(f"model = {model!r} must be a model such as metafem.Independent()")
+    check.instance("surface", surface, Surface, "a metafem.Surface")
+    check.instance("model", solver, Model, "a model such as metafem.Independent()")
     if load is not None and separation is not None:
         raise InvalidInput("only one of load and separation can be given")
     top = float(surface.height.max())
@@ -233,7 +243,7 @@ def friction_law(
 
 def _law(surface: Surface, model: Model, curve: Curve, separation: FloatArray) -> FrictionLaw:
     modulus = surface.material.composite_modulus
-    worst = float(curve.residual.max())
+    worst = float(curve.residual.max()) if np.isfinite(curve.load + curve.area).all() else np.inf
     status = Status.CONVERGED if worst <= max(model.tolerance, curve.tolerance) else Status.NOT_CONVERGED
     law = FrictionLaw(
         load=modulus * curve.load,
@@ -246,10 +256,21 @@ def _law(surface: Surface, model: Model, curve: Curve, separation: FloatArray) -
         model=model,
         material=surface.material,
         friction=surface.friction,
+        notes=_notes(modulus * curve.load, separation),
     )
     if status is not Status.CONVERGED:
         raise NotConverged(f"{status.value}: largest residual {worst:.2g}", law)
     return law
+
+
+def _notes(load: FloatArray, separation: FloatArray) -> tuple[str, ...]:
+    touching = np.flatnonzero(separation <= 0.0)
+    if not touching.size:
+        return ()
+    return (
+        f"the base plane would touch from a load of {load[touching[0]]:.4g} N on (separation "
+        f"{separation[touching[0]]:.4g} mm); the load it would carry is not counted",
+    )
 
 
 def _grid_end(surface: Surface) -> float:
@@ -258,4 +279,4 @@ def _grid_end(surface: Surface) -> float:
     lowest = int(gaps.argmax())
     end = float(gaps[lowest] + GRID_INDENTATION * surface.radius[lowest])
     top = float(surface.height.max())
-    return min(end, top) if top > gaps[lowest] else end
+    return min(end, CLEAR * top) if CLEAR * top > gaps[lowest] else end

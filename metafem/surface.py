@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,6 +15,12 @@ from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 
 __all__ = ["Block", "Friction", "Material", "Surface"]
+
+# A plane tilted by more is no misalignment, and the heights no longer lie along its normal.
+STEEPEST = 0.25 * math.pi
+
+# The places and heights of more sites would take gigabytes.
+MOST_SITES = 10**8
 
 
 @dataclass(frozen=True)
@@ -156,18 +163,18 @@ class Surface:
         places = check.array("position", position, shape=(None, 2))
         n = len(places)
         heights = check.array("height", height, shape=(n,))
-        radii = check.array("radius", np.full(n, radius) if np.ndim(radius) == 0 else radius, shape=(n,))
+        if check.scalar(radius):
+            radius = np.full(n, check.number("radius", radius, above=0.0))
+        radii = check.array("radius", radius, shape=(n,))
         if radii.min() <= 0.0:
             i = int(radii.argmin())
             raise InvalidInput(f"radius[{i}] = {radii[i]:g} must be greater than 0")
         _refuse_coincident(places)
-        for name, value, kind in (
-            ("material", material, Material),
-            ("friction", friction, Friction),
-            ("block", block, Block),
-        ):
-            if not (isinstance(value, kind) or (value is None and name != "material")):
-                raise InvalidInput(f"{name} = {value!r} must be a metafem.{kind.__name__}")
+        check.instance("material", material, Material, "a metafem.Material")
+        if friction is not None:
+            check.instance("friction", friction, Friction, "a metafem.Friction")
+        if block is not None:
+            check.instance("block", block, Block, "a metafem.Block")
         values = {"position": places, "height": heights, "radius": radii}
         for name, given in {**values, "material": material, "friction": friction, "block": block}.items():
             object.__setattr__(self, name, given)
@@ -209,16 +216,21 @@ class Surface:
             raise InvalidInput(f"shape = {shape!r} must be (rows, columns)") from None
         rows = check.integer("shape[0]", rows, at_least=1)
         columns = check.integer("shape[1]", columns, at_least=1)
+        if rows * columns > MOST_SITES:
+            raise InvalidInput(
+                f"shape = {shape!r} has {rows * columns:.3g} sites; at most {MOST_SITES:.0g} fit"
+            )
         step = check.number("pitch", pitch, above=0.0)
         x = step * (np.arange(columns) - 0.5 * (columns - 1))
         y = step * (np.arange(rows) - 0.5 * (rows - 1))
         position = np.column_stack([np.tile(x, rows), np.repeat(y, columns)])
-        heights = np.asarray(height)
-        if heights.ndim == 0:
-            heights = np.full(rows * columns, height)
-        elif heights.shape == (rows, columns):
-            heights = heights.ravel()
-        return cls(position, heights, radius, material, friction, block)
+        if check.scalar(height):
+            height = np.full(rows * columns, check.number("height", height))
+        elif isinstance(height, Sequence) and isinstance(height[0], Sequence):
+            height = check.array("height", height, shape=(rows, columns)).ravel()
+        elif isinstance(height, np.ndarray) and height.shape == (rows, columns):
+            height = height.ravel()
+        return cls(position, height, radius, material, friction, block)
 
     @property
     def count(self) -> int:
@@ -241,12 +253,17 @@ class Surface:
         Parameters
         ----------
         angle_x, angle_y : float
-            Slopes along x and along y, as angles [rad], between -pi/2 and pi/2; the origin of the
+            Slopes along x and along y, as angles [rad], between -pi/4 and pi/4; the origin of the
             coordinates keeps its height.
+
+        Examples
+        --------
+        >>> pair = Surface([[0, 0], [1.5, 0]], [0.1, 0.1], 0.526, Material(1.36))
+        >>> pair.tilted(0.002, 0.0).height.round(4)
+        array([0.1  , 0.103])
         """
-        limit = 0.5 * math.pi
         slope = [
-            math.tan(check.number(name, value, at_least=-limit, at_most=limit))
+            math.tan(check.number(name, value, at_least=-STEEPEST, at_most=STEEPEST))
             for name, value in (("angle_x", angle_x), ("angle_y", angle_y))
         ]
         return self.replaced(height=self.height + self.position @ np.array(slope))
@@ -267,7 +284,7 @@ class Surface:
 
 def _refuse_coincident(position: FloatArray) -> None:
     order = np.lexsort(position.T)
-    same = np.flatnonzero((np.diff(position[order], axis=0) == 0.0).all(axis=1))
+    same = np.flatnonzero((position[order[1:]] == position[order[:-1]]).all(axis=1))
     if same.size:
         i, j = sorted(order[same[0] : same[0] + 2].tolist())
         x, y = position[i]

@@ -35,7 +35,7 @@ def pair(**changes):
         (lambda: pair(material=1.36), "material = 1.36 must be a metafem.Material"),
         (lambda: pair(block=7.2), "block = 7.2 must be a metafem.Block"),
         (lambda: pair().perturbed(0.1, rng=-1), "rng = -1 must be a non-negative seed"),
-        (lambda: pair().tilted(2.0, 0.0), "angle_x = 2 must be at most 1.5708"),
+        (lambda: pair().tilted(2.0, 0.0), "angle_x = 2 must be at most 0.785398"),
         (lambda: mf.Surface.square_lattice(0.1, 8, radius=0.5, material=MATERIAL), "shape = 8 must be"),
         (lambda: mf.Surface.square_lattice(0.1, (0, 8), radius=0.5, material=MATERIAL), "shape.0. = 0"),
     ],

@@ -15,6 +15,10 @@ from numba import njit
 # 200 steps shrink any double to nothing.
 MAX_STEPS = 200
 
+# The first refinement brings the load to rounding; the second finds nothing left to do.
+MAX_REFINEMENTS = 3
+ROUNDING = 4.0 * np.finfo(np.float64).eps
+
 
 @njit(cache=True, nogil=True)
 def load_and_slope(gap, root_radius, approach):
@@ -32,12 +36,12 @@ def load_and_slope(gap, root_radius, approach):
 
 
 @njit(cache=True, nogil=True)
-def sums(gap, root_radius, approach):
-    """Return P/E* [mm^2], A0 [mm^2] and slope [mm] in compensated (Neumaier) summation."""
+def sums(gap, root_radius, base, depth):
+    """Return P/E* [mm^2], A0 [mm^2] and slope [mm] at the approach base + depth, summed after Neumaier."""
     load = area = slope = 0.0
     load_rest = area_rest = slope_rest = 0.0
     for i in range(gap.size):
-        d = approach - gap[i]
+        d = depth + (base - gap[i])
         if d <= 0.0:
             break
         s = root_radius[i] * math.sqrt(d)
@@ -88,6 +92,28 @@ def approach_at_load(gap, root_radius, load, below):
 
 
 @njit(cache=True, nogil=True)
+def refine(gap, root_radius, load, approach):
+    """Split an approach into the gap of the last contact and its indentation, and solve for that.
+
+    Where all contacts are far shallower than their gaps, the approach itself cannot hold their digits.
+    """
+    if approach <= 0.0:
+        return 0.0, approach
+    last = 0
+    while last + 1 < gap.size and gap[last + 1] < approach:
+        last += 1
+    base = gap[last]
+    depth = approach - base
+    for _ in range(MAX_REFINEMENTS):
+        p, _, slope = sums(gap, root_radius, base, depth)
+        new = depth - (p - load) / slope
+        if not (new > 0.0 and abs(p - load) > load * ROUNDING):
+            break
+        depth = new
+    return base, depth
+
+
+@njit(cache=True, nogil=True)
 def curves(gap, root_radius, load, approach, carried, area, slope):
     """Fill (m, k) results for m surfaces of n asperities and k increasing loads.
 
@@ -98,14 +124,15 @@ def curves(gap, root_radius, load, approach, carried, area, slope):
         for j in range(load.size):
             x = approach_at_load(gap[i], root_radius[i], load[j], x)
             approach[i, j] = x
-            carried[i, j], area[i, j], slope[i, j] = sums(gap[i], root_radius[i], x)
+            base, depth = refine(gap[i], root_radius[i], load[j], x)
+            carried[i, j], area[i, j], slope[i, j] = sums(gap[i], root_radius[i], base, depth)
 
 
 @njit(cache=True, nogil=True)
 def curve_at_approach(gap, root_radius, approach, load, area, slope):
     """Fill load, area and slope (k,) of one surface at given approaches (k,)."""
     for j in range(approach.size):
-        load[j], area[j], slope[j] = sums(gap, root_radius, approach[j])
+        load[j], area[j], slope[j] = sums(gap, root_radius, 0.0, approach[j])
 
 
 def empty_results(rows: int, columns: int) -> tuple[np.ndarray, ...]:

@@ -1,6 +1,26 @@
 """Specifications in, parts and result folders out: the border where units and file formats are known."""
 
-from metafem.files.folder import load, save
+from metafem.files.demo import demo_text
+from metafem.files.folder import load, save, stored_hardness
+from metafem.files.model_names import MODELS, model_named
 from metafem.files.spec import Specification, read_spec
+from metafem.files.staged import check_free
+from metafem.files.tables import law_table, read_heights
+from metafem.files.text import write_text
+from metafem.files.units import quantity
 
-__all__ = ["Specification", "load", "read_spec", "save"]
+__all__ = [
+    "MODELS",
+    "Specification",
+    "check_free",
+    "demo_text",
+    "law_table",
+    "load",
+    "model_named",
+    "quantity",
+    "read_heights",
+    "read_spec",
+    "save",
+    "stored_hardness",
+    "write_text",
+]

@@ -7,8 +7,10 @@ import platform
 from collections.abc import Mapping
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from types import MappingProxyType
+from types import MappingProxyType, UnionType
 from typing import Any
+
+import numpy as np
 
 from metafem.errors import InvalidInput
 from metafem.files.part import alignment_asperities, block_mesh, stl_bytes
@@ -17,7 +19,10 @@ from metafem.files.spec import Specification
 from metafem.files.staged import FORMAT, staged
 from metafem.files.tables import heights_table, law_table, mould_table
 from metafem.files.vtu import write_surface
-from metafem.inversion import Design
+from metafem.inversion import Design, DesignStatus, Limits, Target
+from metafem.law import FrictionLaw
+from metafem.models import Model
+from metafem.surface import Surface
 
 __all__ = ["load", "save", "write_all"]
 
@@ -111,6 +116,56 @@ def load(folder: str | Path) -> Design:
     InvalidInput
         If the folder holds no ``design.json``, or one that is damaged or not of this version.
     """
+    path, record = _read(folder)
+    try:
+        design = from_record(record.get("design"))
+    except (InvalidInput, TypeError, AttributeError, OverflowError) as error:
+        raise InvalidInput(f"{path} is damaged: {error}") from None
+    return _checked(path, design)
+
+
+def _checked(path: Path, design: Any) -> Design:
+    """Return what a record held, unless its members are not what a design is made of."""
+    if not isinstance(design, Design):
+        raise InvalidInput(f"{path} is damaged: it holds no design")
+    kinds: dict[str, type | UnionType] = {
+        "surface": Surface,
+        "law": FrictionLaw,
+        "misfit": float,
+        "status": DesignStatus,
+        "parameters": Mapping,
+        "sites": np.ndarray,
+        "target": Target,
+        "template": Surface,
+        "limits": Limits,
+        "fits": tuple,
+        "notes": tuple,
+    }
+    for name, kind in kinds.items():
+        if not isinstance(getattr(design, name), kind):
+            raise InvalidInput(f"{path} is damaged: design.{name} is {getattr(design, name)!r:.40}")
+    law = design.law
+    arrays = (law.load, law.area, law.separation, law.approach, law.stiffness, law.residual)
+    if any(not isinstance(array, np.ndarray) or array.shape != law.load.shape for array in arrays):
+        raise InvalidInput(f"{path} is damaged: the arrays of design.law differ in length")
+    if law.load.ndim != 1 or not law.load.size or not isinstance(law.model, Model):
+        raise InvalidInput(f"{path} is damaged: design.law is empty or names no model")
+    if any(not isinstance(value, (int, float, np.ndarray)) for value in design.parameters.values()):
+        raise InvalidInput(f"{path} is damaged: design.parameters holds what is not a number")
+    return design
+
+
+def stored_hardness(folder: str | Path) -> float | None:
+    """Return the hardness [MPa] that the specification of a result folder states, if any."""
+    path, record = _read(folder)
+    try:
+        return (record["specification"] or {}).get("hardness")
+    except (KeyError, AttributeError):
+        raise InvalidInput(f"{path} is damaged: it lacks its specification") from None
+
+
+def _read(folder: str | Path) -> tuple[Path, dict[str, Any]]:
+    """Return the path and the record of a result folder's design.json."""
     path = Path(folder) / "design.json"
     try:
         record = json.loads(path.read_text(encoding="utf-8"))
@@ -122,13 +177,7 @@ def load(folder: str | Path) -> Design:
         raise InvalidInput(f"{path} is damaged: {error}") from None
     if not isinstance(record, dict) or record.get("format") != FORMAT:
         raise InvalidInput(f"{path} is not a design of this version of metafem ({FORMAT})")
-    try:
-        design = from_record(record.get("design"))
-    except (InvalidInput, TypeError, AttributeError) as error:
-        raise InvalidInput(f"{path} is damaged: {error}") from None
-    if not isinstance(design, Design):
-        raise InvalidInput(f"{path} is damaged: it holds no design")
-    return design
+    return path, record
 
 
 def _record(design: Design, specification: Specification | None) -> dict[str, Any]:
@@ -156,7 +205,7 @@ def _record(design: Design, specification: Specification | None) -> dict[str, An
 def versions() -> dict[str, str]:
     """Return the versions of what a design's numbers depend on."""
     found = {"python": platform.python_version()}
-    for name in ("metafem", "numpy", "scipy", "numba"):
+    for name in ("metafem", "numpy", "scipy", "numba", "trimesh", "manifold3d", "meshio"):
         try:
             found[name] = version(name)
         except PackageNotFoundError:  # a checkout that is run in place

@@ -6,10 +6,19 @@ from collections.abc import Callable, Mapping
 from difflib import get_close_matches
 
 from metafem.errors import InvalidInput
-from metafem.models import Independent, Model
+from metafem.models import BoundaryElements, Independent, Interacting, MeanField, Model
+from metafem.substrate import BondedLayer
+
+# Cells of the resolved model by name [mm]: eight or more a radius in contacts of the source paper's
+# lightest loads, fifty in its widest.
+RESOLVED_CELL = 0.008
 
 MODELS: Mapping[str, Callable[[], Model]] = {
     "independent": Independent,
+    "mean-field": MeanField,
+    "half-space": Interacting,
+    "layer": lambda: Interacting(substrate=BondedLayer()),
+    "resolved": lambda: BoundaryElements(cell=RESOLVED_CELL),
 }
 
 

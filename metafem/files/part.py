@@ -91,7 +91,7 @@ def block_mesh(
     Returns
     -------
     trimesh.Trimesh
-        Watertight; the vertices of a cap lie on its sphere, its faces at most 1e-4 R below.
+        Watertight; the vertices of a cap lie on its sphere, its faces at most 4e-4 R below.
 
     Raises
     ------

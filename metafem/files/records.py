@@ -15,14 +15,16 @@ from metafem.errors import InvalidInput
 from metafem.inversion import BilinearLaw, Design, DesignStatus, Limits, LinearLaw, OperatingPoints
 from metafem.inversion.blueprint import Branch
 from metafem.law import BranchFit, FrictionLaw
-from metafem.models import Independent, Status
+from metafem.models import BoundaryElements, Independent, Interacting, MeanField, Status
+from metafem.substrate import BondedLayer, HalfSpace
 from metafem.surface import Block, Friction, Material, Surface
 
 # What may stand in a record. A new model, target or density is added here.
 VALUES: Mapping[str, type] = {
     kind.__name__: kind
     for kind in (
-        *(Material, Friction, Block, Surface, Hertz, Independent),
+        *(Material, Friction, Block, Surface, Hertz, HalfSpace, BondedLayer),
+        *(Independent, MeanField, Interacting, BoundaryElements),
         *(OperatingPoints, LinearLaw, BilinearLaw, Limits, Design, FrictionLaw),
         *(Branch, BranchFit, TruncatedExponential, TwoBranchExponential),
     )
@@ -75,13 +77,13 @@ def from_record(record: Any) -> Any:
     name = record.get("type")
     if name is None:
         return _array(record) if len(record) == 1 and next(iter(record)) in ARRAYS else _mapping(record)
+    if not isinstance(name, str) or name not in {*ENUMS, *VALUES}:
+        raise InvalidInput(f"{name!r:.60} is not a type of this version; known are {', '.join(VALUES)}")
     if name in ENUMS:
         try:
             return ENUMS[name][record["name"]]
         except KeyError:
             raise InvalidInput(f"{record.get('name')!r:.60} is not a {name}") from None
-    if name not in VALUES:
-        raise InvalidInput(f"{name!r:.60} is not a type of this version; known are {', '.join(VALUES)}")
     members = {key: from_record(member) for key, member in record.items() if key != "type"}
     known = {field.name for field in fields(VALUES[name])}
     if members.keys() != known:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, field_validator, model_validator
 
 from metafem.errors import InvalidInput
-from metafem.files.model_names import model_named
+from metafem.files.model_names import MODELS, suggestion
 from metafem.files.units import converted
 from metafem.inversion import BilinearLaw, Limits, LinearLaw, OperatingPoints, Target
 from metafem.models import Model
@@ -144,14 +144,16 @@ class ModelSection(Section):
 
     kind: str = "independent"
 
-    @model_validator(mode="after")
-    def _known(self) -> ModelSection:
-        self.model()
-        return self
+    @field_validator("kind")
+    @classmethod
+    def _known(cls, kind: str) -> str:
+        if kind not in MODELS:
+            raise InvalidInput(f'= "{kind:.60}" is unknown{suggestion(kind, MODELS)}')
+        return kind
 
     def model(self) -> Model:
         """Return the model of this kind."""
-        return model_named(self.kind)
+        return MODELS[self.kind]()
 
 
 class PartSection(Section):

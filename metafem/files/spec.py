@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import re
 import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -161,6 +162,8 @@ def _decoded(path: str | Path, raw: bytes) -> str:
 def _table(path: str | Path, text: str) -> dict[str, Any]:
     try:
         return tomllib.loads(text.removeprefix("\ufeff"))
+    except RecursionError:
+        raise InvalidInput(f"{path} nests its values too deeply to be a specification") from None
     except tomllib.TOMLDecodeError as error:
         end = f"at line {len(text.splitlines())}, the end of the file"
         cause = str(error).replace("at end of document", end)
@@ -176,7 +179,8 @@ def _worded(detail: Any, sections: type[BaseModel]) -> str:
     place, kind, given = [str(part) for part in detail["loc"]], detail["type"], detail["input"]
     if place[0] == "target" and len(place) > 1 and kind != "union_tag_not_found":
         del place[1]  # the kind of target, which pydantic counts as a place
-    key, name = ".".join(place), place[-1]
+    name = next(part for part in reversed(place) if not part.isdigit())
+    key = re.sub(r"\.(\d+)", r"[\1]", ".".join(place))
     example = f"; write for example {name} = {_EXAMPLES[name]}" if name in _EXAMPLES else ""
     if kind == "extra_forbidden":
         what = "section" if len(place) == 1 else "key"

@@ -28,8 +28,7 @@ def staged(folder: str | Path, force: bool = False) -> Iterator[Path]:
     InvalidInput
         If the folder exists, or cannot be written; nothing is left behind.
     """
-    target = Path(folder).absolute()
-    check_free(target, force)
+    target = check_free(folder, force)
     token = secrets.token_hex(4)
     fresh = target.with_name(f".{target.name}.{token}.new")
     try:
@@ -43,11 +42,24 @@ def staged(folder: str | Path, force: bool = False) -> Iterator[Path]:
         shutil.rmtree(fresh, ignore_errors=True)
 
 
-def check_free(folder: str | Path, force: bool = False) -> None:
+def check_free(folder: str | Path, force: bool = False) -> Path:
     """Raise InvalidInput if `staged` would refuse the folder: worth knowing before a long run."""
-    target = Path(folder).absolute()
+    try:
+        target = Path(folder).absolute()
+    except TypeError:
+        raise InvalidInput(f"folder = {folder!r:.60} is not a path") from None
     if not target.name:
         raise InvalidInput(f"{folder} cannot be a result folder; name a new one")
+    try:
+        _check(target, force)
+    except OSError as error:
+        raise InvalidInput(f"{target} cannot be used: {error.strerror}; choose another folder") from None
+    except ValueError as error:
+        raise InvalidInput(f"{str(target)!r:.80} is not a path: {error}") from None
+    return target
+
+
+def _check(target: Path, force: bool) -> None:
     if not target.parent.is_dir():
         raise InvalidInput(f"{target.parent} is not a folder; create it first")
     if not target.exists() and not target.is_symlink():

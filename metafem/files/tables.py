@@ -94,6 +94,8 @@ def read_heights(path: str | Path, radius: float | None = None) -> tuple[FloatAr
     if not rows:
         raise InvalidInput(f"{path} is empty; its first line must name columns, as x_mm,y_mm,height_um")
     header = [name.strip() for name in rows[0][1]]
+    if len(header) == 1:
+        raise InvalidInput(f"{path} has one column, {header[0]:.60}; separate its columns by commas")
     found = _found(path, header)
     missing = [
         name for name in COLUMNS if name not in found and not (name == "radius" and radius is not None)

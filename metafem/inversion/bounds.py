@@ -64,6 +64,7 @@ def achievable_friction_coefficients(template: Surface, limits: Limits) -> tuple
     >>> [round(mu, 3) for mu in achievable_friction_coefficients(template, limits)]
     [1.104, 3.032]
     """
+    check.instance("limits", limits, Limits, "metafem.Limits")
     if template.friction is None:
         raise InvalidInput("template has no friction; a friction coefficient needs metafem.Friction")
     radius = common_radius(template)
@@ -106,6 +107,7 @@ def plasticity_index(surface: Surface, hardness: float) -> float:
     >>> round(plasticity_index(surface, hardness=10.0), 4)
     0.043
     """
+    check.instance("surface", surface, Surface, "a metafem.Surface")
     h = check.number("hardness", hardness, above=0.0)
     ratio = surface.material.composite_modulus / h
     psi = ratio * math.sqrt(float(surface.height.std()) / float(surface.radius.mean()))

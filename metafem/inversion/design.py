@@ -32,6 +32,9 @@ MISSED = 0.1
 # Points on a straight branch when its slope is judged.
 BRANCH_POINTS = 76
 
+# Separations at which a law is compared with that of its density: a few hundred within each branch.
+DENSITY_POINTS = 1001
+
 # Heights should be this many times larger than the errors with which they are made.
 HEIGHT_TO_ERROR = 10.0
 
@@ -56,8 +59,9 @@ class Design:
     law : FrictionLaw
         Their law under the chosen model.
     misfit : float
-        Largest relative deviation of the law from what the target states [-]: of the friction at
-        operating points, of the fitted slopes of straight branches.
+        Largest relative deviation of the law from what was asked for [-]: of the friction at operating
+        points; of the fitted slopes of straight branches, and there of the friction, in the root mean
+        square, from the law of the height density that has these slopes.
     status : DesignStatus
     parameters : mapping
         What the inversion solved for: ``scale`` [mm], ``weight``, ``crossover_height`` [mm],
@@ -144,16 +148,17 @@ def design(
     if type(target) not in _INVERSIONS:
         known = ", ".join(kind.__name__ for kind in _INVERSIONS)
         raise InvalidInput(f"target = {target!r:.60} must be one of {known}")
-    if not isinstance(template, Surface):
-        raise InvalidInput(f"template = {template!r:.60} must be a metafem.Surface")
+    check.instance("template", template, Surface, "a metafem.Surface")
+    check.instance("model", solver, Model, "a model such as metafem.Independent()")
     if limits is None:
         limits = Limits(max_height=float(template.height.max()))
-    elif not isinstance(limits, Limits):
-        raise InvalidInput(f"limits = {limits!r:.60} must be metafem.Limits")
+    else:
+        check.instance("limits", limits, Limits, "metafem.Limits")
     blueprint = _INVERSIONS[type(target)](target, common_radius(template), template.count, limits)
     sites = check.generator(rng).permutation(template.count)[: len(blueprint.height)]
     order = np.argsort(sites)
     sites = sites[order]
+    sites.flags.writeable = False
     surface = template.replaced(
         position=template.position[sites],
         height=blueprint.height[order],
@@ -161,7 +166,9 @@ def design(
     )
     fits = _fits(surface, solver, blueprint.branches)
     misfit = max(
-        [abs(fit.slope / branch.slope - 1.0) for branch, fit in fits] + _point_errors(surface, solver, target)
+        [abs(fit.slope / branch.slope - 1.0) for branch, fit in fits]
+        + _density_errors(surface, solver, blueprint)
+        + _point_errors(surface, solver, target)
     )
     return Design(
         surface=surface,
@@ -190,6 +197,22 @@ def _fits(
     return tuple(found)
 
 
+def _density_errors(surface: Surface, model: Model, blueprint: Blueprint) -> list[float]:
+    """Return the rms relative difference from the density's law over each branch."""
+    if blueprint.density is None:
+        return []
+    density, count, radius = blueprint.density, surface.count, float(surface.radius[0])
+    separation = density.max_height * (1.0 - np.arange(DENSITY_POINTS) / (DENSITY_POINTS - 1))
+    load = density.rescaled_load(separation, count, radius)
+    area = density.area(separation, count, radius)
+    errors = []
+    for branch in blueprint.branches:
+        inside = (load >= branch.load_range[0]) & (load <= branch.load_range[1])
+        found = friction_law(surface, model, load=surface.material.composite_modulus * load[inside]).area
+        errors.append(float(np.sqrt(((found / area[inside] - 1.0) ** 2).mean())))
+    return errors
+
+
 def _point_errors(surface: Surface, model: Model, target: Target) -> list[float]:
     if not isinstance(target, OperatingPoints):
         return []
@@ -207,7 +230,7 @@ def _drawn_law(surface: Surface, model: Model, target: Target) -> FrictionLaw:
 
 
 def _status(model: Model, blueprint: Blueprint, misfit: float) -> DesignStatus:
-    if misfit > MISSED:
+    if not misfit <= MISSED:
         return DesignStatus.MISSED
     if not isinstance(model, Independent):
         return DesignStatus.UNCORRECTED

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 
 import numpy as np
 from scipy.optimize import brentq
@@ -25,8 +26,14 @@ from metafem.inversion.target import BilinearLaw, LinearLaw
 # asymptote. Over this range the paper's surfaces give its target slopes and its scatter.
 BRANCH_START = 0.25
 
+# brentq's tightest relative tolerance.
+TIGHTEST = 4.0 * np.finfo(float).eps
+
 # A bound is left by this relative step where the nearest reachable law is offered.
 INSIDE = 1e-6
+
+# The scale falls as the square of the slope: here it is a rounding error of the largest height.
+STEEPEST = 1e7
 
 # A scale below this many standard deviations of the made heights no longer makes an exponential
 # density: the source paper's rule of thumb, doi:10.1126/science.adk4234.
@@ -45,7 +52,7 @@ def invert_linear(target: LinearLaw, radius: float, count: int, limits: Limits) 
     else:
         levels, counts = level_counts(density, count, limits.height_step)
         height = np.repeat(levels, counts)[::-1]
-        parameters |= {"levels": limits.foot + levels, "counts": counts}
+        parameters |= {"levels": limits.foot + levels[counts > 0], "counts": counts[counts > 0]}
     branch = Branch(target.slope, (BRANCH_START * end, end), intercept)
     return Blueprint(limits.foot + height, parameters, (branch,), density, _notes(scale, limits))
 
@@ -56,13 +63,7 @@ def invert_bilinear(target: BilinearLaw, radius: float, count: int, limits: Limi
     floor = _lowest_slope(radius, limits)
     scale = _scale(first, radius, limits, BilinearLaw((floor, second), target.crossover_load))
     density = _two_branches(target, scale, radius, count, limits)
-    upper = round(count * density.upper_mass)
-    if not 0 < upper < count:
-        raise Infeasible(
-            f"crossover_load = {target.crossover_load:g} mm^2 leaves {count * density.upper_mass:.2g} of "
-            f"{count} asperities to the first branch; both branches need at least one: change "
-            "crossover_load or use more asperities"
-        )
+    upper = min(max(round(count * density.upper_mass), 1), count - 1)
     middle, top = density.crossover_height, limits.span
     height = np.concatenate(
         [_middles(density, middle, top, upper), _middles(density, 0.0, middle, count - upper)]
@@ -117,6 +118,11 @@ def _lowest_slope(radius: float, limits: Limits) -> float:
 
 def _scale(slope: float, radius: float, limits: Limits, nearest: LinearLaw | BilinearLaw) -> float:
     bound = uniform_slope(radius, limits.span)
+    if slope > STEEPEST * bound:
+        raise Infeasible(
+            f"slope {slope:g} exceeds {STEEPEST:g} times the bound {bound:.6g}: the heights would differ by "
+            "less than double precision can tell; lower the slope",
+        )
     if slope <= bound:
         raise Infeasible(
             f"slope {slope:g} is not above the bound 3 pi/4 sqrt(R/h_m) = {bound:.6g} of asperities of "
@@ -144,14 +150,23 @@ def _two_branches(
     def weight(middle: float) -> float:
         return crossover / float(plain.rescaled_load(middle, count, radius))
 
-    def overfull(depth: float) -> float:
-        return weight(top - depth) * float(plain.mass(top - depth, top)) - 1.0
+    def upper_mass(depth: float) -> float:
+        return weight(top - depth) * float(plain.mass(top - depth, top))
 
-    # The whole mass above a crossover height that lies `depth` below the top has <d^1.5> <= depth^1.5.
+    # The whole mass above a crossover height that lies `depth` below the top has <d^1.5> <= depth^1.5;
+    # from there on the mass falls with the depth.
     shallow = (crossover / (4.0 / 3.0 * count * math.sqrt(radius))) ** (2.0 / 3.0)
     deepest = top * (1.0 - INSIDE)
-    shallowest = float(brentq(overfull, shallow, deepest)) if overfull(deepest) < 0.0 else deepest
-    shallowest += INSIDE * (deepest - shallowest)
+    ends = []
+    for share in (1.0 - 0.5 / count, 0.5 / count):  # half an asperity rounds to one
+        if upper_mass(deepest) >= share:
+            ends.append(deepest)
+        elif upper_mass(shallow) <= share:
+            ends.append(shallow)
+        else:
+            excess = partial(lambda share, depth: upper_mass(depth) - share, share)
+            ends.append(float(brentq(excess, shallow, deepest, xtol=TIGHTEST * top, rtol=TIGHTEST)))
+    shallowest, deepest = ends
 
     def density(depth: float) -> TwoBranchExponential:
         return TwoBranchExponential(scale, top, top - depth, weight(top - depth))
@@ -160,6 +175,13 @@ def _two_branches(
         return density(depth).asymptotic_slopes(radius)[1]
 
     low, high = second_slope(shallowest), second_slope(deepest)
+    if not low < high:
+        raise Infeasible(
+            f"crossover_load = {crossover:g} mm^2 leaves less than one of {count} asperities to one of the "
+            f"branches; the law of slope {first:g} ends at {full_load:.6g} mm^2: move the crossover towards "
+            "its middle, or use more asperities",
+            BilinearLaw((first, first / 0.75), 0.5 * full_load),
+        )
     if not low <= second <= high:
         inside = min(max(second, low * (1.0 + INSIDE)), high * (1.0 - INSIDE))
         raise Infeasible(
@@ -167,9 +189,8 @@ def _two_branches(
             f"{count} asperities: the second slope can be from {low:.6g} to {high:.6g}",
             BilinearLaw((first, inside), crossover),
         )
-    tightest = 4.0 * np.finfo(float).eps
     depth = brentq(
-        lambda depth: second_slope(depth) - second, shallowest, deepest, xtol=tightest * top, rtol=tightest
+        lambda depth: second_slope(depth) - second, shallowest, deepest, xtol=TIGHTEST * top, rtol=TIGHTEST
     )
     return density(float(depth))
 

@@ -7,6 +7,9 @@ from dataclasses import dataclass
 from metafem import _validate as check
 from metafem.errors import InvalidInput
 
+# Steps finer than this are finer than any machine's, and would only take time.
+MOST_LEVELS = 100_000
+
 
 @dataclass(frozen=True)
 class Limits:
@@ -48,13 +51,19 @@ class Limits:
     def __post_init__(self) -> None:
         top = check.number("max_height", self.max_height, above=0.0)
         low = check.number("min_height", self.min_height, at_least=0.0)
-        check.number("offset", self.offset, at_least=0.0)
+        values: dict[str, float | None] = {"max_height": top, "min_height": low}
+        values["offset"] = check.number("offset", self.offset, at_least=0.0)
         if low >= top:
             raise InvalidInput(f"min_height = {low:g} must be below max_height = {top:g}")
         if self.height_step is not None:
-            check.number("height_step", self.height_step, above=0.0, at_most=self.span)
+            finest = (top - low) / MOST_LEVELS
+            values["height_step"] = check.number(
+                "height_step", self.height_step, at_least=finest, at_most=top - low
+            )
         if self.height_sd is not None:
-            check.number("height_sd", self.height_sd, at_least=0.0)
+            values["height_sd"] = check.number("height_sd", self.height_sd, at_least=0.0)
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
 
     @property
     def span(self) -> float:

@@ -140,8 +140,8 @@ def _unreachable(
 ) -> Infeasible:
     low, high = reachable[0], max(reachable)
     if needed is None:
-        cause = "the asperities of the earlier points" if i else "a single asperity"
-        reason = f"{cause} already give{'' if i else 's'} more friction; 0 more are needed, {left} are left"
+        cause = "the asperities that the earlier points need" if i else "a single asperity"
+        reason = f"{cause} already give{'' if i else 's'} more ({left} asperities are left, none is needed)"
         nearest = low
     else:
         reason = f"at least {needed} more asperities are needed, {left} are left"

@@ -82,6 +82,7 @@ class LinearLaw:
     ) -> LinearLaw:
         """Law of a friction coefficient mu [-] of a material pair, ``m = mu E* / (sigma B)``."""
         mu = check.number("friction_coefficient", friction_coefficient, above=0.0)
+        _check_pair(material, friction)
         return cls(mu * material.composite_modulus / (friction.shear_strength * friction.area_ratio))
 
     @classmethod
@@ -138,9 +139,15 @@ class BilinearLaw:
 Target = OperatingPoints | LinearLaw | BilinearLaw
 
 
+def _check_pair(material: Material, friction: Friction) -> None:
+    check.instance("material", material, Material, "a metafem.Material")
+    check.instance("friction", friction, Friction, "a metafem.Friction")
+
+
 def _rescaled(
     load: ArrayLike, friction_force: ArrayLike, material: Material, friction: Friction
 ) -> tuple[FloatArray, FloatArray]:
+    _check_pair(material, friction)
     newtons = check.increasing("load", check.array("load", load, shape=(None,)))
     force = check.array("friction_force", friction_force, shape=(len(newtons),))
     force = check.increasing("friction_force", force)

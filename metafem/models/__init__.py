@@ -1,6 +1,7 @@
 """From heights to loads: models of the whole interface."""
 
 from metafem.models.automatic import Automatic
+from metafem.models.boundary_elements import BoundaryElements
 from metafem.models.equilibrium import equilibrium
 from metafem.models.independent import Independent
 from metafem.models.interacting import Interacting
@@ -9,6 +10,7 @@ from metafem.models.model import ContactState, Curve, Model, Status
 
 __all__ = [
     "Automatic",
+    "BoundaryElements",
     "ContactState",
     "Curve",
     "Independent",

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
-
 from metafem import _validate as check
 from metafem.errors import InvalidInput, NotConverged
 from metafem.models.independent import Independent
-from metafem.models.model import ContactState, LoadSolver, Model, Status
+from metafem.models.model import ContactState, Model, Status
 from metafem.surface import Surface
 
 
@@ -55,10 +53,8 @@ def equilibrium(
     (0.7474, 0.2)
     """
     solver: Model = Independent() if model is None else model
-    if not isinstance(surface, Surface):
-        raise InvalidInput(f"surface = {surface!r:.60} must be a metafem.Surface")
-    if not isinstance(solver, Model):
-        raise InvalidInput(f"model = {model!r} must be a model such as metafem.Independent()")
+    check.instance("surface", surface, Surface, "a metafem.Surface")
+    check.instance("model", solver, Model, "a model such as metafem.Independent()")
     given = {"load": load, "approach": approach, "separation": separation}
     named = [name for name, value in given.items() if value is not None]
     if len(named) != 1:
@@ -66,7 +62,8 @@ def equilibrium(
             f"exactly one of load, approach and separation must be given; got {named or 'none'}"
         )
     if load is not None:
-        state = _under_load(surface, solver, check.number("load", load, at_least=0.0))
+        newtons = check.number("load", load, at_least=0.0)
+        state = solver.solve_load(surface, newtons / surface.material.composite_modulus)
     elif approach is not None:
         state = solver.solve(surface, check.number("approach", approach))
     else:
@@ -75,15 +72,3 @@ def equilibrium(
     if state.status is not Status.CONVERGED:
         raise NotConverged(f"{state.status.value}: residual {state.residual:.2g}", state)
     return state
-
-
-def _under_load(surface: Surface, model: Model, load: float) -> ContactState:
-    """Find the approach by the model's curve and report the load's error with the state's."""
-    rescaled = load / surface.material.composite_modulus
-    if isinstance(model, LoadSolver):
-        state = model.solve_load(surface, rescaled)
-    else:
-        curve = model.curve(surface, np.array([rescaled]))
-        state = model.solve(surface, float(curve.approach[0]))
-    error = abs(state.load - load) / load if load > 0.0 else state.load
-    return replace(state, residual=max(state.residual, error))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -17,8 +17,7 @@ from metafem.errors import InvalidInput
 from metafem.models.model import ContactState, Curve, Status
 from metafem.surface import Surface
 
-# Rounding of the approach moves the load by at most 1.5 n R_max/R_min units in the last place; the
-# tolerance is the promise for surfaces of up to a few thousand asperities.
+# The load is solved for by the indentation of the shallowest contact, which keeps its digits.
 TOLERANCE = 1e-12
 
 # Fewer points than this are solved before a second thread has started.
@@ -49,9 +48,24 @@ class Independent:
 
     def solve(self, surface: Surface, approach: float, guess: ContactState | None = None) -> ContactState:
         """Equilibrium at a given approach [mm]; the closed form needs no guess."""
+        return self._state(surface, approach, approach - surface.gap)
+
+    def solve_load(self, surface: Surface, load: float) -> ContactState:
+        """Equilibrium under a rescaled load P/E* [mm^2]."""
+        from metafem._kernels import independent as kernel
+
+        gap, root = _sorted_by_gap(surface.height[None, :], surface.radius)
+        approach = kernel.approach_at_load(gap[0], root[0], load, 0.0)
+        base, depth = kernel.refine(gap[0], root[0], load, approach)
+        state = self._state(surface, base + depth, depth + (base - surface.gap))
+        wanted = surface.material.composite_modulus * load
+        error = abs(state.load - wanted) / wanted if wanted > 0.0 else state.load
+        well = error <= TOLERANCE
+        return replace(state, residual=error, status=Status.CONVERGED if well else Status.NOT_CONVERGED)
+
+    def _state(self, surface: Surface, approach: float, indentation: FloatArray) -> ContactState:
         modulus = surface.material.composite_modulus
         law = Hertz()
-        indentation = approach - surface.gap
         load = modulus * law.load(indentation, surface.radius)
         area = law.area(indentation, surface.radius)
         total = math.fsum(load)

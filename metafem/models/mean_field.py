@@ -44,11 +44,12 @@ class MeanField:
 
     def solve(self, surface: Surface, approach: float, guess: ContactState | None = None) -> ContactState:
         """Equilibrium at a given approach [mm]; needs no guess."""
-        return self._state(surface, float(self._local(surface, np.array([approach]))[0]), approach)
+        local = float(self._local(surface, np.array([approach]))[0])
+        return self._state(surface, Independent().solve(surface, local), approach)
 
     def solve_load(self, surface: Surface, load: float) -> ContactState:
         """Equilibrium under a given rescaled load P/E* [mm^2]."""
-        return self._state(surface, float(Independent().curve(surface, np.array([load])).approach[0]))
+        return self._state(surface, Independent().solve_load(surface, load))
 
     def curve(self, surface: Surface, load: FloatArray) -> Curve:
         """Equilibria at increasing rescaled loads P/E* [mm^2], (k,)."""
@@ -66,13 +67,13 @@ class MeanField:
         stiffness = curve.stiffness / (1.0 + compliance * curve.stiffness)
         return replace(curve, approach=curve.approach + compliance * curve.load, stiffness=stiffness)
 
-    def _state(self, surface: Surface, local: float, approach: float | None = None) -> ContactState:
-        """Return the state whose contacts are those of independent asperities at `local`."""
+    def _state(self, surface: Surface, state: ContactState, approach: float | None = None) -> ContactState:
+        """Return the state whose contacts are those of a state of independent asperities."""
         modulus = surface.material.composite_modulus
         compliance = _compliance(surface) / modulus
-        state = Independent().solve(surface, local)
+        local = state.approach
         sunk = local + compliance * state.load
-        residual = 0.0 if approach is None or local <= 0.0 else abs(sunk - approach) / local
+        residual = state.residual if approach is None or local <= 0.0 else abs(sunk - approach) / local
         reached = sunk if approach is None else approach
         note = () if surface.count > 1 else ("one asperity has no neighbours: the mean field is zero",)
         return replace(

@@ -98,19 +98,14 @@ class Model(Protocol):
         """Equilibrium at a given approach [mm]."""
         ...
 
+    def solve_load(self, surface: Surface, load: float) -> ContactState:
+        """Equilibrium under a given rescaled load P/E* [mm^2]."""
+        ...
+
     def curve(self, surface: Surface, load: FloatArray) -> Curve:
         """Equilibria at increasing rescaled loads P/E* [mm^2], (k,)."""
         ...
 
     def curve_at(self, surface: Surface, approach: FloatArray) -> Curve:
         """Equilibria at increasing approaches [mm], (k,)."""
-        ...
-
-
-@runtime_checkable
-class LoadSolver(Protocol):
-    """A model that solves under a load at the cost of one approach; `equilibrium` then asks for that."""
-
-    def solve_load(self, surface: Surface, load: float) -> ContactState:
-        """Equilibrium under a given rescaled load P/E* [mm^2]."""
         ...

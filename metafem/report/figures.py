@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import fields, is_dataclass
 from functools import singledispatch
+from itertools import cycle
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from metafem.inversion import BilinearLaw, Design, LinearLaw, OperatingPoints
 from metafem.models import equilibrium
+from metafem.report.comparison import Comparison
 from metafem.report.svg import new_figure
 
 if TYPE_CHECKING:
@@ -50,18 +53,18 @@ def law_figure(design: Design) -> Figure:
     """Target and achieved law, and below it their relative difference."""
     figure = new_figure(7.0, 5.6)
     ax, below = figure.subplots(2, 1, sharex=True, height_ratios=[3, 1])
+    plot_law(design.law, ax, "achieved: " + model_name(design.law.model))
     if design.density is not None:
         count, radius = design.surface.count, float(design.surface.radius[0])
         separation = np.linspace(0.0, design.density.max_height, 200)
         ax.plot(
             design.density.rescaled_load(separation, count, radius),
             design.density.area(separation, count, radius),
-            color=QUIET,
-            ls="--",
-            lw=1.2,
+            color="black",
+            ls=(0, (2, 3)),
+            lw=1.0,
             label="law of the height density",
         )
-    plot_law(design.law, ax, "achieved: " + model_name(design.law.model))
     draw_target(design.target, design, ax, below)
     below.spines[["top", "right"]].set_visible(False)
     below.axhline(0.0, color=QUIET, lw=0.8)
@@ -111,6 +114,22 @@ def _(target: LinearLaw | BilinearLaw, design: Design, ax: Axes, below: Axes) ->
         ax.axvline(target.crossover_load, color=WANTED, ls=":", lw=1.2, label="target crossover")
 
 
+def comparison_figure(comparisons: tuple[Comparison, ...]) -> Figure:
+    """Change of A0 by elastic interaction, in percent of the independent law, over the load."""
+    figure = new_figure(7.0, 3.0)
+    ax = figure.add_subplot()
+    ax.axhline(0.0, color=QUIET, lw=0.8)
+    for comparison, style in zip(comparisons, cycle(("-", "--", ":")), strict=False):
+        load = comparison.law.rescaled_load
+        ax.plot(load, 100.0 * comparison.difference, style, color=ACHIEVED, label=comparison.name)
+    ax.set_xlabel("rescaled load  P/E* [mm²]")
+    ax.set_ylabel("change of A0 [%]")
+    ax.set_xlim(left=0.0)
+    ax.spines[["top", "right"]].set_visible(False)
+    ax.legend(frameon=False)
+    return figure
+
+
 def height_figure(design: Design) -> Figure:
     """Heights at their places; empty places of the template as rings."""
     figure = new_figure(5.0, 4.2)
@@ -158,9 +177,24 @@ def contact_figure(design: Design) -> Figure:
     return figure
 
 
-def model_name(model: object) -> str:
-    """Return a model as a user writes it."""
-    return repr(model)
+def model_name(value: object) -> str:
+    """Return a model as a user would type it, without what is left at its default.
+
+    Examples
+    --------
+    >>> from metafem import BondedLayer, Interacting
+    >>> model_name(Interacting(order=3, substrate=BondedLayer()))
+    'Interacting(substrate=BondedLayer())'
+    """
+    if not is_dataclass(value):
+        return repr(value)
+    given = []
+    for field in fields(value):
+        member = getattr(value, field.name)
+        default = field.default_factory() if callable(field.default_factory) else field.default
+        if member != default:
+            given.append(f"{field.name}={model_name(member)}")
+    return f"{type(value).__name__}({', '.join(given)})"
 
 
 def _draw_block(design: Design, ax: Axes) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import singledispatch
 from importlib import resources
 from typing import Any
@@ -11,7 +12,14 @@ import numpy as np
 from metafem.inversion import BilinearLaw, Design, LinearLaw, OperatingPoints
 from metafem.models import equilibrium
 from metafem.report.cautions import cautions
-from metafem.report.figures import contact_figure, height_figure, law_figure, model_name
+from metafem.report.comparison import Comparison, compared
+from metafem.report.figures import (
+    comparison_figure,
+    contact_figure,
+    height_figure,
+    law_figure,
+    model_name,
+)
 from metafem.report.svg import svg
 
 Row = tuple[str, str, str]
@@ -50,7 +58,7 @@ def page(design: Design, hardness: float | None = None) -> str:
 
     source = resources.files("metafem.report").joinpath("templates/page.html").read_text("utf-8")
     template = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True).from_string(source)
-    heights = design.surface.height
+    heights, comparisons = design.surface.height, compared(design)
     return template.render(
         title=wanted(design.target),
         status=design.status.value,
@@ -61,6 +69,10 @@ def page(design: Design, hardness: float | None = None) -> str:
         law=svg(law_figure(design), "Target and achieved friction law"),
         heights=svg(height_figure(design), "Summit heights at their places"),
         contacts=svg(contact_figure(design), "Real contacts at three loads"),
+        comparison=svg(comparison_figure(comparisons), "Change by elastic interaction")
+        if comparisons
+        else "",
+        comparisons=_comparisons(comparisons),
         parameters=parameter_rows(design),
         fits=_fits(design),
         inputs=_inputs(design),
@@ -131,6 +143,18 @@ def _fits(design: Design) -> list[dict[str, Any]]:
             }
         )
     return rows
+
+
+def _comparisons(comparisons: tuple[Comparison, ...]) -> list[tuple[str, ...]]:
+    return [
+        (
+            comparison.name,
+            f"{100.0 * math.sqrt(float((comparison.difference**2).mean())):.2f} %",
+            f"{100.0 * comparison.difference[np.abs(comparison.difference).argmax()]:+.2f} %",
+            f"{1e3 * comparison.sinking[-1]:.1f} µm",
+        )
+        for comparison in comparisons
+    ]
 
 
 def _inputs(design: Design) -> list[Row]:

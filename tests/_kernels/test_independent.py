@@ -39,7 +39,7 @@ def build(scene):
 def test_sums_agree_with_exact_summation(scene, approach):
     gap, radius = build(scene)
     np.testing.assert_allclose(
-        kernel.sums(gap, np.sqrt(radius), approach), sums_twin(gap, radius, approach), rtol=1e-13
+        kernel.sums(gap, np.sqrt(radius), 0.0, approach), sums_twin(gap, radius, approach), rtol=1e-13
     )
 
 

@@ -64,6 +64,15 @@ def test_many_surfaces_at_once_agree_with_one_by_one(seed, load):
         assert (state.area, state.stiffness) == pytest.approx((a, 1.36 * s), rel=1e-11)
 
 
+def test_shallow_contacts_on_deep_gaps_keep_their_digits():
+    height = np.full(100_000, 0.1)
+    height[0] = 0.101
+    surface = mf.Surface.square_lattice(height, (1, 100_000), radius=0.5, material=MATERIAL)
+    for load in (1e-3, 0.1):
+        assert mf.equilibrium(surface, load=load).residual <= 1e-14
+        assert mf.friction_law(surface, load=[load]).residual[0] <= 1e-14
+
+
 def test_threads_do_not_change_the_numbers():
     height = np.random.default_rng(0).exponential(0.03, (600, 64))
     load = np.linspace(0.01, 0.5, 50)

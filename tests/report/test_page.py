@@ -25,7 +25,8 @@ def test_page_is_self_contained_and_reproducible(template, kind):
         "#",
         "d",
     }  # elements of the page, and data: images
-    assert text.count("<svg") == 3
+    assert text.count("<svg") == 4
+    assert "bonded layer" in text
     assert design.status.value.split(":")[0] in text
 
 

@@ -1,0 +1,91 @@
+"""Findings about an installation: does everything that metafem needs work here?"""
+
+from __future__ import annotations
+
+import math
+import platform
+import tempfile
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, version
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from metafem.inversion import Design
+
+NEEDED = ("numpy", "scipy", "numba", "scikit-fem", "meshio", "matplotlib", "trimesh", "manifold3d", "pint")
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing that was looked at."""
+
+    what: str
+    found: str
+    well: bool
+
+
+def examine() -> Iterator[Finding]:
+    """Look at the versions, the compiled kernels, a known contact, a part and a page."""
+    yield Finding("python", platform.python_version(), True)
+    for name in NEEDED:
+        try:
+            yield Finding(name, version(name), True)
+        except PackageNotFoundError:
+            yield Finding(name, "not installed; install metafem anew", False)
+    for what, trial in (
+        ("compiled kernels against Hertz's closed form", _contact),
+        ("part of one asperity", _part),
+        ("report", _page),
+        ("result folder, written and read", _folder),
+    ):
+        yield _tried(what, trial)
+
+
+def _tried(what: str, trial: Callable[[], tuple[str, bool]]) -> Finding:
+    try:
+        found, well = trial()
+    except Exception as error:  # whatever is broken in the installation is what is to be told
+        return Finding(what, f"{type(error).__name__}: {error}", False)
+    return Finding(what, found, well)
+
+
+def _contact() -> tuple[str, bool]:
+    import metafem as mf
+
+    surface = mf.Surface([[0.0, 0.0]], [0.1], 0.5, mf.Material(1.0))
+    area = float(mf.friction_law(surface, load=[0.01]).area[0])
+    error = abs(area / (math.pi * (0.75 * 0.01 * 0.5) ** (2.0 / 3.0)) - 1.0)
+    return f"relative error {error:.1e}", error < 1e-12
+
+
+def _part() -> tuple[str, bool]:
+    import metafem as mf
+    from metafem.files.part import block_mesh
+
+    mesh = block_mesh(mf.Surface([[0.0, 0.0]], [0.1], 0.5, mf.Material(1.0), block=mf.Block(2.0, 2.0, 1.0)))
+    return f"{len(mesh.faces)} triangles, {'closed' if mesh.is_watertight else 'open'}", mesh.is_watertight
+
+
+def _page() -> tuple[str, bool]:
+    from metafem.report import page
+
+    length = len(page(_design()))
+    return f"{length} characters", length > 0
+
+
+def _folder() -> tuple[str, bool]:
+    import metafem as mf
+
+    design = _design()
+    with tempfile.TemporaryDirectory() as parent:
+        mf.save(design, f"{parent}/result")
+        same = bool((mf.load(f"{parent}/result").surface.height == design.surface.height).all())
+    return "equal to the bit" if same else "changed", same
+
+
+def _design() -> Design:
+    import metafem as mf
+
+    template = mf.Surface.square_lattice(0.12, (4, 4), radius=0.526, material=mf.Material(1.0))
+    return mf.design(mf.LinearLaw(7.0), template)

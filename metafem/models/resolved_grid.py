@@ -1,0 +1,116 @@
+"""Cells of one common grid, on the neighbourhoods of the contacts and nowhere else.
+
+All lengths are in cells. The grid's origin is the centre of the box around all summits, so that it
+moves with the surface; cell (i, j) has its centre at (i, j).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from metafem._validate import FloatArray
+from metafem.models.far_field import convergence_rate
+from metafem.surface import Surface
+
+IntArray = NDArray[np.int64]
+
+# Boxes between which expansions converge more slowly than this per order share one patch: at this
+# rate 23 terms a side meet the far field's tolerance, and a table of them costs as much as the patch.
+SLOWEST_RATE = 2.4
+
+
+@dataclass(frozen=True, eq=False)
+class Patch:
+    """A rectangle of cells around one contact, or around several that are close.
+
+    Attributes
+    ----------
+    corner : ndarray, (2,)
+        Grid index of its first cell.
+    gap : ndarray, (rows, columns)
+        Depth of the undeformed surface below the tallest summit, in cells.
+    owner : ndarray, (rows, columns)
+        Asperity that is the highest there.
+    """
+
+    corner: IntArray
+    gap: FloatArray
+    owner: IntArray
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns."""
+        rows, columns = self.gap.shape
+        return rows, columns
+
+    @property
+    def centre(self) -> FloatArray:
+        """Middle of the rectangle, (2,)."""
+        return np.asarray(self.corner + 0.5 * (np.array(self.shape) - 1))
+
+
+@dataclass(frozen=True, eq=False)
+class Summits:
+    """Asperities in units of the cell: places (n, 2), depths below the tallest (n,), radii (n,)."""
+
+    place: FloatArray
+    depth: FloatArray
+    radius: FloatArray
+
+    @classmethod
+    def of(cls, surface: Surface, cell: float) -> Summits:
+        """Measure a surface in cells."""
+        low, high = surface.position.min(axis=0), surface.position.max(axis=0)
+        # Halves before the sum: a corner far from the origin then costs no digits.
+        place = ((surface.position - low) - 0.5 * (high - low)) / cell
+        return cls(place, surface.gap / cell, surface.radius / cell)
+
+
+def box_rate(first: IntArray, last: IntArray) -> FloatArray:
+    """Return the rate of the far field's expansions between boxes of cells, (m, m)."""
+    centre = np.asarray(0.5 * (first + last), dtype=np.float64)
+    half = np.asarray(0.5 * (last - first + 1), dtype=np.float64)
+    return convergence_rate(centre, half)
+
+
+def boxes(summits: Summits, half_width: FloatArray) -> tuple[list[IntArray], IntArray, IntArray]:
+    """Return members, first cells (m, 2) and last cells (m, 2) of the patches.
+
+    `half_width` (n,) is how far cells are wanted around each summit; 0 where none are.
+    """
+    wanted = np.flatnonzero(half_width > 0.0)
+    first = np.floor(summits.place[wanted] - half_width[wanted, None]).astype(np.int64)
+    last = np.ceil(summits.place[wanted] + half_width[wanted, None]).astype(np.int64)
+    members = [np.array([i]) for i in wanted]
+    while len(members) > 1:
+        rate = box_rate(first, last)
+        a, b = np.nonzero(np.triu(rate < SLOWEST_RATE, 1))
+        if a.size == 0:
+            break
+        graph = coo_array((np.ones(a.size), (a, b)), shape=rate.shape)
+        count, label = connected_components(graph, directed=False)
+        groups = [np.flatnonzero(label == k) for k in range(count)]
+        first = np.array([first[g].min(axis=0) for g in groups])
+        last = np.array([last[g].max(axis=0) for g in groups])
+        members = [np.concatenate([members[i] for i in g]) for g in groups]
+    return members, first, last
+
+
+def patch(summits: Summits, members: IntArray, first: IntArray, last: IntArray) -> Patch:
+    """Lay the cells from `first` to `last` and measure the surface's depth on them."""
+    inside = np.flatnonzero(((summits.place >= first) & (summits.place <= last)).all(axis=1))
+    x, y = (np.arange(a, b + 1, dtype=np.float64) for a, b in zip(first, last, strict=True))
+    gap = np.full((len(x), len(y)), np.inf)
+    owner = np.zeros(gap.shape, dtype=np.int64)
+    for i in np.union1d(members, inside):
+        (cx, cy), radius = summits.place[i], summits.radius[i]
+        depth = summits.depth[i] + ((x - cx)[:, None] ** 2 + (y - cy)[None, :] ** 2) / (2.0 * radius)
+        higher = depth < gap
+        gap[higher] = depth[higher]
+        owner[higher] = i
+    return Patch(first, gap, owner)

@@ -1,0 +1,254 @@
+"""One surface on cells: where the cells are, and the pressure on them."""
+
+from __future__ import annotations
+
+import math
+import os
+from dataclasses import dataclass
+
+import numpy as np
+
+from metafem._validate import FloatArray
+from metafem.asperity import Hertz
+from metafem.errors import InvalidInput
+from metafem.models import projected_cg
+from metafem.models.far_field import table_bytes
+from metafem.models.resolved_contacts import Contacts, measure
+from metafem.models.resolved_grid import Patch, Summits, box_rate, boxes, patch
+from metafem.models.resolved_influence import Influence
+from metafem.models.resolved_start import Start, start
+from metafem.substrate import Radial
+from metafem.surface import Surface
+
+# Largest gap under pressure or overlap without, relative to the largest indentation.
+TOLERANCE = 1e-9
+
+# A contact of n cells a radius errs by up to 0.1/n^2 in load and 0.3/n^2 in area (measured on one Hertz
+# contact at six offsets, n = 4 to 12): of this many, by 0.6 % and 2 %.
+COARSEST = 4.0
+
+# Free cells around the expected contact, and the share of its radius: point loads misplace the edge
+# by less than that for contacts that do not touch.
+MARGIN_CELLS = 3.0
+MARGIN_SHARE = 0.03
+
+# Expected gaps up to this share of the largest indentation get cells as well: they may close.
+NEARLY_CLOSED = 0.01
+
+# A patch whose edge was reached grows by this factor; ten growths are a factor of nine.
+GROWTH = 1.25
+MAX_GROWTHS = 10
+
+# Conjugate gradients take 10 to 60 iterations; this many mean that rounding stands in the way.
+MAX_ITERATIONS = 1000
+
+# Relative error of the stiffness' equations; that of the stiffness goes as its square.
+STIFFNESS_TOLERANCE = 1e-3
+
+# Vectors of doubles that a solution keeps, and what a transform needs per cell of the largest patch
+# (four times the cells, complex, three at a time, in two threads).
+VECTORS = 16
+TRANSFORM_BYTES = 4 * 16 * 3 * 2
+
+# Matrices of all pairs of asperities that are alive at once: influence, its derivatives, distances and
+# the rates of the expansions.
+PAIR_MATRICES = 16
+
+# Assumed where the operating system does not tell.
+DEFAULT_MEMORY = 8 * 2**30
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """Pressure of one load, all in units of the cell.
+
+    Attributes
+    ----------
+    minimum : projected_cg.Minimum
+    contacts : Contacts
+    patches : list of Patch
+    covered : bool
+        No contact reaches the edge of its patch, and no asperity without cells should be closed.
+    indentation : float
+        Largest A/(pi R), which for Hertz's contact is the indentation: what residuals are measured by.
+    stiffness : float
+        Derivative of the load by the approach on the cells that carry pressure.
+    """
+
+    minimum: projected_cg.Minimum
+    contacts: Contacts
+    patches: list[Patch]
+    covered: bool
+    indentation: float
+    stiffness: float
+
+
+class Scene:
+    """One surface on one substrate, with what its loads have in common."""
+
+    def __init__(self, surface: Surface, cell: float, substrate: Radial) -> None:
+        self.surface = surface
+        self.cell = cell
+        self.substrate = substrate.for_surface(surface)
+        self.summits = Summits.of(surface, cell)
+        _refuse_beyond_memory(8 * PAIR_MATRICES * surface.count**2, f"{surface.count} asperities")
+        self.coupling = self.substrate.influence_matrix(surface)
+        self.slope_x, self.slope_y, self.laplacian = self.substrate.influence_derivatives(surface)
+
+    def start(
+        self, *, approach: float | None = None, load: float | None = None, guess: Start | None = None
+    ) -> Start:
+        """Return what coupled point loads expect at an approach [mm] or a load P/E* [mm^2]."""
+        gap, radius = self.surface.gap, self.surface.radius
+        first = start(self.coupling, gap, radius, approach=approach, load=load, guess=guess)
+        largest = math.sqrt(float((radius * np.maximum(first.indentation, 0.0)).max()))
+        if largest < COARSEST * self.cell:
+            raise InvalidInput(
+                f"cell = {self.cell:g} mm is too coarse for the largest contact, whose radius is about "
+                f"{largest:.3g} mm; {COARSEST:g} cells a radius need at most {largest / COARSEST:.3g} mm"
+            )
+        return first
+
+    def solve(self, first: Start, load: float | None = None) -> Solution:
+        """Solve from a start, at its approach or under a load, on patches that hold every contact."""
+        d = first.indentation
+        half_width = np.where(d > -NEARLY_CLOSED * d.max(), self._reach(d, 1.0 + MARGIN_SHARE), 0.0)
+        patches = self._patches(half_width)
+        pressure = self._hertz(d, patches)
+        if not pressure.any():
+            pressure += 1.0  # summits hidden by others': any start will do
+        indentation = float(d.max()) / self.cell
+        for _ in range(MAX_GROWTHS):
+            operator = self._influence(patches)
+            # half of it, for the indentation that is found may be the smaller one
+            tolerance = 0.5 * TOLERANCE * indentation
+            minimum = self._minimum(operator, patches, pressure, first.approach, load, tolerance)
+            parts = operator.split(minimum.pressure)
+            contacts = measure(patches, parts, self.surface.count)
+            indentation = float((contacts.area / (math.pi * self.summits.radius)).max())
+            larger = self._enlarged(half_width, patches, parts, contacts, minimum)
+            covered = bool((larger == half_width).all())
+            if covered and minimum.error <= TOLERANCE * indentation:
+                break
+            half_width, old = larger, patches
+            patches = self._patches(half_width)
+            pressure = _moved(old, parts, patches)
+        face = minimum.pressure > 0.0
+        ones = np.ones(operator.size)
+        rise = projected_cg.solve_on(operator, face, ones, STIFFNESS_TOLERANCE, MAX_ITERATIONS)
+        return Solution(minimum, contacts, patches, covered, indentation, float(rise.sum()))
+
+    def _reach(self, indentation: FloatArray, factor: float) -> FloatArray:
+        """Cells to lay around summits with these indentations."""
+        radius = np.sqrt(self.surface.radius * np.maximum(indentation, 0.0)) / self.cell
+        return np.asarray(factor * radius + MARGIN_CELLS)
+
+    def _patches(self, half_width: FloatArray) -> list[Patch]:
+        members, first, last = boxes(self.summits, half_width)
+        cells = (last - first + 1).astype(np.float64).prod(axis=1)
+        rate = box_rate(first, last)[np.triu_indices(len(cells), 1)]
+        needed = 8 * VECTORS * cells.sum() + TRANSFORM_BYTES * cells.max() + table_bytes(rate)
+        _refuse_beyond_memory(needed, f"cell = {self.cell:g} mm, with {cells.sum():.3g} cells,")
+        return [patch(self.summits, *box) for box in zip(members, first, last, strict=True)]
+
+    def _influence(self, patches: list[Patch]) -> Influence:
+        h, substrate = self.cell, self.substrate
+        return Influence(
+            patches,
+            lambda r: np.asarray(h * substrate.influence(h * r)),
+            lambda r: np.asarray(h * substrate.regular(h * r)),
+        )
+
+    def _hertz(self, indentation: FloatArray, patches: list[Patch]) -> FloatArray:
+        """Hertz's pressure under the expected indentations, bent and moved by the neighbours' field.
+
+        The field's Laplacian adds half of itself to the summit's curvature, and its slope moves the
+        contact down the slope by R times as much: as far as a neighbour is not so close that point
+        loads say nothing.
+        """
+        surface, h = self.surface, self.cell
+        load = Hertz().load(indentation, surface.radius)
+        bend = 0.5 * surface.radius * (self.laplacian @ load)
+        radius = surface.radius / (1.0 + np.clip(bend, -0.5, 0.5)) / h
+        square = radius * np.maximum(indentation, 0.0) / h
+        shift = np.stack([self.slope_x @ load, self.slope_y @ load], axis=1) * surface.radius[:, None] / h
+        near = (shift**2).sum(axis=1) < 0.25 * square
+        centre = self.summits.place - np.where(near[:, None], shift, 0.0)
+        parts = []
+        for p in patches:
+            x, y = (c + np.arange(n) for c, n in zip(p.corner, p.shape, strict=True))
+            rho = (x[:, None] - centre[p.owner, 0]) ** 2 + (y[None, :] - centre[p.owner, 1]) ** 2
+            height = np.maximum(square[p.owner] - rho, 0.0)
+            parts.append((2.0 / math.pi * np.sqrt(height) / radius[p.owner]).ravel())
+        return np.concatenate(parts)
+
+    def _minimum(
+        self,
+        operator: Influence,
+        patches: list[Patch],
+        pressure: FloatArray,
+        approach: float,
+        load: float | None,
+        tolerance: float,
+    ) -> projected_cg.Minimum:
+        total = None if load is None else load / self.cell**2
+        return projected_cg.minimise(
+            operator,
+            np.concatenate([p.gap.ravel() for p in patches]),
+            pressure if total is None else pressure * (total / pressure.sum()),
+            multiplier=approach / self.cell,
+            total=total,
+            tolerance=tolerance,
+            max_iterations=MAX_ITERATIONS,
+        )
+
+    def _enlarged(
+        self,
+        half_width: FloatArray,
+        patches: list[Patch],
+        pressure: list[FloatArray],
+        contacts: Contacts,
+        minimum: projected_cg.Minimum,
+    ) -> FloatArray:
+        """Return wider neighbourhoods where a contact reached the edge or a summit should be closed."""
+        result = half_width.copy()
+        for place, p in zip(patches, pressure, strict=True):
+            rim = p > 0.0
+            rim[1:-1, 1:-1] = False
+            reached = np.unique(place.owner[rim])
+            result[reached] = GROWTH * half_width[reached] + MARGIN_CELLS
+        load = self.cell**2 * contacts.load
+        d = minimum.multiplier * self.cell - self.surface.gap - self.coupling @ load
+        return np.where((half_width == 0.0) & (d > 0.0), self._reach(d, 1.0), result)
+
+
+def memory() -> int:
+    """Return the machine's memory in bytes."""
+    try:
+        return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    except (AttributeError, ValueError, OSError):
+        return DEFAULT_MEMORY
+
+
+def _refuse_beyond_memory(needed: float, what: str) -> None:
+    there = memory()
+    if needed > there:
+        raise InvalidInput(
+            f"{what} needs about {needed / 2**30:.3g} GiB of memory; the machine has {there / 2**30:.3g} GiB"
+        )
+
+
+def _moved(old: list[Patch], pressure: list[FloatArray], new: list[Patch]) -> FloatArray:
+    """Return the pressure on other patches of the same grid, zero where there was no cell."""
+    parts = []
+    for place in new:
+        part = np.zeros(place.shape)
+        for source, p in zip(old, pressure, strict=True):
+            low = np.maximum(source.corner, place.corner)
+            high = np.minimum(source.corner + source.shape, place.corner + place.shape)
+            if (low < high).all():
+                (a, b), (c, d) = low - source.corner, high - source.corner
+                (e, f), (g, h) = low - place.corner, high - place.corner
+                part[e:g, f:h] = p[a:c, b:d]
+        parts.append(part.ravel())
+    return np.concatenate(parts)

@@ -1,0 +1,105 @@
+"""Where a resolved solution starts: Hertzian contacts coupled as point loads."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from metafem._validate import FloatArray
+from metafem.asperity import Hertz
+
+# A start needs no more digits than the model it comes from; the resolved solver judges itself.
+TOLERANCE = 1e-6
+MAX_STEPS = 50
+MAX_HALVINGS = 8
+
+# A start that is farther off than this is no better than that of independent contacts.
+GIVEN_UP = 0.1
+
+
+@dataclass(frozen=True, eq=False)
+class Start:
+    """Indentations d (n,) [mm], negative where open, and the approach [mm]."""
+
+    indentation: FloatArray
+    approach: float
+
+
+def start(
+    influence: FloatArray,
+    gap: FloatArray,
+    radius: FloatArray,
+    *,
+    approach: float | None = None,
+    load: float | None = None,
+    guess: Start | None = None,
+) -> Start:
+    """Solve ``d + K P(d) + gap - approach = 0`` by damped Newton steps on the closed contacts.
+
+    Parameters
+    ----------
+    influence : ndarray, (n, n)
+        K [1/mm].
+    gap, radius : ndarray, (n,)
+        Depths below the tallest summit and radii [mm].
+    approach, load : float, optional
+        One of them: the approach [mm], or the sum of P/E* [mm^2], which must be positive.
+    guess : Start, optional
+        A neighbouring solution.
+    """
+    law = Hertz()
+    if guess is not None:
+        d, z = guess.indentation, guess.approach if approach is None else approach
+    else:
+        if approach is None:
+            assert load is not None
+            # The tallest alone would need the largest indentation, n equal ones the smallest.
+            z = float((0.75 * load / np.sqrt(radius[gap.argmin()])) ** (2.0 / 3.0))
+        else:
+            z = approach
+        d = z - gap
+    error = np.inf
+    for _ in range(MAX_STEPS):
+        p = law.load(d, radius)
+        f = d + influence @ p + gap - z
+        slope = law.stiffness(d, radius)
+        error = _error(f, d, p, load)
+        if error <= TOLERANCE:
+            break
+        step, rise = _newton_step(influence, f, slope, None if load is None else load - float(p.sum()))
+        for halvings in range(MAX_HALVINGS):
+            share = 0.5**halvings
+            new, height = d + share * step, z + share * rise
+            q = law.load(new, radius)
+            if _error(new + influence @ q + gap - height, new, q, load) < error:
+                break
+        d, z = new, height
+    if error > GIVEN_UP and influence.any():
+        # Very thin layers stiffen a contact beyond what point loads can say.
+        return start(np.zeros_like(influence), gap, radius, approach=approach, load=load)
+    return Start(d, z)
+
+
+def _error(f: FloatArray, d: FloatArray, p: FloatArray, load: float | None) -> float:
+    largest = float(np.abs(f).max()) / float(np.abs(d).max())
+    return largest if load is None else largest + abs(float(p.sum()) - load) / load
+
+
+def _newton_step(
+    influence: FloatArray, f: FloatArray, slope: FloatArray, missing: float | None
+) -> tuple[FloatArray, float]:
+    """Return the steps of d and of the approach; `missing` is the load that is still to be carried."""
+    closed = np.flatnonzero(slope > 0.0)
+    part = influence[:, closed] * slope[closed]
+    matrix = part[closed] + np.eye(closed.size)
+    right = np.stack([-f[closed], np.ones(closed.size)], axis=1)
+    fixed, per_rise = np.linalg.solve(matrix, right).T
+    rise = 0.0
+    if missing is not None:
+        rise = (missing - float(slope[closed] @ fixed)) / float(slope[closed] @ per_rise)
+    step = rise - f
+    closed_step = fixed + rise * per_rise
+    step = step - part @ closed_step
+    step[closed] = closed_step
+    return step, rise

@@ -1,0 +1,82 @@
+import json
+from dataclasses import fields, is_dataclass
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import metafem as mf
+from metafem.files.records import from_record, to_record
+
+finite = st.floats(allow_nan=False, allow_infinity=False)
+positive = st.floats(min_value=1e-300, max_value=1e300)
+
+
+def same(a, b):
+    """Equality to the bit of values whose dataclasses may hold arrays."""
+    if isinstance(a, np.ndarray):
+        return isinstance(b, np.ndarray) and a.dtype == b.dtype and a.shape == b.shape and (a == b).all()
+    if is_dataclass(a):
+        return type(a) is type(b) and all(same(getattr(a, f.name), getattr(b, f.name)) for f in fields(a))
+    if isinstance(a, tuple):
+        return isinstance(b, tuple) and len(a) == len(b) and all(map(same, a, b))
+    if hasattr(a, "keys"):
+        return a.keys() == b.keys() and all(same(a[k], b[k]) for k in a)
+    return type(a) is type(b) and a == b
+
+
+def through_json(value):
+    return from_record(json.loads(json.dumps(to_record(value), allow_nan=False)))
+
+
+TEMPLATE = mf.Surface.square_lattice(
+    0.12, radius=0.526, material=mf.Material(1.36), friction=mf.Friction(0.358), block=mf.Block(20, 20, 7.2)
+)
+TARGETS = {
+    "points": (mf.OperatingPoints([0.144, 0.336, 0.649], [0.84, 1.68, 4.12]), mf.Limits(0.27)),
+    "linear": (mf.LinearLaw(6.87), mf.Limits(0.12, offset=0.084, height_step=0.006)),
+    "bilinear": (mf.BilinearLaw((7.15, 12.52), 0.038), None),
+}
+
+
+@pytest.mark.parametrize("name", TARGETS)
+def test_a_design_reads_back_to_the_bit(name):
+    target, limits = TARGETS[name]
+    result = mf.design(target, TEMPLATE, limits=limits)
+    assert same(through_json(result), result)
+
+
+@given(
+    st.lists(st.tuples(finite, finite, finite, positive), min_size=1, max_size=6, unique_by=lambda t: t[:2])
+)
+def test_any_surface_reads_back_to_the_bit(rows):
+    x, y, height, radius = (np.array(column) for column in zip(*rows, strict=True))
+    surface = mf.Surface(np.column_stack([x, y]), height, radius, mf.Material(1.0))
+    assert same(through_json(surface), surface)
+
+
+@given(positive)
+def test_any_slope_reads_back_to_the_bit(slope):
+    assert through_json(mf.LinearLaw(slope)) == mf.LinearLaw(slope)
+
+
+def test_what_is_not_known_is_not_written():
+    with pytest.raises(mf.InvalidInput, match="cannot be written"):
+        to_record(object())
+
+
+@pytest.mark.parametrize(("record", "message"), [
+    ({"type": "os.system", "command": "ls"}, "not a type of this version"),
+    ({"type": "LinearLaw"}, "missing or unknown members: slope"),
+    ({"type": "LinearLaw", "slope": 1.0, "way": 2}, "members: way"),
+    ({"type": "LinearLaw", "slope": -1.0}, "slope = -1"),
+    ({"type": "Status", "name": "FINE"}, "'FINE' is not a Status"),
+    ({"type": "Status"}, "None is not a Status"),
+    ({"type": ["Status"]}, "not a type"),
+    ({"float64": [[1.0], [2.0, 3.0]]}, "not an array of float64"),
+    ({"int64": ["a"]}, "not an array of int64"),
+])  # fmt: skip
+def test_a_foreign_record_is_refused(record, message):
+    with pytest.raises(mf.InvalidInput, match=message):
+        from_record(record)

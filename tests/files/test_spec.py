@@ -1,0 +1,173 @@
+import hashlib
+
+import numpy as np
+import pytest
+
+import metafem as mf
+from metafem.files.demo import DEMOS, demo_text
+
+LINEAR = demo_text("linear")
+
+
+@pytest.fixture
+def read(tmp_path):
+    def read(text):
+        path = tmp_path / "spec.toml"
+        path.write_bytes(text if isinstance(text, bytes) else text.encode())
+        return mf.read_spec(path)
+
+    return read
+
+
+@pytest.mark.parametrize("name", DEMOS)
+def test_every_demo_is_designed(read, name):
+    spec = read(demo_text(name))
+    result = mf.design(spec.target, spec.template, spec.model, spec.limits, rng=spec.seed)
+    assert result.status is not type(result.status).MISSED
+
+
+def test_the_linear_demo_is_the_published_surface(read):
+    spec = read(LINEAR)
+    template = spec.template
+    assert spec.target == mf.LinearLaw(6.87)
+    assert spec.limits == mf.Limits(0.12, offset=0.084, height_step=0.006, height_sd=0.0009)
+    assert template.material == mf.Material(1.36, 0.5)
+    assert template.friction == mf.Friction(0.358, 0.85)
+    assert template.block == mf.Block(20.0, 20.0, 7.2)
+    assert (template.count, set(template.radius)) == (64, {0.526})
+    np.testing.assert_array_equal(np.ptp(template.position, axis=0), [10.5, 10.5])
+    assert (spec.model, spec.seed, spec.alignment_height) == (mf.Independent(), 0, 0.4)
+
+
+def test_text_and_hash_are_those_of_the_file(read):
+    raw = LINEAR.replace("\n", "\r\n").encode("utf-8-sig")
+    spec = read(raw)
+    assert spec.text.encode() == raw
+    assert spec.sha256 == hashlib.sha256(raw).hexdigest()
+
+
+def test_optional_sections_may_be_left_out(read):
+    required, rest = LINEAR.split("[friction]")
+    lattice = rest[rest.index("[lattice]") : rest.index("[block]")]
+    spec = read(required + lattice + '[limits]\nmax_height = "120 um"\n')
+    assert spec.template.friction is None
+    assert spec.template.block is None
+    assert (spec.seed, spec.alignment_height, spec.hardness) == (0, None, None)
+
+
+def test_hardness_is_read(read):
+    assert read(LINEAR + '[checks]\nhardness = "10 MPa"\n').hardness == 10.0
+
+
+def test_target_from_a_friction_coefficient(read):
+    spec = read(LINEAR.replace("slope = 6.87", "friction_coefficient = 1.5"))
+    expected = mf.LinearLaw.from_friction_coefficient(1.5, spec.template.material, spec.template.friction)
+    assert spec.target == expected
+
+
+def test_target_from_forces(read):
+    forces = 'load = ["0.1 N", "300 mN"]\nfriction_force = ["0.2 N", "0.5 N"]'
+    text = LINEAR.replace("slope = 6.87", forces).replace('kind = "linear"', 'kind = "operating-points"')
+    np.testing.assert_allclose(read(text).target.rescaled_load, [0.1 / 1.36, 0.3 / 1.36], rtol=1e-12)
+
+
+WRONG = {
+    "bare number": ('"120 um"', "120", ["limits.max_height = 120 needs a unit", '"120 um"']),
+    "unknown unit": ('"120 um"', '"120 foo"', ["limits.max_height", "foo"]),
+    "wrong dimension": ('"1.36 MPa"', '"1.36 mm"', ["material.composite_modulus", "measure in MPa"]),
+    "unknown key": ("max_height", "max_heigth", ["limits.max_heigth", "did you mean max_height?"]),
+    "missing key": ('pitch = "1.5 mm"', "", ["lattice.pitch is missing", '"1.5 mm"']),
+    "unknown section": ("[lattice]", "[latice]", ["latice is an unknown section", "did you mean lattice?"]),
+    "unknown kind": ('"linear"', '"linaer"', ["target.kind", "did you mean linear?", "bilinear"]),
+    "no kind": ('kind = "linear"', "", ["target.kind is missing"]),
+    "no slope": ("slope = 6.87", "", ["target needs slope or friction_coefficient"]),
+    "foreign key": ("slope = 6.87", "slopes = [6, 7]", ["target.slopes is an unknown key", "slope?"]),
+    "text for a number": ("slope = 6.87", 'slope = "6"', ["target.slope = '6'", "slope = 6.87"]),
+    "nan": ("slope = 6.87", "slope = nan", ["target.slope = nan", "finite"]),
+    "out of range": ("poisson_ratio = 0.5", "poisson_ratio = 0.6", ["material.poisson_ratio = 0.6"]),
+    "bad slope": ("slope = 6.87", "slope = -1", ["target.slope = -1"]),
+    "bad block": ('"7.2 mm"', '"0 mm"', ["block.thickness = 0"]),
+    "bad radius": ('"526 um"', '"-526 um"', ["lattice.radius = -0.526"]),
+    "bad limits": ('"6 um"', '"6 m"', ["limits.height_step"]),
+    "short shape": ("[8, 8]", "[8]", ["lattice.shape[1] is missing", "[8, 8]"]),
+    "bad seed": ("seed = 0", "seed = -1", ["layout.seed = -1"]),
+    "unknown model": ('"independent"', '"indpendent"', ["model.kind", "did you mean independent?"]),
+    "negative alignment": ('"400 um"', '"-4 um"', ["part.alignment_height"]),
+    "no section": ("[target]", "checks = 3\n[target]", ["checks = 3 must be a section"]),
+    "truncated": ("shape = [8, 8]", "shape = [8,", ["not valid TOML", "line"]),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", WRONG)
+def test_a_wrong_specification_is_refused_by_name(read, case):
+    old, new, parts = WRONG[case]
+    assert old in LINEAR
+    with pytest.raises(mf.InvalidInput) as error:
+        read(LINEAR.replace(old, new))
+    for part in parts:
+        assert part in str(error.value)
+
+
+def test_a_list_entry_is_named(read):
+    text = demo_text("operating-points").replace('"0.336 mm^2"', "0.336")
+    with pytest.raises(mf.InvalidInput, match=r"target\.rescaled_load\[1\] = 0.336 needs a unit"):
+        read(text)
+
+
+def test_points_need_both_lists(read):
+    text = demo_text("operating-points").replace("rescaled_friction =", "friction_force =")
+    with pytest.raises(mf.InvalidInput, match="target"):
+        read(text)
+
+
+@pytest.mark.parametrize("target", ["friction_coefficient = 1.5", None])
+def test_forces_without_friction_say_so(read, target):
+    start, end = LINEAR.index("[friction]"), LINEAR.index("[lattice]")
+    text = LINEAR[:start] + LINEAR[end:]
+    forces = 'load = ["0.2 N"]\nfriction_force = ["0.3 N"]'
+    if target is None:
+        text = text.replace('kind = "linear"', 'kind = "operating-points"')
+    with pytest.raises(mf.InvalidInput, match=r"need(s)? \[friction\]"):
+        read(text.replace("slope = 6.87", target or forces))
+
+
+def test_all_problems_are_reported_one_a_line(read):
+    text = LINEAR.replace('"120 um"', "120").replace("seed", "sed").replace("6.87", '"6"')
+    with pytest.raises(mf.InvalidInput) as error:
+        read(text)
+    assert len(str(error.value).splitlines()) == 3
+
+
+def test_all_values_out_of_range_are_reported(read):
+    text = LINEAR.replace('"1.36 MPa"', '"-1 MPa"').replace("6.87", "-6").replace('"84 um"', '"-84 um"')
+    with pytest.raises(mf.InvalidInput) as error:
+        read(text)
+    assert len(str(error.value).splitlines()) == 3
+
+
+def test_the_end_of_a_truncated_file_is_named(read):
+    with pytest.raises(mf.InvalidInput, match="line 2, the end of the file"):
+        read("[lattice]\nshape = [8")
+
+
+@pytest.mark.parametrize("text", ["", "[target]\nkind = 3\n", "target = 3", "[[target]]\n"])
+def test_hardly_a_specification_is_refused(read, text):
+    with pytest.raises(mf.InvalidInput, match=r"section \[lattice\] is missing"):
+        read(text)
+
+
+def test_a_file_that_is_not_utf8_is_refused(read):
+    with pytest.raises(mf.InvalidInput, match="line 2 is not UTF-8"):
+        read(b"[lattice]\npitch = '5 \xb5m'")
+
+
+def test_a_missing_file_and_a_folder_are_refused(tmp_path):
+    with pytest.raises(mf.InvalidInput, match="no such file"):
+        mf.read_spec(tmp_path / "none.toml")
+    with pytest.raises(mf.InvalidInput, match="cannot be read"):
+        mf.read_spec(tmp_path)
+
+
+def test_an_unknown_demo_is_refused():
+    with pytest.raises(mf.InvalidInput, match="did you mean linear"):
+        demo_text("lineal")

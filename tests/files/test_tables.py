@@ -1,0 +1,99 @@
+import csv
+import io
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import metafem as mf
+from metafem.files.part import alignment_asperities
+from metafem.files.tables import heights_table, law_table, mould_table, read_heights
+
+TEMPLATE = mf.Surface.square_lattice(
+    0.12, (3, 3), radius=0.526, material=mf.Material(1.36), friction=mf.Friction(0.358, 0.85)
+)
+DESIGN = mf.design(mf.LinearLaw(6.87), TEMPLATE)
+
+
+def columns(text):
+    rows = list(csv.DictReader(io.StringIO(text)))
+    return {name: [row[name] for row in rows] for name in rows[0]}
+
+
+def test_heights_read_back_to_the_bit(tmp_path):
+    path = tmp_path / "heights.csv"
+    path.write_text(heights_table(DESIGN))
+    for found, kept in zip(read_heights(path), ("position", "height", "radius"), strict=True):
+        np.testing.assert_array_equal(found, getattr(DESIGN.surface, kept))
+
+
+def test_heights_name_their_sites():
+    assert columns(heights_table(DESIGN))["site"] == [str(site) for site in DESIGN.sites]
+
+
+def test_the_law_is_written_to_the_bit():
+    table = columns(law_table(DESIGN.law))
+    assert list(table) == [
+        "load_N", "area_mm2", "separation_mm", "rescaled_load_mm2", "rescaled_friction_mm2",
+        "friction_force_N",
+    ]  # fmt: skip
+    for title, values in table.items():
+        name = title.rpartition("_")[0]
+        np.testing.assert_array_equal(np.array(values, dtype=float), getattr(DESIGN.law, name))
+
+
+def test_without_friction_the_law_has_no_force():
+    law = mf.friction_law(TEMPLATE.replaced(friction=None))
+    assert "friction_force_N" not in columns(law_table(law))
+
+
+def test_the_mould_mirrors_x_and_keeps_depth_and_radius():
+    surface = DESIGN.surface
+    table = columns(mould_table(surface, alignment_asperities(surface, TEMPLATE, 0.4)))
+    assert table["kind"] == ["asperity"] * 9 + ["alignment"] * 4
+    x, y, depth, radius = (
+        np.array(table[name], dtype=float) for name in ("x_mm", "y_mm", "depth_mm", "tool_radius_mm")
+    )
+    np.testing.assert_array_equal(np.column_stack([-x, y])[:9], surface.position)
+    np.testing.assert_array_equal(depth, [*surface.height, 0.4, 0.4, 0.4, 0.4])
+    assert set(radius) == {0.526}
+    assert "-0.0" not in table["x_mm"]
+
+
+@given(st.lists(st.integers(1, 999_999), min_size=1, max_size=5))
+def test_units_of_the_header_are_applied(tmp_path_factory, nanometres):
+    path = tmp_path_factory.getbasetemp() / "units.csv"
+    lines = [f"{i},{0.1 * i},{n / 1000!r},note" for i, n in enumerate(nanometres)]
+    path.write_text("\n".join(["x_cm,y_mm,height_\u00b5m,remark", *lines]), encoding="utf-8")
+    position, height, radius = read_heights(path, radius=0.5)
+    np.testing.assert_array_equal(height, [n / 1e6 for n in nanometres])
+    np.testing.assert_array_equal(position[:, 0], 10.0 * np.arange(len(nanometres)))
+    np.testing.assert_array_equal(radius, 0.5)
+
+
+@pytest.mark.parametrize(("text", "message"), [
+    ("", "is empty"),
+    ("x_mm,y_mm,height_um,radius_um\n", "no summit"),
+    ("x_mm,y_mm,radius_um\n0,0,5\n", "lacks the columns height_um"),
+    ("x_mm,y_mm,height_um\n0,0,5\n", "lacks the columns radius_um"),
+    ("x_mm,y_mm,height,radius_um\n0,0,5,5\n", "height needs a unit"),
+    ("x_mm,y_mm,height_N,radius_um\n0,0,5,5\n", "does not measure in mm"),
+    ("x_mm,y_mm,height_um,height_mm\n0,0,5,5\n", "two columns"),
+    ("x_mm,y_mm,height_um,radius_um\n0,0,5,5\n\n0,1,high,5\n", "line 4: height_um = 'high'"),
+    ("x_mm,y_mm,height_um,radius_um\n0,0,nan,5\n", "line 2: height_um = 'nan'"),
+    ("x_mm,y_mm,height_um,radius_um\n0,0,1e999,5\n", "line 2: height_um = '1e999'"),
+    ("x_mm,y_mm,height_um,radius_um\n0,0,5\n", "line 2 has 3 entries"),
+    ("x_mm;y_mm;height_um;radius_um\n0;0;5;5\n", "separate its columns by commas"),
+    (b"x_mm,\xff\n", "UTF-8"),
+])  # fmt: skip
+def test_a_wrong_table_is_refused(tmp_path, text, message):
+    path = tmp_path / "heights.csv"
+    path.write_bytes(text if isinstance(text, bytes) else text.encode())
+    with pytest.raises(mf.InvalidInput, match=message):
+        read_heights(path)
+
+
+def test_a_missing_table_is_refused(tmp_path):
+    with pytest.raises(mf.InvalidInput, match="no such file"):
+        read_heights(tmp_path / "none.csv")

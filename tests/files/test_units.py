@@ -1,0 +1,70 @@
+from decimal import Decimal
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from metafem.errors import InvalidInput
+from metafem.files.units import decimal, quantity
+
+
+@pytest.mark.parametrize(
+    "text", ["526 um", "526 \u00b5m", "526 \u03bcm", "526um", " 0.526 mm ", "5.26e-4 m", "526 microns"]
+)
+def test_one_length_in_many_spellings(text):
+    assert quantity("lattice.radius", text, "mm") == 0.526
+
+
+@pytest.mark.parametrize("text", ["0.5 mm^2", "0.5 mm2", "0.5 mm**2", "0.5 mm²", "0.5 mm*mm", "500000 µm²"])
+def test_one_area_in_many_spellings(text):
+    assert quantity("target.crossover_load", text, "mm^2") == 0.5
+
+
+@pytest.mark.parametrize(("text", "unit", "value"), [
+    ("1.36 N/mm^2", "MPa", 1.36),
+    ("1360 kPa", "MPa", 1.36),
+    ("200 mN", "N", 0.2),
+    ("85 %", "1", 0.85),
+    ("0.85", "1", 0.85),
+    ("180 deg", "rad", 3.141592653589793),
+])  # fmt: skip
+def test_units_of_every_dimension(text, unit, value):
+    assert quantity("key", text, unit) == value
+
+
+@given(st.decimals(min_value=-(10**6), max_value=10**6, places=4))
+def test_micrometres_are_rounded_once(number):
+    assert quantity("key", f"{number} um", "mm") == float(number * Decimal("0.001"))
+
+
+@given(st.floats(allow_nan=False, allow_infinity=False))
+def test_decimal_reads_what_str_writes(number):
+    assert float(decimal(str(number))) == number
+
+
+@pytest.mark.parametrize(("given_", "cause"), [
+    (120, "needs a unit"),
+    (120.0, "needs a unit"),
+    ("120", "needs a unit"),
+    (["1 mm"], "must be a text"),
+    ("120 foo", 'unknown unit "foo"'),
+    ("120 MPa", "does not measure in mm"),
+    ("20 degC", "does not measure in mm"),
+    ("um", "does not begin with a number"),
+    ("nan mm", "does not begin with a number"),
+    ("inf mm", "does not begin with a number"),
+    ("", "does not begin with a number"),
+    ("1,5 mm", "unknown unit"),
+    ("9**9**9**9 mm", "unknown unit"),
+    ("1 mm**9**9**9", "unknown unit"),
+    ("1 mm; 2", "unknown unit"),
+    ("1 mm/", "unknown unit"),
+    ("1e999 mm", "too large"),
+])  # fmt: skip
+def test_a_refusal_names_key_value_and_example(given_, cause):
+    with pytest.raises(InvalidInput) as error:
+        quantity("limits.max_height", given_, "mm")
+    message = str(error.value)
+    assert message.startswith("limits.max_height = ")
+    assert cause in message
+    assert '"120 um"' in message

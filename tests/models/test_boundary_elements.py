@@ -1,0 +1,329 @@
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import metafem as mf
+from metafem.models import resolved_grid, resolved_scene
+from metafem.substrate import Radial
+
+MATERIAL = mf.Material(1.36)
+RADIUS = 0.526
+PAIR = mf.Surface([[0.0, 0.0], [1.0, 0.3]], [0.1, 0.11], RADIUS, MATERIAL)
+COARSE = mf.BoundaryElements(0.008)
+
+
+def lone(offset_x, offset_y, cell):
+    """One asperity, off the middle of its cell: a far, low one moves the middle of the surface."""
+    far = [200.0 * cell + 2.0 * offset_x * cell, 2.0 * offset_y * cell]
+    return mf.Surface([[0.0, 0.0], far], [0.0, -10.0], RADIUS, MATERIAL)
+
+
+def hertz_errors(per_radius, offset_x=0.3, offset_y=0.1, contact_radius=0.2):
+    """Relative errors in load and in area at the approach a^2/R."""
+    surface = lone(offset_x, offset_y, contact_radius / per_radius)
+    model = mf.BoundaryElements(contact_radius / per_radius)
+    approach = contact_radius**2 / RADIUS
+    state, exact = (mf.equilibrium(surface, m, approach=approach) for m in (model, mf.Independent()))
+    return abs(state.load / exact.load - 1.0), abs(state.area / exact.area - 1.0)
+
+
+@settings(deadline=None, max_examples=20)
+@given(st.floats(0.0, 1.0), st.floats(0.0, 1.0))
+def test_hertz_is_met_at_any_offset_from_the_grid(x, y):
+    load, area = hertz_errors(50, x, y)
+    assert load <= 5e-5
+    assert area <= 1.5e-4
+
+
+def test_hertz_error_falls_as_the_square_of_the_cell():
+    counts = np.array([10, 14, 20, 28, 40, 56, 80])
+    offsets = [(0.0, 0.0), (0.5, 0.5), (0.3, 0.1), (0.25, 0.4)]
+    errors = [np.mean([hertz_errors(n, *o) for o in offsets], axis=0) for n in counts]
+    for error in np.transpose(errors):
+        rate = -np.polyfit(np.log(counts), np.log(error), 1)[0]
+        assert rate >= 1.9
+
+
+def test_hertz_stiffness_is_twice_the_contact_radius():
+    state = mf.equilibrium(lone(0.3, 0.1, 0.004), mf.BoundaryElements(0.004), approach=0.04 / RADIUS)
+    # the cells' error at 50 a radius
+    assert state.stiffness == pytest.approx(MATERIAL.composite_modulus * 2.0 * 0.2, rel=5e-4)
+
+
+def order_one_load(surface, approach):
+    """Point loads by plain Newton steps; every contact is closed."""
+    influence, d = mf.HalfSpace().influence_matrix(surface), np.full(surface.count, 0.5 * approach)
+    for _ in range(20):
+        load = 4.0 / 3.0 * math.sqrt(RADIUS) * d**1.5
+        slope = 2.0 * np.sqrt(RADIUS * d)
+        d = d - np.linalg.solve(np.eye(d.size) + influence * slope, d + influence @ load - approach)
+    return surface.material.composite_modulus * load.sum()
+
+
+# physics.md, section 2: the total load of independent asperities and of point loads at fixed approach
+# against resolved contacts, cells .005 to .008 mm; (approach, independent, its digit, point loads)
+REFERENCE = [(0.1, 0.50, 5e-4), (0.2, 0.70, 7e-4), (0.3, 0.84, 8e-4), (0.45, None, 5e-4)]
+
+
+@pytest.mark.parametrize(("approach", "independent", "point_loads"), REFERENCE)
+def test_nine_asperities_carry_what_the_reference_says(approach, independent, point_loads):
+    surface = mf.Surface.square_lattice(0.5, (3, 3), 1.5, radius=RADIUS, material=MATERIAL)
+    state = mf.equilibrium(surface, mf.BoundaryElements(0.006), approach=approach)
+    # half of the last printed digit, and the 3e-5 of either solution
+    assert order_one_load(surface, approach) / state.load - 1.0 == pytest.approx(point_loads, abs=5e-5 + 6e-5)
+    if independent is not None:
+        excess = mf.equilibrium(surface, approach=approach).load / state.load - 1.0
+        assert excess == pytest.approx(independent, abs=5e-3)
+    third = mf.Interacting(order=3)
+    assert mf.equilibrium(surface, third, approach=approach).load == pytest.approx(state.load, rel=2.5e-4)
+    assert mf.equilibrium(surface, third, load=state.load).area == pytest.approx(state.area, rel=8e-4)
+
+
+@dataclass(frozen=True)
+class Lifted(Radial):
+    """A half-space whose surface rises everywhere alike under load."""
+
+    @property
+    def self_influence(self):
+        return -0.2
+
+    @property
+    def self_curvature(self):
+        return 0.0
+
+    def regular_derivatives(self, distance):
+        return np.full_like(distance, -0.2), np.zeros_like(distance), np.zeros_like(distance)
+
+
+def test_a_constant_in_the_influence_moves_the_approach_alone():
+    plain = mf.equilibrium(PAIR, COARSE, load=0.05)
+    lifted = mf.equilibrium(PAIR, mf.BoundaryElements(0.008, Lifted()), load=0.05)
+    np.testing.assert_allclose(lifted.asperity_load, plain.asperity_load, rtol=1e-8)
+    assert lifted.area == pytest.approx(plain.area, rel=1e-8)
+    shift = -0.2 * 0.05 / MATERIAL.composite_modulus
+    assert lifted.approach - plain.approach == pytest.approx(shift, rel=1e-8)
+
+
+def on_layer(surface, thickness, cell=0.008, **given):
+    bonded = surface.replaced(block=mf.Block(20.0, 20.0, thickness))
+    return mf.equilibrium(bonded, mf.BoundaryElements(cell, mf.BondedLayer()), **given)
+
+
+def test_a_very_thick_layer_is_a_half_space():
+    thick, half = on_layer(PAIR, 1e6, load=0.05), mf.equilibrium(PAIR, COARSE, load=0.05)
+    # the layer's part is -0.56/t per load
+    assert thick.area == pytest.approx(half.area, rel=1e-6)
+    assert thick.approach == pytest.approx(half.approach, rel=1e-6)
+
+
+def test_a_layer_bends_the_contact_by_its_self_curvature():
+    lone = mf.Surface([[0.0, 0.0]], [0.3], RADIUS, MATERIAL)
+    state = on_layer(lone, 1.5, cell=0.004, load=0.05)
+    load, cube = 0.05 / MATERIAL.composite_modulus, (state.area / math.pi) ** 1.5
+    bend = load * mf.BondedLayer(1.5, 0.5).self_curvature
+    # Hertz with the bent summit, P = 4/3 a^3 (1/R + bend); the next term is (a/t)^2 of the bend
+    assert load / (4.0 / 3.0 * cube) == pytest.approx(1.0 / RADIUS + bend, rel=3e-4)
+    assert bend * RADIUS > 2e-3
+
+
+def test_thin_layers_are_resolved_and_their_shape_is_said():
+    surface = PAIR.replaced(height=[0.3, 0.31])
+    state = on_layer(surface, 0.1, load=0.05)
+    assert any("not that of a Hertzian ellipse" in note for note in state.notes)
+    # an incompressible layer squeezed thin: stiffer than any half-space
+    assert state.stiffness > 2.0 * mf.equilibrium(surface, COARSE, load=0.05).stiffness
+
+
+def test_load_and_approach_agree():
+    under_load = mf.equilibrium(PAIR, COARSE, load=0.05)
+    at = mf.equilibrium(PAIR, COARSE, approach=under_load.approach)
+    assert under_load.load == pytest.approx(0.05, rel=1e-12)
+    assert at.load == pytest.approx(0.05, rel=1e-8)
+    assert at.area == pytest.approx(under_load.area, rel=1e-8)
+
+
+def test_residual_is_within_the_tolerance_and_stated():
+    state = mf.equilibrium(PAIR, COARSE, load=0.05)
+    assert 0.0 < state.residual <= COARSE.tolerance == 1e-9
+    assert state.status is mf.Status.CONVERGED
+
+
+def test_stiffness_is_the_slope_of_the_load():
+    model = mf.BoundaryElements(0.004)
+    low, middle, high = (mf.equilibrium(PAIR, model, approach=z) for z in (0.058, 0.06, 0.062))
+    # the slope's own error: 2e-5 of the load over the step
+    assert middle.stiffness == pytest.approx((high.load - low.load) / 0.004, rel=1e-3)
+
+
+@pytest.mark.parametrize("factor", [1e-6, 1e6])
+def test_units_do_not_matter(factor):
+    state = mf.equilibrium(PAIR, COARSE, load=0.05)
+    long = mf.Surface(PAIR.position * factor, PAIR.height * factor, RADIUS * factor, MATERIAL)
+    scaled = mf.equilibrium(long, mf.BoundaryElements(0.008 * factor), load=0.05 * factor**2)
+    assert scaled.area == pytest.approx(state.area * factor**2, rel=1e-12)
+    assert scaled.approach == pytest.approx(state.approach * factor, rel=1e-12)
+    hard = PAIR.replaced(material=mf.Material(1.36 * factor))
+    harder = mf.equilibrium(hard, COARSE, load=0.05 * factor)
+    assert harder.area == pytest.approx(state.area, rel=1e-12)
+
+
+def test_order_of_the_asperities_and_the_origin_do_not_matter():
+    state = mf.equilibrium(PAIR, COARSE, load=0.05)
+    turned = mf.Surface(PAIR.position[::-1], PAIR.height[::-1], RADIUS, MATERIAL)
+    other = mf.equilibrium(turned, COARSE, load=0.05)
+    np.testing.assert_allclose(other.asperity_load[::-1], state.asperity_load, rtol=1e-12)
+    # positions near 1e6 are rounded to 1e-10
+    moved = mf.equilibrium(PAIR.replaced(position=PAIR.position + 1e6), COARSE, load=0.05)
+    assert moved.area == pytest.approx(state.area, rel=1e-9)
+
+
+def test_rotation_costs_no_more_than_the_cells():
+    state = mf.equilibrium(PAIR, COARSE, load=0.05)
+    cosine, sine = math.cos(0.4), math.sin(0.4)
+    turned = PAIR.replaced(position=PAIR.position @ np.array([[cosine, sine], [-sine, cosine]]))
+    # cells of 1/15 and 1/20 of the radii
+    assert mf.equilibrium(turned, COARSE, load=0.05).area == pytest.approx(state.area, rel=1e-3)
+
+
+@pytest.mark.parametrize("difference", [0.0, 1e-6])
+def test_equal_and_nearly_equal_heights(difference):
+    surface = PAIR.replaced(height=[0.1, 0.1 + difference])
+    state = mf.equilibrium(surface, COARSE, load=0.05)
+    assert state.asperity_load[1] / state.asperity_load[0] - 1.0 == pytest.approx(
+        0.0, abs=100 * difference + 1e-3
+    )
+    assert state.status is mf.Status.CONVERGED
+
+
+def test_one_asperity():
+    surface = mf.Surface([[3.0, -2.0]], [0.1], RADIUS, MATERIAL)
+    state = mf.equilibrium(surface, mf.BoundaryElements(0.004), load=0.05)
+    assert state.area == pytest.approx(mf.equilibrium(surface, load=0.05).area, rel=1.5e-4)
+
+
+def test_merged_contacts_are_said_and_counted():
+    surface = PAIR.replaced(position=[[0.0, 0.0], [0.1, 0.0]], height=0.1 * np.ones(2))
+    areas = []
+    for cell in (0.004, 0.002):
+        state = mf.equilibrium(surface, mf.BoundaryElements(cell), approach=0.06)
+        assert any("merged" in note for note in state.notes)
+        areas.append(state.area)
+    # a tenth of the cell over the radius
+    assert areas[0] == pytest.approx(areas[1], rel=3e-3)
+
+
+def test_contacts_that_nearly_touch_are_resolved():
+    surface = PAIR.replaced(position=[[0.0, 0.0], [0.33, 0.0]], height=0.1 * np.ones(2))
+    state = mf.equilibrium(surface, mf.BoundaryElements(0.004), approach=0.06)
+    assert state.asperity_area == pytest.approx(state.area / 2.0, rel=1e-6)
+    assert state.status is mf.Status.CONVERGED
+
+
+def test_small_contacts_are_said():
+    surface = PAIR.replaced(height=[0.1, 0.2018])
+    state = mf.equilibrium(surface, COARSE, load=0.05)
+    assert any("fewer than 4 cells" in note for note in state.notes)
+
+
+def test_radii_may_differ_a_thousandfold():
+    place = [[0.0, 0.0], [1.0, 0.3], [0.2, 1.2]]
+    surface = mf.Surface(place, [0.1, 0.11, 0.1], [0.01, 10.0, 0.5], MATERIAL)
+    state = mf.equilibrium(surface, COARSE, load=0.05)
+    assert state.asperity_load.min() > 0.0
+    assert state.status is mf.Status.CONVERGED
+
+
+def test_neighbourhoods_grow_until_they_hold_the_contacts(monkeypatch):
+    full = mf.equilibrium(PAIR, COARSE, load=0.05)
+    monkeypatch.setattr(resolved_scene, "MARGIN_CELLS", 1.0)
+    monkeypatch.setattr(resolved_scene, "MARGIN_SHARE", -0.5)
+    grown = mf.equilibrium(PAIR, COARSE, load=0.05)
+    assert grown.area == pytest.approx(full.area, rel=1e-7)
+
+
+@pytest.mark.parametrize("given", [{"load": 0.0}, {"approach": -0.01}])
+def test_nothing_touches(given):
+    state = mf.equilibrium(PAIR, COARSE, **given)
+    assert (state.load, state.area, state.stiffness) == (0.0, 0.0, 0.0)
+
+
+def test_laws_are_predicted_like_any_others():
+    law = mf.friction_law(PAIR, COARSE, load=[0.02, 0.05])
+    state = mf.equilibrium(PAIR, COARSE, load=0.05)
+    assert law.area[1] == pytest.approx(state.area, rel=1e-8)
+    at = mf.friction_law(PAIR, COARSE, separation=law.separation)
+    np.testing.assert_allclose(at.load, law.load, rtol=1e-8)
+
+
+@pytest.mark.parametrize("cell", [0.0, -1.0, math.nan, "x"])
+def test_cells_have_a_positive_side(cell):
+    with pytest.raises(mf.InvalidInput, match="cell"):
+        mf.BoundaryElements(cell)
+
+
+def test_substrates_are_radial():
+    with pytest.raises(mf.InvalidInput, match="distance alone"):
+        mf.BoundaryElements(0.01, substrate=3)
+
+
+def test_cells_too_coarse_for_the_largest_contact_are_refused():
+    with pytest.raises(mf.InvalidInput, match="4 cells a radius"):
+        mf.equilibrium(PAIR, mf.BoundaryElements(0.1), load=0.05)
+
+
+def test_memory_is_that_of_the_machine_or_a_guess(monkeypatch):
+    def unknown(name):
+        raise ValueError(name)
+
+    assert resolved_scene.memory() > 2**28
+    monkeypatch.setattr(resolved_scene.os, "sysconf", unknown)
+    assert resolved_scene.memory() == resolved_scene.DEFAULT_MEMORY
+
+
+def test_memory_is_estimated_before_it_is_taken():
+    with pytest.raises(mf.InvalidInput, match="of memory; the machine has"):
+        mf.equilibrium(PAIR, mf.BoundaryElements(1e-6), load=0.05)
+
+
+heights = st.lists(st.floats(0.0, 0.1), min_size=1, max_size=6)
+
+
+@settings(deadline=None, max_examples=30)
+@given(heights, st.integers(0, 10**6), st.floats(0.4, 4.0), st.floats(0.05, 0.15))
+def test_random_scenes_end_certified(height, seed, spread, approach):
+    rng = np.random.default_rng(seed)
+    radius = 0.5 * 10.0 ** rng.uniform(-0.5, 0.5, len(height))
+    surface = mf.Surface(rng.uniform(0.0, spread, (len(height), 2)), height, radius, MATERIAL)
+    model = mf.BoundaryElements(0.015)
+    at = mf.equilibrium(surface, model, approach=approach)
+    under = mf.equilibrium(surface, model, load=1.1 * at.load)
+    for state in (at, under):
+        assert state.residual <= 1e-9
+        assert state.asperity_load.min() >= 0.0
+        assert state.asperity_load.sum() == pytest.approx(state.load, rel=1e-12)
+    assert under.load == pytest.approx(1.1 * at.load, rel=1e-12)
+    # the load is convex in the approach, so the tangent at the lower end underrates it
+    assert approach < under.approach <= approach + 0.1 * at.load / at.stiffness * 1.02
+
+
+def test_stopping_early_raises_with_the_state(monkeypatch):
+    monkeypatch.setattr(resolved_scene, "MAX_ITERATIONS", 1)
+    monkeypatch.setattr(resolved_scene, "MAX_GROWTHS", 1)
+    with pytest.raises(mf.NotConverged) as caught:
+        mf.equilibrium(PAIR, COARSE, load=0.05)
+    assert caught.value.state.residual > 1e-9
+
+
+def test_patches_give_what_one_grid_gives(monkeypatch):
+    surface = mf.Surface.square_lattice([0.1, 0.11, 0.12, 0.1], (2, 2), 0.9, radius=RADIUS, material=MATERIAL)
+    apart = mf.equilibrium(surface, COARSE, load=0.1)
+    assert "4 patches" in apart.notes[1]
+    monkeypatch.setattr(resolved_grid, "SLOWEST_RATE", math.inf)
+    whole = mf.equilibrium(surface, COARSE, load=0.1)
+    assert len(whole.notes) == 1
+    np.testing.assert_allclose(apart.asperity_load, whole.asperity_load, rtol=1e-8)
+    np.testing.assert_allclose(apart.asperity_area, whole.asperity_area, rtol=1e-8)

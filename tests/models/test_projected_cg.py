@@ -1,0 +1,101 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.optimize import nnls
+
+from metafem.models import projected_cg
+
+
+class Dense:
+    """A matrix, and a preconditioner that is no more than its diagonal."""
+
+    def __init__(self, matrix):
+        self.matrix = matrix
+
+    def product(self, pressure):
+        return self.matrix @ pressure
+
+    def precondition(self, vector):
+        return vector / np.diag(self.matrix)
+
+
+def random_program(seed, size):
+    """A positive definite matrix with a condition up to 1e4, and a gap of both signs."""
+    rng = np.random.default_rng(seed)
+    basis, _ = np.linalg.qr(rng.standard_normal((size, size)))
+    matrix = basis @ np.diag(np.logspace(-2, 2, size)) @ basis.T
+    return 0.5 * (matrix + matrix.T), rng.standard_normal(size)
+
+
+def solve(matrix, gap, start, total=None, multiplier=0.0):
+    return projected_cg.minimise(
+        Dense(matrix),
+        gap,
+        start,
+        multiplier=multiplier,
+        total=total,
+        tolerance=1e-9,
+        max_iterations=3000,
+    )
+
+
+seeds = st.integers(0, 10**6)
+
+
+@settings(deadline=None, max_examples=50)
+@given(seeds, st.integers(1, 40))
+def test_minimum_is_that_of_non_negative_least_squares(seed, size):
+    matrix, gap = random_program(seed, size)
+    start = np.random.default_rng(seed).random(size)
+    found = solve(matrix, gap, start)
+    root = np.linalg.cholesky(matrix).T
+    expected, _ = nnls(root, -np.linalg.solve(root.T, gap))
+    assert found.error <= 1e-9
+    # the error in pressure is the gap's over the smallest eigenvalue, 1e-2
+    np.testing.assert_allclose(found.pressure, expected, atol=1e-6)
+
+
+@settings(deadline=None, max_examples=50)
+@given(seeds, st.integers(1, 40))
+def test_given_sum_is_kept_and_its_multiplier_found(seed, size):
+    matrix, gap = random_program(seed, size)
+    start = np.random.default_rng(seed).random(size)
+    found = solve(matrix, gap, start, total=float(start.sum()))
+    assert found.pressure.sum() == pytest.approx(start.sum(), rel=1e-12)
+    w = matrix @ found.pressure + gap - found.multiplier
+    assert found.pressure.min() >= 0.0
+    assert np.abs(w[found.pressure > 0.0]).max() <= 1e-9
+    assert w.min() >= -1e-9
+
+
+def test_error_is_that_of_the_pressure_returned_when_stopped_early():
+    matrix, gap = random_program(0, 30)
+    found = projected_cg.minimise(
+        Dense(matrix), gap, np.ones(30), multiplier=0.0, total=None, tolerance=1e-9, max_iterations=2
+    )
+    w = matrix @ found.pressure + gap
+    closed = found.pressure > 0.0
+    assert found.error == max(np.abs(w[closed]).max(), -w[~closed].min(initial=0.0)) > 1e-9
+
+
+@given(st.lists(st.floats(0.0, 1.0), min_size=1, max_size=30), seeds)
+def test_projection_on_a_sum_is_the_nearest_point(start, seed):
+    start = np.array(start) + 0.1
+    change = np.random.default_rng(seed).standard_normal(start.size)
+    trial = start + change - change.mean()
+    found = projected_cg.project(trial, float(start.sum()))
+    assert found.sum() == pytest.approx(start.sum(), rel=1e-12)
+    assert found.min() >= 0.0
+    # optimality: one shift for all that is kept, and no less for what is dropped
+    shift = (trial - found)[found > 0.0]
+    assert np.ptp(shift) <= 1e-12
+    assert (trial[found == 0.0] <= shift[0] + 1e-12).all()
+
+
+def test_system_on_a_face_is_solved_there():
+    matrix, _ = random_program(1, 20)
+    face = np.arange(20) % 3 > 0
+    found = projected_cg.solve_on(Dense(matrix), face, np.ones(20), 1e-10, 500)
+    assert (found[~face] == 0.0).all()
+    np.testing.assert_allclose((matrix @ found)[face], 1.0, rtol=1e-9)

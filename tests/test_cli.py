@@ -1,0 +1,146 @@
+"""The commands, as a person at a terminal uses them."""
+
+import json
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+import metafem as mf
+from metafem import cli
+from metafem.files import MODELS, demo_text
+
+
+@pytest.fixture
+def run(tmp_path, monkeypatch):
+    """Run a command in an empty folder and return its result."""
+    monkeypatch.chdir(tmp_path)
+
+    def call(*arguments):
+        result = CliRunner().invoke(cli.main, [str(argument) for argument in arguments])
+        assert result.exception is None or isinstance(result.exception, SystemExit)
+        return result
+
+    return call
+
+
+def test_models_of_the_command_are_those_of_the_files():
+    assert tuple(MODELS) == cli.MODELS
+
+
+@pytest.mark.parametrize("command", [(), *((name,) for name in cli.main.commands)])
+def test_every_command_has_help(run, command):
+    result = run(*command, "--help")
+    assert result.exit_code == 0
+    assert "Usage:" in result.output
+
+
+@pytest.mark.parametrize("model", ["mean-field", "half-space", "layer"])
+def test_demo_takes_every_model(run, model):
+    result = run("demo", "linear", "--model", model, "--json")
+    assert result.exit_code == 0, result.output
+    assert mf.load("linear").law.model == MODELS[model]()
+
+
+@pytest.mark.parametrize("name", cli.DEMOS)
+def test_demo_writes_the_specification_and_the_whole_folder(run, name):
+    result = run("demo", name, "--json")
+    assert result.exit_code == 0, result.output
+    assert json.loads(result.stdout)["status"] in ("exact", "approximate")
+    assert Path(f"{name}.toml").read_text("utf-8") == demo_text(name)
+    files = {"design.json", "heights.csv", "law.csv", "mould.csv", "block.stl", "surface.vtu", "report.html"}
+    assert files <= {path.name for path in Path(name).iterdir()}
+    assert mf.load(name).misfit == json.loads(result.stdout)["misfit"]
+
+
+def test_existing_files_are_kept_without_force(run):
+    Path("linear.toml").write_text("mine", "utf-8")
+    result = run("demo", "linear")
+    assert (result.exit_code, "linear.toml exists" in result.output) == (2, True)
+    assert Path("linear.toml").read_text("utf-8") == "mine"
+    assert not Path("linear").exists()
+    assert run("demo", "linear", "--force").exit_code == 0
+    result = run("demo", "linear")
+    assert (result.exit_code, "--force" in result.output) == (2, True)
+
+
+def test_an_edited_specification_gives_another_design(run):
+    text = demo_text("linear").replace("slope = 6.87", "slope = 7.5")
+    Path("mine.toml").write_text(text, "utf-8")
+    result = run("design", "mine.toml", "-o", "mine")
+    assert result.exit_code == 0, result.output
+    assert "Linear friction law of slope 7.5" in result.output
+    assert mf.load("mine").target.slope == 7.5
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "code", "words"),
+    [
+        ("slope = 6.87", "slope = 3.0", 1, "slope 3 is not above the bound"),
+        ('"120 um"', "120", 2, "limits.max_height"),
+        ("[target]", "[target", 2, "line"),
+        ('kind = "linear"', 'kind = "linar"', 2, "linear"),
+    ],
+)
+def test_bad_specifications_end_with_a_reason_and_no_folder(run, old, new, code, words):
+    assert old in demo_text("linear")
+    Path("bad.toml").write_text(demo_text("linear").replace(old, new), "utf-8")
+    result = run("design", "bad.toml", "-o", "bad")
+    assert (result.exit_code, words in result.output) == (code, True), result.output
+    assert [path.name for path in Path().iterdir()] == ["bad.toml"]
+
+
+def test_a_missed_target_exits_with_one(run):
+    text = demo_text("bilinear").replace("12.52", "30.0")
+    Path("steep.toml").write_text(text, "utf-8")
+    result = run("design", "steep.toml", "-o", "steep", "--json")
+    assert (result.exit_code, json.loads(result.stdout)["status"]) == (1, "missed")
+
+
+def test_predict_reads_a_folder_and_a_table(run):
+    run("demo", "linear")
+    folder = json.loads(run("predict", "linear", "--load", "0.2 N", "--json").stdout)
+    table = run(
+        "predict", "linear/heights.csv", "--composite-modulus", "1.36 MPa", "--load", "200 mN", "--json"
+    )
+    assert folder["area_mm2"] == json.loads(table.stdout)["area_mm2"]
+    assert "friction_force_N" in folder
+    assert "area [mm²]" in run("predict", "linear").output
+    assert run("predict", "linear", "-o", "law.csv").exit_code == 0
+    assert Path("law.csv").read_text("utf-8") == Path("linear/law.csv").read_text("utf-8")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("predict", "none.csv"), "none.csv: no such file or folder"),
+        (("predict", "table.csv"), "needs --composite-modulus"),
+        (("predict", "table.csv", "--composite-modulus", "1.36 mm"), "--composite-modulus"),
+        (("predict", "table.csv", "--composite-modulus", "1.36 MPa"), "table.csv is empty"),
+        (("predict", ".", "--composite-modulus", "1 MPa"), "are for tables of heights"),
+        (("predict", "."), "no such file; name a result folder"),
+        (("report", "."), "no such file; name a result folder"),
+        (("design", "none.toml", "-o", "x"), "none.toml"),
+        (("design", "none.toml", "-o", "no/where"), "no is not a folder"),
+        (("demo", "cubic"), "is not one of"),
+    ],
+)
+def test_bad_arguments_exit_with_two(run, arguments, words):
+    Path("table.csv").touch()
+    result = run(*arguments)
+    assert (result.exit_code, words in result.output) == (2, True), result.output
+
+
+def test_report_is_written_anew_and_the_same(run):
+    run("demo", "operating-points")
+    path = Path("operating-points/report.html")
+    before = path.read_bytes()
+    path.unlink()
+    assert run("report", "operating-points").exit_code == 0
+    assert path.read_bytes() == before
+
+
+def test_doctor_finds_this_installation_well(run):
+    result = run("doctor", "--json")
+    assert result.exit_code == 0
+    assert all(finding["well"] for finding in json.loads(result.stdout))

@@ -1,0 +1,125 @@
+"""Resolved contacts beside tamaas: one load of an 8 x 8 surface on a half-space, the same cells.
+
+Both get the same grid: tamaas the whole of it, metafem the neighbourhoods of the contacts. tamaas is the
+extra ``[peers]`` (AGPL-3.0; imported here and nowhere in metafem); without it metafem's own time is
+measured alone. At 6 um tamaas takes minutes. ``python -m validation.benchmark.resolved`` prints the loads
+and areas of both as well.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import math
+import time
+from dataclasses import dataclass
+
+import click
+import numpy as np
+from scipy.fft import next_fast_len
+
+import metafem as mf
+from validation.benchmark.timing import Row, best
+
+PITCH, RADIUS, MODULUS = 1.5, 0.526, 1.36
+CELL, LOAD = 0.006, 1.5
+
+# Heights: quantiles of a truncated exponential of scale 0.04 mm up to 0.12 mm, raised by 0.084 mm.
+SCALE, MAX_HEIGHT, OFFSET = 0.04, 0.12, 0.084
+
+# What tamaas is asked for, on its own measure of complementarity: looser than metafem's residual, in
+# favour of tamaas.
+PEER_TOLERANCE = 1e-6
+
+
+@dataclass(frozen=True)
+class Answer:
+    """One solver's seconds, load [N], area by moments [mm^2] and error on its own measure."""
+
+    seconds: float
+    load: float
+    area: float
+    error: float
+
+
+def scene() -> mf.Surface:
+    """The surface: every asperity is in contact under `LOAD`."""
+    share = (np.arange(64) + 0.5) / 64
+    height = OFFSET - SCALE * np.log1p(share * math.expm1(-MAX_HEIGHT / SCALE))
+    height = np.random.default_rng(1).permutation(height)
+    return mf.Surface.square_lattice(height, (8, 8), PITCH, radius=RADIUS, material=mf.Material(MODULUS))
+
+
+def solve(surface: mf.Surface, cell: float) -> Answer:
+    """Answer of metafem: the fastest of three runs after one that compiles."""
+    model = mf.BoundaryElements(cell)
+    seconds = best(lambda: mf.equilibrium(surface, model, load=LOAD), 3)
+    state = mf.equilibrium(surface, model, load=LOAD)
+    return Answer(seconds, state.load, state.area, state.residual)
+
+
+def solve_with_tamaas(surface: mf.Surface, cell: float) -> Answer:
+    """Answer of tamaas, on a grid that reaches half a pitch beyond the lattice."""
+    import tamaas
+
+    tamaas.initialize(2)
+    side = next_fast_len(math.ceil(8.0 * PITCH / cell))
+    # the middle cell stands on the centre of the surface, as in metafem's grid
+    x = cell * (np.arange(side) - side // 2)
+    places = [[np.flatnonzero(abs(x - c) <= 0.5 * PITCH) for c in centre] for centre in surface.position]
+    profile = np.full((side, side), -np.inf)
+    for (i, j), (cx, cy), height in zip(places, surface.position, surface.height, strict=True):
+        rho2 = (x[i, None] - cx) ** 2 + (x[None, j] - cy) ** 2
+        profile[np.ix_(i, j)] = height - rho2 / (2.0 * RADIUS)
+    profile[~np.isfinite(profile)] = profile[np.isfinite(profile)].min()
+    model = tamaas.Model(tamaas.model_type.basic_2d, [side * cell] * 2, [side] * 2)
+    model.E, model.nu = MODULUS, 0.0
+    tamaas.ModelFactory.registerNonPeriodic(model, "dcfft")
+    solver = tamaas.PolonskyKeerRey(model, profile, PEER_TOLERANCE)
+    solver.setIntegralOperator("dcfft")
+    begin = time.perf_counter()
+    error = solver.solve(LOAD / (side * cell) ** 2)
+    seconds = time.perf_counter() - begin
+    area = math.fsum(ellipse(x[i], x[j], model.traction[np.ix_(i, j)]) for i, j in places)
+    return Answer(seconds, float(model.traction.sum()) * cell**2, area, error)
+
+
+def ellipse(x: np.ndarray, y: np.ndarray, pressure: np.ndarray) -> float:
+    """Return 5 pi sqrt(<x^2><y^2> - <xy>^2) of one contact's pressure."""
+    total = pressure.sum()
+    if total == 0.0:
+        return 0.0
+    p = pressure / total
+    x, y = x - p.sum(axis=1) @ x, y - p.sum(axis=0) @ y
+    return 5.0 * math.pi * math.sqrt((p.sum(axis=1) @ x**2) * (p.sum(axis=0) @ y**2) - (x @ p @ y) ** 2)
+
+
+def rows(cell: float = CELL) -> list[Row]:
+    """Measure the time of one load, and the peer's where it is installed."""
+    surface = scene()
+    own = solve(surface, cell)
+    measured = [Row(f"one load, 64 resolved asperities, cell {1e3 * cell:g} µm", 10.0, own.seconds, "s")]
+    if importlib.util.find_spec("tamaas") is not None:
+        peer = solve_with_tamaas(surface, cell)
+        measured.append(Row("its share of tamaas' time", 0.1, own.seconds / peer.seconds, ""))
+        # what tamaas' looser tolerance costs it
+        difference = abs(own.area / peer.area - 1.0)
+        measured.append(Row("difference of the areas, relative", 10.0 * PEER_TOLERANCE, difference, ""))
+    return measured
+
+
+@click.command()
+@click.option("--cell", default=CELL, show_default=True, help="Side of the cells [mm].")
+def main(cell: float) -> None:
+    """Print what both solvers found."""
+    surface = scene()
+    own, peer = solve(surface, cell), solve_with_tamaas(surface, cell)
+    click.echo(f"{'':8s}{'seconds':>10s}{'load [N]':>14s}{'area [mm^2]':>14s}{'error':>10s}")
+    for name, answer in (("metafem", own), ("tamaas", peer)):
+        numbers = f"{answer.seconds:10.2f}{answer.load:14.8f}{answer.area:14.8f}{answer.error:10.1e}"
+        click.echo(f"{name:8s}{numbers}")
+    click.echo(f"seconds a load: wanted below 10, measured {own.seconds:.2f}")
+    click.echo(f"times faster: wanted 10, measured {peer.seconds / own.seconds:.1f}")
+
+
+if __name__ == "__main__":
+    main()
