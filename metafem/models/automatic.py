@@ -10,6 +10,7 @@ import numpy as np
 from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.errors import NotConverged
+from metafem.models.boundary_elements import BoundaryElements
 from metafem.models.independent import Independent
 from metafem.models.interacting import DENSE_LIMIT, Interacting
 from metafem.models.model import ContactState, Curve, Model
@@ -28,15 +29,21 @@ ORDER_1 = 4.0 / (9.0 * math.pi)
 # sum (0.066 % at 0.0034, 0.01 % at 0.0006); a quarter more for safety.
 ORDER_3 = 0.25
 
+# Relative error of the area times the square of the cells a radius, as `BoundaryElements` states it, and
+# the fewest that it should have.
+CELL_ERROR = 0.37
+FEWEST_CELLS = 10.0
+
 
 @dataclass(frozen=True)
 class Automatic:
-    """Choose among `Independent` and `Interacting` of order 1 and 3 by estimates of their errors.
+    """Choose among `Independent`, `Interacting` and `BoundaryElements` by estimates of their errors.
 
     The contacts of the independent model tell the sizes: its own error by the spread of the
     displacements that it neglects, over the mean indentation; that of order 1 by the curvature of the
     neighbours' fields, (a/r)^3; that of order 3 by (a/r)^5. The first that stays within the tolerance
-    is solved. Where none does, order 3 is, and the notes say so.
+    is solved; where none does, `BoundaryElements` with cells fine enough for it. Above 2000 asperities
+    order 3 stays the last, and the notes say when it does not suffice.
 
     Parameters
     ----------
@@ -82,34 +89,51 @@ class Automatic:
     def solve_load(self, surface: Surface, load: float) -> ContactState:
         """Equilibrium under a given rescaled load P/E* [mm^2] by the model that is chosen for it."""
         model, note = self._choice(surface, np.array([load]))
-        if isinstance(model, Independent):
-            state = model.solve(surface, float(model.curve(surface, np.array([load])).approach[0]))
-        else:
-            state = model.solve_load(surface, load)
+        state = model.solve_load(surface, load)
         return replace(state, notes=(note, *state.notes))
 
     def curve(self, surface: Surface, load: FloatArray) -> Curve:
-        """Equilibria at increasing rescaled loads P/E* [mm^2], (k,), by one model for all of them."""
-        model, _ = self._choice(surface, np.asarray(load))
-        return _converged(model, model.curve(surface, load))
+        """Equilibria at increasing rescaled loads P/E* [mm^2], (k,); see `_parts`."""
+        loads = np.asarray(load)
+        parts = [
+            _converged(model, model.curve(surface, loads[rows]))
+            for model, rows in self._parts(surface, loads)
+        ]
+        return _joined(parts)
 
     def curve_at(self, surface: Surface, approach: FloatArray) -> Curve:
-        """Equilibria at increasing approaches [mm], (k,), by one model for all of them."""
+        """Equilibria at increasing approaches [mm], (k,); see `_parts`."""
         point = Interacting(order=1, substrate=self.substrate)
-        carried = point.curve_at(surface, approach).load
-        model, _ = self._choice(surface, carried)
-        if isinstance(model, Independent):
-            model = point
-        return _converged(model, model.curve_at(surface, approach))
+        values = np.asarray(approach)
+        parts = []
+        for model, rows in self._parts(surface, point.curve_at(surface, values).load):
+            chosen = point if isinstance(model, Independent) else model
+            parts.append(_converged(chosen, chosen.curve_at(surface, values[rows])))
+        return _joined(parts)
 
-    def _choice(self, surface: Surface, load: FloatArray) -> tuple[Independent | Interacting, str]:
+    def _parts(self, surface: Surface, load: FloatArray) -> list[tuple[Model, slice]]:
+        """Return a model for all loads, or one below the first load that needs resolved contacts."""
+        model, _ = self._choice(surface, load)
+        if not isinstance(model, BoundaryElements):
+            return [(model, slice(0, len(load)))]
+        low, high = 0, len(load) - 1  # the last one needs them: errors grow with the load
+        while low < high:
+            middle = (low + high) // 2
+            held = load[middle] <= 0.0 or self._estimates(surface, float(load[middle]))[2] <= self.tolerance
+            low, high = (middle + 1, high) if held else (low, middle)
+        parts: list[tuple[Model, slice]] = []
+        if low > 0:
+            parts.append((self._choice(surface, load[:low])[0], slice(0, low)))
+        return [*parts, (self._choice(surface, load[low:])[0], slice(low, len(load)))]
+
+    def _choice(self, surface: Surface, load: FloatArray) -> tuple[Model, str]:
         """Return the model, and the estimates that chose it."""
         loads = load[load > 0.0]
         if loads.size == 0 or surface.count == 1:
             return Independent(), "chosen without estimates: no neighbours in contact"
         probed = np.unique(loads[[0, loads.size // 2, -1]])
         alone, first, third = np.max([self._estimates(surface, float(p)) for p in probed], axis=0)
-        candidates = (
+        candidates: tuple[tuple[Model, float], ...] = (
             (Independent(), alone + first),
             (Interacting(order=1, substrate=self.substrate), first),
             (Interacting(order=3, substrate=self.substrate), third),
@@ -121,14 +145,21 @@ class Automatic:
         for model, error in candidates:
             if error <= self.tolerance:
                 return model, said
-        return candidates[-1][0], f"{said}; all exceed {self.tolerance:g}: resolved contacts are needed"
+        said = f"{said}; all exceed {self.tolerance:g}"
+        bound = self.substrate.for_surface(surface)
+        if surface.count > DENSE_LIMIT or not isinstance(bound, Radial):
+            return candidates[-1][0], f"{said}: resolved contacts are needed"
+        largest = float(
+            np.sqrt(Independent().solve_load(surface, float(probed[0])).asperity_area.max() / math.pi)
+        )
+        cells = max(FEWEST_CELLS, math.sqrt(CELL_ERROR / self.tolerance))
+        return BoundaryElements(largest / cells, bound), f"{said}: resolved by {cells:.0f} cells a radius"
 
     def _estimates(self, surface: Surface, load: float) -> tuple[float, float, float]:
         """Return what is neglected by independence, by order 1 and by order 3, relative to A0."""
         from scipy.spatial import cKDTree
 
-        state = Independent()
-        solved = state.solve(surface, float(state.curve(surface, np.array([load])).approach[0]))
+        solved = Independent().solve_load(surface, load)
         closed = np.flatnonzero(solved.asperity_load > 0.0)
         if closed.size == 0:
             return 0.0, 0.0, 0.0
@@ -162,6 +193,14 @@ class Automatic:
             product = fast_sums(surface, bound, 1).displacement(load)
             return np.asarray(product + bound.self_influence * load)
         return np.asarray(bound.influence_matrix(surface) @ load)
+
+
+def _joined(parts: list[Curve]) -> Curve:
+    """Return one curve from consecutive ones."""
+    names = ("approach", "load", "area", "stiffness", "residual")
+    arrays = (np.concatenate([getattr(part, name) for part in parts]) for name in names)
+    approach, load, area, stiffness, residual = arrays
+    return Curve(approach, load, area, stiffness, residual, max(part.tolerance for part in parts))
 
 
 def _converged(model: Model, curve: Curve) -> Curve:

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import metafem as mf
+from metafem.models import automatic as automatic_module
 from tests.models.scenes import PLACE, lattice, scene
 
 # Errors of A0 at fixed load of order 1 and of order 3 against resolved contacts on a 3 x 3 lattice, and
@@ -40,7 +41,18 @@ def test_the_cheapest_model_within_the_tolerance_is_chosen(tolerance, model):
     assert "estimated errors" in state.notes[0]
 
 
-def test_what_no_model_holds_is_said():
+def test_what_no_asperity_model_holds_is_resolved():
+    surface, automatic = lattice(0.5 * np.ones(4)), mf.Automatic(3e-3)
+    state = mf.equilibrium(surface, automatic, load=4.0)
+    assert isinstance(state.model, mf.BoundaryElements)
+    assert "resolved by 11 cells" in state.notes[0]
+    law = mf.friction_law(surface, automatic, load=[0.01, 4.0])
+    assert law.area[0] == pytest.approx(mf.equilibrium(surface, automatic, load=0.01).area, rel=1e-10)
+    assert law.area[1] == pytest.approx(state.area, rel=1e-6)
+
+
+def test_what_cannot_be_resolved_is_said(monkeypatch):
+    monkeypatch.setattr(automatic_module, "DENSE_LIMIT", 1)
     state = mf.equilibrium(lattice(0.5 * np.ones(9)), mf.Automatic(1e-6), load=1.0)
     assert "resolved contacts are needed" in state.notes[0]
 
