@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from metafem.inversion.design import design as design
     from metafem.law import FrictionLaw as FrictionLaw
     from metafem.law import friction_law as friction_law
+    from metafem.models import Automatic as Automatic
     from metafem.models import BoundaryElements as BoundaryElements
     from metafem.models import ContactState as ContactState
     from metafem.models import Independent as Independent
@@ -79,6 +80,7 @@ _HOME = {
     ),
     "metafem.law": ("FrictionLaw", "friction_law"),
     "metafem.models": (
+        "Automatic",
         "BoundaryElements",
         "ContactState",
         "Independent",

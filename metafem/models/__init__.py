@@ -1,5 +1,6 @@
 """From heights to loads: models of the whole interface."""
 
+from metafem.models.automatic import Automatic
 from metafem.models.boundary_elements import BoundaryElements
 from metafem.models.equilibrium import equilibrium
 from metafem.models.independent import Independent
@@ -8,6 +9,7 @@ from metafem.models.mean_field import MeanField
 from metafem.models.model import ContactState, Curve, Model, Sensitive, Sensitivity, Status
 
 __all__ = [
+    "Automatic",
     "BoundaryElements",
     "ContactState",
     "Curve",

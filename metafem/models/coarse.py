@@ -12,8 +12,11 @@ from numpy.typing import NDArray
 from metafem._validate import FloatArray
 from metafem.substrate import Radial
 
-# Cells of the coarse scene: a dense matrix of that many rows is factored within milliseconds.
-MAX_CELLS = 400
+# Cells of the coarse scene: dense matrices of that many rows are factored in milliseconds (400) to a tenth
+# of a second (1600), which a scene of EACH asperities a cell is worth.
+USUAL_CELLS = 400
+MAX_CELLS = 1600
+EACH = 200
 
 # Fewest asperities a cell should hold.
 FEWEST = 8
@@ -117,7 +120,8 @@ def coarsen(position: FloatArray, substrate: Radial) -> Coarse:
     """Return the coarse copy of places (n, 2) on a substrate."""
     low = position.min(axis=0)
     extent = np.maximum(position.max(axis=0) - low, 1e-12 * float(np.ptp(position)))
-    cells = max(1.0, min(MAX_CELLS, len(position) / FEWEST))
+    count = len(position)
+    cells = max(1.0, min(USUAL_CELLS, count / FEWEST), min(MAX_CELLS, count / EACH))
     size = max(math.sqrt(float(extent[0] * extent[1]) / cells), float(extent.max()) / cells)
     place = np.floor((position - low) / (size * (1.0 + 1e-9))).astype(np.int64)
     columns = int(place[:, 0].max()) + 1

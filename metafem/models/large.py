@@ -12,8 +12,8 @@ from metafem._validate import FloatArray
 from metafem.models.coarse import coarsen
 from metafem.models.lattice import LatticeSums, find_lattice
 from metafem.models.memory import require_memory
-from metafem.models.newton_krylov import Contacts, Iterate, Sums
-from metafem.models.scattered import PAIRS, ScatteredSums
+from metafem.models.newton_krylov import TOLERANCE, Contacts, Iterate, Sums
+from metafem.models.scattered import ScatteredSums
 from metafem.substrate import Radial
 from metafem.surface import Surface
 
@@ -62,8 +62,11 @@ class LargeScene:
                 z, x = z + ahead * rate, x + float(ahead)
             state, x = contacts.newton(z, x, target)
             z = state.z
-            results.stiffness[j], rate = contacts.tangent(state)
-            state.residual = max(state.residual, self.sums.error(state.load) / float(state.indentation.max()))
+            largest = float(state.indentation.max())
+            state.residual = max(state.residual, self.sums.error(state.load) / largest)
+            rate = None
+            if state.residual <= TOLERANCE:
+                results.stiffness[j], rate = contacts.tangent(state)
             self._record(results, j, x, state)
             last = Last(state.load, state.square, state.indentation, (self.sums.note,))
         return last
@@ -84,8 +87,7 @@ def fast_sums(surface: Surface, substrate: Radial, order: int) -> Sums:
     if lattice is None:
         scattered = ScatteredSums(surface.position, substrate)
         # near pairs: both ends, differences, and a value for each spectrum; and the grid
-        pairs = 0.5 * math.pi * PAIRS**2 * surface.count
-        needed = pairs * (56 + 12 * spectra) + 8 * scattered.cells * arrays
+        needed = scattered.pairs * (56 + 12 * spectra) + 8 * scattered.cells * arrays
         require_memory(needed, f"the sums over {surface.count} scattered places")
         return scattered
     require_memory(32 * math.prod(lattice.shape) * arrays, f"a lattice of {lattice.shape}")

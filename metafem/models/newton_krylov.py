@@ -120,11 +120,16 @@ class Contacts:
                 break
             if not state.closed.any():
                 state = self.respond(approach - self.gap, approach, target)
+            if self.diagonal(state).min() < 0.0:  # the own regular term wins over Hertz: ill-posed
+                state.residual = max(state.residual, 1.0)
+                break
             missing = target - float(state.load.sum()) if target > 0.0 else None
             largest = float(state.indentation.max())
             leave = largest * max(forcing * min(state.residual, 1.0), 0.3 * GOAL)
             loads, shift, rest = self.solve(state, -state.error, missing, leave)
-            step = (rest + shift + (self.diagonal(state) - self.own) * loads) / state.bend
+            step = (
+                rest + shift + np.where(state.closed, self.diagonal(state) - self.own, 0.0) * loads
+            ) / state.bend
             length = 1.0
             for _ in range(MAX_CUTS):
                 new = self.respond(state.z + length * step, approach + length * shift, target)
@@ -140,7 +145,8 @@ class Contacts:
     def diagonal(self, state: Iterate) -> FloatArray:
         """Return the diagonal of the Jacobian dF/dp; 0 for open asperities."""
         root = np.sqrt(self.radius * np.maximum(state.z, 0.0))
-        return np.divide(state.bend, 2.0 * root, out=np.zeros_like(root), where=root > 0.0) + self.own
+        hertz = np.divide(state.bend, 2.0 * root, out=np.zeros_like(root), where=root > 0.0)
+        return np.asarray(np.where(root > 0.0, hertz + self.own, 0.0))
 
     def tangent(self, state: Iterate) -> tuple[float, FloatArray]:
         """Return dP/dx [mm] and dz/dx (n,) at an equilibrium."""
@@ -149,7 +155,7 @@ class Contacts:
         alone = 1.0 / float((1.0 / diagonal[state.closed]).sum())
         none = np.zeros_like(diagonal)
         share, shift, rest = self.solve(state, none, 1.0, TANGENT * alone, exact=True)
-        rate = (rest + shift + (diagonal - self.own) * share) / state.bend / shift
+        rate = (rest + shift + np.where(state.closed, diagonal - self.own, 0.0) * share) / state.bend / shift
         # y.H y is stationary at the tangent, and rest = -H y
         return -1.0 / float(share @ rest), rate
 

@@ -37,6 +37,13 @@ WIDTHS = 12.0
 # A layer's regular part falls as k t exp(-2 k t): 1e-12 at the end of the band with this t over the step.
 LAYER_STEPS = 10.0
 
+# A bonded layer is below 2e-11 of the half-space beyond this many thicknesses, for any Poisson ratio: where
+# that is within the pairs' reach there is no rest.
+LAYER_REACH = 35.0
+
+# A grid fine enough for a thin layer costs more than pairs up to this many times as far.
+FARTHEST = 2.0
+
 # Rows that are summed exactly to certify a state.
 SAMPLE = 64
 
@@ -55,7 +62,12 @@ class ScatteredSums:
         self.reach = PAIRS * spacing
         self.split = self.reach / REACH
         self.step = STEP * self.split
+        self._spacing = spacing
+        self._pairs_alone = False
         if isinstance(substrate, BondedLayer) and substrate.thickness is not None:
+            layer_reach = LAYER_REACH * substrate.thickness
+            self._pairs_alone = layer_reach <= FARTHEST * self.reach
+            self.reach = layer_reach if self._pairs_alone else self.reach
             self.step = min(self.step, substrate.thickness / LAYER_STEPS)
         self._place = np.ascontiguousarray((position - low)[:, ::-1]) / self.step + 0.5 * POINTS + 1.0
         self._span = np.ceil(extent[::-1] / self.step) + POINTS + 3.0
@@ -64,15 +76,25 @@ class ScatteredSums:
     @property
     def note(self) -> str:
         """What is said in the notes."""
+        if self._pairs_alone:
+            return (
+                f"{len(self._position)} scattered places: pairs beyond {self.reach:.3g} mm were left out, "
+                "where the layer is below 2e-11 of a half-space"
+            )
         return (
             f"{len(self._position)} scattered places: pairs nearer than {self.reach:.3g} mm were summed one "
             f"by one, the rest on a grid, {SAMPLE} rows again exactly"
         )
 
     @property
+    def pairs(self) -> float:
+        """About the number of near pairs."""
+        return 0.5 * math.pi * (self.reach / self._spacing) ** 2 * len(self._position)
+
+    @property
     def cells(self) -> int:
         """Cells of the padded grid."""
-        return math.prod(self._padded)
+        return 0 if self._pairs_alone else math.prod(self._padded)
 
     def error(self, load: FloatArray) -> float:
         """Return the largest error of G p on a sample of the loaded places [mm]."""
@@ -91,29 +113,40 @@ class ScatteredSums:
         self, load: FloatArray, size: FloatArray | None = None, *moment: FloatArray
     ) -> FloatArray:
         """Return G p, and with sizes v and moments (w_x, w_y) of the sources + lap v + grad . w, (n,)."""
-        total = self._forward(load) * self._influence
         near = self._near[0]
         result = near @ load + near.T @ load - self._own[0] * load
+        sources, spectra = [load], [self._influence]
         if size is not None:
             # the slope by the source's place is the opposite of that at the displaced end
-            for source, spectrum in zip((size, *moment), self._derivatives, strict=True):
-                total += self._forward(source) * spectrum
+            sources, spectra = [load, size, *moment], [self._influence, *self._derivatives]
             laplacian, x, y = self._near_derivatives
             result += laplacian @ size + laplacian.T @ size - self._own[1] * size
             result += x.T @ moment[0] - x @ moment[0] + y.T @ moment[1] - y @ moment[1]
-        return np.asarray(result + self._backward(total))
+        self.products += len(sources)
+        if not self._pairs_alone:
+            total = self._forward(load) * self._influence
+            for source, spectrum in zip(sources[1:], spectra[1:], strict=True):
+                total += self._forward(source) * spectrum
+            result += self._backward(total)
+        return np.asarray(result)
 
     def field(self, load: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return the Laplacian and the two slopes of G p at the asperities, (n,) each."""
-        load_hat = self._forward(load)
-        smooth, smooth_x, smooth_y = (self._backward(load_hat * s) for s in self._derivatives)
         near, x, y = self._near_derivatives
-        laplacian = smooth + near @ load + near.T @ load - self._own[1] * load
-        return laplacian, x @ load - x.T @ load - smooth_x, y @ load - y.T @ load - smooth_y
+        laplacian = near @ load + near.T @ load - self._own[1] * load
+        slope_x, slope_y = x @ load - x.T @ load, y @ load - y.T @ load
+        self.products += 1
+        if not self._pairs_alone:
+            load_hat = self._forward(load)
+            smooth, smooth_x, smooth_y = (self._backward(load_hat * s) for s in self._derivatives)
+            return laplacian + smooth, slope_x - smooth_x, slope_y - smooth_y
+        return laplacian, slope_x, slope_y
 
     @cached_property
     def _own(self) -> tuple[float, float]:
         """What the smooth part says of a source at its own place, but for the substrate's Laplacian."""
+        if self._pairs_alone:
+            return 0.0, -2.0 * self.substrate.self_curvature
         constant = 2.0 / (self.split * math.pi**1.5) + self.substrate.self_influence
         return constant, -8.0 / (3.0 * math.pi**1.5 * self.split**3)
 
@@ -139,6 +172,8 @@ class ScatteredSums:
 
         _, _, dx, dy = self._pairs
         r = np.hypot(dx, dy)
+        if self._pairs_alone:
+            return (self._matrix(self.substrate.influence(r)),)
         return (self._matrix(erfc(r / self.split) / (math.pi * r)),)
 
     @cached_property
@@ -148,6 +183,10 @@ class ScatteredSums:
 
         _, _, dx, dy = self._pairs
         r, s = np.hypot(dx, dy), self.split
+        if self._pairs_alone:
+            _, first, second = self.substrate.influence(r, derivatives=True)
+            first /= r
+            return self._matrix(second + first), self._matrix(first * dx), self._matrix(first * dy)
         point = erfc(r / s) / (math.pi * r)
         bell = 2.0 / (s * math.pi**1.5) * np.exp(-((r / s) ** 2)) / r
         first = -point / r - bell  # d/dr of erfc(r/s)/(pi r)
@@ -171,6 +210,8 @@ class ScatteredSums:
     @cached_property
     def _influence(self) -> FloatArray:
         """Transform of the smooth field, over the window's twice: it is spread and gathered."""
+        if self._pairs_alone:
+            return np.empty((0, 0))
         from scipy.fft import rfft2
         from scipy.special import erf
 
@@ -186,6 +227,8 @@ class ScatteredSums:
     @cached_property
     def _derivatives(self) -> tuple[NDArray[Any], ...]:
         """Transforms of the Laplacian and of the slopes by the source's place along x and y."""
+        if self._pairs_alone:
+            return (np.empty((0, 0)),) * 3
         ky, kx = (k / self.step for k in self._waves)
         influence = self._influence
         return -(kx**2 + ky**2) * influence, -1j * kx * influence, -1j * ky * influence
@@ -206,7 +249,6 @@ class ScatteredSums:
 
         from metafem._kernels import mesh
 
-        self.products += 1
         grid = np.zeros(self._padded)
         mesh.spread(self._place, np.ascontiguousarray(vector), grid)
         return np.asarray(rfft2(grid, workers=WORKERS, overwrite_x=True))

@@ -65,7 +65,7 @@ def loose(count, seed=0, **arguments):
     return scene(grid + shift, rough(count), 0.526, **arguments)
 
 
-@pytest.mark.parametrize("substrate", [*SUBSTRATES, mf.BondedLayer(1.0, 0.3)])
+@pytest.mark.parametrize("substrate", [*SUBSTRATES, mf.BondedLayer(1.0, 0.3), mf.BondedLayer(0.3, 0.5)])
 def test_scattered_products_are_nearly_exact(substrate):
     surface = loose(600)
     if substrate != SUBSTRATES[0]:
@@ -131,6 +131,24 @@ def test_load_and_approach_are_inverse_for_large_scenes():
 def test_the_way_of_summing_is_noted():
     for surface, word in ((lattice(rough(100)), "FFT"), (loose(100), "scattered")):
         assert word in mf.equilibrium(surface, mf.Interacting(order=1), load=0.5).notes[0]
+
+
+@pytest.mark.usefixtures("large")
+@pytest.mark.parametrize("places", [lattice, lambda height: loose(height.size)])
+def test_thin_layers_in_large_scenes(places):
+    for thickness in (0.3, 1e6):
+        surface = places(rough(100)).replaced(block=mf.Block(20, 20, thickness))
+        for order in (1, 3):
+            model = mf.Interacting(order=order, substrate=mf.BondedLayer())
+            assert mf.equilibrium(surface, model, load=0.1).residual < 1e-9
+
+
+@pytest.mark.usefixtures("large")
+def test_an_ill_posed_large_scene_raises():
+    """At order 1 the layer's self term wins over Hertz's compliance above a = 0.89 t."""
+    surface = lattice(0.5 * np.ones(4), radius=1.0, thickness=0.3)
+    with pytest.raises(mf.MetafemError):
+        mf.equilibrium(surface, mf.Interacting(order=1, substrate=mf.BondedLayer()), approach=0.3)
 
 
 @pytest.mark.usefixtures("large")

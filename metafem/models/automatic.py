@@ -1,0 +1,211 @@
+"""The cheapest model that holds a tolerance on the scene at hand."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from metafem import _validate as check
+from metafem._validate import FloatArray
+from metafem.errors import NotConverged
+from metafem.models.boundary_elements import BoundaryElements
+from metafem.models.independent import Independent
+from metafem.models.interacting import DENSE_LIMIT, Interacting
+from metafem.models.model import ContactState, Curve, Model
+from metafem.substrate import HalfSpace, Radial, Substrate
+from metafem.surface import Surface
+
+# Neighbours whose fields are counted; on a lattice those farther away add a quarter.
+NEIGHBOURS = 24
+
+# Relative error of A0 at a given load per sum of (a/r)^3, order 1: the curvature 1/2 sum p lap G that it
+# leaves out changes an area by its 2/3, with p = 4 a^3/3R. Resolved contacts on a 3 x 3 lattice
+# err by that within 3 %.
+ORDER_1 = 4.0 / (9.0 * math.pi)
+
+# The same per sum of (a/r)^5, order 3: on a 3 x 3 lattice resolved contacts err by up to 0.20 of the mean
+# sum (0.066 % at 0.0034, 0.01 % at 0.0006); a quarter more for safety.
+ORDER_3 = 0.25
+
+# Relative error of the area times the square of the cells a radius, as `BoundaryElements` states it, and
+# the fewest that it should have.
+CELL_ERROR = 0.37
+FEWEST_CELLS = 10.0
+
+
+@dataclass(frozen=True)
+class Automatic:
+    """Choose among `Independent`, `Interacting` and `BoundaryElements` by estimates of their errors.
+
+    The contacts of the independent model tell the sizes: its own error by the spread of the
+    displacements that it neglects, over the mean indentation; that of order 1 by the curvature of the
+    neighbours' fields, (a/r)^3; that of order 3 by (a/r)^5. The first that stays within the tolerance
+    is solved; where none does, `BoundaryElements` with cells fine enough for it. Above 2000 asperities
+    order 3 stays the last, and the notes say when it does not suffice.
+
+    Parameters
+    ----------
+    tolerance : float
+        Relative error of A0(P) against resolved contacts on the same substrate, positive. It is what
+        the choice aims at; the equations themselves are solved to the chosen model's own tolerance.
+    substrate : Substrate
+
+    Raises
+    ------
+    InvalidInput
+        For a tolerance that is not positive, or a substrate that cannot be used.
+
+    Examples
+    --------
+    >>> from metafem import Material, equilibrium
+    >>> surface = Surface.square_lattice(0.1, (8, 8), radius=0.526, material=Material(1.36))
+    >>> equilibrium(surface, Automatic(1e-2), load=1e-3).model
+    Interacting(order=1, substrate=HalfSpace(), contact=Hertz(), pedestal=False)
+    """
+
+    tolerance: float = 1e-3
+    substrate: Substrate = field(default_factory=HalfSpace)
+
+    def __post_init__(self) -> None:
+        value = check.number("tolerance", self.tolerance, above=0.0)
+        object.__setattr__(self, "tolerance", value)
+        Interacting(substrate=self.substrate)  # refuses what is no substrate
+
+    def solve(self, surface: Surface, approach: float, guess: ContactState | None = None) -> ContactState:
+        """Equilibrium at a given approach [mm] by the model that is chosen for it.
+
+        At a given approach even a uniform sinking changes the load: the choice is made by A0(P) at the
+        load that interacting point loads carry there.
+        """
+        point = Interacting(order=1, substrate=self.substrate).curve_at(surface, np.array([approach]))
+        model, note = self._choice(surface, point.load)
+        if isinstance(model, Independent):  # its load at this approach would be another
+            model = Interacting(order=1, substrate=self.substrate)
+        state = model.solve(surface, approach)
+        return replace(state, notes=(note, *state.notes))
+
+    def solve_load(self, surface: Surface, load: float) -> ContactState:
+        """Equilibrium under a given rescaled load P/E* [mm^2] by the model that is chosen for it."""
+        model, note = self._choice(surface, np.array([load]))
+        state = model.solve_load(surface, load)
+        return replace(state, notes=(note, *state.notes))
+
+    def curve(self, surface: Surface, load: FloatArray) -> Curve:
+        """Equilibria at increasing rescaled loads P/E* [mm^2], (k,); see `_parts`."""
+        loads = np.asarray(load)
+        parts = [
+            _converged(model, model.curve(surface, loads[rows]))
+            for model, rows in self._parts(surface, loads)
+        ]
+        return _joined(parts)
+
+    def curve_at(self, surface: Surface, approach: FloatArray) -> Curve:
+        """Equilibria at increasing approaches [mm], (k,); see `_parts`."""
+        point = Interacting(order=1, substrate=self.substrate)
+        values = np.asarray(approach)
+        parts = []
+        for model, rows in self._parts(surface, point.curve_at(surface, values).load):
+            chosen = point if isinstance(model, Independent) else model
+            parts.append(_converged(chosen, chosen.curve_at(surface, values[rows])))
+        return _joined(parts)
+
+    def _parts(self, surface: Surface, load: FloatArray) -> list[tuple[Model, slice]]:
+        """Return a model for all loads, or one below the first load that needs resolved contacts."""
+        model, _ = self._choice(surface, load)
+        if not isinstance(model, BoundaryElements):
+            return [(model, slice(0, len(load)))]
+        low, high = 0, len(load) - 1  # the last one needs them: errors grow with the load
+        while low < high:
+            middle = (low + high) // 2
+            held = load[middle] <= 0.0 or self._estimates(surface, float(load[middle]))[2] <= self.tolerance
+            low, high = (middle + 1, high) if held else (low, middle)
+        parts: list[tuple[Model, slice]] = []
+        if low > 0:
+            parts.append((self._choice(surface, load[:low])[0], slice(0, low)))
+        return [*parts, (self._choice(surface, load[low:])[0], slice(low, len(load)))]
+
+    def _choice(self, surface: Surface, load: FloatArray) -> tuple[Model, str]:
+        """Return the model, and the estimates that chose it."""
+        loads = load[load > 0.0]
+        if loads.size == 0 or surface.count == 1:
+            return Independent(), "chosen without estimates: no neighbours in contact"
+        probed = np.unique(loads[[0, loads.size // 2, -1]])
+        alone, first, third = np.max([self._estimates(surface, float(p)) for p in probed], axis=0)
+        candidates: tuple[tuple[Model, float], ...] = (
+            (Independent(), alone + first),
+            (Interacting(order=1, substrate=self.substrate), first),
+            (Interacting(order=3, substrate=self.substrate), third),
+        )
+        said = "estimated errors of A0(P): " + ", ".join(
+            f"{name} {error:.1e}"
+            for name, (_, error) in zip(("independent", "order 1", "order 3"), candidates, strict=True)
+        )
+        for model, error in candidates:
+            if error <= self.tolerance:
+                return model, said
+        said = f"{said}; all exceed {self.tolerance:g}"
+        bound = self.substrate.for_surface(surface)
+        if surface.count > DENSE_LIMIT or not isinstance(bound, Radial):
+            return candidates[-1][0], f"{said}: resolved contacts are needed"
+        largest = float(
+            np.sqrt(Independent().solve_load(surface, float(probed[0])).asperity_area.max() / math.pi)
+        )
+        cells = max(FEWEST_CELLS, math.sqrt(CELL_ERROR / self.tolerance))
+        return BoundaryElements(largest / cells, bound), f"{said}: resolved by {cells:.0f} cells a radius"
+
+    def _estimates(self, surface: Surface, load: float) -> tuple[float, float, float]:
+        """Return what is neglected by independence, by order 1 and by order 3, relative to A0."""
+        from scipy.spatial import cKDTree
+
+        solved = Independent().solve_load(surface, load)
+        closed = np.flatnonzero(solved.asperity_load > 0.0)
+        if closed.size == 0:
+            return 0.0, 0.0, 0.0
+        rescaled = solved.asperity_load / surface.material.composite_modulus
+        area = solved.asperity_area[closed]
+        radius = np.sqrt(area / math.pi)
+        spread = self._displacement(surface, rescaled)[closed]
+        # a uniform sinking leaves A0(P) as it is; contacts answer in proportion to their radii
+        spread = spread - (radius @ spread) / radius.sum()
+        indentation = area / (math.pi * surface.radius[closed])
+        alone = math.sqrt(float(np.mean(spread**2))) / float(indentation.mean())
+        if closed.size == 1:
+            return alone, 0.0, 0.0
+        near = min(NEIGHBOURS + 1, closed.size)
+        tree = cKDTree(surface.position[closed])
+        distance, other = tree.query(surface.position[closed], k=near)
+        ratio = radius[other[:, 1:]] / distance[:, 1:]
+        share = area / area.sum()
+        # the curvature a source lends is p/r^3 = 4 a^3/(3 R r^3), felt in proportion to the own radius
+        relative = surface.radius[closed, None] / surface.radius[closed][other[:, 1:]]
+        first = ORDER_1 * float(share @ (ratio**3 * relative).sum(axis=1))
+        third = ORDER_3 * float(share @ (ratio**5 * relative).sum(axis=1))
+        return alone, first, third
+
+    def _displacement(self, surface: Surface, load: FloatArray) -> FloatArray:
+        """Return the displacement of every asperity by point loads, its own regular part included."""
+        from metafem.models.large import fast_sums
+
+        bound = self.substrate.for_surface(surface)
+        if surface.count > DENSE_LIMIT and isinstance(bound, Radial):
+            product = fast_sums(surface, bound, 1).displacement(load)
+            return np.asarray(product + bound.self_influence * load)
+        return np.asarray(bound.influence_matrix(surface) @ load)
+
+
+def _joined(parts: list[Curve]) -> Curve:
+    """Return one curve from consecutive ones."""
+    names = ("approach", "load", "area", "stiffness", "residual")
+    arrays = (np.concatenate([getattr(part, name) for part in parts]) for name in names)
+    approach, load, area, stiffness, residual = arrays
+    return Curve(approach, load, area, stiffness, residual, max(part.tolerance for part in parts))
+
+
+def _converged(model: Model, curve: Curve) -> Curve:
+    """Return the curve if it holds its model's own tolerance; `Automatic.tolerance` means another error."""
+    worst = float(curve.residual.max())
+    if worst > max(model.tolerance, curve.tolerance):
+        raise NotConverged(f"not converged: largest residual {worst:.2g}", curve)
+    return curve
