@@ -1,0 +1,91 @@
+"""One-dimensional elements along each edge of the block, and what their tensor product needs of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+from skfem import Basis, BilinearForm, ElementLineP1, ElementLineP2, MeshLine
+
+from metafem._validate import FloatArray
+
+# Gauss points exact to this degree: the smooth tractions are no polynomials, the matrices need 4.
+QUADRATURE = 9
+
+
+@BilinearForm
+def _mass(u: Any, v: Any, _: Any) -> Any:
+    return u * v
+
+
+@BilinearForm
+def _derivative(u: Any, v: Any, _: Any) -> Any:
+    """Derivative on the test function (a row of the matrix)."""
+    return u * v.grad[0]
+
+
+@BilinearForm
+def _stiffness(u: Any, v: Any, _: Any) -> Any:
+    return u.grad[0] * v.grad[0]
+
+
+@dataclass(frozen=True, eq=False)
+class LineElements:
+    """Quadratic (displacement) and linear (pressure) elements on one line of vertices.
+
+    Attributes
+    ----------
+    node, vertex : ndarray
+        Ascending places of the quadratic and of the linear degrees of freedom [mm].
+    product : dict
+        Matrix of ``int D^i v D^j u`` for quadratic v (rows) and u, by (i, j).
+    pressure : dict
+        Matrix of ``int q D^j u`` for linear q (rows) and quadratic u, by j; "mass": of ``int q p``.
+    quadrature : (ndarray, ndarray)
+        Gauss points [mm] and weights [mm].
+    """
+
+    node: FloatArray
+    vertex: FloatArray
+    product: dict[tuple[int, int], Any]
+    pressure: dict[Any, Any]
+    quadrature: tuple[FloatArray, FloatArray]
+    _basis: Any
+    _order: Any
+
+    @classmethod
+    def on(cls, line: FloatArray) -> LineElements:
+        """Return the elements on ascending vertices."""
+        mesh = MeshLine(line)
+        basis = Basis(mesh, ElementLineP2(), intorder=QUADRATURE)
+        linear = basis.with_element(ElementLineP1())
+        order, vertices = (np.argsort(each.doflocs[0]) for each in (basis, linear))
+        first = _derivative.assemble(basis)
+        product = {
+            (0, 0): _mass.assemble(basis),
+            (1, 0): first,
+            (0, 1): first.T,
+            (1, 1): _stiffness.assemble(basis),
+        }
+        mixed = {
+            0: _mass.assemble(basis, linear),
+            # the derivative is on u here: assembled the other way round
+            1: _derivative.assemble(linear, basis).T,
+        }
+        pressure: dict[Any, Any] = {j: matrix.tocsr()[vertices][:, order] for j, matrix in mixed.items()}
+        pressure["mass"] = _mass.assemble(linear).tocsr()[vertices][:, vertices]
+        return cls(
+            node=basis.doflocs[0, order],
+            vertex=linear.doflocs[0, vertices],
+            product={key: matrix.tocsr()[order][:, order] for key, matrix in product.items()},
+            pressure=pressure,
+            quadrature=(np.asarray(basis.global_coordinates())[0].ravel(), basis.dx.ravel()),
+            _basis=basis,
+            _order=order,
+        )
+
+    def at(self, place: FloatArray) -> sp.csr_matrix:
+        """Return the quadratic shape functions at places, (places, nodes)."""
+        return self._basis.probes(place[None, :]).tocsr()[:, self._order]
