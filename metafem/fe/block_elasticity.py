@@ -6,17 +6,32 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial, reduce
-from itertools import product
 from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
+from numpy.typing import NDArray
 
 from metafem._validate import FloatArray, IntArray
+from metafem.fe.block_boundary import Face, mirrored
 from metafem.fe.block_lines import LineElements
 from metafem.fe.block_mesh import Lines
-from metafem.fe.block_point_load import displacement, side_traction
+from metafem.fe.block_point_load import displacement
 from metafem.fe.block_solver import solve
+
+BoolArray = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class Field:
+    """What the block adds to the half-space under each of m loads with their mirror images."""
+
+    parity: tuple[int, int]
+    source: FloatArray
+    displacement: FloatArray  # (3 nodes, m) [1/mm]
+    reaction: FloatArray  # nodal forces of the base, (3 nodes of the base, m) [1]
+    residual: float
+
 
 @dataclass(frozen=True, eq=False)
 class Quarter:
@@ -25,6 +40,9 @@ class Quarter:
     axes: tuple[LineElements, LineElements, LineElements]
     matrix: Any
     poisson_ratio: float
+    sides: tuple[Face, Face]
+    base: Face
+    _index: IntArray  # of the displacement at a node, (component, x, y, z)
 
     @classmethod
     def on(cls, lines: Lines, poisson_ratio: float) -> Quarter:
@@ -52,73 +70,77 @@ class Quarter:
             rows[a].append(-divergence[a].T)
         mass = _kron([axis.pressure["mass"] for axis in axes])
         rows.append([*(-matrix for matrix in divergence), -compliance * mass])
-        return cls(axes, sp.block_array(rows, format="csr"), poisson_ratio)
+        shape = tuple(axis.node.size for axis in axes)
+        return cls(
+            axes,
+            sp.block_array(rows, format="csr"),
+            poisson_ratio,
+            (Face.of(axes, 0), Face.of(axes, 1)),
+            Face.of(axes, 2),
+            np.arange(3 * math.prod(shape)).reshape(3, *shape),
+        )
 
-    def remainders(
-        self, parity: tuple[int, int], sources: FloatArray, places: FloatArray
-    ) -> tuple[FloatArray, float]:
-        """Normal displacement of the top beyond the half-space's, under mirrored unit loads.
+    def solve(self, parity: tuple[int, int], source: FloatArray) -> Field:
+        """Solve for what the block adds to the half-space under mirrored unit loads.
 
         Parameters
         ----------
         parity : (int, int)
             Sign of a load's mirror image in x = 0 and in y = 0.
-        sources, places : (m, 2), (n, 2) ndarray
-            Where the loads and the points in question are, in the quarter [mm].
-
-        Returns
-        -------
-        (n, m) ndarray [1/mm], and the residual of the linear solution.
+        source : (m, 2) ndarray
+            Where the loads are [mm].
         """
-        index = np.arange(3 * self._size).reshape(3, *(axis.node.size for axis in self.axes))
+        base, nodal = self._index[..., -1].ravel(), self._index.size
+        known = self._known(parity)
+        value = np.zeros((known.size, len(source)))
+        load = np.zeros_like(value)
+        value[base] = -self._base_displacement(source, parity)
+        for side in self.sides:
+            stress = side.weight[:, None] * side.traction(source, parity, self.poisson_ratio)
+            load[:nodal] -= side.interpolation.T @ stress
+        free, fixed = np.flatnonzero(~known), np.flatnonzero(known)
+        rows = self.matrix[free]
+        value[free], residual = solve(rows[:, free].tocsc(), load[free] - rows[:, fixed] @ value[fixed])
+        return Field(parity, source, value[:nodal], (self.matrix @ value - load)[base], residual)
+
+    def influence(self, field: Field, place: FloatArray) -> FloatArray:
+        """Normal displacement of the top at places (n, 2), beyond the half-space's, (n, m) [1/mm].
+
+        By Betti's theorem between the field of a load at the place p and that of a source j. With U, T
+        the half-space's displacement and traction, w the elements' part and t(w) its reaction,
+        ``w_j(p) = -int_sides T_p (U_j + w_j) + int_base U_p (T_j + t(w_j))``. This is reciprocal, its
+        error is of twice the order of w's own, and it is smooth in p.
+        """
+        parity, nu = field.parity, self.poisson_ratio
+        result = self._base_displacement(place, parity).T @ field.reaction
+        stress = self.base.weight[:, None] * self.base.traction(field.source, parity, nu)
+        result += self.base.displacement(place, parity, nu).T @ stress
+        for side in self.sides:
+            whole = side.displacement(field.source, parity, nu) + side.interpolation @ field.displacement
+            result -= side.traction(place, parity, nu).T @ (side.weight[:, None] * whole)
+        return result
+
+    def top(self, field: Field, place: FloatArray) -> FloatArray:
+        """The same as `influence`, interpolated in the elements themselves; for places in the quarter."""
+        along = [self.axes[k].at(place[:, k]).toarray() for k in (0, 1)]
+        normal = field.displacement[self._index[2, :, :, 0]]
+        return np.asarray(np.einsum("nx,ny,xym->nm", *along, normal, optimize=True))
+
+    def _known(self, parity: tuple[int, int]) -> BoolArray:
+        """Unknowns that symmetry or the base prescribes."""
         known = np.zeros(self.matrix.shape[0], dtype=bool)
         for k, sign in enumerate(parity):
             # an even field does not move through its plane, an odd one moves through it alone
             still = [k] if sign > 0 else [c for c in range(3) if c != k]
-            known[np.take(index[still], 0, axis=k + 1)] = True
-        base = index[..., -1].ravel()
-        known[base] = True
-        value = np.zeros((known.size, len(sources)))
-        load = np.zeros_like(value)
-        for j, source in enumerate(sources):
-            for mirror in product((1, -1), repeat=2):
-                sign = math.prod(m for m, p in zip(mirror, parity, strict=True) if p < 0)
-                image = source * mirror
-                value[base, j] -= sign * self._base_displacement(image)
-                load[: 3 * self._size, j] -= sign * self._side_load(image, index)
-        free, fixed = np.flatnonzero(~known), np.flatnonzero(known)
-        rows = self.matrix[free]
-        value[free], residual = solve(rows[:, free].tocsc(), load[free] - rows[:, fixed] @ value[fixed])
-        normal = value[index[2, :, :, 0]]
-        along_x, along_y = (self.axes[k].at(places[:, k]).toarray() for k in (0, 1))
-        return np.einsum("ny,nym->nm", along_y, np.tensordot(along_x, normal, 1)), residual
+            known[np.take(self._index[still], 0, axis=k + 1)] = True
+        known[self._index[..., -1]] = True
+        return known
 
-    @property
-    def _size(self) -> int:
-        return math.prod(axis.node.size for axis in self.axes)
-
-    def _base_displacement(self, source: FloatArray) -> FloatArray:
-        """Displacement of the base's nodes in a half-space, component by component."""
-        x, y, z = (axis.node for axis in self.axes)
-        field = displacement(x[:, None] - source[0], y - source[1], z[-1], self.poisson_ratio)
-        return np.concatenate([part.ravel() for part in field])
-
-    def _side_load(self, source: FloatArray, index: IntArray) -> FloatArray:
-        """Nodal forces of a half-space's traction on the sides x = max and y = max."""
-        force = np.zeros(index.shape)
-        depth, depth_weight = self.axes[2].quadrature
-        down = self.axes[2].at(depth)
-        for k, other in ((0, 1), (1, 0)):
-            along, weight = self.axes[other].quadrature
-            shape = self.axes[other].at(along)
-            distance = self.axes[k].node[-1] - source[k]
-            traction = side_traction(
-                distance, along[:, None] - source[other], depth, self.poisson_ratio
-            )
-            for component, stress in zip((k, other, 2), traction, strict=True):
-                nodal = shape.T @ (weight[:, None] * stress * depth_weight @ down)
-                np.moveaxis(force[component], k, 0)[-1] += nodal
-        return force.ravel()
+    def _base_displacement(self, source: FloatArray, parity: tuple[int, int]) -> FloatArray:
+        """Half-space's displacement at the nodes of the base, (3 nodes, loads)."""
+        nodes = np.meshgrid(*(axis.node for axis in self.axes), indexing="ij")
+        point = np.stack([each[..., -1].ravel() for each in nodes], axis=-1)
+        return mirrored(partial(displacement, poisson_ratio=self.poisson_ratio), point, source, parity)
 
 
 def _kron(factors: Sequence[Any]) -> Any:

@@ -15,20 +15,9 @@ from metafem._validate import FloatArray
 QUADRATURE = 9
 
 
-@BilinearForm
-def _mass(u: Any, v: Any, _: Any) -> Any:
-    return u * v
-
-
-@BilinearForm
-def _derivative(u: Any, v: Any, _: Any) -> Any:
-    """Derivative on the test function (a row of the matrix)."""
-    return u * v.grad[0]
-
-
-@BilinearForm
-def _stiffness(u: Any, v: Any, _: Any) -> Any:
-    return u.grad[0] * v.grad[0]
+MASS = BilinearForm(lambda u, v, _: u * v)
+DERIVATIVE = BilinearForm(lambda u, v, _: u * v.grad[0])  # of the test function, a row of the matrix
+STIFFNESS = BilinearForm(lambda u, v, _: u.grad[0] * v.grad[0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,20 +51,20 @@ class LineElements:
         basis = Basis(mesh, ElementLineP2(), intorder=QUADRATURE)
         linear = basis.with_element(ElementLineP1())
         order, vertices = (np.argsort(each.doflocs[0]) for each in (basis, linear))
-        first = _derivative.assemble(basis)
+        first = DERIVATIVE.assemble(basis)
         product = {
-            (0, 0): _mass.assemble(basis),
+            (0, 0): MASS.assemble(basis),
             (1, 0): first,
             (0, 1): first.T,
-            (1, 1): _stiffness.assemble(basis),
+            (1, 1): STIFFNESS.assemble(basis),
         }
         mixed = {
-            0: _mass.assemble(basis, linear),
+            0: MASS.assemble(basis, linear),
             # the derivative is on u here: assembled the other way round
-            1: _derivative.assemble(linear, basis).T,
+            1: DERIVATIVE.assemble(linear, basis).T,
         }
         pressure: dict[Any, Any] = {j: matrix.tocsr()[vertices][:, order] for j, matrix in mixed.items()}
-        pressure["mass"] = _mass.assemble(linear).tocsr()[vertices][:, vertices]
+        pressure["mass"] = MASS.assemble(linear).tocsr()[vertices][:, vertices]
         return cls(
             node=basis.doflocs[0, order],
             vertex=linear.doflocs[0, vertices],
