@@ -98,8 +98,8 @@ def _noted(found: BlockInfluence, note: str) -> BlockInfluence:
 
 
 def _read(path: Path, n: int) -> BlockInfluence:
-    with np.load(path, allow_pickle=False) as file:
-        influence, number = file["influence"], file["number"]
+    with path.open("rb") as file, np.load(file, allow_pickle=False) as kept:
+        influence, number = kept["influence"], kept["number"]
     if influence.shape != (len(_ARRAYS), n, n) or number.shape != (len(_NUMBERS),):
         raise ValueError(f"{path} holds arrays of shape {influence.shape} and {number.shape}")
     influence.flags.writeable = False
