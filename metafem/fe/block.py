@@ -46,7 +46,8 @@ class Block3D:
         nu [-], from 0 to 0.5; that of the surface's material unless told.
     cell, edge_cell : float
         Size of the largest cells near the loads, and of the last ones before the sides and the base,
-        whose common edge is singular, in units of the thickness.
+        whose common edge is singular, in units of the thickness. Wide, thin blocks take larger ones
+        where there would be too many; the notes say so.
 
     Raises
     ------

@@ -99,12 +99,12 @@ def _noted(found: BlockInfluence, note: str) -> BlockInfluence:
 
 def _read(path: Path, n: int) -> BlockInfluence:
     with path.open("rb") as file, np.load(file, allow_pickle=False) as kept:
-        influence, number = kept["influence"], kept["number"]
+        influence, number, notes = (kept[each] for each in ("influence", "number", "notes"))
     if influence.shape != (len(_ARRAYS), n, n) or number.shape != (len(_NUMBERS),):
         raise ValueError(f"{path} holds arrays of shape {influence.shape} and {number.shape}")
     influence.flags.writeable = False
     values = dict(zip((*_ARRAYS, *_NUMBERS), (*influence, *number.tolist()), strict=True))
-    return BlockInfluence(**values, notes=(f"read from {path}",))
+    return BlockInfluence(**values, notes=(*notes.tolist(), f"read from {path}"))
 
 
 def _write(path: Path, found: BlockInfluence) -> None:
@@ -117,6 +117,7 @@ def _write(path: Path, found: BlockInfluence) -> None:
                 file,
                 influence=np.stack([getattr(found, each) for each in _ARRAYS]),
                 number=np.array([getattr(found, each) for each in _NUMBERS]),
+                notes=np.array(found.notes, dtype=np.str_),
             )
         Path(name).replace(path)
     except BaseException:

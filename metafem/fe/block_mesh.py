@@ -15,6 +15,11 @@ from metafem.surface import Block
 EDGE_GROWTH = 1.0
 OUTER_GROWTH = 0.4
 
+# Most cells in a quarter, 55,000 unknowns: their factor takes half of 4 GiB and a minute a problem. Where
+# the wanted cells are more, as in a wide and thin block, they grow by a tenth until they are not.
+MOST_CELLS = 2000
+STRETCH = 1.1
+
 # Points per cell at which the wanted cell size is integrated.
 SAMPLES = 64
 
@@ -26,24 +31,26 @@ class Lines:
     x: FloatArray
     y: FloatArray
     z: FloatArray
+    cell: float  # largest near the loads, in units of the thickness
 
 
 def quarter_lines(block: Block, position: FloatArray, cell: float, edge_cell: float) -> Lines:
     """Return the lines of a mesh for loads at `position`, (n, 2) [mm].
 
-    `cell` and `edge_cell` are the largest cell near the loads and the last one at the base and the
-    sides, in units of the thickness.
+    `cell` and `edge_cell` are the largest cell near the loads, which may be exceeded to keep to
+    `MOST_CELLS`, and the last one at the base and the sides, in units of the thickness.
     """
     thickness = block.thickness
     reach = np.abs(position).max(axis=0) + thickness
     if block.width == block.length:  # keep the symmetry about the diagonal
         reach[:] = reach.max()
-    sizes = thickness * cell, thickness * edge_cell
-    return Lines(
-        graded_line(0.5 * block.width, reach[0], *sizes),
-        graded_line(0.5 * block.length, reach[1], *sizes),
-        graded_line(thickness, thickness, *sizes),
-    )
+    lengths = 0.5 * block.width, 0.5 * block.length, thickness
+    while True:
+        sizes = thickness * cell, thickness * edge_cell
+        x, y, z = (graded_line(*each, *sizes) for each in zip(lengths, (*reach, thickness), strict=True))
+        if (x.size - 1) * (y.size - 1) * (z.size - 1) <= MOST_CELLS:
+            return Lines(x, y, z, cell)
+        cell *= STRETCH
 
 
 def graded_line(length: float, reach: float, cell: float, edge_cell: float) -> FloatArray:

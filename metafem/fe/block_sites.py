@@ -9,7 +9,7 @@ import numpy as np
 from metafem._validate import FloatArray, IntArray
 from metafem.fe.block_cache import BlockInfluence
 from metafem.fe.block_elasticity import Quarter
-from metafem.fe.block_mesh import quarter_lines
+from metafem.fe.block_mesh import Lines, quarter_lines
 from metafem.surface import Block
 
 # Cells of the second mesh, by which the error is judged, over those of the first.
@@ -30,8 +30,10 @@ def site_influence(
     block: Block, poisson_ratio: float, position: FloatArray, cell: float, edge_cell: float
 ) -> BlockInfluence:
     """Compute the influence between sites, (n, 2) [mm], on two meshes; see `Block3D`."""
-    (value, *slopes), residual = _remainder(block, poisson_ratio, position, cell, edge_cell)
-    coarse, other = _remainder(block, poisson_ratio, position, COARSER * cell, COARSER * edge_cell)
+    lines = quarter_lines(block, position, cell, edge_cell)
+    fewer = quarter_lines(block, position, COARSER * lines.cell, COARSER * edge_cell)
+    (value, *slopes), residual = _remainder(block, poisson_ratio, position, lines)
+    coarse, other = _remainder(block, poisson_ratio, position, fewer)
     dx, dy = (position[:, None] - position).transpose(2, 0, 1)
     r = np.hypot(dx, dy)
     np.fill_diagonal(r, math.inf)
@@ -45,18 +47,19 @@ def site_influence(
         asymmetry=float(np.abs(value - value.T).max()),
         error_estimate=float(np.abs(value - coarse[0]).max()),
         residual=max(residual, other),
+        notes=(f"cells of {lines.cell:.3g} times the thickness",) if lines.cell > cell else (),
     )
 
 
 def _remainder(
-    block: Block, poisson_ratio: float, position: FloatArray, cell: float, edge_cell: float
+    block: Block, poisson_ratio: float, position: FloatArray, lines: Lines
 ) -> tuple[FloatArray, float]:
     """Value, gradient and Laplacian of w between sites, (4, n, n), and the residual.
 
     A load is a quarter of the sum, over the four parities, of itself and its three mirror images with
     that parity's signs.
     """
-    quarter = Quarter.on(quarter_lines(block, position, cell, edge_cell), poisson_ratio)
+    quarter = Quarter.on(lines, poisson_ratio)
     folded = np.abs(position)
     square = block.width == block.length
     if square:  # the mirror image in the diagonal, last
