@@ -103,7 +103,7 @@ class Block3D:
 
         The diagonal holds the regular self terms, ``w(x, x)``.
         """
-        return self.solution(surface).matrix
+        return self.solution(surface).matrix.copy()
 
     def influence_derivatives(self, surface: Surface) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Derivatives of the displacement at asperity i per load on j, each (n, n).
@@ -112,7 +112,7 @@ class Block3D:
         diagonals hold the regular self terms.
         """
         found = self.solution(surface)
-        return found.gradient_x, found.gradient_y, found.laplacian
+        return found.gradient_x.copy(), found.gradient_y.copy(), found.laplacian.copy()
 
     def solution(self, surface: Surface) -> BlockInfluence:
         """Return the influence with its derivatives, its errors and its notes.

@@ -45,6 +45,10 @@ class BlockInfluence:
     residual: float
     notes: tuple[str, ...] = ()
 
+    def __post_init__(self) -> None:
+        for name in _ARRAYS:
+            getattr(self, name).flags.writeable = False
+
 
 _ARRAYS = ("matrix", "gradient_x", "gradient_y", "laplacian")
 _NUMBERS = ("asymmetry", "error_estimate", "residual")
@@ -102,7 +106,6 @@ def _read(path: Path, n: int) -> BlockInfluence:
         influence, number, notes = (kept[each] for each in ("influence", "number", "notes"))
     if influence.shape != (len(_ARRAYS), n, n) or number.shape != (len(_NUMBERS),):
         raise ValueError(f"{path} holds arrays of shape {influence.shape} and {number.shape}")
-    influence.flags.writeable = False
     values = dict(zip((*_ARRAYS, *_NUMBERS), (*influence, *number.tolist()), strict=True))
     return BlockInfluence(**values, notes=(*notes.tolist(), f"read from {path}"))
 
