@@ -1,0 +1,163 @@
+"""The true block, with its free sides, as a substrate."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from metafem import _validate as check
+from metafem._validate import FloatArray
+from metafem.errors import InvalidInput, MetafemWarning, NotConverged
+from metafem.fe.block_cache import BlockInfluence, cached
+from metafem.surface import Block, Surface
+
+# Relative residual above which a linear solution is refused; the elements' own error is larger.
+RESIDUAL_LIMIT = 1e-8
+
+# Error estimate, in units of 1/(pi t), above which the answer comes with a warning: a hundredth of what
+# a layer's bottom changes.
+ERROR_LIMIT = 1e-2
+
+
+@dataclass(frozen=True)
+class Block3D:
+    """A block of finite width and length, bonded to a rigid base, its sides free.
+
+    ``G(x, x') = 1/(pi r) + w(x, x')``: the half-space's part in closed form; the smooth remainder w from
+    hexahedra with quadratic displacements and linear pressure (Taylor-Hood), for any Poisson ratio up to
+    and including 1/2. Symmetry makes it a few problems on a quarter of the block, and Betti's theorem
+    evaluates it. The block is solved without its asperities. Each result is kept on disk, under
+    ``$XDG_CACHE_HOME/metafem`` or ``~/.cache/metafem``.
+
+    Holds for loads within the block; those nearer to a side than `cell` times the thickness need smaller
+    cells, and say so. With the default cells, entries for the 8 x 8 lattice on the block of Aymard et
+    al., Science 383, 200 (2024), doi:10.1126/science.adk4234, err by less than 1e-5 /mm.
+
+    Parameters
+    ----------
+    block : Block, optional
+        Width, length and thickness [mm]; that of the surface unless told.
+    poisson_ratio : float, optional
+        nu [-], from 0 to 0.5; that of the surface's material unless told.
+    cell, edge_cell : float
+        Size of the largest cells near the loads, and of the last ones before the sides and the base,
+        whose common edge is singular, in units of the thickness. Wide, thin blocks take larger ones
+        where there would be too many; the notes say so.
+
+    Raises
+    ------
+    InvalidInput
+        For values outside their range or that differ from the surface's own, a surface without a block,
+        and asperities that are not inside it.
+    NotConverged
+        If a factorisation fails even with pivoting; the result is attached.
+
+    Examples
+    --------
+    >>> import metafem as mf
+    >>> surface = mf.Surface(
+    ...     [[0.0, 0.0]], [0.1], 0.526, mf.Material(1.36), block=mf.Block(20.0, 20.0, 7.2)
+    ... )
+    >>> Block3D().for_surface(surface).poisson_ratio
+    0.5
+    """
+
+    block: Block | None = None
+    poisson_ratio: float | None = None
+    cell: float = 0.25
+    edge_cell: float = 0.006
+
+    def __post_init__(self) -> None:
+        if not (self.block is None or isinstance(self.block, Block)):
+            raise InvalidInput(f"block = {self.block!r} must be a metafem.Block")
+        if self.poisson_ratio is not None:
+            ratio = check.number("poisson_ratio", self.poisson_ratio, at_least=0.0, at_most=0.5)
+            object.__setattr__(self, "poisson_ratio", ratio)
+        for name in ("cell", "edge_cell"):
+            size = check.number(name, getattr(self, name), above=0.0, at_most=1.0)
+            object.__setattr__(self, name, size)
+
+    def for_surface(self, surface: Surface) -> Block3D:
+        """Return the substrate with the block and the Poisson ratio of a surface, checked against it."""
+        block = _agreed("block", self.block, surface.block)
+        if block is None:
+            raise InvalidInput("Block3D() needs the surface's block, or one of its own")
+        ratio = _agreed("poisson_ratio", self.poisson_ratio, surface.material.poisson_ratio)
+        half = 0.5 * np.array([block.width, block.length])
+        outside = np.flatnonzero((np.abs(surface.position) >= half).any(axis=1))
+        if outside.size:
+            x, y = surface.position[outside[0]]
+            raise InvalidInput(
+                f"position[{outside[0]}] = ({x:g}, {y:g}) is not inside the block, "
+                f"|x| < {half[0]:g} and |y| < {half[1]:g}"
+            )
+        return replace(self, block=block, poisson_ratio=ratio)
+
+    def influence_matrix(self, surface: Surface) -> FloatArray:
+        """Displacement at each asperity per load on each other, (n, n) [1/mm].
+
+        The diagonal holds the regular self terms, ``w(x, x)``.
+        """
+        return self.solution(surface).matrix.copy()
+
+    def influence_derivatives(self, surface: Surface) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Derivatives of the displacement at asperity i per load on j, each (n, n).
+
+        The two components of its in-plane gradient at i [1/mm^2] and its in-plane Laplacian [1/mm^3];
+        diagonals hold the regular self terms.
+        """
+        found = self.solution(surface)
+        return found.gradient_x.copy(), found.gradient_y.copy(), found.laplacian.copy()
+
+    def solution(self, surface: Surface) -> BlockInfluence:
+        """Return the influence with its derivatives, its errors and its notes.
+
+        Warns with `MetafemWarning` where the error estimate is large.
+        """
+        bound = self.for_surface(surface)
+        found = _solution(bound, surface.position.tobytes())
+        assert bound.block is not None
+        limit = ERROR_LIMIT / (math.pi * bound.block.thickness)
+        if found.error_estimate > limit:
+            warnings.warn(
+                f"the block's influence has an estimated error of {found.error_estimate:.1e} /mm, above "
+                f"{limit:.1e}; loads near a side need smaller cells",
+                MetafemWarning,
+                stacklevel=2,
+            )
+        return found
+
+
+def _agreed(name: str, own: Any, given: Any) -> Any:
+    """Return the one value that is there; two must be equal."""
+    if own is not None and given is not None and own != given:
+        raise InvalidInput(f"Block3D has {name} = {own}, but the surface has {given}")
+    return given if own is None else own
+
+
+@lru_cache(maxsize=16)
+def _solution(bound: Block3D, position: bytes) -> BlockInfluence:
+    """Read or compute; kept in memory as well, for folders that cannot be written."""
+    block, ratio = bound.block, bound.poisson_ratio
+    assert block is not None
+    assert ratio is not None
+    place = np.frombuffer(position).reshape(-1, 2) + 0.0  # no negative zeros in the key
+    shape = (block.width, block.length, block.thickness, ratio, bound.cell, bound.edge_cell)
+
+    def compute() -> BlockInfluence:
+        # scikit-fem is loaded only where there is something to solve
+        from metafem.fe.block_sites import site_influence
+
+        found = site_influence(block, ratio, place, bound.cell, bound.edge_cell)
+        if found.residual > RESIDUAL_LIMIT:
+            raise NotConverged(
+                f"the block's linear solution keeps a residual of {found.residual:.1e} with pivoting", found
+            )
+        return found
+
+    return cached(shape, place, compute)

@@ -1,0 +1,128 @@
+"""Influences of a block between its sites, kept on disk."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import tempfile
+import zipfile
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+
+from metafem._validate import FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class BlockInfluence:
+    """Influence between the sites of a block, and how far it can be trusted.
+
+    Attributes
+    ----------
+    matrix : (n, n) ndarray
+        Displacement at site i per load P/E* on site j [1/mm], symmetric; regular self terms.
+    gradient_x, gradient_y, laplacian : (n, n) ndarray
+        Its in-plane derivatives at i [1/mm^2, 1/mm^2, 1/mm^3].
+    asymmetry : float
+        Largest difference of mirrored entries before they were averaged [1/mm].
+    error_estimate : float
+        Largest change of an entry from cells 1.6 times as large [1/mm]; bounds the error.
+    residual : float
+        Largest relative residual of the linear solutions.
+    notes : tuple of str
+        What was computed or read, and what went wrong with the disk.
+    """
+
+    matrix: FloatArray
+    gradient_x: FloatArray
+    gradient_y: FloatArray
+    laplacian: FloatArray
+    asymmetry: float
+    error_estimate: float
+    residual: float
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        for name in _ARRAYS:
+            getattr(self, name).flags.writeable = False
+
+
+_ARRAYS = ("matrix", "gradient_x", "gradient_y", "laplacian")
+_NUMBERS = ("asymmetry", "error_estimate", "residual")
+
+
+def cache_folder() -> Path:
+    """Return ``$XDG_CACHE_HOME/metafem``, or ``~/.cache/metafem``."""
+    base = os.environ.get("XDG_CACHE_HOME")
+    return (Path(base) if base else Path("~/.cache").expanduser()) / "metafem"
+
+
+def cached(
+    shape: tuple[float, ...], position: FloatArray, compute: Callable[[], BlockInfluence]
+) -> BlockInfluence:
+    """Read the influence of a block and its sites, or compute and keep it.
+
+    Its name is a hash of the numbers `shape` and of the positions, in full, and of the code that
+    computes. An unreadable file is computed anew and an unwritable folder is noted.
+    """
+    key = hashlib.sha256(code_version())
+    key.update(np.array(shape).tobytes())
+    key.update(position.tobytes())
+    try:
+        path = cache_folder() / f"block-{key.hexdigest()}.npz"
+    except RuntimeError as error:  # no home folder
+        return _noted(compute(), f"not kept on disk: {error}")
+    try:
+        return _read(path, len(position))
+    except FileNotFoundError:
+        found = compute()
+    except (OSError, ValueError, KeyError, zipfile.BadZipFile) as error:
+        found = _noted(compute(), f"computed anew, the kept file could not be read: {error}")
+    try:
+        _write(path, found)
+    except OSError as error:
+        return _noted(found, f"not kept on disk: {error}")
+    return _noted(found, f"kept in {path}")
+
+
+@lru_cache
+def code_version() -> bytes:
+    """Return a hash of the sources that the numbers depend on."""
+    total = hashlib.sha256()
+    for source in sorted(Path(__file__).parent.glob("block_*.py")):
+        total.update(source.read_bytes())
+    return total.digest()
+
+
+def _noted(found: BlockInfluence, note: str) -> BlockInfluence:
+    return replace(found, notes=(*found.notes, note))
+
+
+def _read(path: Path, n: int) -> BlockInfluence:
+    with path.open("rb") as file, np.load(file, allow_pickle=False) as kept:
+        influence, number, notes = (kept[each] for each in ("influence", "number", "notes"))
+    if influence.shape != (len(_ARRAYS), n, n) or number.shape != (len(_NUMBERS),):
+        raise ValueError(f"{path} holds arrays of shape {influence.shape} and {number.shape}")
+    values = dict(zip((*_ARRAYS, *_NUMBERS), (*influence, *number.tolist()), strict=True))
+    return BlockInfluence(**values, notes=(*notes.tolist(), f"read from {path}"))
+
+
+def _write(path: Path, found: BlockInfluence) -> None:
+    """Write beside and rename, so that no half-written file is ever found."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    handle, name = tempfile.mkstemp(dir=path.parent, prefix=".block-", suffix=".npz")
+    try:
+        with os.fdopen(handle, "wb") as file:
+            np.savez(
+                file,
+                influence=np.stack([getattr(found, each) for each in _ARRAYS]),
+                number=np.array([getattr(found, each) for each in _NUMBERS]),
+                notes=np.array(found.notes, dtype=np.str_),
+            )
+        Path(name).replace(path)
+    except BaseException:
+        Path(name).unlink(missing_ok=True)
+        raise

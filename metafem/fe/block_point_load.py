@@ -1,0 +1,43 @@
+"""A point load on the half-space, for unit E*: what is taken out of the block before elements see it."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from metafem._validate import FloatArray
+
+Vector = tuple[FloatArray, FloatArray, FloatArray]
+
+
+def displacement(x: FloatArray, y: FloatArray, z: FloatArray, poisson_ratio: float) -> Vector:
+    """Displacement at (x, y) from a unit normal load and at depth z >= 0 [1/mm].
+
+    Boussinesq's solution, Johnson, Contact Mechanics, equation 3.18, doi:10.1017/CBO9781139171731,
+    with ``(R - z)/r^2`` written as ``1/(R + z)``, which does not cancel near the axis.
+    """
+    # with E* = 1 the shear modulus is (1 - nu)/2
+    scale = 1.0 / (2.0 * math.pi * (1.0 - poisson_ratio))
+    R = np.sqrt(x**2 + y**2 + z**2)
+    radial = scale * (z / R**3 - (1.0 - 2.0 * poisson_ratio) / (R * (R + z)))
+    axial = scale * (z**2 / R**3 + 2.0 * (1.0 - poisson_ratio) / R)
+    return radial * x, radial * y, axial
+
+
+def traction(x: FloatArray, y: FloatArray, z: FloatArray, normal: int, poisson_ratio: float) -> Vector:
+    """Traction there on a plane whose normal is axis 0, 1 or 2 [1/mm^2].
+
+    Johnson, equation 3.19 in Cartesian components, again with R + z in place of r^2. It does not depend
+    on the modulus, and stays finite for nu = 1/2.
+    """
+    if normal == 1:
+        across, along, down = traction(y, x, z, 0, poisson_ratio)
+        return along, across, down
+    R = np.sqrt(x**2 + y**2 + z**2)
+    vertical = -1.5 / math.pi * z**2 / R**5
+    if normal == 2:
+        return vertical * x, vertical * y, vertical * z
+    share = 0.5 / math.pi * (1.0 - 2.0 * poisson_ratio)
+    common = -1.5 / math.pi * z / R**5 + share * (2.0 * R + z) / (R**3 * (R + z) ** 2)
+    return share * (z / R**3 - 1.0 / (R * (R + z))) + x**2 * common, x * y * common, vertical * x

@@ -1,0 +1,116 @@
+"""Influence between sites anywhere on the block, from its quarter."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from metafem._validate import FloatArray, IntArray
+from metafem.fe.block_cache import BlockInfluence
+from metafem.fe.block_elasticity import Quarter
+from metafem.fe.block_mesh import Lines, quarter_lines
+from metafem.surface import Block
+
+# Cells of the second mesh, by which the error is judged, over those of the first.
+COARSER = 1.6
+
+# Step of the differences, over the distance from the site to the nearest face of the block. The field
+# is analytic with that radius: 2e-5 of truncation, and 1e-11 of rounding in the Laplacian.
+STEP = 0.02
+
+# Sign of a load's mirror image in x = 0 and in y = 0.
+PARITIES = ((1, 1), (1, -1), (-1, 1), (-1, -1))
+
+# Places evaluated at once, for which fields on the faces of the largest mesh take 100 MB.
+MOST_PLACES = 256
+
+# Places that agree to this part of the thickness are one.
+SAME = 1e-12
+
+
+def site_influence(
+    block: Block, poisson_ratio: float, position: FloatArray, cell: float, edge_cell: float
+) -> BlockInfluence:
+    """Compute the influence between sites, (n, 2) [mm], on two meshes; see `Block3D`."""
+    lines = quarter_lines(block, position, cell, edge_cell)
+    coarser = COARSER * lines.stretch
+    fewer = quarter_lines(block, position, coarser * cell, coarser * edge_cell)
+    (value, *slopes), residual = _remainder(block, poisson_ratio, position, lines)
+    coarse, other = _remainder(block, poisson_ratio, position, fewer)
+    dx, dy = (position[:, None] - position).transpose(2, 0, 1)
+    r = np.hypot(dx, dy)
+    np.fill_diagonal(r, math.inf)
+    point = 1.0 / (math.pi * r)
+    # the half-space's own 1/(pi r), its gradient and its Laplacian
+    return BlockInfluence(
+        matrix=point + 0.5 * (value + value.T),
+        gradient_x=slopes[0] - point * dx / r**2,
+        gradient_y=slopes[1] - point * dy / r**2,
+        laplacian=slopes[2] + point / r**2,
+        asymmetry=float(np.abs(value - value.T).max()),
+        error_estimate=float(np.abs(value - coarse[0]).max()),
+        residual=max(residual, other),
+        notes=(f"cells are {lines.stretch:.3g} times as large as wanted",) if lines.stretch > 1.0 else (),
+    )
+
+
+def _remainder(
+    block: Block, poisson_ratio: float, position: FloatArray, lines: Lines
+) -> tuple[FloatArray, float]:
+    """Value, gradient and Laplacian of w between sites, (4, n, n), and the residual.
+
+    A load is a quarter of the sum, over the four parities, of itself and its three mirror images with
+    that parity's signs.
+    """
+    quarter = Quarter.on(lines, poisson_ratio)
+    folded = np.abs(position)
+    square = block.width == block.length
+    if square:  # the mirror image in the diagonal, last
+        folded = np.concatenate([folded, folded[:, ::-1]])
+    place, orbit = _distinct(folded, SAME * block.thickness)
+    step = STEP * np.minimum(0.5 * np.array([block.width, block.length]) - place, block.thickness).min(axis=1)
+    own, turned = orbit[: len(position)], orbit[-len(position) :]
+    side = np.where(position < 0.0, -1.0, 1.0)
+    total, worst = np.zeros((4, len(position), len(position))), 0.0
+    for parity in PARITIES:
+        if square and parity == (-1, 1):
+            continue
+        found, residual = _parity_remainder(quarter, parity, place, step)
+        worst = max(worst, residual)
+        total += _unfolded(found, own, side, parity)
+        if square and parity == (1, -1):
+            # the problem with x and y exchanged
+            mirrored = found[[0, 2, 1, 3]]
+            total += _unfolded(mirrored, turned, side, (-1, 1))
+    return total, worst
+
+
+def _distinct(place: FloatArray, same: float) -> tuple[FloatArray, IntArray]:
+    """Return the distinct places and, for each place, which of them it is."""
+    _, first, orbit = np.unique(np.rint(place / same), axis=0, return_index=True, return_inverse=True)
+    return place[first], orbit
+
+
+def _parity_remainder(
+    quarter: Quarter, parity: tuple[int, int], place: FloatArray, step: FloatArray
+) -> tuple[FloatArray, float]:
+    """Value, gradient and Laplacian of w under mirrored loads, (4, m, m), and the residual."""
+    offset = np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])
+    points = (place + offset[:, None] * step[:, None]).reshape(-1, 2)
+    field = quarter.solve(parity, place)
+    parts = np.array_split(points, -(-len(points) // MOST_PLACES))
+    values = np.concatenate([quarter.influence(field, part) for part in parts])
+    w, east, west, north, south = values.reshape(5, len(place), -1)
+    h = step[:, None]
+    slopes = (east - west) / (2.0 * h), (north - south) / (2.0 * h)
+    return np.stack([w, *slopes, (east + west + north + south - 4.0 * w) / h**2]), field.residual
+
+
+def _unfolded(found: FloatArray, orbit: IntArray, side: FloatArray, parity: tuple[int, int]) -> FloatArray:
+    """Share of one parity in the influence between sites, from its values at the folded places."""
+    sign = np.prod(np.where(np.array(parity) < 0, side, 1.0), axis=1)
+    share = np.asarray(0.25 * found[:, orbit[:, None], orbit] * sign[:, None] * sign)
+    share[1] *= side[:, :1]
+    share[2] *= side[:, 1:]
+    return share

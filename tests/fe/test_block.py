@@ -1,0 +1,364 @@
+"""The true block against skfem's own hexahedra, the bonded layer, its symmetries, and itself refined."""
+
+import math
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+import skfem
+from hypothesis import given
+from hypothesis import strategies as st
+from skfem.helpers import ddot, div, sym_grad
+
+import metafem as mf
+from metafem.fe import Block3D, block_cache, block_solver
+from metafem.fe.block import _solution
+from metafem.fe.block_elasticity import Quarter
+from metafem.fe.block_mesh import MOST_CELLS, Grading, Lines, quarter_lines
+from metafem.fe.block_point_load import displacement, traction
+from metafem.reference import bonded_layer
+
+BLOCK = mf.Block(20.0, 20.0, 7.2)
+# Large cells: a second each, and 1e-4 /mm.
+COARSE = {"cell": 0.7, "edge_cell": 0.05}
+COARSE_ERROR = 1e-4
+SITES = np.array([[0.75, 2.25], [-0.75, 2.25], [3.1, -0.4], [0.0, -2.0]])
+
+
+@pytest.fixture(autouse=True, scope="module")
+def cache(tmp_path_factory):
+    """A cache folder of the tests' own, so that nothing is read that they did not compute."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("cache")))
+        _solution.cache_clear()
+        yield patch
+    _solution.cache_clear()
+
+
+def scene(position, block=BLOCK, poisson_ratio=0.5):
+    return mf.Surface(
+        position, np.full(len(position), 0.1), 0.526, mf.Material(1.36, poisson_ratio), block=block
+    )
+
+
+@given(
+    st.tuples(*[st.floats(-3.0, 3.0)] * 2, st.floats(0.5, 3.0)),
+    st.sampled_from([0.0, 0.3, 0.5]),
+    st.sampled_from([0, 1, 2]),
+)
+def test_half_space_traction_is_that_of_its_displacement(place, poisson_ratio, normal):
+    step = 1e-4
+    gradient = np.empty((3, 3))
+    for k in range(3):
+        ahead, behind = (np.array(place) + sign * step * np.eye(3)[k] for sign in (1, -1))
+        change = np.subtract(displacement(*ahead, poisson_ratio), displacement(*behind, poisson_ratio))
+        gradient[:, k] = change / (2.0 * step)
+    # mu = (1 - nu)/2 for E* = 1, and lambda div u = -nu z / (pi R^3) for any nu
+    spherical = -poisson_ratio * place[2] / (math.pi * np.linalg.norm(place) ** 3)
+    stress = 0.5 * (1.0 - poisson_ratio) * (gradient + gradient.T) + spherical * np.eye(3)
+    found = np.array(traction(*map(np.array, place), normal, poisson_ratio))
+    # what a central difference of this step costs
+    np.testing.assert_allclose(found, stress[normal], atol=1e-6)
+
+
+def test_half_space_traction_on_the_axis_is_the_limit_beside_it():
+    zero, depth = np.zeros(1), np.ones(1)
+    beside = traction(np.full(1, 1e-9), zero, depth, 0, 0.3)
+    np.testing.assert_allclose(traction(zero, zero, depth, 0, 0.3), beside, atol=1e-8)
+
+
+@pytest.mark.parametrize("poisson_ratio", [0.0, 0.3, 0.5])
+def test_matrix_is_that_of_scikit_fem_hexahedra(poisson_ratio):
+    lines = Lines(np.array([0.0, 1.0, 1.5]), np.array([0.0, 0.7, 2.0]), np.array([0.0, 0.4, 0.6]))
+    quarter = Quarter.on(lines, poisson_ratio)
+    mesh = skfem.MeshHex.init_tensor(lines.x, lines.y, lines.z)
+    basis = skfem.Basis(mesh, skfem.ElementVector(skfem.ElementHex2()), intorder=5)
+    linear = basis.with_element(skfem.ElementHex1())
+    mu = 0.5 * (1.0 - poisson_ratio)
+    bulk_compliance = 1.5 * (1.0 - 2.0 * poisson_ratio) / (mu * (1.0 + poisson_ratio))
+
+    def shear(u, v, _):
+        return 2.0 * mu * (ddot(sym_grad(u), sym_grad(v)) - div(u) * div(v) / 3.0)
+
+    stiffness = skfem.BilinearForm(shear).assemble(basis)
+    pressure = skfem.BilinearForm(lambda u, q, _: -q * div(u)).assemble(basis, linear)
+    mass = skfem.BilinearForm(lambda p, q, _: -bulk_compliance * p * q).assemble(linear)
+    matrix = sp.block_array([[stiffness, pressure.T], [pressure, mass]], format="csr")
+
+    dofs = basis.nodal_dofs, basis.edge_dofs, basis.facet_dofs, basis.interior_dofs
+    order = [_by_place(np.concatenate([each[c] for each in dofs]), basis.doflocs) for c in range(3)]
+    order.append(basis.N + _by_place(np.arange(linear.N), linear.doflocs))
+    theirs = matrix[np.concatenate(order)][:, np.concatenate(order)]
+    assert abs(quarter.matrix - theirs).max() < 1e-13
+
+
+def _by_place(dofs, place):
+    """Degrees of freedom sorted by x, then y, then z."""
+    return dofs[np.lexsort(place[::-1, dofs].round(9))]
+
+
+@given(st.floats(1.0, 60.0), st.floats(0.05, 1.0), st.floats(0.001, 0.05))
+def test_lines_grow_from_the_edge(length, cell, edge_cell):
+    line = Grading(length, 5.0, cell, edge_cell).vertices()
+    size = np.diff(line)[::-1]
+    assert (line[0], line[-1]) == (0.0, length)
+    rounding = 1.0 + 1e-9
+    assert 0.0 < size[0] <= rounding * edge_cell
+    assert (size[1:] <= rounding * math.e * size[:-1]).all()
+    assert size[line[:0:-1] < 5.0].max(initial=0.0) <= rounding * cell
+
+
+@pytest.mark.parametrize("thickness", [0.5, 1e-6])
+def test_thin_blocks_take_larger_cells(thickness):
+    lines = quarter_lines(mf.Block(20.0, 20.0, thickness), np.array([[8.0, 8.0]]), 0.25, 0.006)
+    assert lines.stretch > 1.0
+    assert math.prod(len(each) - 1 for each in (lines.x, lines.y, lines.z)) <= MOST_CELLS
+
+
+def test_elements_own_values_converge_to_betti_s():
+    source = np.array([[0.75, 2.25], [3.0, 0.5]])
+    difference = []
+    for cell in (0.6, 0.3):
+        lines = (Grading(length, length, 7.2 * cell, 0.1).vertices() for length in (10.0, 10.0, 7.2))
+        quarter = Quarter.on(Lines(*lines), 0.5)
+        field = quarter.solve((1, -1), source)
+        difference.append(np.abs(quarter.top(field, source) - quarter.influence(field, source)).max())
+    # quadratic elements: third order at a point, 2**3 = 8 in theory, 4 where the meshes do not nest
+    assert difference[1] < difference[0] / 4.0
+    assert difference[1] < 2e-4
+
+
+@pytest.fixture(scope="module")
+def coarse(cache):
+    return Block3D(**COARSE).solution(scene(SITES))
+
+
+def test_influence_is_reciprocal(coarse):
+    assert coarse.asymmetry < 1e-7
+    np.testing.assert_array_equal(coarse.matrix, coarse.matrix.T)
+
+
+def test_mirrored_and_turned_sites_have_the_same_influence(coarse):
+    for turn in (np.diag([1, -1]), np.array([[0, -1], [1, 0]])):
+        turned = Block3D(**COARSE).influence_matrix(scene(SITES @ turn))
+        np.testing.assert_allclose(turned, coarse.matrix, atol=1e-11)
+
+
+def test_block_of_unequal_sides_turns_with_its_sites():
+    long, wide = mf.Block(14.0, 9.0, 4.0), mf.Block(9.0, 14.0, 4.0)
+    found = Block3D(**COARSE).solution(scene(SITES, long, 0.3))
+    turned = Block3D(**COARSE).solution(scene(SITES[:, ::-1], wide, 0.3))
+    np.testing.assert_allclose(turned.matrix, found.matrix, atol=1e-11)
+    np.testing.assert_allclose(turned.gradient_y, found.gradient_x, atol=1e-11)
+    np.testing.assert_allclose(turned.laplacian, found.laplacian, atol=1e-9)
+
+
+def test_nearly_square_block_is_the_square_one(coarse):
+    # three problems with the diagonal's symmetry, four without
+    found = Block3D(**COARSE).influence_matrix(scene(SITES, mf.Block(20.0, 20.0 + 1e-9, 7.2)))
+    np.testing.assert_allclose(found, coarse.matrix, atol=1e-6)
+
+
+def test_influence_depends_on_its_two_sites_alone(coarse):
+    pair = Block3D(**COARSE).influence_matrix(scene(SITES[[2, 0]]))
+    np.testing.assert_allclose(pair, coarse.matrix[np.ix_([2, 0], [2, 0])], atol=1e-11)
+
+
+def test_lengths_scale(coarse):
+    twice = Block3D(**COARSE).solution(scene(2.0 * SITES, mf.Block(40.0, 40.0, 14.4)))
+    np.testing.assert_allclose(2.0 * twice.matrix, coarse.matrix, rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(4.0 * twice.gradient_x, coarse.gradient_x, rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(8.0 * twice.laplacian, coarse.laplacian, rtol=1e-7, atol=1e-12)
+
+
+def test_derivatives_are_those_of_the_influence(coarse):
+    step = 0.05
+    moved = SITES[1] + step * np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])
+    found = Block3D(**COARSE).influence_matrix(scene(np.vstack([moved, SITES[2]])))[:5, 5]
+    here, east, west, north, south = found
+    # the truncation of these differences at a distance of 4.7, where G''' and G'''' are about 1e-2
+    assert (east - west) / (2.0 * step) == pytest.approx(coarse.gradient_x[1, 2], abs=1e-5)
+    assert (north - south) / (2.0 * step) == pytest.approx(coarse.gradient_y[1, 2], abs=1e-5)
+    laplacian = (east + west + north + south - 4.0 * here) / step**2
+    assert laplacian == pytest.approx(coarse.laplacian[1, 2], abs=1e-5)
+
+
+def test_block_lies_between_layer_and_half_space(coarse):
+    r = math.dist(SITES[0], SITES[1])
+    assert bonded_layer.influence(r, 7.2, 0.5) < coarse.matrix[0, 1] < 1.0 / (math.pi * r)
+
+
+@pytest.mark.parametrize("poisson_ratio", [0.0, 0.49])
+def test_wide_block_is_the_layer(poisson_ratio):
+    position = np.array([[0.5, 0.0], [-1.0, 0.0]])
+    surface = scene(position, mf.Block(60.0, 60.0, 5.0), poisson_ratio)
+    found = Block3D(cell=0.5, edge_cell=0.1).influence_matrix(surface)
+    place = 5.0, poisson_ratio
+    expected = [bonded_layer.regular_influence(0.0, *place), bonded_layer.influence(1.5, *place)]
+    np.testing.assert_allclose([found[0, 0], found[0, 1]], expected, atol=COARSE_ERROR)
+
+
+def test_layer_self_term_is_the_known_one():
+    # -c/(pi t) with the c of bonded layers that two other evaluations agree on
+    for poisson_ratio, c in ((0.5, 1.770), (0.45, 1.625), (0.3, 1.377)):
+        assert -math.pi * bonded_layer.regular_influence(0.0, 1.0, poisson_ratio) == pytest.approx(
+            c, abs=5e-4
+        )
+
+
+def test_error_estimate_bounds_the_error(coarse):
+    refined = Block3D(cell=0.45, edge_cell=0.02).influence_matrix(scene(SITES))
+    error = np.abs(refined - coarse.matrix).max()
+    assert error < coarse.error_estimate < 1000.0 * error
+
+
+def test_loads_beside_a_side_warn():
+    surface = scene(np.array([[9.9, 0.0], [9.0, 0.0]]))
+    with pytest.warns(mf.MetafemWarning, match="smaller cells"):
+        Block3D(**COARSE).influence_matrix(surface)
+
+
+def test_result_is_read_back(coarse, monkeypatch):
+    _solution.cache_clear()
+    monkeypatch.setattr("metafem.fe.block_sites.site_influence", None)
+    again = Block3D(**COARSE).solution(scene(SITES))
+    assert again.notes[-1].startswith("read from")
+    for name in ("matrix", "gradient_x", "gradient_y", "laplacian"):
+        np.testing.assert_array_equal(getattr(again, name), getattr(coarse, name))
+    assert (again.asymmetry, again.error_estimate) == (coarse.asymmetry, coarse.error_estimate)
+
+
+@pytest.fixture
+def stored(coarse, tmp_path, monkeypatch):
+    """What is kept, with a folder of its own and without the cost of computing it."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    return lambda shape=(1.0,): block_cache.cached(shape, SITES, lambda: coarse)
+
+
+def test_each_block_has_a_file_of_its_own(stored):
+    assert len({stored(shape).notes[-1] for shape in ((1.0,), (2.0,), (1.0, 2.0))}) == 3
+
+
+def test_changed_code_computes_anew(stored, monkeypatch):
+    stored()
+    monkeypatch.setattr(block_cache, "code_version", lambda: b"another")
+    assert stored().notes[-1].startswith("kept in")
+
+
+def test_broken_file_is_computed_anew(stored, tmp_path):
+    stored()
+    (path,) = (tmp_path / "metafem").iterdir()
+    path.write_bytes(path.read_bytes()[:100])
+    assert "could not be read" in stored().notes[-2]
+    assert stored().notes[-1].startswith("read from")
+
+
+def test_interrupted_write_leaves_nothing(stored, tmp_path, monkeypatch):
+    def interrupted(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(np, "savez", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        stored()
+    assert not list((tmp_path / "metafem").iterdir())
+
+
+def test_unwritable_folder_is_a_note(stored, tmp_path, monkeypatch):
+    (tmp_path / "file").touch()
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))
+    assert "not kept on disk" in stored().notes[-1]
+
+
+def test_vanishing_pivots_are_solved_with_pivoting():
+    matrix = sp.csc_array(np.array([[0.0, 1.0], [1.0, 0.0]]))
+    solution, residual = block_solver.solve(matrix, np.array([[1.0], [2.0]]))
+    np.testing.assert_allclose(solution, [[2.0], [1.0]])
+    assert residual < 1e-15
+
+
+def test_singular_matrix_is_reported():
+    assert block_solver.solve(sp.csc_array((2, 2)), np.ones((2, 1)))[1] == math.inf
+
+
+class _Useless:
+    def solve(self, right):
+        return np.zeros_like(right)
+
+
+def test_failed_factorisation_raises(monkeypatch):
+    monkeypatch.setattr("metafem.fe.block_solver.splu", lambda *_, **__: _Useless())
+    with pytest.raises(mf.NotConverged, match="residual") as raised:
+        Block3D(cell=1.0, edge_cell=0.5).influence_matrix(scene(SITES[:1]))
+    assert raised.value.state.residual > 1e-8
+
+
+@pytest.mark.parametrize(
+    ("position", "block", "message"),
+    [
+        ([[0.0, 0.0]], None, "needs the surface's block"),
+        ([[0.0, 0.0], [11.0, 0.0]], BLOCK, r"position\[1\] = \(11, 0\) is not inside"),
+        ([[0.0, -10.0]], BLOCK, "not inside"),
+    ],
+)
+def test_surfaces_it_cannot_take(position, block, message):
+    with pytest.raises(mf.InvalidInput, match=message):
+        Block3D().influence_matrix(scene(np.array(position), block))
+
+
+@pytest.mark.parametrize(
+    "values",
+    [{"poisson_ratio": 0.51}, {"poisson_ratio": -0.1}, {"cell": 0.0}, {"edge_cell": 2.0}, {"block": 3}],
+)
+def test_values_it_cannot_take(values):
+    with pytest.raises(mf.InvalidInput, match=next(iter(values))):
+        Block3D(**values)
+
+
+def test_values_that_differ_from_the_surface_s_are_refused():
+    for own in (Block3D(poisson_ratio=0.3), Block3D(block=mf.Block(20.0, 20.0, 7.0))):
+        with pytest.raises(mf.InvalidInput, match="but the surface has"):
+            own.for_surface(scene(SITES))
+
+
+def test_values_are_taken_from_the_surface():
+    assert Block3D().for_surface(scene(SITES)) == Block3D(BLOCK, 0.5)
+
+
+def lattice(width=20.0, poisson_ratio=0.5):
+    return mf.Surface.square_lattice(
+        0.1, radius=0.526, material=mf.Material(1.36, poisson_ratio), block=mf.Block(width, width, 7.2)
+    )
+
+
+@pytest.fixture(scope="module")
+def paper(cache):
+    return Block3D().solution(lattice())
+
+
+@pytest.mark.slow
+def test_lattice_on_the_paper_s_block(paper):
+    r = math.pi * 1.5
+    rows = paper.matrix.reshape(8, 8, 8, 8)
+    # over the half-space, by two other codes: one pitch at the centre and at the corner, four pitches
+    assert rows[3, 3, 3, 4] * r == pytest.approx(0.66, abs=5e-3)
+    assert rows[0, 0, 0, 1] * r == pytest.approx(0.74, abs=5e-3)
+    assert [rows[i, 0, i, 4] * 4.0 * r for i in (3, 0)] == pytest.approx([0.04, 0.11], abs=5e-3)
+    assert paper.asymmetry < 1e-5
+    assert paper.error_estimate < 3e-5
+
+
+@pytest.mark.slow
+def test_lattice_on_the_paper_s_block_is_converged(paper):
+    refined = Block3D(cell=0.2, edge_cell=0.004).solution(lattice())
+    assert np.abs(refined.matrix - paper.matrix).max() < 1e-5
+
+
+@pytest.mark.slow
+def test_wide_block_under_the_lattice_is_the_layer():
+    surface = lattice(90.0)
+    found = Block3D(cell=0.4, edge_cell=0.05).influence_matrix(surface)
+    r = np.hypot(*(surface.position[:, None] - surface.position).transpose(2, 0, 1))
+    distinct, which = np.unique(r.round(9), return_inverse=True)
+    layer = [bonded_layer.influence(each, 7.2, 0.5) for each in distinct[1:]]
+    expected = np.array([bonded_layer.regular_influence(0.0, 7.2, 0.5), *layer])[which]
+    np.testing.assert_allclose(found, expected.reshape(r.shape), rtol=0.0, atol=1e-5)
