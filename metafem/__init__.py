@@ -15,6 +15,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from metafem import fe as fe
     from metafem.asperity import Hertz as Hertz
     from metafem.errors import Infeasible as Infeasible
     from metafem.errors import InvalidInput as InvalidInput
@@ -66,10 +67,15 @@ _HOME = {
 }
 _MODULE = {name: module for module, names in _HOME.items() for name in names}
 
-__all__ = sorted(_MODULE)
+# Parts that are used under their own name, such as mf.fe.press.
+_PARTS = ("fe",)
+
+__all__ = sorted([*_MODULE, *_PARTS])
 
 
 def __getattr__(name: str) -> Any:
+    if name in _PARTS:
+        return import_module(f"metafem.{name}")
     if name not in _MODULE:
         raise AttributeError(f"module 'metafem' has no attribute {name!r}")
     value = getattr(import_module(_MODULE[name]), name)
