@@ -20,9 +20,13 @@ from metafem.errors import InvalidInput
 HALF_SPACE_PHI = (0.0, 0.25 * math.pi, 0.5 * math.pi)
 HALF_SPACE_MU = (0.0, 1.0, 2.0, 3.0, 4.0, 6.0, 9.0, 12.0, 15.0, 18.0, 22.0, 26.0, 30.0)
 
-# Ratio of neighbouring elements towards an edge, and size of the last ones there, in units of the contact
-# radius and of the cap's foot. The edge's bracket of the indentation closes in proportion to the first.
-RATIO = 3.0
+# Ratios of the distances of neighbouring lines from an edge: a square root is smooth in the logarithm of
+# the distance, and what counts shrinks with it; away from the edge (a tenth of the radius) the fields
+# themselves are to be right to 1e-4, with degree 5.
+EDGE_RATIO, RATIO, EDGE_REACH = 6.0, 2.0, 0.1
+
+# Size of the last elements at the contact's edge and at the cap's foot, in units of their radii. The
+# edge's bracket of the indentation closes in proportion to the first.
 CONTACT_EDGE = 1e-5
 FOOT_EDGE = 1e-3
 
@@ -46,9 +50,7 @@ def graded_mesh(
     thickness: float,
     foot: float | None = None,
     *,
-    ratio: float = RATIO,
     contact_edge: float = CONTACT_EDGE,
-    foot_edge: float = FOOT_EDGE,
 ) -> MeshQuad:
     """Return a mesh of a body's plane (s, depth), graded to the contact's edge and the cap's foot.
 
@@ -58,24 +60,22 @@ def graded_mesh(
         Plane coordinate of the contact's edge and of the side, and thickness [mm].
     foot : float, optional
         Plane coordinate of the cap's foot [mm].
-    ratio : float
-        Ratio of neighbouring elements in the graded parts.
-    contact_edge, foot_edge : float
-        Size of the last elements, relative to the contact's radius and to the foot's.
+    contact_edge : float
+        Size of the last elements, relative to the contact's radius.
     """
-    fine = contact_edge * contact
-    across = [_graded(contact, 0.0, fine, ratio)[::-1]]
+    fine, reach = contact_edge * contact, EDGE_REACH * contact
+    across = [_graded(contact, 0.0, fine, reach)[::-1]]
     if foot is None:
-        across.append(_graded(contact, outer, fine, ratio))
+        across.append(_graded(contact, outer, fine, reach, thickness))
     else:
-        coarse, middle = foot_edge * foot, 0.5 * (contact + foot)
+        coarse, wide, middle = FOOT_EDGE * foot, EDGE_REACH * foot, 0.5 * (contact + foot)
         across += [
-            _graded(contact, middle, fine, ratio),
-            _graded(foot, middle, coarse, ratio)[::-1],
-            _graded(foot, outer, coarse, ratio),
+            _graded(contact, middle, fine, reach),
+            _graded(foot, middle, coarse, wide)[::-1],
+            _graded(foot, outer, coarse, wide, thickness),
         ]
     s = np.concatenate([across[0], *(part[1:] for part in across[1:])])
-    mesh = MeshQuad.init_tensor(s, _graded(0.0, thickness, fine, ratio))
+    mesh = MeshQuad.init_tensor(s, _graded(0.0, thickness, fine, reach))
     return named(mesh, contact, outer, thickness)
 
 
@@ -120,10 +120,17 @@ def read_mesh(path: str | Path) -> MeshQuad:
     return mesh
 
 
-def _graded(fine_end: float, coarse_end: float, smallest: float, ratio: float) -> FloatArray:
-    """Points from the fine end, where the first interval is at most `smallest`, to the coarse end."""
-    length = coarse_end - fine_end
-    count = max(1, math.ceil(math.log(abs(length) / smallest) / math.log(ratio)))
-    points = fine_end + length * np.append(0.0, ratio ** -np.arange(count, -1.0, -1.0))
+def _graded(
+    fine_end: float, coarse_end: float, smallest: float, edge: float, largest: float = math.inf
+) -> FloatArray:
+    """Points from the fine end, where the first interval is at most `smallest`, to the coarse end.
+
+    Distances grow by EDGE_RATIO up to `edge`, and beyond it by RATIO or by `largest`.
+    """
+    distance = [smallest]
+    while distance[-1] < abs(coarse_end - fine_end):
+        x = distance[-1]
+        distance.append(x * EDGE_RATIO if x < edge else min(x * RATIO, x + largest))
+    points = fine_end + (coarse_end - fine_end) * np.append(0.0, distance) / distance[-1]
     points[-1] = coarse_end
     return points
