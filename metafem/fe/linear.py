@@ -27,26 +27,29 @@ class Solved:
     pivoted: bool
 
 
-def solve(matrix: csc_matrix, right: FloatArray) -> Solved:
+def solve(matrix: csc_matrix, right: FloatArray, threshold: float = 0.0) -> Solved:
     """Solve the symmetric system for all columns of `right`, (n, k).
 
-    The rows and columns are scaled by the roots of the diagonal. The elements' bubbles have been
-    eliminated before, which leaves definite displacements over definite pressures of the other sign: a
+    Rows and columns are scaled by the roots of their largest entries. Where the elements' bubbles have
+    been eliminated before, definite displacements are left over definite pressures of the other sign: a
     quasi-definite matrix, which needs no pivoting in any order (Vanderbei, SIAM J. Optim. 5, 100 (1995),
-    doi:10.1137/0805005). Where the residual says otherwise, the system is factorised again with pivoting.
+    doi:10.1137/0805005). A `threshold` takes a diagonal pivot only if it is that share of its column.
+    Where the residual is not small, the system is factorised again with full partial pivoting.
     """
-    scale = 1.0 / np.sqrt(np.abs(matrix.diagonal()))
+    scale = 1.0 / np.sqrt(np.abs(matrix).max(axis=0).toarray().ravel())
     scaled = (diags(scale) @ matrix @ diags(scale)).tocsc()
     target = scale[:, None] * right
-    result = _refined(_symmetric(scaled), scaled, target)
+    result = _refined(_symmetric(scaled, threshold), scaled, target)
     pivoted = not result[1] <= RESIDUAL
     if pivoted:
         result = _refined(splu(scaled), scaled, target)
     return Solved(scale[:, None] * result[0], result[1], pivoted)
 
 
-def _symmetric(matrix: csc_matrix) -> SuperLU:
-    return splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+def _symmetric(matrix: csc_matrix, threshold: float) -> SuperLU:
+    return splu(
+        matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=threshold, options={"SymmetricMode": True}
+    )
 
 
 def _refined(factors: SuperLU, matrix: csc_matrix, right: FloatArray) -> tuple[FloatArray, float]:
