@@ -22,7 +22,7 @@ HALF_SPACE_MU = (0.0, 1.0, 2.0, 3.0, 4.0, 6.0, 9.0, 12.0, 15.0, 18.0, 22.0, 26.0
 
 # Ratios of the distances of neighbouring lines from an edge: a square root is smooth in the logarithm of
 # the distance, and what counts shrinks with it; away from the edge (a tenth of the radius) the fields
-# themselves are to be right to 1e-4, with degree 5.
+# themselves are to be right to 1e-4 and better, with degree 6.
 EDGE_RATIO, RATIO, EDGE_REACH = 6.0, 2.0, 0.1
 
 # Size of the last elements at the contact's edge and at the cap's foot, in units of their radii. The

@@ -26,7 +26,7 @@ LAYER_EXTENT = 12.0
 
 # Degrees of the returned solution and of the lower one that judges it.
 HALF_SPACE_DEGREES = (12, 10)
-GRADED_DEGREES = (5, 4)
+GRADED_DEGREES = (6, 5)
 
 Profile = Callable[[FloatArray], FloatArray]
 
