@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from skfem import MeshQuad
 
 from metafem._validate import FloatArray
 from metafem.fe.contact import Pressed, graded, spectral
@@ -41,6 +42,8 @@ class Check:
     tolerance : float
     source : str
         Where the expected number comes from.
+    expectation : str
+        The expected number and the tolerance in words.
     """
 
     name: str
@@ -49,6 +52,7 @@ class Check:
     error: float
     tolerance: float
     source: str
+    expectation: str
 
     @property
     def passed(self) -> bool:
@@ -127,8 +131,8 @@ def layer_check(poisson_ratio: float = 0.5) -> list[Check]:
     contact = press(a, RADIUS, poisson_ratio, thickness=THICKNESS)
     checks = []
     for r in (0.5, 1.0, 1.5, 3.0, 5.0, 6.0, 10.0):
-        half_space = single_contacts.hertz_displacement(np.array(r), a, RADIUS)
-        half_space = float(half_space) / single_contacts.hertz(a, RADIUS)[0]
+        field = float(single_contacts.hertz_displacement(np.array(r), a, RADIUS))
+        half_space = field / single_contacts.hertz(a, RADIUS)[0]
         layer = half_space + float(bonded_layer.regular_influence(r, THICKNESS, poisson_ratio))
         computed = float(contact.displacement(r)) / contact.rescaled_load
         checks.append(
@@ -197,7 +201,7 @@ def cap_convergence() -> Convergence:
     return _order("last element", size, np.array([bracket(float(s)) for s in size]))
 
 
-def _cap_pressed(mesh: object, cap: Cap, a: float) -> Pressed:
+def _cap_pressed(mesh: MeshQuad, cap: Cap, a: float) -> Pressed:
     """Press a sphere's profile on the cap with the lowest degree."""
 
     def profile(r: FloatArray) -> FloatArray:
@@ -211,16 +215,19 @@ def _order(parameter: str, value: FloatArray, error: FloatArray) -> Convergence:
 
 
 def _relative(name: str, computed: float, expected: float, tolerance: float, source: str) -> Check:
-    return Check(name, computed, expected, abs(computed / expected - 1.0), tolerance, source)
+    words = f"{expected:.6g} to {tolerance:.1g} of it"
+    return Check(name, computed, expected, abs(computed / expected - 1.0), tolerance, source, words)
 
 
 def _absolute(name: str, computed: float, expected: float, tolerance: float, source: str) -> Check:
-    return Check(name, computed, expected, abs(computed - expected), tolerance, source)
+    words = f"{expected:.6g} ± {tolerance:.1g}"
+    return Check(name, computed, expected, abs(computed - expected), tolerance, source, words)
 
 
 def _bound(name: str, computed: float, limit: float, source: str) -> Check:
-    return Check(name, computed, 0.0, computed, limit, source)
+    return Check(name, computed, 0.0, computed, limit, source, f"at most {limit:.1g}")
 
 
 def _rate(name: str, computed: float, at_least: float, source: str) -> Check:
-    return Check(name, computed, at_least, max(0.0, at_least - computed), 0.0, source)
+    shortfall = max(0.0, at_least - computed)
+    return Check(name, computed, at_least, shortfall, 0.0, source, f"at least {at_least:.2g}")

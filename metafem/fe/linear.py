@@ -30,13 +30,16 @@ class Solved:
 def solve(matrix: csc_matrix, right: FloatArray, threshold: float = 0.0) -> Solved:
     """Solve the symmetric system for all columns of `right`, (n, k).
 
-    Rows and columns are scaled by the roots of their largest entries. Where the elements' bubbles have
-    been eliminated before, definite displacements are left over definite pressures of the other sign: a
-    quasi-definite matrix, which needs no pivoting in any order (Vanderbei, SIAM J. Optim. 5, 100 (1995),
-    doi:10.1137/0805005). A `threshold` takes a diagonal pivot only if it is that share of its column.
-    Where the residual is not small, the system is factorised again with full partial pivoting.
+    Rows and columns are scaled by the roots of the diagonal, or of their largest entry where it is zero.
+    Where the elements' bubbles have been eliminated before, definite displacements are left over definite
+    pressures of the other sign: a quasi-definite matrix, which needs no pivoting in any order (Vanderbei,
+    SIAM J. Optim. 5, 100 (1995), doi:10.1137/0805005). A `threshold` takes a diagonal pivot only if it is
+    that share of its column. Where the residual is not small, the system is factorised again with full
+    partial pivoting.
     """
-    scale = 1.0 / np.sqrt(np.abs(matrix).max(axis=0).toarray().ravel())
+    diagonal = np.abs(matrix.diagonal())
+    largest = np.abs(matrix).max(axis=0).toarray().ravel()
+    scale = 1.0 / np.sqrt(np.where(diagonal > 0.0, diagonal, largest))
     scaled = (diags(scale) @ matrix @ diags(scale)).tocsc()
     target = scale[:, None] * right
     result = _refined(_symmetric(scaled, threshold), scaled, target)

@@ -103,20 +103,24 @@ def named(mesh: MeshQuad, contact: float, outer: float, thickness: float) -> Mes
 
 
 def read_mesh(path: str | Path) -> MeshQuad:
-    """Read a mesh with its named boundaries.
+    """Read a mesh of a reference plane with its named boundaries.
 
     Raises
     ------
     InvalidInput
-        If the file cannot be read, or holds no quadrilaterals, or lacks a name.
+        If the file cannot be read, lacks a name, or holds other elements than rectangles that are all
+        numbered alike, as the higher degrees need.
     """
     try:
         mesh = MeshQuad.load(path)
-    except Exception as error:  # meshio raises many kinds, SystemExit among them, for one reason
+    except (Exception, SystemExit) as error:  # meshio's readers end in many ways, for one reason
         raise InvalidInput(f"cannot read a mesh from {path}: {error}") from None
     missing = {"contact", "free", "axis", "base"} - set(mesh.boundaries or {})
     if missing:
         raise InvalidInput(f"the mesh in {path} lacks the boundaries {', '.join(sorted(missing))}")
+    s, depth = mesh.p[:, mesh.t]
+    if not (np.array_equal(s[[0, 2]], s[[1, 3]]) and np.array_equal(depth[[0, 1]], depth[[3, 2]])):
+        raise InvalidInput(f"the elements in {path} must be rectangles that are all numbered alike")
     return mesh
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.sparse import bmat, csc_matrix
@@ -83,14 +84,14 @@ def search_contact(
     nu = check.number("poisson_ratio", poisson_ratio, at_least=0.0, at_most=0.5)
     size = math.sqrt(depth * big)
     width = check.number("cell", cell, above=0.0, at_most=0.25 * size)
-    mesh = uniform_mesh(width, REACH * size, EXTENT * size)
-    r, flexibility = _flexibility(mesh, nu)
-    force, steps = _active_set(flexibility, depth - r**2 / (2.0 * big))
+    # In units of the contact's radius a^2 = R d, so that lengths of any size are solved alike.
+    r, flexibility = _flexibility(uniform_mesh(width / size, REACH, EXTENT), nu)
+    force, steps = _active_set(flexibility, 1.0 - 0.5 * r**2)
     closed = force > 0.0
     return FoundContact(
-        rescaled_load=math.fsum(force),
-        contact_radius=math.sqrt(2.5 * math.fsum(force * r**2) / math.fsum(force)),
-        last_radius=float(r[closed].max()),
+        rescaled_load=depth * size * math.fsum(force),
+        contact_radius=size * math.sqrt(2.5 * math.fsum(force * r**2) / math.fsum(force)),
+        last_radius=size * float(r[closed].max()),
         steps=steps,
     )
 
@@ -131,22 +132,25 @@ def _matrix(displacement: Basis, pressure: Basis, nu: float) -> csc_matrix:
     """Mixed stiffness in scikit-fem's forms, composite modulus 1, per radian."""
     mu, compliance = 0.5 * (1.0 - nu), 3.0 * (1.0 - 2.0 * nu) / (1.0 - nu**2)
 
-    @BilinearForm
-    def shear(u, v, w):  # type: ignore[no-untyped-def]
+    def shear(u: Any, v: Any, w: Any) -> Any:
         r = w.x[0]
-        hoop, other = u.value[0] / r, v.value[0] / r
+        hoop, other = u[0] / r, v[0] / r
         one, two = u.grad[0, 0] + u.grad[1, 1] + hoop, v.grad[0, 0] + v.grad[1, 1] + other
         direct = u.grad[0, 0] * v.grad[0, 0] + u.grad[1, 1] * v.grad[1, 1] + hoop * other
         across = (u.grad[0, 1] + u.grad[1, 0]) * (v.grad[0, 1] + v.grad[1, 0])
         return mu * (2.0 * direct + across - 2.0 / 3.0 * one * two) * r
 
-    @BilinearForm
-    def dilation(u, q, w):  # type: ignore[no-untyped-def]
-        return -(u.grad[0, 0] + u.grad[1, 1] + u.value[0] / w.x[0]) * q * w.x[0]
+    def dilation(u: Any, q: Any, w: Any) -> Any:
+        return -(u.grad[0, 0] + u.grad[1, 1] + u[0] / w.x[0]) * q * w.x[0]
 
-    @BilinearForm
-    def mass(p, q, w):  # type: ignore[no-untyped-def]
+    def mass(p: Any, q: Any, w: Any) -> Any:
         return -compliance * p * q * w.x[0]
 
-    block = dilation.assemble(displacement, pressure)
-    return bmat([[shear.assemble(displacement), block.T], [block, mass.assemble(pressure)]], format="csc")
+    block = BilinearForm(dilation).assemble(displacement, pressure)
+    return bmat(
+        [
+            [BilinearForm(shear).assemble(displacement), block.T],
+            [block, BilinearForm(mass).assemble(pressure)],
+        ],
+        format="csc",
+    )

@@ -67,7 +67,9 @@ def lattice_sums(pitch: float, thickness: float, poisson_ratio: float) -> tuple[
     return own + math.fsum(number * influence(r, thickness, poisson_ratio)), math.fsum(number * laplacian)
 
 
-def cell_influence(contact_radius: float, cell_radius: float, thickness: float, poisson_ratio: float) -> float:
+def cell_influence(
+    contact_radius: float, cell_radius: float, thickness: float, poisson_ratio: float
+) -> float:
     """Displacement at the centre of a Hertzian load per unit P/E* on a smooth-walled cylinder, less a
     half-space's own ``3/(4 a)`` [1/mm].
 
