@@ -39,6 +39,11 @@ def below(name: str, computed: float, limit: float, source: str) -> Check:
     return Check(name, computed, f"at most {limit:.3g}", computed <= limit, source)
 
 
+def from_elements(checks: list[Any]) -> list[Check]:
+    """Return the finite elements' own checks in the form of the page."""
+    return [Check(c.name, c.computed, c.expectation, c.passed, c.source) for c in checks]
+
+
 @dataclass(frozen=True)
 class Claim:
     """What one file shows: its checks, and at most three figures made only when they are drawn."""

@@ -1,5 +1,23 @@
-"""Finite elements: a second, independent theory of the same contacts."""
+"""Finite elements: a second theory of the same contact, and the checks it makes."""
 
 from metafem.fe.block import Block3D
+from metafem.fe.checks import Check, Convergence, cap_check, cell_check, hertz_check, layer_check
+from metafem.fe.mesh import read_mesh
+from metafem.fe.press import PressedContact, Status, press
+from metafem.fe.search import FoundContact, search_contact
 
-__all__ = ["Block3D"]
+__all__ = [
+    "Block3D",
+    "Check",
+    "Convergence",
+    "FoundContact",
+    "PressedContact",
+    "Status",
+    "cap_check",
+    "cell_check",
+    "hertz_check",
+    "layer_check",
+    "press",
+    "read_mesh",
+    "search_contact",
+]

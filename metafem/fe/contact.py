@@ -1,0 +1,163 @@
+"""Prescribed contact radius: two linear problems, and the indentation for which the edge is regular."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from skfem import ElementLinePp, MeshQuad
+
+from metafem._validate import FloatArray
+from metafem.fe.elasticity import Body, Solution
+from metafem.fe.geometry import Geometry, Oblate
+from metafem.fe.surface_values import locate
+
+Profile = Callable[[FloatArray], FloatArray]
+
+
+@dataclass(frozen=True, eq=False)
+class Pressed:
+    """One discrete solution: what a mesh and a degree say.
+
+    Attributes
+    ----------
+    load, indentation : float
+        P/E* [mm^2] and indentation [mm].
+    bracket : float
+        Half of the relative width between the two criteria's loads or indentations, 0 for one criterion.
+    residual, pivoted : float, bool
+        Of the linear system.
+    body, skeleton : Body, ndarray
+        Where the fields are evaluated.
+    extent : float
+        Largest radius at which they are [mm].
+    """
+
+    load: float
+    indentation: float
+    bracket: float
+    residual: float
+    pivoted: bool
+    body: Body
+    skeleton: FloatArray
+    extent: float
+
+
+def spectral(
+    mesh: MeshQuad, geometry: Oblate, degree: int, poisson_ratio: float, profile: Profile, extent: float
+) -> Pressed:
+    """Half-space in oblate-spheroidal coordinates.
+
+    Near the edge the surface sinks by ``K mu + O(mu^2)`` below the contact's level, with the strength K of
+    the pressure's singularity: the indentation is the one at which that slope vanishes.
+    """
+    body = Body(mesh, geometry, degree, poisson_ratio)
+    solution = _solve(body, profile, walled=False)
+    element, place = locate(body, "free", np.zeros((2, 1)))
+    slope = body.plane_gradient(solution.skeleton, int(element[0]), place)[1]
+    indentation = -slope[1] / slope[0]
+    return _combined(body, solution, indentation, 0.0, extent)
+
+
+def graded(
+    mesh: MeshQuad,
+    geometry: Geometry,
+    degree: int,
+    poisson_ratio: float,
+    profile: Profile,
+    contact_radius: float,
+    extent: float,
+    walled: bool,
+) -> Pressed:
+    """A body on a mesh graded to the edge; the indentation is the middle of the two criteria's."""
+    body = Body(mesh, geometry, degree, poisson_ratio)
+    solution = _solve(body, profile, walled)
+    start = body.displacement.skeleton
+    edge = geometry.surface(np.array(contact_radius))[0]
+    corner, other = _edge_nodes(mesh, float(edge))
+    reaction = solution.reaction[start + corner]
+    no_reaction = -reaction[1] / reaction[0]
+    sunk = solution.skeleton[start + other]
+    depth = float(profile(geometry.point(mesh.p[:, other])[:1])[0])
+    no_gap = (depth + sunk[1]) / (1.0 - sunk[0])
+    indentation = 0.5 * (no_reaction + no_gap)
+    load = total_load(body, solution)
+    middle = load[0] * indentation + load[1]
+    half = 0.5 * abs(no_gap - no_reaction)
+    bracket = max(half / abs(indentation), half * load[0] / abs(middle))
+    return _combined(body, solution, indentation, bracket, extent)
+
+
+def total_load(body: Body, solution: Solution) -> FloatArray:
+    """Load P/E* of each right side: the reactions of the contact's nodes."""
+    return np.asarray(
+        2.0 * math.pi * solution.reaction[body.displacement.skeleton + _nodes(body, "contact")].sum(axis=0)
+    )
+
+
+def contact_data(body: Body, value: Callable[[FloatArray], FloatArray]) -> FloatArray:
+    """Scalar coefficients (n,) that take `value` of the radius along the contact.
+
+    Exact at the nodes, and the closest polynomial of the degree in between.
+    """
+    mesh, field = body.mesh, body.displacement
+    facets = mesh.boundaries["contact"]
+    x, w = np.polynomial.legendre.leggauss(body.degree + 3)
+    x, w = 0.5 * (x + 1.0), 0.5 * w
+    line = ElementLinePp(body.degree)
+    bubbles = np.array([line.lbasis(x[None], i)[0] for i in range(2, body.degree + 1)])
+    # The degrees on a facet run from its smaller coordinate to its larger one.
+    nodes = mesh.facets[:, facets]
+    nodes = np.where(mesh.p[:, nodes[0]].sum(axis=0) <= mesh.p[:, nodes[1]].sum(axis=0), nodes, nodes[::-1])
+    first, last = mesh.p[:, nodes[0], None], mesh.p[:, nodes[1], None]
+    inside = value(body.geometry.point(first + (last - first) * x)[0])
+    ends = value(body.geometry.point(mesh.p[:, nodes])[0])
+    rest = inside - ends[0, :, None] * (1.0 - x) - ends[1, :, None] * x
+    result = np.zeros(field.skeleton)
+    result[nodes] = ends
+    result[field.dofs.facet_dofs[:, facets]] = np.linalg.solve(
+        (bubbles * w) @ bubbles.T, (bubbles * w) @ rest.T
+    )
+    return result
+
+
+def _solve(body: Body, profile: Profile, walled: bool) -> Solution:
+    """Solve for the plane sinking by 1 and for the profile pressed flat."""
+    start = body.displacement.skeleton
+    radial = [body.boundary("axis"), body.boundary("base")]
+    if walled:
+        radial.append(body.boundary("wall"))
+    fixed = np.unique(
+        np.concatenate([*radial, start + body.boundary("base"), start + body.boundary("contact")])
+    )
+    value = np.zeros((body.matrix.shape[0], 2))
+    value[start : 2 * start, 0] = contact_data(body, np.ones_like)
+    value[start : 2 * start, 1] = contact_data(body, lambda r: -profile(r))
+    return body.solve(fixed, value)
+
+
+def _combined(body: Body, solution: Solution, indentation: float, bracket: float, extent: float) -> Pressed:
+    share = np.array([indentation, 1.0])
+    return Pressed(
+        load=float(total_load(body, solution) @ share),
+        indentation=float(indentation),
+        bracket=float(bracket),
+        residual=solution.residual,
+        pivoted=solution.pivoted,
+        body=body,
+        skeleton=solution.skeleton @ share,
+        extent=extent,
+    )
+
+
+def _nodes(body: Body, name: str) -> FloatArray:
+    return np.unique(body.mesh.facets[:, body.mesh.boundaries[name]])
+
+
+def _edge_nodes(mesh: MeshQuad, edge: float) -> tuple[int, int]:
+    """Node at the contact's edge and the next one outside it."""
+    free = np.unique(mesh.facets[:, mesh.boundaries["free"]])
+    order = free[np.argsort(np.abs(mesh.p[0, free] - edge))]
+    return int(order[0]), int(order[1])

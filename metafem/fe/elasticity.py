@@ -1,0 +1,254 @@
+"""Axisymmetric small-strain elasticity with displacements of degree p and pressures of degree p - 1."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.sparse import coo_matrix, csc_matrix
+from skfem import ElementQuadP, MeshQuad
+from skfem.assembly.dofs import Dofs
+
+from metafem._validate import FloatArray, IntArray
+from metafem.fe import linear
+from metafem.fe.geometry import Geometry
+
+# Gauss points per direction beyond the degree: the elements' own polynomials need one, the analytic
+# maps and 1/r are resolved by the others.
+EXTRA_POINTS = 3
+
+# Numbers in the largest array of a group of elements: 2 MiB, so that a few of them stay in the cache.
+GROUP = 250_000
+
+
+class Field:
+    """Numbering and reference shapes of the scalar polynomials of one degree on a mesh."""
+
+    def __init__(self, mesh: MeshQuad, degree: int) -> None:
+        self.element = ElementQuadP(degree)
+        self.dofs = Dofs(mesh, self.element)
+        self.local = (degree + 1) ** 2
+        self.inner = (degree - 1) ** 2
+        # Bubbles are numbered last, globally and in each element.
+        self.skeleton = int(self.dofs.N) - self.inner * mesh.nelements
+
+    def shapes(self, place: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Values (local, n) and derivatives (local, 2, n) at points (2, n) of the reference square."""
+        pairs = [self.element.lbasis(place, i) for i in range(self.local)]
+        return np.array([value for value, _ in pairs]), np.array([slope for _, slope in pairs])
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """Displacements and pressures for k right sides.
+
+    Attributes
+    ----------
+    skeleton : ndarray, (n, k)
+        Coefficients that elements share: radial, downward, pressure.
+    reaction : ndarray, (n, k)
+        Forces per 2 pi that hold the fixed ones.
+    residual : float
+        Scaled residual of the linear system, recomputed.
+    pivoted : bool
+        Whether the factorisation had to be repeated with pivoting.
+    """
+
+    skeleton: FloatArray
+    reaction: FloatArray
+    residual: float
+    pivoted: bool
+
+
+class Body:
+    """An axisymmetric elastic body of composite modulus 1 on a mesh of its reference plane.
+
+    ``div(2 mu dev eps - p I) = 0``, ``div u + p/K = 0`` with ``mu = (1 - nu)/2`` and
+    ``1/K = 3 (1 - 2 nu)/(1 - nu^2)``: exact for every nu in [0, 0.5], incompressible bodies included.
+    The bubbles of displacement and pressure are eliminated element by element.
+
+    Parameters
+    ----------
+    mesh : MeshQuad
+        Of the reference plane, with named boundaries.
+    geometry : Geometry
+        From the plane to radius and depth.
+    degree : int
+        p of the displacements, at least 4.
+    poisson_ratio : float
+        nu.
+    """
+
+    def __init__(self, mesh: MeshQuad, geometry: Geometry, degree: int, poisson_ratio: float) -> None:
+        self.mesh, self.geometry, self.degree = mesh, geometry, degree
+        self.poisson_ratio = poisson_ratio
+        self.displacement, self.pressure = Field(mesh, degree), Field(mesh, degree - 1)
+
+    @property
+    def shear_modulus(self) -> float:
+        """Mu, in units of the composite modulus."""
+        return 0.5 * (1.0 - self.poisson_ratio)
+
+    @property
+    def compliance(self) -> float:
+        """1/K, in units of 1/E*."""
+        return 3.0 * (1.0 - 2.0 * self.poisson_ratio) / (1.0 - self.poisson_ratio**2)
+
+    @cached_property
+    def _local(self) -> tuple[IntArray, IntArray]:
+        """Local numbers of the skeleton and of the bubbles, of (radial, downward, pressure)."""
+        u, p = self.displacement, self.pressure
+        kept, inner = [], []
+        for start, field in ((0, u), (u.local, u), (2 * u.local, p)):
+            shared = field.local - field.inner
+            kept.append(start + np.arange(shared))
+            inner.append(start + np.arange(shared, field.local))
+        return np.concatenate(kept), np.concatenate(inner)
+
+    @cached_property
+    def numbering(self) -> IntArray:
+        """Global skeleton numbers of each element's kept unknowns, (elements, kept)."""
+        u, p = self.displacement, self.pressure
+        mine = u.dofs.element_dofs[: u.local - u.inner]
+        other = p.dofs.element_dofs[: p.local - p.inner]
+        return np.vstack([mine, mine + u.skeleton, other + 2 * u.skeleton]).T
+
+    @cached_property
+    def _condensed(self) -> tuple[csc_matrix, FloatArray]:
+        """Matrix of the skeleton, and per element the bubbles that follow from it."""
+        kept, inner = self._local
+        count = self.mesh.nelements
+        points = (self.degree + EXTRA_POINTS) ** 2
+        step = max(1, GROUP // (points * self.displacement.local))
+        schur, follow = [], []
+        for start in range(0, count, step):
+            block = self._element_matrices(np.arange(start, min(start + step, count)))
+            coupling = block[:, inner[:, None], kept]
+            answer = -np.linalg.solve(block[:, inner[:, None], inner], coupling)
+            schur.append(block[:, kept[:, None], kept] + np.matmul(coupling.transpose(0, 2, 1), answer))
+            follow.append(answer)
+        number = self.numbering
+        width, size = number.shape[1], 2 * self.displacement.skeleton + self.pressure.skeleton
+        rows, columns = np.repeat(number, width, axis=1).ravel(), np.tile(number, (1, width)).ravel()
+        values = np.concatenate(schur).ravel()
+        matrix = coo_matrix((values, (rows, columns)), shape=(size, size)).tocsc()
+        return matrix, np.concatenate(follow)
+
+    @property
+    def matrix(self) -> csc_matrix:
+        """Condensed matrix of the skeleton."""
+        return self._condensed[0]
+
+    def _element_matrices(self, elements: IntArray) -> FloatArray:
+        """Matrices [[K, G'], [G, -C]] of some elements, with the weight r of the solid of revolution."""
+        x, w = np.polynomial.legendre.leggauss(self.degree + EXTRA_POINTS)
+        x, w = 0.5 * (x + 1.0), 0.5 * w
+        place, weight = np.array(np.meshgrid(x, x)).reshape(2, -1), np.outer(w, w).ravel()
+        value, slope = self.displacement.shapes(place)
+        other, _ = self.pressure.shapes(place)
+        radius, inverse, determinant = self._measure(place, elements)
+        weight = weight * np.abs(determinant) * radius
+        # Rows of values at the points, (elements, points, local).
+        along_r, along_z = np.einsum("jieq,bjq->ieqb", inverse, slope, optimize=True)
+        hoop = value.T / radius[..., None]
+        dilation = along_r + hoop
+        mu, weighted = self.shear_modulus, weight[..., None]
+
+        def product(left: FloatArray, right: FloatArray) -> FloatArray:
+            return np.asarray(np.matmul(left.transpose(0, 2, 1), right * weighted))
+
+        rr, zz = product(along_r, along_r), product(along_z, along_z)
+        radial = 2.0 * (rr + product(hoop, hoop)) + zz - 2.0 / 3.0 * product(dilation, dilation)
+        mixed = product(along_z, along_r) - 2.0 / 3.0 * product(dilation, along_z)
+        down = 4.0 / 3.0 * zz + rr
+        at_points = np.broadcast_to(other.T, (len(elements), *other.T.shape))
+        one, two = -product(at_points, dilation), -product(at_points, along_z)
+        return np.block(
+            [
+                [mu * radial, mu * mixed, one.transpose(0, 2, 1)],
+                [mu * mixed.transpose(0, 2, 1), mu * down, two.transpose(0, 2, 1)],
+                [one, two, -self.compliance * product(at_points, at_points)],
+            ]
+        )
+
+    def _measure(self, place: FloatArray, elements: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Radius, inverse Jacobian and its determinant at points of the reference square."""
+        straight = self.mesh.mapping()
+        plane = straight.F(place, elements)
+        total = np.einsum(
+            "ijeq,jkeq->ikeq", self.geometry.jacobian(plane), straight.DF(place, elements), optimize=True
+        )
+        (a, b), (c, d) = total
+        determinant = a * d - b * c
+        return self.geometry.point(plane)[0], np.array([[d, -b], [-c, a]]) / determinant, determinant
+
+    def boundary(self, *names: str) -> IntArray:
+        """Scalar displacement numbers on named boundaries."""
+        facets = np.unique(np.concatenate([self.mesh.boundaries[name] for name in names]))
+        corners = np.unique(self.mesh.facets[:, facets])
+        dofs = self.displacement.dofs
+        return np.concatenate([dofs.nodal_dofs[:, corners].ravel(), dofs.facet_dofs[:, facets].ravel()])
+
+    def solve(self, fixed: IntArray, value: FloatArray) -> Solution:
+        """Solve with some skeleton unknowns fixed at `value`, (n, k), and no load on the rest."""
+        free = np.setdiff1d(np.arange(self.matrix.shape[0]), fixed)
+        rows = self.matrix[free]
+        skeleton = np.zeros((self.matrix.shape[0], value.shape[1]))
+        skeleton[fixed] = value[fixed]
+        solved = linear.solve(rows[:, free].tocsc(), -(rows @ skeleton))
+        skeleton[free] = solved.value
+        return Solution(skeleton, self.matrix @ skeleton, solved.residual, solved.pivoted)
+
+    def fields_at(
+        self, skeleton: FloatArray, element: IntArray, place: FloatArray
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Displacement (2, n), its gradient (2, 2, n) by (r, z), and pressure (n,) inside elements.
+
+        Parameters
+        ----------
+        skeleton : ndarray, (n,)
+            One column of a solution.
+        element : ndarray, (n,)
+            Elements of the points.
+        place : ndarray, (2, n)
+            Their places in the reference square.
+        """
+        local = self.displacement.local
+        full = self._coefficients(skeleton, element)
+        u = full[:, : 2 * local].reshape(-1, 2, local)
+        value, slope = self.displacement.shapes(place)
+        other, _ = self.pressure.shapes(place)
+        straight = self.mesh.mapping()
+        plane = straight.F(place[:, :, None], element)[..., 0]
+        total = np.einsum(
+            "ijn,jkn->ikn", self.geometry.jacobian(plane), straight.DF(place[:, :, None], element)[..., 0]
+        )
+        (a, b), (c, d) = total
+        inverse = np.array([[d, -b], [-c, a]]) / (a * d - b * c)
+        return (
+            np.einsum("ncb,bn->cn", u, value),
+            np.einsum("ncb,bkn,kjn->cjn", u, slope, inverse, optimize=True),
+            np.einsum("nb,bn->n", full[:, 2 * local :], other),
+        )
+
+    def plane_gradient(self, skeleton: FloatArray, element: int, place: FloatArray) -> FloatArray:
+        """Derivative (2, k) of the downward displacement by the plane's coordinates at one point.
+
+        It stays finite where the geometry's Jacobian vanishes. Element sides are parallel to the axes.
+        """
+        local = self.displacement.local
+        which = np.array([element])
+        column = [self._coefficients(part, which)[0, local : 2 * local] for part in skeleton.T]
+        _, slope = self.displacement.shapes(place)
+        inverse = np.linalg.inv(self.mesh.mapping().DF(place[:, :, None], which)[:, :, 0, 0])
+        return np.asarray(inverse.T @ (slope[:, :, 0].T @ np.array(column).T))
+
+    def _coefficients(self, skeleton: FloatArray, element: IntArray) -> FloatArray:
+        """All coefficients of elements (n, local): radial, downward, pressure; the bubbles recovered."""
+        kept, inner = self._local
+        shared = skeleton[self.numbering[element]]
+        full = np.empty((len(element), len(kept) + len(inner)))
+        full[:, kept] = shared
+        full[:, inner] = np.einsum("nij,nj->ni", self._condensed[1][element], shared)
+        return full

@@ -1,0 +1,169 @@
+"""Maps from the reference plane of a mesh, (s, depth), to the meridian half-plane (r, z), z downwards."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from metafem._validate import FloatArray
+
+
+class Geometry(Protocol):
+    """An analytic map of the reference plane; no geometry is interpolated."""
+
+    def point(self, plane: FloatArray) -> FloatArray:
+        """Radius and depth [mm] of points (2, ...) of the reference plane."""
+        ...
+
+    def jacobian(self, plane: FloatArray) -> FloatArray:
+        """Derivatives of (r, z) by the plane's coordinates, (2, 2, ...)."""
+        ...
+
+    def surface(self, r: FloatArray) -> FloatArray:
+        """Plane coordinates (2, n) of the surface points at the radii r [mm]."""
+        ...
+
+
+@dataclass(frozen=True)
+class Flat:
+    """A body with a flat top: the reference plane itself."""
+
+    def point(self, plane: FloatArray) -> FloatArray:
+        """Radius and depth [mm]."""
+        return plane
+
+    def jacobian(self, plane: FloatArray) -> FloatArray:
+        """Return the identity."""
+        return np.broadcast_to(np.eye(2).reshape((2, 2) + (1,) * (plane.ndim - 1)), (2, 2, *plane.shape[1:]))
+
+    def surface(self, r: FloatArray) -> FloatArray:
+        """Plane coordinates of surface points."""
+        return np.array([r, np.zeros_like(r)])
+
+
+@dataclass(frozen=True)
+class Oblate:
+    """Oblate-spheroidal coordinates of a half-space under a disc of radius a.
+
+    ``r + i z = a cosh(mu + i phi)`` with the plane's coordinates (phi, mu): the disc is mu = 0, the free
+    surface phi = 0, the axis phi = pi/2. The inverse is a square root at the edge of the disc, so that
+    the stresses' own square roots become polynomials.
+    """
+
+    radius: float
+
+    def point(self, plane: FloatArray) -> FloatArray:
+        """Radius and depth [mm] at (phi, mu)."""
+        phi, mu = plane
+        return self.radius * np.array([np.cosh(mu) * np.cos(phi), np.sinh(mu) * np.sin(phi)])
+
+    def jacobian(self, plane: FloatArray) -> FloatArray:
+        """Derivatives by (phi, mu)."""
+        phi, mu = plane
+        along = np.sinh(mu) * np.cos(phi)
+        across = np.cosh(mu) * np.sin(phi)
+        return self.radius * np.array([[-across, along], [along, across]])
+
+    def surface(self, r: FloatArray) -> FloatArray:
+        """Plane coordinates of surface points, on the disc or outside it."""
+        ratio = r / self.radius
+        return np.array([np.arccos(np.minimum(ratio, 1.0)), np.arccosh(np.maximum(ratio, 1.0))])
+
+
+@dataclass(frozen=True)
+class Cap:
+    """A spherical cap on a block; the columns leave the foot of the cap along its bisector.
+
+    The plane's first coordinate is the angle from the summit, scaled so that the foot of the cap lies
+    at its true radius, and outside the cap the radius itself; the second is the depth below the
+    surface, which runs flat at the base of the block. Depth is counted from the block's top, so the
+    summit is at -height.
+
+    Parameters
+    ----------
+    radius, height : float
+        Of the sphere and of its cap [mm], height up to the radius.
+    outer : float
+        Radius of the block [mm].
+    thickness : float
+        Of the block [mm].
+    """
+
+    radius: float
+    height: float
+    outer: float
+    thickness: float
+
+    @property
+    def foot(self) -> float:
+        """Radius of the cap's base [mm]."""
+        return math.sqrt(self.height * (2.0 * self.radius - self.height))
+
+    @property
+    def angle(self) -> float:
+        """Slope of the sphere at the foot [rad]."""
+        return math.acos(1.0 - self.height / self.radius)
+
+    def _surface(self, s: FloatArray) -> tuple[FloatArray, ...]:
+        """Radius and height of the surface, and their derivatives, at the plane coordinate s."""
+        inside = s < self.foot
+        rate = self.angle / self.foot
+        theta = np.where(inside, s * rate, self.angle)
+        sine, cosine = self.radius * np.sin(theta), self.radius * np.cos(theta)
+        return (
+            np.where(inside, sine, s),
+            np.where(inside, cosine - (self.radius - self.height), 0.0),
+            np.where(inside, cosine * rate, 1.0),
+            np.where(inside, -sine * rate, 0.0),
+        )
+
+    def _shrink(self, depth: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Share of the foot's radius that its column keeps, with derivative: the lean to the bisector."""
+        # Half of the radius stays far below, so that the columns under the cap keep their width.
+        slope = math.tan(0.5 * self.angle) / self.foot
+        decay = np.exp(-2.0 * slope * depth)
+        return 0.5 + 0.5 * decay, -slope * decay
+
+    def _fade(self, depth: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Share of the surface's height that a depth line still has, 1 at the top and 0 at the base."""
+        end = 1.0 / (1.0 + self.thickness / self.foot)
+        share = 1.0 / (1.0 + depth / self.foot)
+        return share - end * depth / self.thickness, -(share**2) / self.foot - end / self.thickness
+
+    def point(self, plane: FloatArray) -> FloatArray:
+        """Radius and depth [mm]."""
+        s, depth = plane
+        r, z, _, _ = self._surface(s)
+        keep, _ = self._shrink(depth)
+        fade, _ = self._fade(depth)
+        stretch = (self.outer - self.foot * keep) / (self.outer - self.foot)
+        return np.array(
+            [np.where(s < self.foot, r * keep, self.outer - (self.outer - s) * stretch), depth - z * fade]
+        )
+
+    def jacobian(self, plane: FloatArray) -> FloatArray:
+        """Derivatives by the plane's coordinates."""
+        s, depth = plane
+        inside = s < self.foot
+        r, z, r_s, z_s = self._surface(s)
+        keep, keep_d = self._shrink(depth)
+        fade, fade_d = self._fade(depth)
+        stretch = (self.outer - self.foot * keep) / (self.outer - self.foot)
+        stretch_d = -self.foot * keep_d / (self.outer - self.foot)
+        return np.array(
+            [
+                [
+                    np.where(inside, r_s * keep, stretch),
+                    np.where(inside, r * keep_d, -(self.outer - s) * stretch_d),
+                ],
+                [-z_s * fade, 1.0 - z * fade_d],
+            ]
+        )
+
+    def surface(self, r: FloatArray) -> FloatArray:
+        """Plane coordinates of surface points."""
+        inside = np.arcsin(np.minimum(r / self.radius, 1.0)) * self.foot / self.angle
+        return np.array([np.where(r < self.foot, inside, r), np.zeros_like(r)])

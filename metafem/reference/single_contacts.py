@@ -1,0 +1,57 @@
+"""Closed forms of one frictionless contact on a half-space of composite modulus 1."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from metafem._validate import FloatArray
+
+
+def hertz(contact_radius: float, radius: float) -> tuple[float, float]:
+    """Load P/E* [mm^2] and indentation [mm] of a paraboloid: ``4 a^3/(3 R)``, ``a^2/R``.
+
+    Hertz (1882), doi:10.1515/crll.1882.92.156.
+    """
+    return 4.0 / 3.0 * contact_radius**3 / radius, contact_radius**2 / radius
+
+
+def hertz_pressure(r: FloatArray, contact_radius: float, radius: float) -> FloatArray:
+    """Pressure ``2 a/(pi R) sqrt(1 - r^2/a^2)`` over E* [-]; 0 outside."""
+    share = np.maximum(1.0 - (r / contact_radius) ** 2, 0.0)
+    return np.asarray(2.0 * contact_radius / (math.pi * radius) * np.sqrt(share))
+
+
+def hertz_displacement(r: FloatArray, contact_radius: float, radius: float) -> FloatArray:
+    """Surface displacement [mm] at r >= a.
+
+    ``p0/(2 E* a) [(2 a^2 - r^2) asin(a/r) + a sqrt(r^2 - a^2)]``, Johnson, Contact Mechanics (1985),
+    eq. 3.42a, doi:10.1017/CBO9781139171731.
+    """
+    a, peak = contact_radius, 2.0 * contact_radius / (math.pi * radius)
+    return np.asarray(
+        0.5 * peak / a * ((2.0 * a**2 - r**2) * np.arcsin(a / r) + a * np.sqrt((r - a) * (r + a)))
+    )
+
+
+def sneddon_sphere(contact_radius: float, radius: float) -> tuple[float, float]:
+    """Load P/E* [mm^2] and indentation [mm] of a spherical punch, a < R.
+
+    ``(a^2 + R^2)/2 ln((R + a)/(R - a)) - a R`` and ``a/2 ln((R + a)/(R - a))``,
+    Sneddon, Int. J. Eng. Sci. 3, 47 (1965), doi:10.1016/0020-7225(65)90019-4.
+    """
+    a, half = contact_radius, math.atanh(contact_radius / radius)
+    return (a**2 + radius**2) * half - a * radius, a * half
+
+
+def power_law(contact_radius: float, coefficient: float, exponent: float) -> tuple[float, float]:
+    """Load P/E* [mm^2] and indentation [mm] of the profile ``coefficient r^exponent``.
+
+    ``d = c a^n sqrt(pi) Gamma(n/2 + 1)/Gamma(n/2 + 1/2)``, ``P/E* = 2 a d n/(n + 1)``, Sneddon (1965),
+    as above.
+    """
+    n = exponent
+    rise = math.sqrt(math.pi) * math.gamma(0.5 * n + 1.0) / math.gamma(0.5 * n + 0.5)
+    indentation = coefficient * contact_radius**n * rise
+    return 2.0 * contact_radius * indentation * n / (n + 1.0), indentation

@@ -1,0 +1,147 @@
+"""Pressed contacts against closed forms, physics.md's rows and each other."""
+
+import functools
+import math
+
+import numpy as np
+import pytest
+
+import metafem as mf
+from metafem.reference import single_contacts as exact
+
+R = 0.526
+
+# Asked of the half-space's high-order elements.
+SPECTRAL = 1e-8
+
+
+@functools.cache
+def half_space(poisson_ratio=0.5):
+    return mf.fe.press(0.2, R, poisson_ratio)
+
+
+@functools.cache
+def block(height, contact_radius):
+    return mf.fe.press(contact_radius, R, height=height, thickness=7.2, block_radius=10.0)
+
+
+def overestimates(contact, error):
+    """The estimate bounds the error, and by no more than a factor of 1000."""
+    return error <= contact.error_estimate <= 1000.0 * max(error, np.finfo(float).eps)
+
+
+@pytest.mark.parametrize("poisson_ratio", [0.0, 0.3, 0.49, 0.5])
+def test_hertz_load_and_indentation(poisson_ratio):
+    contact = half_space(poisson_ratio)
+    load, indentation = exact.hertz(0.2, R)
+    errors = [abs(contact.rescaled_load / load - 1.0), abs(contact.indentation / indentation - 1.0)]
+    assert max(errors) < SPECTRAL
+    assert overestimates(contact, max(errors))
+
+
+@pytest.mark.parametrize("poisson_ratio", [0.3, 0.5])
+def test_hertz_field_outside(poisson_ratio):
+    r = 0.2 * np.array([1.0001, 1.1, 2.0, 10.0, 1000.0])
+    np.testing.assert_allclose(
+        half_space(poisson_ratio).displacement(r), exact.hertz_displacement(r, 0.2, R), rtol=SPECTRAL
+    )
+
+
+def test_hertz_pressure_and_shape_inside():
+    r = np.array([0.0, 0.05, 0.1, 0.19])
+    np.testing.assert_allclose(half_space().pressure(r), exact.hertz_pressure(r, 0.2, R), rtol=1e-6)
+    np.testing.assert_allclose(
+        half_space().displacement(r), half_space().indentation - r**2 / (2 * R), rtol=SPECTRAL
+    )
+
+
+def test_no_pressure_outside():
+    assert not half_space().pressure([0.2, 0.3]).any()
+
+
+def test_quartic_profile_shows_that_hertz_is_not_built_in():
+    contact = mf.fe.press(0.3, profile=lambda r: 0.7 * r**4)
+    load, indentation = exact.power_law(0.3, 0.7, 4.0)
+    error = max(abs(contact.rescaled_load / load - 1.0), abs(contact.indentation / indentation - 1.0))
+    assert error < SPECTRAL
+    assert overestimates(contact, error)
+
+
+def test_spherical_profile_is_sneddons():
+    contact = mf.fe.press(0.26, profile=lambda r: R - np.sqrt(R**2 - r**2))
+    assert (contact.rescaled_load, contact.indentation) == pytest.approx(
+        exact.sneddon_sphere(0.26, R), rel=SPECTRAL
+    )
+
+
+# Load and indentation over Hertz's at the same a, of an independent small-strain computation to .2 %.
+@pytest.mark.parametrize(
+    ("height", "contact_radius", "load", "indentation"),
+    [(0.12, 0.10, 1.016, 1.015), (0.20, 0.26, 1.112, 1.121)],
+)
+def test_cap_on_the_bonded_block(height, contact_radius, load, indentation):
+    contact = block(height, contact_radius)
+    hertz = exact.hertz(contact_radius, R)
+    assert contact.rescaled_load / hertz[0] == pytest.approx(load, rel=2e-3)
+    assert contact.indentation / hertz[1] == pytest.approx(indentation, rel=2e-3)
+    assert contact.error_estimate < 1e-4
+
+
+def test_pressure_on_the_cap_carries_the_load():
+    contact = block(0.20, 0.26)
+    x, w = np.polynomial.legendre.leggauss(60)
+    angle = 0.25 * math.pi * (x + 1.0)
+    r = 0.26 * np.sin(angle)
+    total = (0.25 * math.pi * w * 2.0 * math.pi * r * contact.pressure(r) * 0.26 * np.cos(angle)).sum()
+    assert total == pytest.approx(contact.rescaled_load, rel=1e-3)
+
+
+def test_graded_mesh_gives_hertz_on_a_deep_block():
+    contact = mf.fe.press(1e-5, 1.0, thickness=1.0)
+    load, indentation = exact.hertz(1e-5, 1.0)
+    error = max(abs(contact.rescaled_load / load - 1.0), abs(contact.indentation / indentation - 1.0))
+    assert error < 1e-4
+    assert overestimates(contact, error)
+
+
+def test_lengths_scale():
+    big = mf.fe.press(1e3 * 0.1, 1e3 * R, height=1e3 * 0.12, thickness=7.2e3, block_radius=1e4)
+    small = block(0.12, 0.10)
+    assert big.rescaled_load == pytest.approx(1e6 * small.rescaled_load, rel=1e-9)
+    assert big.indentation == pytest.approx(1e3 * small.indentation, rel=1e-9)
+
+
+@pytest.mark.parametrize("angle", [5.0, 45.0, 89.0, 90.0])
+def test_any_cap_meshes(angle):
+    height = R * (1.0 - math.cos(math.radians(angle)))
+    foot = R * math.sin(math.radians(angle))
+    contact = mf.fe.press(0.3 * foot, R, height=height, thickness=2.0, block_radius=3.0)
+    assert contact.error_estimate < 1e-3
+
+
+@pytest.mark.parametrize(
+    ("arguments", "reason"),
+    [
+        ({"contact_radius": 0.0, "radius": R}, "contact_radius"),
+        ({"contact_radius": 0.1}, "radius is missing"),
+        ({"contact_radius": 0.1, "radius": R, "poisson_ratio": 0.51}, "poisson_ratio"),
+        ({"contact_radius": 0.1, "radius": R, "poisson_ratio": -0.1}, "poisson_ratio"),
+        ({"contact_radius": 0.1, "radius": R, "profile": np.square}, "takes the place"),
+        ({"contact_radius": 0.1, "radius": R, "height": 0.1}, "needs a thickness"),
+        ({"contact_radius": 0.4, "radius": R, "height": 0.12, "thickness": 7.2}, "cap's edge"),
+        ({"contact_radius": 0.1, "radius": R, "height": 0.6, "thickness": 7.2}, "height"),
+        ({"contact_radius": 0.1, "radius": R, "height": 0.12, "thickness": 0.1}, "thickness"),
+        ({"contact_radius": 0.9, "radius": R, "thickness": 7.2, "cell_radius": 0.846}, "cell_radius"),
+        ({"contact_radius": 0.1, "radius": R, "height": 0.2, "thickness": 7.2, "block_radius": 0.2}, "foot"),
+        ({"contact_radius": 0.1, "profile": lambda r: -(r**2)}, "no load"),
+        ({"contact_radius": 0.1, "profile": lambda r: np.nan * r}, "profile"),
+    ],
+)
+def test_bad_input_is_refused_with_its_reason(arguments, reason):
+    with pytest.raises(mf.InvalidInput, match=reason):
+        mf.fe.press(**arguments)
+
+
+def test_a_radius_outside_the_body_is_refused():
+    with pytest.raises(mf.InvalidInput, match="radius of the body"):
+        block(0.12, 0.10).displacement(11.0)

@@ -1,0 +1,61 @@
+"""The closed forms that judge are tested themselves."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.special import j0
+
+from metafem.reference import bonded_layer as layer
+from metafem.reference import single_contacts as exact
+
+
+def test_power_law_of_two_is_hertz():
+    assert exact.power_law(0.2, 0.5, 2.0) == pytest.approx(exact.hertz(0.2, 1.0), rel=1e-14)
+
+
+def test_sphere_is_a_paraboloid_for_small_contacts():
+    assert exact.sneddon_sphere(1e-3, 1.0) == pytest.approx(exact.hertz(1e-3, 1.0), rel=1e-6)
+
+
+def test_hertz_field_meets_the_contact_and_decays_as_a_point_load():
+    load, indentation = exact.hertz(0.2, 1.0)
+    assert exact.hertz_displacement(np.array(0.2), 0.2, 1.0) == pytest.approx(indentation - 0.02, rel=1e-12)
+    # The next term is a^2/(10 r^2) = 1e-5 at r = 100 a.
+    assert exact.hertz_displacement(np.array(20.0), 0.2, 1.0) == pytest.approx(
+        load / (20 * math.pi), rel=2e-5
+    )
+
+
+@pytest.mark.parametrize("poisson_ratio", [0.3, 0.5])
+@pytest.mark.parametrize("r", [0.0, 1.3, 9.0])
+def test_hankel_integral_against_adaptive_quadrature(poisson_ratio, r):
+    value, _ = quad(
+        lambda x: (layer.multiplier(np.array(x), poisson_ratio) - 1.0) * j0(x * r),
+        0.0,
+        50.0,
+        limit=400,
+        epsabs=1e-12,
+    )
+    assert layer.regular_influence(r, 1.0, poisson_ratio) == pytest.approx(value / math.pi, abs=1e-11)
+
+
+# Printed to three decimals: half of the last digit.
+@pytest.mark.parametrize(("poisson_ratio", "self_term"), [(0.5, 1.770), (0.45, 1.625), (0.3, 1.377)])
+def test_self_term(poisson_ratio, self_term):
+    assert -math.pi * layer.regular_influence(0.0, 1.0, poisson_ratio) == pytest.approx(self_term, abs=5e-4)
+
+
+def test_laplacian_is_the_influences():
+    r, h = 1.1, 1e-3
+    lower, middle, upper = layer.regular_influence([r - h, r, r + h], 1.0, 0.5)
+    numeric = (upper - 2 * middle + lower) / h**2 + (upper - lower) / (2 * h * r)
+    # Central differences: h^2 of a field of order one.
+    assert layer.regular_laplacian(r, 1.0, 0.5) == pytest.approx(numeric, abs=1e-5)
+
+
+def test_thin_cells_do_not_feel_each_other_through_a_thin_layer():
+    # A cell ten thicknesses wide is the layer alone.
+    cell = layer.cell_influence(0.05, 10.0, 1.0, 0.5)
+    assert cell == pytest.approx(float(layer.regular_influence(0.0, 1.0, 0.5)), rel=1e-3)

@@ -1,0 +1,31 @@
+"""The influence of the bonded layer against its Hankel integral."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from metafem import fe
+from metafem.fe.checks import RADIUS, THICKNESS
+from metafem.reference import bonded_layer
+from metafem.report.svg import new_figure
+from validation.check import Claim, from_elements
+
+
+def claim() -> Claim:
+    """Compare at distances up to the block's half-width, for three Poisson ratios."""
+    checks = [check for nu in (0.5, 0.49, 0.3) for check in from_elements(fe.layer_check(nu))]
+    return Claim("Finite elements: the bonded layer's influence", checks, {"influence": _figure})
+
+
+def _figure():
+    figure = new_figure(5.0, 3.4)
+    ax = figure.add_subplot()
+    contact = fe.press(0.01, RADIUS, thickness=THICKNESS)
+    r = np.linspace(0.5, 20.0, 60)
+    ax.plot(
+        r, np.pi * r * contact.displacement(r) / contact.rescaled_load, ".", ms=4, label="finite elements"
+    )
+    ax.plot(r, np.pi * r * bonded_layer.influence(r, THICKNESS, 0.5), "k-", lw=0.8, label="Hankel integral")
+    ax.set(xlabel="r [mm]", ylabel="layer / half-space")
+    ax.legend(frameon=False)
+    return figure

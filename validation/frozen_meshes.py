@@ -1,0 +1,38 @@
+"""The recipes behind the meshes in meshes/; `python -m validation.frozen_meshes` writes them anew."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+from skfem import MeshQuad
+
+from metafem.fe.checks import BLOCK_RADIUS, PITCH, RADIUS, THICKNESS
+from metafem.fe.geometry import Cap
+from metafem.fe.mesh import graded_mesh, half_space_mesh
+
+FOLDER = Path(__file__).parent.parent / "meshes"
+
+# Height of the frozen cap and contact radii of the frozen cap and cell [mm].
+CAP_HEIGHT, CAP_CONTACT, CELL_CONTACT = 0.12, 0.10, 0.20
+
+
+def cap() -> Cap:
+    """Return the geometry of the frozen cap."""
+    return Cap(RADIUS, CAP_HEIGHT, BLOCK_RADIUS, THICKNESS)
+
+
+def recipes() -> dict[str, MeshQuad]:
+    """Make all of them."""
+    edge = float(cap().surface(np.array(CAP_CONTACT))[0])
+    return {
+        "half_space": half_space_mesh(),
+        "cap": graded_mesh(edge, BLOCK_RADIUS, THICKNESS, cap().foot),
+        "cell": graded_mesh(CELL_CONTACT, PITCH / math.sqrt(math.pi), THICKNESS),
+    }
+
+
+if __name__ == "__main__":
+    for name, mesh in recipes().items():
+        mesh.save(FOLDER / f"{name}.vtu")
