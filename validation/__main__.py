@@ -8,6 +8,7 @@ import pkgutil
 import sys
 import time
 import traceback
+from functools import cache
 from pathlib import Path
 
 import click
@@ -33,6 +34,7 @@ def claims() -> list[str]:
     return names
 
 
+@cache
 def evaluate(name: str) -> Claim:
     """Evaluate one claim; an exception is a failed check."""
     try:
