@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 DEMOS = ("operating-points", "linear", "bilinear")
 
 # The kinds that `metafem.files` knows, listed here so that --help needs no import.
-MODELS = ("independent", "mean-field", "half-space", "layer", "resolved")
+MODELS = ("independent", "mean-field", "half-space", "layer", "block", "resolved", "automatic")
 
 # Exit codes: a target that cannot be reached, and input that cannot be used.
 NOT_ACHIEVED, BAD_INPUT = 1, 2

@@ -35,7 +35,15 @@ def test_every_command_has_help(run, command):
     assert "Usage:" in result.output
 
 
-@pytest.mark.parametrize("model", ["mean-field", "half-space", "layer"])
+@pytest.mark.parametrize(
+    "model",
+    [
+        *("mean-field", "half-space", "layer"),
+        # its influence takes half a minute; resolved contacts take longer where the automatic ones need them
+        pytest.param("block", marks=pytest.mark.slow),
+        "automatic",
+    ],
+)
 def test_demo_takes_every_model(run, model):
     result = run("demo", "linear", "--model", model, "--json")
     assert result.exit_code == 0, result.output
