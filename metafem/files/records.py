@@ -13,7 +13,17 @@ import numpy as np
 from metafem.asperity import Hertz
 from metafem.distributions import TruncatedExponential, TwoBranchExponential
 from metafem.errors import InvalidInput
-from metafem.inversion import BilinearLaw, Design, DesignStatus, Limits, LinearLaw, OperatingPoints
+from metafem.inversion import (
+    BilinearLaw,
+    Design,
+    DesignStatus,
+    Limits,
+    LinearLaw,
+    MultilinearLaw,
+    OperatingPoints,
+    PowerLaw,
+    SampledLaw,
+)
 from metafem.inversion.blueprint import Branch
 from metafem.law import BranchFit, FrictionLaw
 from metafem.models import Automatic, BoundaryElements, Independent, Interacting, MeanField, Status
@@ -26,7 +36,8 @@ VALUES: Mapping[str, type] = {
     for kind in (
         *(Material, Friction, Block, Surface, Hertz, HalfSpace, BondedLayer),
         *(Independent, MeanField, Interacting, BoundaryElements, Automatic),
-        *(OperatingPoints, LinearLaw, BilinearLaw, Limits, Design, FrictionLaw),
+        *(OperatingPoints, LinearLaw, BilinearLaw, SampledLaw, PowerLaw, MultilinearLaw),
+        *(Limits, Design, FrictionLaw),
         *(Branch, BranchFit, TruncatedExponential, TwoBranchExponential),
     )
 }

@@ -16,7 +16,7 @@ from metafem.inversion import exponential, feasibility, operating_points, sample
 from metafem.inversion.adapt import adapted, interaction_margin
 from metafem.inversion.blueprint import Blueprint, Branch, Parameter
 from metafem.inversion.bounds import common_radius
-from metafem.inversion.judge import DesignStatus, branch_fits, largest_misfit, status_of
+from metafem.inversion.judge import DesignStatus, branch_fits, found_parameters, largest_misfit, status_of
 from metafem.inversion.limits import Limits
 from metafem.inversion.target import (
     BilinearLaw,
@@ -174,7 +174,7 @@ def design(
         law=_drawn_law(surface, solver, target),
         misfit=misfit,
         status=status_of(solver, blueprint, misfit, bool(moved)),
-        parameters=blueprint.parameters,
+        parameters=found_parameters(surface, solver, blueprint, target),
         sites=sites,
         target=target,
         template=template,

@@ -143,7 +143,7 @@ def test_bad_input_is_refused_with_its_reason(arguments, reason):
 
 
 def test_a_residual_that_stays_is_reported_with_the_state(monkeypatch):
-    monkeypatch.setattr("metafem.fe.press.RESIDUAL", 0.0)
+    monkeypatch.setattr("metafem.fe.linear.RESIDUAL", 0.0)
     with pytest.raises(mf.NotConverged, match="residual") as caught:
         mf.fe.press(0.2, R)
     assert caught.value.state.status is mf.fe.Status.NOT_CONVERGED
