@@ -191,8 +191,9 @@ def predict(
 
 @main.command()
 @click.argument("folder", type=click.Path(path_type=Path))
+@click.option("--checks", is_flag=True, help="Add the finite-element checks; takes about a minute.")
 @json_option
-def report(folder: Path, as_json: bool) -> None:
+def report(folder: Path, checks: bool, as_json: bool) -> None:
     """Write report.html of a result folder anew."""
     import metafem as mf
     from metafem.files import stored_hardness, write_text
@@ -200,7 +201,7 @@ def report(folder: Path, as_json: bool) -> None:
 
     with _progress("drawing the report"):
         path = folder / "report.html"
-        write_text(path, page(mf.load(folder), stored_hardness(folder)), force=True)
+        write_text(path, page(mf.load(folder), stored_hardness(folder), checks=checks), force=True)
     click.echo(json.dumps({"report": str(path)}) if as_json else f"wrote {path}")
 
 
@@ -240,7 +241,7 @@ def _tell_study(found: Dataset, path: Path) -> None:
     told = summary(found)
     table = Table(title=escape(told.title), title_justify="left")
     for i, column in enumerate(told.columns):
-        table.add_column(escape(column), justify="right" if i else "left")
+        table.add_column(escape(column), justify="right" if i else "left", no_wrap=i == 0)
     for row in told.rows:
         table.add_row(*row)
     console = Console()

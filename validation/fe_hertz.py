@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from metafem import fe
 from metafem.fe.checks import search_convergence, spectral_convergence
-from metafem.reference import single_contacts as exact
+from metafem.report.elements import hertz_figure
 from metafem.report.svg import new_figure
 from validation.check import Claim, from_elements
 
@@ -23,18 +21,7 @@ def claim() -> Claim:
 
 
 def _fields():
-    contact = fe.press(A, R)
-    inside, outside = np.linspace(0.0, A, 60), A * np.linspace(1.0, 5.0, 80)[1:]
-    figure = new_figure(8.0, 3.2)
-    left, right = figure.subplots(1, 2)
-    left.plot(inside / A, contact.pressure(inside), ".", ms=4, label="finite elements")
-    left.plot(inside / A, exact.hertz_pressure(inside, A, R), "k-", lw=0.8, label="Hertz")
-    left.set(xlabel="r/a", ylabel="pressure p/E*")
-    left.legend(frameon=False)
-    right.plot(outside / A, contact.displacement(outside) * 1e3, ".", ms=4)
-    right.plot(outside / A, exact.hertz_displacement(outside, A, R) * 1e3, "k-", lw=0.8)
-    right.set(xlabel="r/a", ylabel="displacement outside [µm]")
-    return figure
+    return hertz_figure(fe.press(A, R), R)
 
 
 def _rates():

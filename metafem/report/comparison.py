@@ -8,12 +8,15 @@ import numpy as np
 
 from metafem._validate import FloatArray
 from metafem.inversion import Design
-from metafem.law import FrictionLaw, friction_law
-from metafem.models import Independent, Interacting, Model
-from metafem.substrate import BondedLayer
+from metafem.law import FrictionLaw
+from metafem.models import Independent
+from metafem.report.names import model_name
+from metafem.studies.substrates import laws_on_substrates
 
 # A page is drawn in a second or two; beyond this number of asperities interacting laws take longer.
 MOST_COMPARED = 1500
+
+NAMES = {"half-space": "half-space", "layer": "bonded layer", "block": "true block"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,23 +39,22 @@ class Comparison:
     sinking: FloatArray
 
 
-def compared(design: Design) -> tuple[Comparison, ...]:
+def compared(design: Design) -> tuple[tuple[Comparison, ...], tuple[str, ...]]:
     """Predict a design's law under the common models, at the loads of its own law.
 
-    The half-space, the bonded layer where there is a block, and the model of the design's law if it is
-    another one; nothing for surfaces of more than 1,500 asperities.
+    The half-space, the bonded layer and the true block where there is a block, and the model of the
+    design's law if it is another one; nothing for surfaces of more than 1,500 asperities. No page waits
+    for the true block's influence: it is there once it has been computed. Also returns what was left out.
     """
     if design.surface.count > MOST_COMPARED:
-        return ()
-    models: dict[str, Model] = {"half-space": Interacting()}
-    if design.surface.block is not None:
-        models["bonded layer"] = Interacting(substrate=BondedLayer())
-    load = design.law.load
-    independent = friction_law(design.surface, Independent(), load=load)
-    laws = {name: friction_law(design.surface, model, load=load) for name, model in models.items()}
-    if design.law.model not in (Independent(), *models.values()):
-        laws[repr(design.law.model)] = design.law
-    return tuple(
+        return (), ()
+    found = laws_on_substrates(design.surface, design.law.load, wait=False)
+    independent = found.law["independent"]
+    laws = {NAMES[name]: law for name, law in found.law.items() if name in NAMES}
+    # a law whose own coupling is one of these has the same model
+    if design.law.model not in (Independent(), *(law.model for law in laws.values())):
+        laws[model_name(design.law.model)] = design.law
+    comparisons = tuple(
         Comparison(
             name,
             law,
@@ -61,3 +63,4 @@ def compared(design: Design) -> tuple[Comparison, ...]:
         )
         for name, law in laws.items()
     )
+    return comparisons, found.notes

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import fields, is_dataclass
 from functools import singledispatch
 from itertools import cycle
 from typing import TYPE_CHECKING
@@ -25,6 +24,7 @@ from metafem.inversion.sampled import wanted_law
 from metafem.law import friction_law
 from metafem.models import equilibrium
 from metafem.report.comparison import Comparison
+from metafem.report.names import model_name
 from metafem.report.svg import new_figure
 
 if TYPE_CHECKING:
@@ -202,26 +202,6 @@ def contact_figure(design: Design) -> Figure:
         ax.set_title(f"P = {load:.3g} N: {closed.sum()} contacts, {state.area:.3g} mm²", fontsize=10)
         ax.label_outer()
     return figure
-
-
-def model_name(value: object) -> str:
-    """Return a model as a user would type it, without what is left at its default.
-
-    Examples
-    --------
-    >>> from metafem import BondedLayer, Interacting
-    >>> model_name(Interacting(order=3, substrate=BondedLayer()))
-    'Interacting(substrate=BondedLayer())'
-    """
-    if not is_dataclass(value):
-        return repr(value)
-    given = []
-    for field in fields(value):
-        member = getattr(value, field.name)
-        default = field.default_factory() if callable(field.default_factory) else field.default
-        if member != default:
-            given.append(f"{field.name}={model_name(member)}")
-    return f"{type(value).__name__}({', '.join(given)})"
 
 
 def _draw_block(design: Design, ax: Axes) -> None:

@@ -21,13 +21,14 @@ from metafem.inversion import (
 from metafem.models import equilibrium
 from metafem.report.cautions import cautions
 from metafem.report.comparison import Comparison, compared
+from metafem.report.elements import elements_section
 from metafem.report.figures import (
     comparison_figure,
     contact_figure,
     height_figure,
     law_figure,
-    model_name,
 )
+from metafem.report.names import model_name
 from metafem.report.svg import svg
 
 Row = tuple[str, str, str]
@@ -48,7 +49,7 @@ PARAMETERS = {
 }
 
 
-def page(design: Design, hardness: float | None = None) -> str:
+def page(design: Design, hardness: float | None = None, *, checks: bool = False) -> str:
     """Return the report of a design as one self-contained HTML text.
 
     Parameters
@@ -56,6 +57,8 @@ def page(design: Design, hardness: float | None = None) -> str:
     design : Design
     hardness : float, optional
         H [MPa], for the plasticity index.
+    checks : bool
+        Add the finite-element checks, which take about a minute.
 
     Examples
     --------
@@ -69,7 +72,7 @@ def page(design: Design, hardness: float | None = None) -> str:
 
     source = resources.files("metafem.report").joinpath("templates/page.html").read_text("utf-8")
     template = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True).from_string(source)
-    heights, comparisons = design.surface.height, compared(design)
+    heights, (comparisons, left_out) = design.surface.height, compared(design)
     return template.render(
         title=wanted(design.target),
         status=design.status.value,
@@ -84,6 +87,8 @@ def page(design: Design, hardness: float | None = None) -> str:
         if comparisons
         else "",
         comparisons=_comparisons(comparisons),
+        left_out=left_out,
+        elements=elements_section(design) if checks else None,
         parameters=parameter_rows(design),
         fits=_fits(design),
         inputs=_inputs(design),

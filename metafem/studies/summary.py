@@ -35,8 +35,15 @@ def summary(study: Dataset) -> Summary:
     if name not in _SUMMARIES:
         raise InvalidInput(f"there is no summary of a study {name!r}")
     title, columns, rows = _SUMMARIES[name](study)
-    return Summary(title, columns, rows, tuple(str(study.attrs["notes"]).splitlines()))
+    words = (DEALT,) if name == "interaction" else ()
+    return Summary(title, columns, rows, (*words, *str(study.attrs["notes"]).splitlines()))
 
+
+# What the last columns of the interaction's table hold.
+DEALT = (
+    "dealt: the asperities at random on their places; centred: the tallest together in the centre; rms over "
+    "the loads of the change of A0"
+)
 
 Table = tuple[str, tuple[str, ...], tuple[tuple[str, ...], ...]]
 
@@ -46,10 +53,10 @@ def _fidelity(study: Dataset) -> Table:
     told = [int(np.abs(load - share * load[-1]).argmin()) for share in TOLD]
     columns = (
         "model",
-        "rms change of A0 [%]",
+        "rms [%]",
         "largest [%]",
         *(f"at {load[i]:.3g} N [%]" for i in told),
-        f"A0 at {load[-1]:.3g} N [mm²]",
+        "A0 [mm²]",
         "separation [µm]",
         "sinks by [µm]",
     )
@@ -68,20 +75,21 @@ def _fidelity(study: Dataset) -> Table:
                 f"{MICROMETRES * float(row.sinking[-1]):+.2f}",
             )
         )
-    return "The law by model, against independent asperities at the same loads", columns, tuple(rows)
+    title = f"Change of A0 against independent asperities; A0 and the plane at {load[-1]:.3g} N"
+    return title, columns, tuple(rows)
 
 
 def _interaction(study: Dataset) -> Table:
     top = float(study["load"][-1])
     columns = (
-        "coupled through",
+        "substrate",
         "order",
-        "rms change of A0 [%]",
-        "largest [%]",
-        f"sinks at {top:.3g} N by [µm]",
-        "random placements: median rms [%]",
-        "largest rms [%]",
-        "tallest in the centre: rms [%]",
+        "rms [%]",
+        "max. [%]",
+        "sinks [µm]",
+        "dealt: median rms [%]",
+        "max. rms [%]",
+        "centred: rms [%]",
     )
     rows = []
     for substrate in study.substrate.values:
@@ -103,7 +111,11 @@ def _interaction(study: Dataset) -> Table:
                     *spread,
                 )
             )
-    return "Change of the law by elastic interaction", columns, tuple(rows)
+    return (
+        f"Change of A0 by elastic interaction, and of the plane's place at {top:.3g} N",
+        columns,
+        tuple(rows),
+    )
 
 
 _SUMMARIES = {"fidelity": _fidelity, "interaction": _interaction}

@@ -42,3 +42,18 @@ def test_page_warns_where_the_plane_would_reach_the_base(template):
         mf.OperatingPoints([0.144, 0.336], [0.84, 1.68]), template, limits=mf.Limits(0.27 - 0.1284)
     )
     assert "base plane would touch" in page(design)
+
+
+def test_page_does_not_wait_for_the_true_block(template, tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    text = page(mf.design(mf.LinearLaw(6.87), template))
+    assert "the true block is left out" in text
+    assert "metafem study fidelity" in text
+
+
+@pytest.mark.slow
+def test_page_with_the_finite_element_checks(template):
+    design = mf.design(mf.LinearLaw(6.87), template)
+    text = page(design, checks=True)
+    assert text.count("<svg") == 4 + 3
+    assert re.search(r"(\d+) checks, \1 passed", text)

@@ -1,0 +1,141 @@
+"""Figures of the finite elements, and the page's section that shows them."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from metafem.errors import InvalidInput
+from metafem.inversion import Design
+from metafem.models import Independent
+from metafem.reference import single_contacts as exact
+from metafem.report.svg import new_figure, svg
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from metafem.fe import PressedContact
+    from metafem.fe.geometry import Cap
+
+# Half-width of the view of the contact's edge, in contact radii.
+EDGE_VIEW = 0.3
+
+
+def elements_section(design: Design) -> dict[str, Any]:
+    """Return tables and figures of the finite elements: the checks, and this design's tallest cap.
+
+    The cap is pressed as far as independent asperities press it at the design's largest load. Takes about
+    a minute.
+    """
+    from metafem import fe
+
+    lists = {
+        "Hertz's contact on a half-space": fe.hertz_check(),
+        "the true cap on a bonded block": fe.cap_check(),
+        "the influence of the bonded layer": fe.layer_check(),
+        "one cell of an infinite lattice": fe.cell_check(),
+    }
+    rows = [
+        (title, check.name, f"{check.computed:.6g}", check.expectation, check.passed, check.source)
+        for title, checks in lists.items()
+        for check in checks
+    ]
+    surface = design.surface
+    state = Independent().solve_load(surface, float(design.law.rescaled_load[-1]))
+    tallest = int(surface.height.argmax())
+    a, radius = math.sqrt(float(state.asperity_area[tallest]) / math.pi), float(surface.radius[tallest])
+    nu = surface.material.poisson_ratio
+    figures = [svg(hertz_figure(fe.press(a, radius, nu), radius), "Pressure and field against Hertz's")]
+    reason = ""
+    try:
+        figures += _cap_figures(design, a, tallest)
+    except InvalidInput as error:
+        reason = f"The tallest cap is not drawn: {error}."
+    return {"rows": rows, "figures": figures, "contact_radius": f"{a:.3g}", "left_out": reason}
+
+
+def _cap_figures(design: Design, a: float, tallest: int) -> list[str]:
+    from metafem import fe
+    from metafem.fe.geometry import Cap
+    from metafem.fe.mesh import graded_mesh
+
+    surface, block = design.surface, design.surface.block
+    if block is None:
+        raise InvalidInput("the surface has no block")
+    radius, height = float(surface.radius[tallest]), float(surface.height[tallest])
+    side = math.sqrt(block.width * block.length / math.pi)
+    contact = fe.press(
+        a,
+        radius,
+        surface.material.poisson_ratio,
+        height=height,
+        thickness=block.thickness,
+        block_radius=side,
+    )
+    cap = Cap(radius, height, side, block.thickness)
+    mesh = graded_mesh(float(cap.surface(np.array(a))[0]), side, block.thickness, cap.foot)
+    return [
+        svg(mesh_figure(mesh, cap, a), "Mesh of the tallest cap"),
+        svg(cap_pressure_figure([(contact, height)], radius), "Pressure under the tallest cap"),
+    ]
+
+
+def mesh_figure(mesh: Any, cap: Cap, contact_radius: float) -> Figure:
+    """Mesh of a cap, whole and at the contact's edge, with its curved sides."""
+    figure = new_figure(8.0, 3.6)
+    share = np.linspace(0.0, 1.0, 9)
+    lines = [
+        cap.point(mesh.p[:, i, None] * (1.0 - share) + mesh.p[:, j, None] * share) for i, j in mesh.facets.T
+    ]
+    whole, edge = figure.subplots(1, 2)
+    edge_top = cap.height - 0.5 * contact_radius**2 / cap.radius
+    edge_width = EDGE_VIEW * contact_radius
+    reach = 4.0 * cap.foot
+    views = (
+        (whole, (0.0, reach), (cap.height + 0.02 - reach, cap.height + 0.02)),
+        (
+            edge,
+            (contact_radius - edge_width, contact_radius + edge_width),
+            (edge_top - 1.3 * edge_width, edge_top + 0.7 * edge_width),
+        ),
+    )
+    for ax, x, y in views:
+        for r, z in lines:
+            if r.min() <= x[1] and r.max() >= x[0] and (-z).max() >= y[0]:
+                ax.plot(r, -z, "k-", lw=0.3)
+        ax.set_aspect("equal")
+        ax.set(xlabel="r [mm]", ylabel="height above the block [mm]", xlim=x, ylim=y)
+    edge.set_title("at the contact's edge", fontsize=9)
+    return figure
+
+
+def hertz_figure(contact: PressedContact, radius: float) -> Figure:
+    """Pressure and displacement of a half-space's contact against Hertz's closed forms."""
+    a = contact.contact_radius
+    inside, outside = np.linspace(0.0, a, 60), a * np.linspace(1.0, 5.0, 80)[1:]
+    figure = new_figure(8.0, 3.2)
+    left, right = figure.subplots(1, 2)
+    left.plot(inside / a, contact.pressure(inside), ".", ms=4, label="finite elements")
+    left.plot(inside / a, exact.hertz_pressure(inside, a, radius), "k-", lw=0.8, label="Hertz")
+    left.set(xlabel="r/a", ylabel="pressure p/E*")
+    left.legend(frameon=False)
+    right.plot(outside / a, contact.displacement(outside) * 1e3, ".", ms=4)
+    right.plot(outside / a, exact.hertz_displacement(outside, a, radius) * 1e3, "k-", lw=0.8)
+    right.set(xlabel="r/a", ylabel="displacement outside [µm]")
+    return figure
+
+
+def cap_pressure_figure(contacts: list[tuple[PressedContact, float]], radius: float) -> Figure:
+    """Pressure under true caps of some heights [mm] against Hertz's at the same contact radius."""
+    figure = new_figure(4.0 * len(contacts), 3.2)
+    axes = figure.subplots(1, len(contacts), squeeze=False)[0]
+    for ax, (contact, height) in zip(axes, contacts, strict=True):
+        a = contact.contact_radius
+        r = a * np.sin(np.linspace(0.0, 0.499 * np.pi, 80))
+        ax.plot(r / a, contact.pressure(r), label="finite elements, small strain")
+        ax.plot(r / a, exact.hertz_pressure(r, a, radius), "k--", lw=0.8, label="Hertz, same a")
+        ax.set(xlabel="r/a", ylabel="pressure p/E*", title=f"h = {height:.3g} mm, a = {a:.3g} mm")
+        ax.legend(frameon=False)
+    return figure
