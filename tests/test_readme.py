@@ -5,6 +5,8 @@ import io
 import re
 from pathlib import Path
 
+import pytest
+
 from validation.__main__ import MARKS, claims, evaluate
 from validation.page import readme_table
 
@@ -19,6 +21,7 @@ def test_printed_output_is_what_the_example_prints():
     assert printed.getvalue() == output
 
 
+@pytest.mark.slow
 def test_validation_table_is_the_one_that_is_computed():
     results = {name: evaluate(name) for name in claims()}
     assert f"{MARKS[0]}\n{readme_table(results)}\n{MARKS[1]}" in README

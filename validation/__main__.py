@@ -34,6 +34,11 @@ def claims() -> list[str]:
     return names
 
 
+def is_slow(name: str) -> bool:
+    """Whether a claim says that it takes longer than a few seconds: its module holds ``SLOW = True``."""
+    return bool(getattr(importlib.import_module(f"validation.{name}"), "SLOW", False))
+
+
 @cache
 def evaluate(name: str) -> Claim:
     """Evaluate one claim; an exception is a failed check."""
