@@ -92,6 +92,7 @@ _INVERSIONS: dict[type, Callable[[Any, float, int, Limits, np.random.Generator],
 _REFUSALS: dict[type, Callable[[Any, float, int, Limits, float], None]] = {
     SampledLaw: feasibility.refuse_sampled,
     PowerLaw: feasibility.refuse_power,
+    MultilinearLaw: feasibility.refuse_multilinear,
 }
 
 
