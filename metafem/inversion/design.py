@@ -16,7 +16,8 @@ from metafem.inversion import exponential, feasibility, operating_points, sample
 from metafem.inversion.adapt import adapted, interaction_margin
 from metafem.inversion.blueprint import Blueprint, Branch, Parameter
 from metafem.inversion.bounds import common_radius
-from metafem.inversion.judge import DesignStatus, branch_fits, largest_misfit, status_of
+from metafem.inversion.gridded import gridded
+from metafem.inversion.judge import UNCOUPLED, DesignStatus, branch_fits, largest_misfit, status_of
 from metafem.inversion.limits import Limits
 from metafem.inversion.target import (
     BilinearLaw,
@@ -112,10 +113,12 @@ def design(
         tallest where `limits` is left out.
     model : Model, optional
         Model under which the law is to be met, `Independent()` unless told. Under an interacting one the
-        heights of the independent inversion are refined by Gauss-Newton steps with exact sensitivities,
-        unless they must stand on steps.
+        heights of the independent inversion are refined by Gauss-Newton steps with exact sensitivities.
     limits : Limits, optional
-        What the workshop can make; without it, heights up to the template's tallest.
+        What the workshop can make; without it, heights up to the template's tallest. With a
+        `height_step` all heights stand on its levels, and the loss is stated in a note and in the
+        parameters ``step_levels`` [mm], ``step_counts`` and ``step_loss`` [-]; those of a linear law
+        under the independent model are the whole numbers nearest to its density.
     rng : int or numpy Generator
         Seed of the deal of heights to places.
 
@@ -166,6 +169,11 @@ def design(
         radius=template.radius[sites],
     )
     surface, sites, moved = adapted(surface, sites, template, solver, blueprint, limits, generator)
+    parameters, coupled = dict(blueprint.parameters), not isinstance(solver, UNCOUPLED)
+    if limits.height_step is not None and (coupled or not blueprint.stepped):
+        surface, stepped, lost = gridded(surface, solver, blueprint, limits)
+        parameters |= stepped
+        moved += lost
     sites.flags.writeable = False
     fits = branch_fits(surface, solver, blueprint)
     misfit = largest_misfit(surface, solver, blueprint, fits)
@@ -174,7 +182,7 @@ def design(
         law=_drawn_law(surface, solver, target),
         misfit=misfit,
         status=status_of(solver, blueprint, misfit, bool(moved)),
-        parameters=blueprint.parameters,
+        parameters=parameters,
         sites=sites,
         target=target,
         template=template,

@@ -34,6 +34,9 @@ PARAMETERS = {
     "counts": ("numbers of asperities", "", 1.0),
     "levels": ("levels above the base", "µm", 1e3),
     "adjustment_heights": ("adjustment heights above the base", "µm", 1e3),
+    "step_levels": ("levels on the steps, above the base", "µm", 1e3),
+    "step_counts": ("numbers of asperities on them", "", 1.0),
+    "step_loss": ("misfit that the steps add", "", 1.0),
 }
 
 
