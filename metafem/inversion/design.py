@@ -12,7 +12,7 @@ from metafem import _validate as check
 from metafem._validate import IntArray
 from metafem.distributions import PiecewiseExponential
 from metafem.errors import InvalidInput
-from metafem.inversion import exponential, feasibility, operating_points, sampled
+from metafem.inversion import exponential, feasibility, operating_points, proportional, sampled
 from metafem.inversion.adapt import adapted, interaction_margin
 from metafem.inversion.blueprint import Blueprint, Branch, Parameter
 from metafem.inversion.bounds import common_radius
@@ -80,9 +80,16 @@ class Design:
     notes: tuple[str, ...] = ()
 
 
+def _invert_linear(
+    target: LinearLaw, radius: float, count: int, limits: Limits, rng: np.random.Generator
+) -> Blueprint:
+    invert = proportional.invert if target.through_origin else exponential.invert_linear
+    return invert(target, radius, count, limits, rng)
+
+
 _INVERSIONS: dict[type, Callable[[Any, float, int, Limits, np.random.Generator], Blueprint]] = {
     OperatingPoints: operating_points.invert,
-    LinearLaw: exponential.invert_linear,
+    LinearLaw: _invert_linear,
     BilinearLaw: exponential.invert_bilinear,
     SampledLaw: sampled.invert,
     PowerLaw: sampled.invert,

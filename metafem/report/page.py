@@ -34,6 +34,8 @@ PARAMETERS = {
     "counts": ("numbers of asperities", "", 1.0),
     "levels": ("levels above the base", "µm", 1e3),
     "adjustment_heights": ("adjustment heights above the base", "µm", 1e3),
+    "load_range": ("rescaled loads over which friction is proportional to load", "mm²", 1.0),
+    "span": ("depth of the lowest summit below the tallest", "µm", 1e3),
     "step_levels": ("levels on the steps, above the base", "µm", 1e3),
     "step_counts": ("numbers of asperities on them", "", 1.0),
     "step_loss": ("misfit that the steps add", "", 1.0),
@@ -101,7 +103,8 @@ def _(target: OperatingPoints) -> str:
 
 @wanted.register(LinearLaw)
 def _(target: LinearLaw) -> str:
-    return f"Linear friction law of slope {target.slope:.4g}"
+    origin = " through the origin" if target.through_origin else ""
+    return f"Linear friction law of slope {target.slope:.4g}{origin}"
 
 
 @wanted.register(BilinearLaw)
