@@ -34,10 +34,12 @@ if TYPE_CHECKING:
     from metafem.inversion import MultilinearLaw as MultilinearLaw
     from metafem.inversion import OperatingPoints as OperatingPoints
     from metafem.inversion import PowerLaw as PowerLaw
+    from metafem.inversion import RadiusRange as RadiusRange
     from metafem.inversion import SampledLaw as SampledLaw
     from metafem.inversion import Together as Together
     from metafem.inversion import achievable_friction_coefficients as achievable_friction_coefficients
     from metafem.inversion import arrange as arrange
+    from metafem.inversion import design_radius as design_radius
     from metafem.inversion import feasible_region as feasible_region
     from metafem.inversion import plasticity_index as plasticity_index
     from metafem.inversion.design import Design as Design
@@ -81,11 +83,13 @@ _HOME = {
         "MultilinearLaw",
         "OperatingPoints",
         "PowerLaw",
+        "RadiusRange",
         "SampledLaw",
         "Together",
         "achievable_friction_coefficients",
         "arrange",
         "design",
+        "design_radius",
         "feasible_region",
         "plasticity_index",
     ),

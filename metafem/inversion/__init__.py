@@ -7,6 +7,7 @@ from metafem.inversion.judge import DesignStatus
 from metafem.inversion.layout import Arrangement, arrange
 from metafem.inversion.limits import Limits
 from metafem.inversion.objectives import FollowLaw, InsensitiveToTilt, Objective, Together
+from metafem.inversion.radius import RadiusRange, design_radius
 from metafem.inversion.target import (
     BilinearLaw,
     LinearLaw,
@@ -30,12 +31,14 @@ __all__ = [
     "Objective",
     "OperatingPoints",
     "PowerLaw",
+    "RadiusRange",
     "SampledLaw",
     "Target",
     "Together",
     "achievable_friction_coefficients",
     "arrange",
     "design",
+    "design_radius",
     "feasible_region",
     "plasticity_index",
 ]
