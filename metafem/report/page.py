@@ -41,7 +41,6 @@ PARAMETERS = {
     "foot_load": ("rescaled load at which the plane reaches the lowest asperity", "mm²", 1.0),
     "counts": ("numbers of asperities", "", 1.0),
     "levels": ("levels above the base", "µm", 1e3),
-    "span": ("range of the heights", "µm", 1e3),
     "prefactor": ("prefactor C of the power", "mm^(2-2β)", 1.0),
     "intercepts": ("intercepts of the branches", "mm²", 1.0),
     "adjustment_heights": ("adjustment heights above the base", "µm", 1e3),

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
 import metafem as mf
-from metafem.substrate.pedestal import pedestal_compliance
+from metafem.models.pedestal import pedestal_influence
 from tests.models.scenes import HEIGHT, MODELS, PLACE, RADIUS, lattice, scene
 
 SUBSTRATES = [mf.HalfSpace(), mf.BondedLayer(7.2, 0.5), mf.BondedLayer(1.0, 0.3)]
@@ -159,7 +159,7 @@ def test_pedestal_adds_its_compliance():
     bare, cap = (
         mf.equilibrium(surface, mf.Interacting(pedestal=pedestal), load=0.02) for pedestal in (False, True)
     )
-    compliance = float(pedestal_compliance(HEIGHT[:1], RADIUS[:1])[0])
+    compliance = float(pedestal_influence(HEIGHT[:1], RADIUS[:1])[0][0])
     assert cap.approach - bare.approach == pytest.approx(compliance * 0.02 / 1.36, rel=1e-9)
 
 
