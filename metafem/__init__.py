@@ -26,14 +26,21 @@ if TYPE_CHECKING:
     from metafem.files import load as load
     from metafem.files import read_spec as read_spec
     from metafem.files import save as save
+    from metafem.inversion import Arrangement as Arrangement
     from metafem.inversion import BilinearLaw as BilinearLaw
+    from metafem.inversion import FollowLaw as FollowLaw
+    from metafem.inversion import InsensitiveToTilt as InsensitiveToTilt
     from metafem.inversion import Limits as Limits
     from metafem.inversion import LinearLaw as LinearLaw
     from metafem.inversion import MultilinearLaw as MultilinearLaw
     from metafem.inversion import OperatingPoints as OperatingPoints
     from metafem.inversion import PowerLaw as PowerLaw
+    from metafem.inversion import RadiusRange as RadiusRange
     from metafem.inversion import SampledLaw as SampledLaw
+    from metafem.inversion import Together as Together
     from metafem.inversion import achievable_friction_coefficients as achievable_friction_coefficients
+    from metafem.inversion import arrange as arrange
+    from metafem.inversion import design_radius as design_radius
     from metafem.inversion import feasible_region as feasible_region
     from metafem.inversion import plasticity_index as plasticity_index
     from metafem.inversion.design import Design as Design
@@ -67,16 +74,23 @@ _HOME = {
     ),
     "metafem.files": ("load", "read_spec", "save"),
     "metafem.inversion": (
+        "Arrangement",
         "BilinearLaw",
+        "FollowLaw",
+        "InsensitiveToTilt",
         "Design",
         "Limits",
         "LinearLaw",
         "MultilinearLaw",
         "OperatingPoints",
         "PowerLaw",
+        "RadiusRange",
         "SampledLaw",
+        "Together",
         "achievable_friction_coefficients",
+        "arrange",
         "design",
+        "design_radius",
         "feasible_region",
         "plasticity_index",
     ),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import fields, is_dataclass
+from dataclasses import MISSING, fields, is_dataclass
 from enum import Enum
 from importlib import import_module
 from typing import Any
@@ -56,7 +56,7 @@ def to_record(value: Any) -> Any:
     Examples
     --------
     >>> to_record(LinearLaw(6.87))
-    {'type': 'LinearLaw', 'slope': 6.87}
+    {'type': 'LinearLaw', 'slope': 6.87, 'through_origin': False}
     """
     if isinstance(value, Enum) and type(value).__name__ in ENUMS:
         return {"type": type(value).__name__, "name": value.name, "message": value.value}
@@ -82,7 +82,7 @@ def from_record(record: Any) -> Any:
     Examples
     --------
     >>> from_record({"type": "LinearLaw", "slope": 6.87})
-    LinearLaw(slope=6.87)
+    LinearLaw(slope=6.87, through_origin=False)
     """
     if isinstance(record, list):
         return tuple(from_record(member) for member in record)
@@ -100,9 +100,10 @@ def from_record(record: Any) -> Any:
             raise InvalidInput(f"{record.get('name')!r:.60} is not a {name}") from None
     members = {key: from_record(member) for key, member in record.items() if key != "type"}
     kind = VALUES[name] if name in VALUES else getattr(import_module(LATE[name]), name)
-    known = {field.name for field in fields(kind)}
-    if members.keys() != known:
-        differing = ", ".join(sorted(members.keys() ^ known))
+    known = {field.name: field.default is MISSING for field in fields(kind)}
+    needed = {member for member, required in known.items() if required}
+    if not needed <= members.keys() <= known.keys():
+        differing = ", ".join(sorted((members.keys() - known.keys()) | (needed - members.keys())))
         raise InvalidInput(f"a record of {name} has missing or unknown members: {differing}")
     return kind(**members)
 

@@ -117,7 +117,7 @@ def read_spec(path: str | Path) -> Specification:
     ...     _ = path.write_text(demo_text("linear"), encoding="utf-8")
     ...     spec = read_spec(path)
     >>> spec.target, spec.limits.max_height
-    (LinearLaw(slope=6.87), 0.12)
+    (LinearLaw(slope=6.87, through_origin=False), 0.12)
     """
     raw = _bytes(Path(path))
     text = _decoded(path, raw)

@@ -4,7 +4,10 @@ from metafem.inversion.bounds import achievable_friction_coefficients, plasticit
 from metafem.inversion.design import Design, design
 from metafem.inversion.feasibility import feasible_region
 from metafem.inversion.judge import DesignStatus
+from metafem.inversion.layout import Arrangement, arrange
 from metafem.inversion.limits import Limits
+from metafem.inversion.objectives import FollowLaw, InsensitiveToTilt, Objective, Together
+from metafem.inversion.radius import RadiusRange, design_radius
 from metafem.inversion.target import (
     BilinearLaw,
     LinearLaw,
@@ -16,18 +19,26 @@ from metafem.inversion.target import (
 )
 
 __all__ = [
+    "Arrangement",
     "BilinearLaw",
     "Design",
     "DesignStatus",
+    "FollowLaw",
+    "InsensitiveToTilt",
     "Limits",
     "LinearLaw",
     "MultilinearLaw",
+    "Objective",
     "OperatingPoints",
     "PowerLaw",
+    "RadiusRange",
     "SampledLaw",
     "Target",
+    "Together",
     "achievable_friction_coefficients",
+    "arrange",
     "design",
+    "design_radius",
     "feasible_region",
     "plasticity_index",
 ]

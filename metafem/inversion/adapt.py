@@ -45,9 +45,9 @@ def adapted(
 ) -> tuple[Surface, IntArray, tuple[str, ...]]:
     """Return the surface with heights refined under the model, its sites, and a note that says so.
 
-    Heights on steps stay there, and models without sensitivities leave them as they are.
+    Heights that stand on steps already stay there, and models without sensitivities leave them as they are.
     """
-    if isinstance(model, UNCOUPLED) or not isinstance(model, Sensitive) or limits.height_step is not None:
+    if isinstance(model, UNCOUPLED) or not isinstance(model, Sensitive) or blueprint.stepped:
         return surface, sites, ()
     solver: Sensitive = model
     points = "adjustment_heights" in blueprint.parameters

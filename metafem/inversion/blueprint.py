@@ -28,7 +28,8 @@ class Branch:
 class Blueprint:
     """Heights above the base plane, tallest first (n,) [mm], and what they are to achieve.
 
-    `wanted` is the law that heights for another model are to have.
+    `wanted` is the law that heights for another model are to have; `stepped` heights stand on the
+    levels of the limits already.
     """
 
     height: FloatArray
@@ -37,3 +38,4 @@ class Blueprint:
     branches: tuple[Branch, ...] = ()
     density: PiecewiseExponential | None = None
     notes: tuple[str, ...] = field(default=())
+    stepped: bool = False

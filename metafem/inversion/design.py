@@ -12,11 +12,19 @@ from metafem import _validate as check
 from metafem._validate import IntArray
 from metafem.distributions import PiecewiseExponential
 from metafem.errors import InvalidInput
-from metafem.inversion import exponential, feasibility, operating_points, sampled
+from metafem.inversion import exponential, feasibility, operating_points, proportional, sampled
 from metafem.inversion.adapt import adapted, interaction_margin
 from metafem.inversion.blueprint import Blueprint, Branch, Parameter
 from metafem.inversion.bounds import common_radius
-from metafem.inversion.judge import DesignStatus, branch_fits, found_parameters, largest_misfit, status_of
+from metafem.inversion.gridded import gridded
+from metafem.inversion.judge import (
+    UNCOUPLED,
+    DesignStatus,
+    branch_fits,
+    found_parameters,
+    largest_misfit,
+    status_of,
+)
 from metafem.inversion.limits import Limits
 from metafem.inversion.target import (
     BilinearLaw,
@@ -79,9 +87,16 @@ class Design:
     notes: tuple[str, ...] = ()
 
 
+def _invert_linear(
+    target: LinearLaw, radius: float, count: int, limits: Limits, rng: np.random.Generator
+) -> Blueprint:
+    invert = proportional.invert if target.through_origin else exponential.invert_linear
+    return invert(target, radius, count, limits, rng)
+
+
 _INVERSIONS: dict[type, Callable[[Any, float, int, Limits, np.random.Generator], Blueprint]] = {
     OperatingPoints: operating_points.invert,
-    LinearLaw: exponential.invert_linear,
+    LinearLaw: _invert_linear,
     BilinearLaw: exponential.invert_bilinear,
     SampledLaw: sampled.invert,
     PowerLaw: sampled.invert,
@@ -92,6 +107,7 @@ _INVERSIONS: dict[type, Callable[[Any, float, int, Limits, np.random.Generator],
 _REFUSALS: dict[type, Callable[[Any, float, int, Limits, float], None]] = {
     SampledLaw: feasibility.refuse_sampled,
     PowerLaw: feasibility.refuse_power,
+    MultilinearLaw: feasibility.refuse_multilinear,
 }
 
 
@@ -112,10 +128,12 @@ def design(
         tallest where `limits` is left out.
     model : Model, optional
         Model under which the law is to be met, `Independent()` unless told. Under an interacting one the
-        heights of the independent inversion are refined by Gauss-Newton steps with exact sensitivities,
-        unless they must stand on steps.
+        heights of the independent inversion are refined by Gauss-Newton steps with exact sensitivities.
     limits : Limits, optional
-        What the workshop can make; without it, heights up to the template's tallest.
+        What the workshop can make; without it, heights up to the template's tallest. With a
+        `height_step` all heights stand on its levels, and the loss is stated in a note and in the
+        parameters ``step_levels`` [mm], ``step_counts`` and ``step_loss`` [-]; those of a linear law
+        under the independent model are the whole numbers nearest to its density.
     rng : int or numpy Generator
         Seed of the deal of heights to places.
 
@@ -166,6 +184,12 @@ def design(
         radius=template.radius[sites],
     )
     surface, sites, moved = adapted(surface, sites, template, solver, blueprint, limits, generator)
+    stepped: dict[str, Parameter] = {}
+    coupled = not isinstance(solver, UNCOUPLED)
+    if limits.height_step is not None and (coupled or not blueprint.stepped):
+        surface, stepped, lost = gridded(surface, solver, blueprint, limits)
+        moved += lost
+    parameters = found_parameters(surface, solver, blueprint, target)
     sites.flags.writeable = False
     fits = branch_fits(surface, solver, blueprint)
     misfit = largest_misfit(surface, solver, blueprint, fits)
@@ -174,7 +198,7 @@ def design(
         law=_drawn_law(surface, solver, target),
         misfit=misfit,
         status=status_of(solver, blueprint, misfit, bool(moved)),
-        parameters=found_parameters(surface, solver, blueprint, target),
+        parameters=parameters | stepped,
         sites=sites,
         target=target,
         template=template,

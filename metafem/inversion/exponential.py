@@ -61,7 +61,9 @@ def invert_linear(
         parameters |= {"levels": limits.foot + levels[counts > 0], "counts": counts[counts > 0]}
     branch = Branch(target.slope, (BRANCH_START * end, end), intercept)
     wanted = _law_of(density, (branch,), radius, count)
-    return Blueprint(limits.foot + height, parameters, wanted, (branch,), density, _notes(scale, limits))
+    stepped = limits.height_step is not None
+    notes = _notes(scale, limits)
+    return Blueprint(limits.foot + height, parameters, wanted, (branch,), density, notes, stepped)
 
 
 def invert_bilinear(
@@ -90,8 +92,6 @@ def invert_bilinear(
         Branch(second, (crossover + BRANCH_START * (end - crossover), end)),
     )
     notes = _notes(scale, limits)
-    if limits.height_step is not None:
-        notes += ("height_step is not applied: each asperity of a bilinear law has its own height",)
     wanted = _law_of(density, branches, radius, count)
     return Blueprint(limits.foot + height, parameters, wanted, branches, density, notes)
 

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
+import numpy as np
+
 from metafem import _validate as check
+from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 
 # Steps finer than this are finer than any machine's, and would only take time.
@@ -26,8 +30,8 @@ class Limits:
         Height h_0 added to all [mm], not negative, so that the lowest contacts can be indented before
         the plane reaches the base plane. It does not change the law.
     height_step : float, optional
-        Distance of the levels on which a linear law's heights stand [mm]; without it each asperity
-        has a height of its own.
+        Distance of the levels on which all summits stand, at the middles of the steps from the foot up
+        [mm]; without it each asperity has a height of its own.
     height_sd : float, optional
         Standard deviation of the made heights [mm]; designs too fine for it are noted.
 
@@ -69,6 +73,14 @@ class Limits:
     def span(self) -> float:
         """Range of the heights, max_height - min_height [mm]."""
         return self.max_height - self.min_height
+
+    @property
+    def levels(self) -> FloatArray:
+        """Heights above the base plane on which summits may stand where there is a step, rising [mm]."""
+        if self.height_step is None:
+            raise InvalidInput("height_step is None; heights may have any value")
+        number = max(1, math.floor(self.span / self.height_step + 0.5))
+        return np.asarray(self.foot + self.height_step * (np.arange(number) + 0.5))
 
     @property
     def foot(self) -> float:

@@ -58,13 +58,8 @@ def invert(
         "levels": np.array(levels),
         "adjustment_heights": np.array(adjustments),
     }
-    notes = (
-        ()
-        if limits.height_step is None
-        else ("height_step is not applied: operating points are met by heights off the steps",)
-    )
     wanted = Wanted.exactly(target.rescaled_load, target.rescaled_friction)
-    return Blueprint(limits.offset + np.array(stand), parameters, wanted, notes=notes)
+    return Blueprint(limits.offset + np.array(stand), parameters, wanted)
 
 
 class _Step:

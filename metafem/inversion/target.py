@@ -72,6 +72,9 @@ class LinearLaw:
     ----------
     slope : float
         m, slope of rescaled friction over rescaled load [-], positive; ``mu = sigma B / E* m``.
+    through_origin : bool
+        Whether there is to be no intercept: friction in true proportion to the load, over the widest
+        range of loads that the asperities allow, instead of heights from an exponential density.
 
     Examples
     --------
@@ -81,18 +84,26 @@ class LinearLaw:
     """
 
     slope: float
+    through_origin: bool = False
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "slope", check.number("slope", self.slope, above=0.0))
+        if not isinstance(self.through_origin, bool):
+            raise InvalidInput(f"through_origin = {self.through_origin!r} must be True or False")
 
     @classmethod
     def from_friction_coefficient(
-        cls, friction_coefficient: float, material: Material, friction: Friction
+        cls,
+        friction_coefficient: float,
+        material: Material,
+        friction: Friction,
+        through_origin: bool = False,
     ) -> LinearLaw:
         """Law of a friction coefficient mu [-] of a material pair, ``m = mu E* / (sigma B)``."""
         mu = check.number("friction_coefficient", friction_coefficient, above=0.0)
         _check_pair(material, friction)
-        return cls(mu * material.composite_modulus / (friction.shear_strength * friction.area_ratio))
+        slope = mu * material.composite_modulus / (friction.shear_strength * friction.area_ratio)
+        return cls(slope, through_origin)
 
     @classmethod
     def from_forces(

@@ -42,10 +42,19 @@ PARAMETERS = {
     "foot_load": ("rescaled load at which the plane reaches the lowest asperity", "mm²", 1.0),
     "counts": ("numbers of asperities", "", 1.0),
     "levels": ("levels above the base", "µm", 1e3),
-    "span": ("range of the heights", "µm", 1e3),
     "prefactor": ("prefactor C of the power", "mm^(2-2β)", 1.0),
     "intercepts": ("intercepts of the branches", "mm²", 1.0),
     "adjustment_heights": ("adjustment heights above the base", "µm", 1e3),
+    "load_range": ("rescaled loads over which friction is proportional to load", "mm²", 1.0),
+    "span": ("depth of the lowest summit below the tallest", "µm", 1e3),
+    "radius": ("radius", "µm", 1e3),
+    "tried_radii": ("radii within reach of the target", "µm", 1e3),
+    "radius_misfits": ("misfits with these radii", "", 1.0),
+    "lowest_coefficients": ("lowest friction coefficients of linear laws with them", "", 1.0),
+    "highest_coefficients": ("highest friction coefficients of linear laws with them", "", 1.0),
+    "step_levels": ("levels on the steps, above the base", "µm", 1e3),
+    "step_counts": ("numbers of asperities on them", "", 1.0),
+    "step_loss": ("misfit that the steps add", "", 1.0),
 }
 
 
@@ -114,7 +123,8 @@ def _(target: OperatingPoints) -> str:
 
 @wanted.register(LinearLaw)
 def _(target: LinearLaw) -> str:
-    return f"Linear friction law of slope {target.slope:.4g}"
+    origin = " through the origin" if target.through_origin else ""
+    return f"Linear friction law of slope {target.slope:.4g}{origin}"
 
 
 @wanted.register(BilinearLaw)

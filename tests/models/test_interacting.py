@@ -4,6 +4,8 @@ import math
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
 import metafem as mf
@@ -210,3 +212,18 @@ def test_batch_refuses_what_it_cannot_use(change):
     arguments = {"height": HEIGHT, "rescaled_load": [0.1], **change}
     with pytest.raises(mf.InvalidInput):
         mf.Interacting().curves(scene(), **arguments)
+
+
+@given(st.integers(0, 10**6))
+def test_curves_agree_with_single_loads_where_many_close_heights_enter(seed):
+    """A prediction along the curve may not lead Newton astray where a level of summits enters at once."""
+    rng = np.random.default_rng(seed)
+    height = 0.12 * rng.uniform(0.4, 0.6) + 1e-3 * rng.exponential(size=36)
+    height[0] = 0.24
+    surface = mf.Surface.square_lattice(height, (6, 6), pitch=4.0, radius=1.0, material=mf.Material(1.0))
+    entry = mf.Independent().curve_at(surface, np.array([0.24 - np.sort(height)[-2]])).load[0]
+    load = entry * np.linspace(0.5, 1.6, 40)
+    curve = mf.Interacting().curve(surface, load)
+    assert curve.residual.max() <= 1e-12
+    single = [mf.equilibrium(surface, mf.Interacting(), load=float(p)).area for p in load[::13]]
+    np.testing.assert_allclose(curve.area[::13], single, rtol=1e-10)

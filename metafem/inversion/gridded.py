@@ -1,0 +1,125 @@
+"""Heights on the steps of a machine: rounded, then moved step by step where that wins."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from metafem._validate import FloatArray, IntArray
+from metafem.inversion.blueprint import Blueprint, Parameter
+from metafem.inversion.judge import branch_fits, largest_misfit
+from metafem.inversion.limits import Limits
+from metafem.inversion.wanted import Wanted
+from metafem.models import Independent, Model, Sensitive
+from metafem.surface import Surface
+
+# Shares of a step by which all heights are shifted before they are rounded: only differences matter.
+SHIFTS = (0.0, 0.25, -0.25, 0.5, -0.5)
+
+# Of single moves, this many are paired; of all, as many as tried are made on the model.
+PAIRED, TRIED = 64, 24
+
+# Moves, at most; beyond so many asperities one step of one is below what the rounding averages out.
+MOST_MOVES, MOST_MOVED = 60, 512
+
+# Law (k,) and its gradient (k, n) of heights (n,).
+Evaluate = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
+
+
+def gridded(
+    surface: Surface, model: Model, blueprint: Blueprint, limits: Limits
+) -> tuple[Surface, dict[str, Parameter], tuple[str, ...]]:
+    """Return the surface with heights on the steps of the limits, the loss, and a note that states it.
+
+    Each asperity is rounded to the nearest level; then one asperity, or two, are moved up or down by one
+    step as long as that lowers the misfit under the model (that of independent asperities where it knows
+    no sensitivities). Many asperities are rounded alone.
+    """
+    solver: Sensitive = model if isinstance(model, Sensitive) else Independent()
+    levels, wanted = limits.levels, blueprint.wanted
+
+    def evaluate(height: FloatArray) -> tuple[FloatArray, FloatArray]:
+        found = solver.sensitivity(surface.replaced(height=height), wanted.load)
+        return found.curve.area, found.gradient
+
+    index = _rounded(surface.height, levels, evaluate, wanted)
+    if surface.count <= MOST_MOVED:
+        index = _moved(index, levels, evaluate, wanted)
+    result = surface.replaced(height=levels[index])
+    before, after = (
+        largest_misfit(part, model, blueprint, branch_fits(part, model, blueprint))
+        for part in (surface, result)
+    )
+    used, counts = np.unique(index, return_counts=True)
+    parameters: dict[str, Parameter] = {
+        "step_levels": levels[used],
+        "step_counts": counts.astype(np.int64),
+        "step_loss": after - before,
+    }
+    note = (
+        f"heights stand on steps of {1e3 * (limits.height_step or 0.0):.4g} um: the misfit is "
+        f"{100.0 * after:.3g} %, against {100.0 * before:.3g} % before the steps"
+    )
+    return result, parameters, (note,)
+
+
+def _squares(index: IntArray, levels: FloatArray, evaluate: Evaluate, wanted: Wanted) -> float:
+    residual, _ = wanted.residual(*evaluate(levels[index]))
+    return float(residual @ residual)
+
+
+def _rounded(height: FloatArray, levels: FloatArray, evaluate: Evaluate, wanted: Wanted) -> IntArray:
+    """Return the nearest levels after the best of several shifts."""
+    step = float(levels[1] - levels[0]) if len(levels) > 1 else 1.0
+    place = (height - levels[0]) / step
+    trials = [np.clip(np.rint(place + shift), 0, len(levels) - 1).astype(np.int64) for shift in SHIFTS]
+    return min(trials, key=lambda index: _squares(index, levels, evaluate, wanted))
+
+
+def _moved(index: IntArray, levels: FloatArray, evaluate: Evaluate, wanted: Wanted) -> IntArray:
+    """Move one or two asperities by a step at a time, the best by the gradient tried on the model."""
+    for _ in range(MOST_MOVES):
+        residual, jacobian = wanted.residual(*evaluate(levels[index]))
+        trials = _trials(index, levels, residual, jacobian)
+        best = min(trials, key=lambda trial: _squares(trial, levels, evaluate, wanted), default=index)
+        if not _squares(best, levels, evaluate, wanted) < residual @ residual:
+            break
+        index = best
+    return index
+
+
+def _trials(
+    index: IntArray, levels: FloatArray, residual: FloatArray, jacobian: FloatArray
+) -> list[IntArray]:
+    """Return the moves of one or two asperities that promise most, to first order."""
+    which = np.concatenate([np.arange(len(index))] * 2)
+    by = np.repeat([1, -1], len(index))
+    inside = (index[which] + by >= 0) & (index[which] + by < len(levels))
+    which, by = which[inside], by[inside]
+    if not which.size:
+        return []
+    change = jacobian[:, which] * (levels[index[which] + by] - levels[index[which]])
+    single = ((residual[:, None] + change) ** 2).sum(axis=0)
+    order = np.argsort(single, kind="stable")
+    # asperities of equal height promise the same, and two of each are enough for a pair
+    third = np.append([False, False], single[order][2:] == single[order][:-2])
+    kept = order[~third[: len(order)]][:PAIRED]
+    part = change[:, kept]
+    double = ((residual[:, None, None] + part[:, :, None] + part[:, None, :]) ** 2).sum(axis=0)
+    double[np.diag_indices(len(kept))] = single[kept]
+    double[np.tril_indices(len(kept), -1)] = np.inf
+    same = which[kept][:, None] == which[kept][None, :]
+    double[same & ~np.eye(len(kept), dtype=bool)] = np.inf
+    _, first = np.unique(double.ravel(), return_index=True)
+    trials = []
+    for flat in first[:TRIED]:
+        a, b = divmod(int(flat), len(kept))
+        if not np.isfinite(double[a, b]):
+            continue
+        trial = index.copy()
+        trial[which[kept[a]]] += by[kept[a]]
+        if a != b:
+            trial[which[kept[b]]] += by[kept[b]]
+        trials.append(trial)
+    return trials

@@ -1,0 +1,206 @@
+"""What an arrangement of asperities is to achieve: relative differences of A0 that are to vanish."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from metafem import _validate as check
+from metafem._validate import FloatArray
+from metafem.errors import InvalidInput
+from metafem.inversion.exchange import Coupled, Forecast, Joined, Tilted
+from metafem.models import Independent, Model
+from metafem.surface import STEEPEST, Surface
+
+# The misalignment for which the source paper states the change of its laws, doi:10.1126/science.adk4234.
+TILT = math.radians(0.1)
+
+# Directions of the tilt: with five or more, evenly spaced, the mean square of changes of up to second
+# order in the tilt is exact.
+DIRECTIONS = 6
+
+
+@runtime_checkable
+class Objective(Protocol):
+    """A frozen value that asks something of the places of a surface's asperities."""
+
+    def residual(self, surface: Surface, model: Model) -> FloatArray:
+        """Relative differences of A0, whose sum of squares is to be small."""
+        ...
+
+    def forecast(self, surface: Surface, influence: FloatArray) -> Forecast:
+        """The same to first order in the influence (n, n) [1/mm], as a function of the places."""
+        ...
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class FollowLaw:
+    """The law under the model is to follow a curve, that of independent asperities unless told.
+
+    ``r_k = (A0(P_k)/A_k - 1) / sqrt(K)``: the misfit is the root mean square over K loads. With few loads
+    the law between them stays as it was: 20 over the range serve for 64 asperities.
+
+    Parameters
+    ----------
+    rescaled_load : array_like, (K,)
+        P/E* [mm^2], positive and increasing.
+    rescaled_friction : array_like, (K,), optional
+        F/(sigma B) [mm^2], positive and increasing.
+
+    Raises
+    ------
+    InvalidInput
+        For arrays of different length, values that are not finite, and points that do not increase.
+
+    Examples
+    --------
+    >>> FollowLaw([0.1, 0.2]).rescaled_friction is None
+    True
+    """
+
+    rescaled_load: FloatArray
+    rescaled_friction: FloatArray | None
+
+    def __init__(self, rescaled_load: ArrayLike, rescaled_friction: ArrayLike | None = None) -> None:
+        load = _loads(rescaled_load)
+        friction = None
+        if rescaled_friction is not None:
+            friction = check.array("rescaled_friction", rescaled_friction, shape=(len(load),))
+            friction = check.increasing("rescaled_friction", friction)
+        object.__setattr__(self, "rescaled_load", load)
+        object.__setattr__(self, "rescaled_friction", friction)
+
+    def residual(self, surface: Surface, model: Model) -> FloatArray:
+        """Return the relative differences, (K,)."""
+        area = model.curve(surface, self.rescaled_load).area
+        return np.asarray((area / self._target(surface) - 1.0) / math.sqrt(len(area)))
+
+    def forecast(self, surface: Surface, influence: FloatArray) -> Forecast:
+        """The others' displacements act as lower heights: ``dA0 = -sum_ij dA0/dh_i G_ij P_j/E*``."""
+        alone = Independent().sensitivity(surface, self.rescaled_load)
+        depth = np.maximum(alone.indentation, 0.0)
+        load = 4.0 / 3.0 * np.sqrt(surface.radius * depth) * depth
+        scale = 1.0 / (self._target(surface) * math.sqrt(len(depth)))
+        base = alone.curve.area * scale - 1.0 / math.sqrt(len(depth))
+        return Coupled(base, -scale[:, None] * alone.gradient, load, influence)
+
+    def _target(self, surface: Surface) -> FloatArray:
+        if self.rescaled_friction is not None:
+            return self.rescaled_friction
+        return Independent().curve(surface, self.rescaled_load).area
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class InsensitiveToTilt:
+    """A small misalignment of the plane is to leave the law as it is.
+
+    A tilt by (t_x, t_y) raises the summits by ``x_i t_x + y_i t_y``. At a fixed load that changes A0 by
+    ``sum_i dA0/dh_i (x_i t_x + y_i t_y)`` to first order. As the dA0/dh_i sum to zero, these first moments
+    do not depend on the origin; of independent asperities they are those of ``pi R_i - c sqrt(R_i d_i)``
+    over the contacts. A tilt of .1 degrees across 10 mm is as large as many indentations, so the misfit is
+    the rms of the whole change A0(tilted)/A0 - 1, over the loads and six directions around the circle.
+
+    Parameters
+    ----------
+    rescaled_load : array_like, (K,)
+        P/E* [mm^2], positive and increasing.
+    angle : float
+        Of the tilt [rad], up to pi/4; as it goes to zero the first moments alone are left.
+
+    Raises
+    ------
+    InvalidInput
+        For loads that do not increase, and an angle outside its range.
+
+    Examples
+    --------
+    >>> InsensitiveToTilt([0.1, 0.2]).rescaled_load
+    array([0.1, 0.2])
+    """
+
+    rescaled_load: FloatArray
+    angle: float
+
+    def __init__(self, rescaled_load: ArrayLike, angle: float = TILT) -> None:
+        object.__setattr__(self, "rescaled_load", _loads(rescaled_load))
+        object.__setattr__(self, "angle", check.number("angle", angle, above=0.0, at_most=STEEPEST))
+
+    def residual(self, surface: Surface, model: Model) -> FloatArray:
+        """Return the relative changes, (6 K,)."""
+        level = model.curve(surface, self.rescaled_load).area
+        tilted = [surface.replaced(height=surface.height + lift) for lift in self._lifts(surface)]
+        changes = [model.curve(part, self.rescaled_load).area / level - 1.0 for part in tilted]
+        return np.concatenate(changes) / math.sqrt(DIRECTIONS * len(level))
+
+    def forecast(self, surface: Surface, influence: FloatArray) -> Forecast:
+        """Return the changes of independent asperities: sums over the places."""
+        found = Independent().sensitivity(surface, self.rescaled_load)
+        depth, radius = found.indentation, surface.radius
+        rate = math.pi * np.where(depth > 0.0, radius, 0.0).sum(axis=1)
+        rate /= 2.0 * np.sqrt(radius * np.maximum(depth, 0.0)).sum(axis=1)
+        scale = 1.0 / (found.curve.area * math.sqrt(DIRECTIONS * len(depth)))
+        return Tilted(depth, radius, self._lifts(surface), scale, rate)
+
+    def _lifts(self, surface: Surface) -> FloatArray:
+        """By which the tilts raise the summits, (6, n) [mm]."""
+        direction = 2.0 * math.pi * np.arange(DIRECTIONS) / DIRECTIONS
+        slope = math.tan(self.angle) * np.stack([np.cos(direction), np.sin(direction)], axis=1)
+        return np.asarray(slope @ surface.position.T)
+
+
+@dataclass(frozen=True, init=False)
+class Together:
+    """Several objectives at once, ``sum_i w_i misfit_i^2``.
+
+    Parameters
+    ----------
+    objectives : sequence of objectives
+    weights : array_like, optional
+        Positive; equal unless given. They are divided by their sum.
+
+    Raises
+    ------
+    InvalidInput
+        If there is none, or weights are missing or not positive.
+
+    Examples
+    --------
+    >>> load = [0.1, 0.2]
+    >>> Together([FollowLaw(load), InsensitiveToTilt(load)], [3.0, 1.0]).weights
+    (0.75, 0.25)
+    """
+
+    objectives: tuple[Objective, ...]
+    weights: tuple[float, ...]
+
+    def __init__(self, objectives: Sequence[Objective], weights: ArrayLike | None = None) -> None:
+        parts = tuple(objectives)
+        if not parts:
+            raise InvalidInput("objectives is empty; at least one is needed")
+        for i, part in enumerate(parts):
+            check.instance(f"objectives[{i}]", part, Objective, "such as metafem.FollowLaw(...)")
+        values = check.array("weights", np.ones(len(parts)) if weights is None else weights,
+                             shape=(len(parts),))  # fmt: skip
+        if values.min() <= 0.0:
+            raise InvalidInput(f"weights holds {values.min():g}; all must be greater than 0")
+        object.__setattr__(self, "objectives", parts)
+        object.__setattr__(self, "weights", tuple((values / values.sum()).tolist()))
+
+    def residual(self, surface: Surface, model: Model) -> FloatArray:
+        """Return the parts' residuals, each times the root of its weight."""
+        pairs = zip(self.weights, self.objectives, strict=True)
+        return np.concatenate([math.sqrt(w) * part.residual(surface, model) for w, part in pairs])
+
+    def forecast(self, surface: Surface, influence: FloatArray) -> Forecast:
+        """Return the parts' forecasts, each times the root of its weight."""
+        parts = tuple(part.forecast(surface, influence) for part in self.objectives)
+        return Joined(tuple(math.sqrt(w) for w in self.weights), parts)
+
+
+def _loads(given: ArrayLike) -> FloatArray:
+    return check.increasing("rescaled_load", check.array("rescaled_load", given, shape=(None,)))

@@ -1,0 +1,76 @@
+"""Heights on the steps of a machine, for every kind of law."""
+
+import numpy as np
+import pytest
+
+import metafem as mf
+from metafem.inversion import DesignStatus
+
+STEP = 0.006
+LIMITS = mf.Limits(0.27, offset=0.05, height_step=STEP)
+TARGETS = {
+    "points": mf.OperatingPoints([0.144, 0.336, 0.649], [0.84, 1.68, 4.12]),
+    "sampled": mf.SampledLaw([0.1, 0.2, 0.3, 0.4], [0.9, 1.6, 2.3, 3.0]),
+    "power": mf.PowerLaw(1.2, (0.1, 0.4)),
+    "multilinear": mf.MultilinearLaw([9.5, 7.0], [(0.07, 0.18)], (0.03, 0.26)),
+}
+
+
+@pytest.mark.parametrize("model", [mf.Independent(), mf.Interacting(order=1)], ids=["alone", "coupled"])
+@pytest.mark.parametrize("name", TARGETS)
+def test_heights_stand_on_steps_and_the_loss_is_told(template, name, model):
+    result = mf.design(TARGETS[name], template, model, LIMITS)
+    steps = (result.surface.height - LIMITS.foot) / STEP - 0.5
+    np.testing.assert_allclose(steps, np.rint(steps), atol=1e-9)
+    assert result.misfit < 0.006
+    assert result.status is DesignStatus.REFINED
+    assert f"the misfit is {100 * result.misfit:.3g} %" in result.notes[-1]
+    before = mf.design(TARGETS[name], template, model, mf.Limits(0.27, offset=0.05)).misfit
+    assert result.parameters["step_loss"] == pytest.approx(result.misfit - before, abs=1e-12)
+    used, counts = np.unique(result.surface.height, return_counts=True)
+    np.testing.assert_array_equal(result.parameters["step_levels"], used)
+    np.testing.assert_array_equal(result.parameters["step_counts"], counts)
+
+
+def test_moves_win_over_rounding(template):
+    free = mf.design(TARGETS["power"], template, limits=mf.Limits(0.27))
+    wanted = mf.design(TARGETS["power"], template, limits=mf.Limits(0.27, height_step=STEP))
+    rounded = free.surface.replaced(height=STEP * np.rint(free.surface.height / STEP))
+    load = np.geomspace(0.1, 0.4, 30)
+    ratio = mf.Independent().curve(rounded, load).area / load**1.2
+    assert wanted.misfit < 0.5 * float(ratio.std() / ratio.mean())
+
+
+def test_bilinear_law_stands_on_steps(template):
+    limits = mf.Limits(0.12, offset=0.05, height_step=0.001)
+    result = mf.design(mf.BilinearLaw((7.15, 12.52), 0.038), template, limits=limits)
+    steps = (result.surface.height - limits.foot) / 0.001 - 0.5
+    np.testing.assert_allclose(steps, np.rint(steps), atol=1e-9)
+    assert result.misfit < 0.1
+
+
+def test_linear_law_keeps_its_whole_numbers_alone_and_moves_for_interaction(template):
+    limits = mf.Limits(0.12, offset=0.084, height_step=STEP)
+    alone = mf.design(mf.LinearLaw(6.87), template, limits=limits)
+    coupled = mf.design(mf.LinearLaw(6.87), template, mf.Interacting(order=1), limits)
+    assert "step_loss" not in alone.parameters
+    assert coupled.parameters["step_loss"] <= 0.0
+    steps = (coupled.surface.height - limits.foot) / STEP - 0.5
+    np.testing.assert_allclose(steps, np.rint(steps), atol=1e-9)
+
+
+def test_coarse_steps_miss_and_say_so(template):
+    result = mf.design(TARGETS["power"], template, limits=mf.Limits(0.27, height_step=0.135))
+    assert len(LIMITS.levels) == 45
+    assert result.status is DesignStatus.MISSED
+
+
+def test_a_single_level_leaves_nothing_to_move(template):
+    result = mf.design(TARGETS["power"], template, limits=mf.Limits(0.27, height_step=0.27))
+    assert np.unique(result.surface.height).tolist() == [0.135]
+    assert result.status is DesignStatus.MISSED
+
+
+def test_levels_need_a_step():
+    with pytest.raises(mf.InvalidInput, match="height_step is None"):
+        _ = mf.Limits(0.1).levels

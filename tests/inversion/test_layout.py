@@ -1,0 +1,124 @@
+"""Arrangements: forecasts that price every exchange, and laws that the places make better."""
+
+import numpy as np
+import pytest
+
+import metafem as mf
+from metafem.inversion.exchange import swap
+
+LOAD = np.array([0.05, 0.15, 0.3])
+LAYER = mf.Interacting(substrate=mf.BondedLayer())
+TILT = mf.InsensitiveToTilt(LOAD)
+BOTH = mf.Together([mf.FollowLaw(LOAD), TILT], [3.0, 1.0])
+
+
+@pytest.fixture
+def uneven():
+    rng = np.random.default_rng(4)
+    return mf.Surface.square_lattice(
+        0.1 + rng.exponential(0.02, 36),
+        (6, 6),
+        radius=rng.uniform(0.4, 0.6, 36),
+        material=mf.Material(1.36),
+        block=mf.Block(12.0, 12.0, 7.2),
+    )
+
+
+@pytest.mark.parametrize("objective", [mf.FollowLaw(LOAD), TILT, BOTH], ids=["law", "tilt", "both"])
+def test_forecast_prices_every_exchange_as_if_it_were_made(uneven, objective):
+    forecast = objective.forecast(uneven, mf.HalfSpace().influence_matrix(uneven))
+    changes = forecast.changes(np.arange(36))
+    for i, j in [(0, 1), (3, 30), (35, 7), (12, 12)]:
+        order = np.arange(36)
+        swap(order, i, j)
+        expected = forecast.placed(order).residual() - forecast.residual()
+        np.testing.assert_allclose(changes[:, i, j], expected, atol=1e-15)
+
+
+def test_forecast_of_the_law_is_that_of_weak_interaction(uneven):
+    """Far apart, interaction is of first order."""
+    far = uneven.replaced(position=1e4 * uneven.position)
+    forecast = mf.FollowLaw(LOAD).forecast(far, mf.HalfSpace().influence_matrix(far))
+    found = mf.FollowLaw(LOAD).residual(far, mf.Interacting())
+    np.testing.assert_allclose(forecast.residual(), found, rtol=1e-2)
+
+
+def test_small_tilts_change_the_law_by_the_first_moments(uneven):
+    angle = 1e-7
+    model = mf.Interacting()
+    found = model.sensitivity(uneven, LOAD)
+    moments = found.gradient @ uneven.position / found.curve.area[:, None] * angle
+    change = mf.InsensitiveToTilt(LOAD, angle).residual(uneven, model).reshape(6, 3) * np.sqrt(18)
+    scale = np.abs(moments).max()
+    np.testing.assert_allclose(change[0], moments[:, 0], atol=1e-3 * scale)
+    np.testing.assert_allclose((change[1] + change[2]) / np.sqrt(3.0), moments[:, 1], atol=1e-3 * scale)
+
+
+def test_forecast_of_tilt_is_that_of_independent_asperities(uneven):
+    found = TILT.residual(uneven, mf.Independent())
+    forecast = TILT.forecast(uneven, np.zeros((36, 36))).residual()
+    # the shift of the plane is taken to first order
+    np.testing.assert_allclose(forecast, found, atol=0.25 * np.abs(found).max())
+    assert np.linalg.norm(forecast - found) < 0.2 * np.linalg.norm(found)
+
+
+@pytest.mark.parametrize("model", [mf.Interacting(), LAYER], ids=["half-space", "layer"])
+def test_arranged_laws_follow_the_independent_one(uneven, model):
+    result = mf.arrange(uneven, mf.FollowLaw(LOAD), model)
+    assert result.after < 0.1 * result.before
+    again = mf.FollowLaw(LOAD).residual(result.surface, model)
+    assert np.linalg.norm(again) == pytest.approx(result.after, rel=1e-12)
+
+
+def test_arrangement_keeps_each_height_with_its_radius_and_the_places(uneven):
+    result = mf.arrange(uneven, TILT)
+    assert result.after < result.before
+    np.testing.assert_array_equal(np.sort(result.order), np.arange(36))
+    np.testing.assert_array_equal(result.surface.height, uneven.height[result.order])
+    np.testing.assert_array_equal(result.surface.radius, uneven.radius[result.order])
+    np.testing.assert_array_equal(result.surface.position, uneven.position)
+
+
+def test_arrangement_is_the_same_for_the_same_seed(uneven):
+    first, second = (mf.arrange(uneven, BOTH, rng=3).order for _ in range(2))
+    np.testing.assert_array_equal(first, second)
+
+
+def test_places_of_independent_asperities_stay(uneven):
+    result = mf.arrange(uneven, mf.FollowLaw(LOAD), mf.Independent())
+    np.testing.assert_array_equal(result.order, np.arange(36))
+    assert result.after == 0.0
+
+
+def test_a_law_of_ones_own_can_be_followed(uneven):
+    area = 1.005 * mf.Interacting().curve(uneven, LOAD).area
+    result = mf.arrange(uneven, mf.FollowLaw(LOAD, area))
+    assert result.before == pytest.approx(1.0 - 1.0 / 1.005, rel=1e-9)
+    assert result.after < 0.5 * result.before
+
+
+def test_many_places_are_drawn(template):
+    rng = np.random.default_rng(0)
+    large = mf.Surface.square_lattice(
+        rng.exponential(0.03, 144), (12, 12), radius=0.526, material=mf.Material(1.0)
+    )
+    result = mf.arrange(large, mf.FollowLaw([0.3, 0.6]), mf.Interacting(order=1))
+    assert result.after < 0.3 * result.before
+
+
+@pytest.mark.parametrize(
+    ("build", "words"),
+    [
+        (lambda s: mf.FollowLaw([0.2, 0.1]), r"rescaled_load\[1\] = 0.1 does not exceed"),
+        (lambda s: mf.FollowLaw([0.1], [1.0, 2.0]), "rescaled_friction has shape"),
+        (lambda s: mf.InsensitiveToTilt([0.1], angle=0.0), "angle = 0 must be greater than 0"),
+        (lambda s: mf.Together([]), "objectives is empty"),
+        (lambda s: mf.Together([TILT], [0.0]), "weights holds 0"),
+        (lambda s: mf.Together([3]), r"objectives\[0\] = 3 must be"),
+        (lambda s: mf.arrange(s, "tilt"), "objective = 'tilt' must be"),
+        (lambda s: mf.arrange(3, TILT), "surface = 3 must be a metafem.Surface"),
+    ],
+)
+def test_bad_arrangements_are_named(uneven, build, words):
+    with pytest.raises(mf.InvalidInput, match=words):
+        build(uneven)
