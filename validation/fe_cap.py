@@ -8,6 +8,9 @@ from metafem.report.elements import cap_pressure_figure, mesh_figure
 from validation.check import Claim, from_elements
 from validation.frozen_meshes import CAP_CONTACT, FOLDER, cap
 
+# The tests of this claim carry the mark "slow".
+SLOW = True
+
 
 def claim() -> Claim:
     """Compare load and indentation with another computation."""

@@ -13,6 +13,9 @@ from metafem.reference import single_contacts as exact
 from metafem.report.svg import new_figure
 from validation.check import Claim, from_elements
 
+# The tests of this claim carry the mark "slow".
+SLOW = True
+
 
 def claim() -> Claim:
     """Compare load and indentation at three contact radii."""

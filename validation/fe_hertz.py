@@ -8,6 +8,9 @@ from metafem.report.elements import hertz_figure
 from metafem.report.svg import new_figure
 from validation.check import Claim, from_elements
 
+# The tests of this claim carry the mark "slow".
+SLOW = True
+
 A, R = 0.2, 0.526
 
 

@@ -10,6 +10,9 @@ from metafem.reference import bonded_layer
 from metafem.report.svg import new_figure
 from validation.check import Claim, from_elements
 
+# The tests of this claim carry the mark "slow".
+SLOW = True
+
 
 def claim() -> Claim:
     """Compare at distances up to the block's half-width, for three Poisson ratios."""

@@ -16,6 +16,9 @@ from validation.check import Check, Claim, below, near
 from validation.paper_surfaces import fig3, fig4, template
 from validation.published import PAPER, paper, table
 
+# The tests of this claim carry the mark "slow".
+SLOW = True
+
 PLACEMENTS = 1000
 
 # Loads P/E* [mm²], which reach from the lightest measured ones beyond full contact of all surfaces.

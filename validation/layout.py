@@ -15,6 +15,9 @@ from metafem.report.svg import new_figure
 from validation.check import Check, Claim, below
 from validation.interaction_error import surfaces
 
+# The tests of this claim carry the mark "slow".
+SLOW = True
+
 # Loads P/E* [mm²] from the lightest measured ones to full contact of the surfaces.
 LOADS = 0.6 * np.arange(1, 21) / 20
 
