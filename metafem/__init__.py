@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from metafem import fe as fe
+    from metafem import studies as studies
     from metafem.asperity import Hertz as Hertz
     from metafem.errors import Infeasible as Infeasible
     from metafem.errors import InvalidInput as InvalidInput
@@ -110,7 +111,7 @@ _HOME = {
 _MODULE = {name: module for module, names in _HOME.items() for name in names}
 
 # Parts that are used under their own name, such as mf.fe.press.
-_PARTS = ("fe",)
+_PARTS = ("fe", "studies")
 
 __all__ = sorted([*_MODULE, *_PARTS])
 

@@ -14,6 +14,8 @@ import click
 from metafem.errors import InvalidInput, MetafemError
 
 if TYPE_CHECKING:
+    from xarray import Dataset
+
     from metafem.files import Specification
     from metafem.inversion import Design
     from metafem.law import FrictionLaw
@@ -21,7 +23,9 @@ if TYPE_CHECKING:
 DEMOS = ("operating-points", "linear", "bilinear")
 
 # The kinds that `metafem.files` knows, listed here so that --help needs no import.
-MODELS = ("independent", "mean-field", "half-space", "layer", "resolved")
+MODELS = ("independent", "mean-field", "half-space", "layer", "block", "resolved", "automatic")
+
+STUDIES = ("interaction", "fidelity")
 
 # Exit codes: a target that cannot be reached, and input that cannot be used.
 NOT_ACHIEVED, BAD_INPUT = 1, 2
@@ -198,6 +202,52 @@ def report(folder: Path, as_json: bool) -> None:
         path = folder / "report.html"
         write_text(path, page(mf.load(folder), stored_hardness(folder)), force=True)
     click.echo(json.dumps({"report": str(path)}) if as_json else f"wrote {path}")
+
+
+@main.command()
+@click.argument("name", type=click.Choice(STUDIES))
+@click.argument("folder", type=click.Path(path_type=Path))
+@force_option
+@json_option
+def study(name: str, folder: Path, force: bool, as_json: bool) -> None:
+    """Study the design of a result folder and write NAME.nc into it.
+
+    interaction: how coupling changes the law, as placed and in 1,000 random placements. fidelity: the law
+    by every theory, from independent asperities to the true block and finite elements; a minute or two
+    the first time.
+    """
+    import metafem as mf
+    from metafem.files import study_data, study_path, write_study
+
+    path = study_path(folder, name, force)
+    design = mf.load(folder)
+    with _progress(f"studying {name}"):
+        found = getattr(mf.studies, name)(design)
+    write_study(found, path, force=force)
+    if as_json:
+        click.echo(json.dumps({"file": str(path), **study_data(found)}))
+    else:
+        _tell_study(found, path)
+
+
+def _tell_study(found: Dataset, path: Path) -> None:
+    from rich.console import Console
+    from rich.markup import escape
+    from rich.table import Table
+
+    from metafem.studies import summary
+
+    told = summary(found)
+    table = Table(title=escape(told.title), title_justify="left")
+    for i, column in enumerate(told.columns):
+        table.add_column(escape(column), justify="right" if i else "left")
+    for row in told.rows:
+        table.add_row(*row)
+    console = Console()
+    console.print(table)
+    for text in told.notes:
+        console.print(text, style="yellow", highlight=False, markup=False)
+    console.print(f"wrote {path}", highlight=False, markup=False)
 
 
 @main.command()

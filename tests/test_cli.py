@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 import pytest
+import xarray as xr
 from click.testing import CliRunner
 
 import metafem as mf
@@ -35,7 +36,15 @@ def test_every_command_has_help(run, command):
     assert "Usage:" in result.output
 
 
-@pytest.mark.parametrize("model", ["mean-field", "half-space", "layer"])
+@pytest.mark.parametrize(
+    "model",
+    [
+        *("mean-field", "half-space", "layer"),
+        # its influence takes half a minute; resolved contacts take longer where the automatic ones need them
+        pytest.param("block", marks=pytest.mark.slow),
+        "automatic",
+    ],
+)
 def test_demo_takes_every_model(run, model):
     result = run("demo", "linear", "--model", model, "--json")
     assert result.exit_code == 0, result.output
@@ -120,6 +129,7 @@ def test_predict_reads_a_folder_and_a_table(run):
         (("predict", ".", "--composite-modulus", "1 MPa"), "are for tables of heights"),
         (("predict", "."), "no such file; name a result folder"),
         (("report", "."), "no such file; name a result folder"),
+        (("study", "fidelity", "."), "no such file; name a result folder"),
         (("design", "none.toml", "-o", "x"), "none.toml"),
         (("design", "none.toml", "-o", "no/where"), "no is not a folder"),
         (("demo", "cubic"), "is not one of"),
@@ -138,6 +148,18 @@ def test_report_is_written_anew_and_the_same(run):
     path.unlink()
     assert run("report", "operating-points").exit_code == 0
     assert path.read_bytes() == before
+
+
+def test_study_prints_its_table_and_keeps_its_file(run):
+    run("demo", "linear")
+    result = run("study", "interaction", "linear")
+    assert (result.exit_code, "half-space" in result.output) == (0, True), result.output
+    refused = run("study", "interaction", "linear")
+    assert (refused.exit_code, "--force" in refused.output) == (2, True)
+    told = json.loads(run("study", "interaction", "linear", "--force", "--json").stdout)
+    with xr.open_dataset("linear/interaction.nc", engine="h5netcdf") as kept:
+        assert kept.area_change.values.tolist() == told["data"]["area_change"]["values"]
+        assert kept.sinking.attrs["units"] == "mm"
 
 
 def test_doctor_finds_this_installation_well(run):

@@ -19,7 +19,7 @@ def test_unknown_name_is_an_attribute_error():
 
 
 def test_importing_the_package_loads_nothing_heavy():
-    heavy = "{'numpy', 'numba', 'scipy', 'matplotlib', 'pydantic', 'pint'}"
+    heavy = "{'numpy', 'numba', 'scipy', 'matplotlib', 'pydantic', 'pint', 'skfem'}"
     code = f"import metafem.cli, sys; print(sorted({heavy} & set(sys.modules)))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"

@@ -19,6 +19,7 @@ from metafem.report.svg import svg
 from validation.check import Check, Claim
 from validation.page import page, readme_table
 from validation.paper_surfaces import fig4
+from validation.readme import renew
 
 PICTURE = Path(__file__).parent / "first_minute.svg"
 
@@ -46,10 +47,7 @@ def evaluate(name: str) -> Claim:
 
 def renew_readme(results: dict[str, Claim]) -> None:
     """Write the README's table and picture anew."""
-    path = Path("README.md")
-    text = path.read_text("utf-8")
-    head, tail = text.split(MARKS[0])[0], text.split(MARKS[1])[1]
-    path.write_text(f"{head}{MARKS[0]}\n{readme_table(results)}\n{MARKS[1]}{tail}", "utf-8")
+    renew(MARKS, readme_table(results))
     PICTURE.write_text(svg(law_figure(fig4("red")), "Target, density and achieved friction law"), "utf-8")
 
 

@@ -148,6 +148,23 @@ def tangent(field, order, radius, own, state, count, points, memory, scratch):
 
 
 @njit(cache=True, nogil=True)
+def afresh(gap, radius, control, by_load, z):
+    """Fill z with that of independent asperities, and return its approach."""
+    start = uniform_approach(gap, radius, control) if by_load else control
+    for i in range(z.size):
+        z[i] = start - gap[i]
+    return start
+
+
+@njit(cache=True, nogil=True)
+def solved(field, order, radius, own, gap, approach, target, state, scratch):
+    """Solve under a target load, or at the approach where the target is 0."""
+    if target > 0.0:
+        return settle(field, order, radius, own, gap, approach, target, state, scratch)
+    return newton(field, order, radius, own, gap, approach, 0.0, state, scratch)
+
+
+@njit(cache=True, nogil=True)
 def curve(field, order, radius, own, gap, control, by_load, row, results, state, memory, scratch, trail):
     """Fill one row of results at increasing loads, or approaches; and z (k, n) where `trail` has room."""
     n = radius.size
@@ -163,20 +180,16 @@ def curve(field, order, radius, own, gap, control, by_load, row, results, state,
             if trail.size > 0:
                 trail[j] = state.z
             continue
+        target = control[j] if by_load else 0.0
         if points == 0:
-            start = uniform_approach(gap, radius, control[j]) if by_load else control[j]
-            for i in range(n):
-                state.z[i] = start - gap[i]
+            start = afresh(gap, radius, control[j], by_load, state.z)
         else:
             ahead = 0.0 if by_load else control[j] - x
-            target = control[j] if by_load else 0.0
             start = x + predict(memory, points, width, ahead, target, radius, state.z)
-        if by_load:
-            new, count, load, residual = settle(
-                field, order, radius, own, gap, start, control[j], state, scratch
-            )
-        else:
-            new, count, load, residual = newton(field, order, radius, own, gap, start, 0.0, state, scratch)
+        new, count, load, residual = solved(field, order, radius, own, gap, start, target, state, scratch)
+        if residual > TOLERANCE and points > 0:  # a prediction across entering contacts can mislead
+            start = afresh(gap, radius, control[j], by_load, state.z)
+            new, count, load, residual = solved(field, order, radius, own, gap, start, target, state, scratch)
         if trail.size > 0:
             trail[j] = state.z
         results.approach[row, j] = new

@@ -3,6 +3,7 @@
 from metafem.fe.block import Block3D
 from metafem.fe.checks import Check, Convergence, cap_check, cell_check, hertz_check, layer_check
 from metafem.fe.mesh import read_mesh
+from metafem.fe.pedestal import measure_pedestal
 from metafem.fe.press import PressedContact, Status, press
 from metafem.fe.search import FoundContact, search_contact
 
@@ -17,6 +18,7 @@ __all__ = [
     "cell_check",
     "hertz_check",
     "layer_check",
+    "measure_pedestal",
     "press",
     "read_mesh",
     "search_contact",

@@ -13,7 +13,7 @@ import numpy as np
 from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput, MetafemWarning, NotConverged
-from metafem.fe.block_cache import BlockInfluence, cached
+from metafem.fe.block_cache import BlockInfluence, cached, is_cached
 from metafem.surface import Block, Surface
 
 # Relative residual above which a linear solution is refused; the elements' own error is larger.
@@ -114,6 +114,11 @@ class Block3D:
         found = self.solution(surface)
         return found.gradient_x.copy(), found.gradient_y.copy(), found.laplacian.copy()
 
+    def is_kept(self, surface: Surface) -> bool:
+        """Return whether the influence is on disk; else it is computed, for half a minute on 64 sites."""
+        bound = self.for_surface(surface)
+        return is_cached(*_numbers(bound, surface.position))
+
     def solution(self, surface: Surface) -> BlockInfluence:
         """Return the influence with its derivatives, its errors and its notes.
 
@@ -140,14 +145,22 @@ def _agreed(name: str, own: Any, given: Any) -> Any:
     return given if own is None else own
 
 
+def _numbers(bound: Block3D, position: FloatArray) -> tuple[tuple[float, ...], FloatArray]:
+    """Return what names a kept influence: the block's numbers and the sites."""
+    block, ratio = bound.block, bound.poisson_ratio
+    assert block is not None
+    assert ratio is not None
+    shape = (block.width, block.length, block.thickness, ratio, bound.cell, bound.edge_cell)
+    return shape, position + 0.0  # no negative zeros in the key
+
+
 @lru_cache(maxsize=16)
 def _solution(bound: Block3D, position: bytes) -> BlockInfluence:
     """Read or compute; kept in memory as well, for folders that cannot be written."""
     block, ratio = bound.block, bound.poisson_ratio
     assert block is not None
     assert ratio is not None
-    place = np.frombuffer(position).reshape(-1, 2) + 0.0  # no negative zeros in the key
-    shape = (block.width, block.length, block.thickness, ratio, bound.cell, bound.edge_cell)
+    shape, place = _numbers(bound, np.frombuffer(position).reshape(-1, 2))
 
     def compute() -> BlockInfluence:
         # scikit-fem is loaded only where there is something to solve

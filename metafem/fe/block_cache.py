@@ -68,11 +68,8 @@ def cached(
     Its name is a hash of the numbers `shape` and of the positions, in full, and of the code that
     computes. An unreadable file is computed anew and an unwritable folder is noted.
     """
-    key = hashlib.sha256(code_version())
-    key.update(np.array(shape).tobytes())
-    key.update(position.tobytes())
     try:
-        path = cache_folder() / f"block-{key.hexdigest()}.npz"
+        path = _path(shape, position)
     except RuntimeError as error:  # no home folder
         return _noted(compute(), f"not kept on disk: {error}")
     try:
@@ -86,6 +83,21 @@ def cached(
     except OSError as error:
         return _noted(found, f"not kept on disk: {error}")
     return _noted(found, f"kept in {path}")
+
+
+def is_cached(shape: tuple[float, ...], position: FloatArray) -> bool:
+    """Return whether there is a file for a block and its sites."""
+    try:
+        return _path(shape, position).is_file()
+    except (RuntimeError, OSError):  # no home folder, or one that cannot be read
+        return False
+
+
+def _path(shape: tuple[float, ...], position: FloatArray) -> Path:
+    key = hashlib.sha256(code_version())
+    key.update(np.array(shape).tobytes())
+    key.update(position.tobytes())
+    return cache_folder() / f"block-{key.hexdigest()}.npz"
 
 
 @lru_cache

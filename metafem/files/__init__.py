@@ -5,6 +5,7 @@ from metafem.files.folder import load, save, stored_hardness
 from metafem.files.model_names import MODELS, model_named
 from metafem.files.spec import Specification, read_spec
 from metafem.files.staged import check_free
+from metafem.files.study import study_data, study_path, write_study
 from metafem.files.tables import law_table, read_heights
 from metafem.files.text import write_text
 from metafem.files.units import quantity
@@ -22,5 +23,8 @@ __all__ = [
     "read_spec",
     "save",
     "stored_hardness",
+    "study_data",
+    "study_path",
+    "write_study",
     "write_text",
 ]

@@ -6,19 +6,32 @@ from collections.abc import Callable, Mapping
 from difflib import get_close_matches
 
 from metafem.errors import InvalidInput
-from metafem.models import BoundaryElements, Independent, Interacting, MeanField, Model
+from metafem.models import Automatic, BoundaryElements, Independent, Interacting, MeanField, Model
 from metafem.substrate import BondedLayer
 
 # Cells of the resolved model by name [mm]: eight or more a radius in contacts of the source paper's
 # lightest loads, fifty in its widest.
 RESOLVED_CELL = 0.008
 
+# Error of A0(P) that the automatic model aims at: a third of what the source paper's interaction costs on
+# its most even surface.
+AUTOMATIC_TOLERANCE = 1e-3
+
+
+def _block() -> Model:
+    from metafem.fe import Block3D  # with scikit-fem, which no other model needs
+
+    return Interacting(substrate=Block3D())
+
+
 MODELS: Mapping[str, Callable[[], Model]] = {
     "independent": Independent,
     "mean-field": MeanField,
     "half-space": Interacting,
     "layer": lambda: Interacting(substrate=BondedLayer()),
+    "block": _block,
     "resolved": lambda: BoundaryElements(cell=RESOLVED_CELL),
+    "automatic": lambda: Automatic(tolerance=AUTOMATIC_TOLERANCE),
 }
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import MISSING, fields, is_dataclass
 from enum import Enum
+from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -12,10 +13,20 @@ import numpy as np
 from metafem.asperity import Hertz
 from metafem.distributions import TruncatedExponential, TwoBranchExponential
 from metafem.errors import InvalidInput
-from metafem.inversion import BilinearLaw, Design, DesignStatus, Limits, LinearLaw, OperatingPoints
+from metafem.inversion import (
+    BilinearLaw,
+    Design,
+    DesignStatus,
+    Limits,
+    LinearLaw,
+    MultilinearLaw,
+    OperatingPoints,
+    PowerLaw,
+    SampledLaw,
+)
 from metafem.inversion.blueprint import Branch
 from metafem.law import BranchFit, FrictionLaw
-from metafem.models import BoundaryElements, Independent, Interacting, MeanField, Status
+from metafem.models import Automatic, BoundaryElements, Independent, Interacting, MeanField, Status
 from metafem.substrate import BondedLayer, HalfSpace
 from metafem.surface import Block, Friction, Material, Surface
 
@@ -24,11 +35,14 @@ VALUES: Mapping[str, type] = {
     kind.__name__: kind
     for kind in (
         *(Material, Friction, Block, Surface, Hertz, HalfSpace, BondedLayer),
-        *(Independent, MeanField, Interacting, BoundaryElements),
-        *(OperatingPoints, LinearLaw, BilinearLaw, Limits, Design, FrictionLaw),
+        *(Independent, MeanField, Interacting, BoundaryElements, Automatic),
+        *(OperatingPoints, LinearLaw, BilinearLaw, SampledLaw, PowerLaw, MultilinearLaw),
+        *(Limits, Design, FrictionLaw),
         *(Branch, BranchFit, TruncatedExponential, TwoBranchExponential),
     )
 }
+# Those whose modules are read when a record holds one.
+LATE: Mapping[str, str] = {"Block3D": "metafem.fe"}
 ENUMS: Mapping[str, type[Enum]] = {kind.__name__: kind for kind in (Status, DesignStatus)}
 ARRAYS = ("float64", "int64")
 
@@ -46,7 +60,7 @@ def to_record(value: Any) -> Any:
     """
     if isinstance(value, Enum) and type(value).__name__ in ENUMS:
         return {"type": type(value).__name__, "name": value.name, "message": value.value}
-    if is_dataclass(value) and type(value).__name__ in VALUES:
+    if is_dataclass(value) and type(value).__name__ in {*VALUES, *LATE}:
         members = {field.name: to_record(getattr(value, field.name)) for field in fields(value)}
         return {"type": type(value).__name__, **members}
     if isinstance(value, np.ndarray) and value.dtype.name in ARRAYS:
@@ -77,7 +91,7 @@ def from_record(record: Any) -> Any:
     name = record.get("type")
     if name is None:
         return _array(record) if len(record) == 1 and next(iter(record)) in ARRAYS else _mapping(record)
-    if not isinstance(name, str) or name not in {*ENUMS, *VALUES}:
+    if not isinstance(name, str) or name not in {*ENUMS, *VALUES, *LATE}:
         raise InvalidInput(f"{name!r:.60} is not a type of this version; known are {', '.join(VALUES)}")
     if name in ENUMS:
         try:
@@ -85,12 +99,13 @@ def from_record(record: Any) -> Any:
         except KeyError:
             raise InvalidInput(f"{record.get('name')!r:.60} is not a {name}") from None
     members = {key: from_record(member) for key, member in record.items() if key != "type"}
-    known = {field.name: field.default is MISSING for field in fields(VALUES[name])}
+    kind = VALUES[name] if name in VALUES else getattr(import_module(LATE[name]), name)
+    known = {field.name: field.default is MISSING for field in fields(kind)}
     needed = {member for member, required in known.items() if required}
     if not needed <= members.keys() <= known.keys():
         differing = ", ".join(sorted((members.keys() - known.keys()) | (needed - members.keys())))
         raise InvalidInput(f"a record of {name} has missing or unknown members: {differing}")
-    return VALUES[name](**members)
+    return kind(**members)
 
 
 def _array(record: dict[str, Any]) -> Any:

@@ -9,7 +9,16 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, field_valida
 from metafem.errors import InvalidInput
 from metafem.files.model_names import MODELS, suggestion
 from metafem.files.units import converted
-from metafem.inversion import BilinearLaw, Limits, LinearLaw, OperatingPoints, Target
+from metafem.inversion import (
+    BilinearLaw,
+    Limits,
+    LinearLaw,
+    MultilinearLaw,
+    OperatingPoints,
+    PowerLaw,
+    SampledLaw,
+    Target,
+)
 from metafem.models import Model
 from metafem.surface import Block, Friction, Material, Surface
 
@@ -31,17 +40,16 @@ class Section(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
-class PointsSection(Section):
-    """``[target]`` of kind operating-points: rescaled values, or forces."""
+class CurveSection(Section):
+    """Points of a law: rescaled values, or forces."""
 
-    kind: Literal["operating-points"]
     rescaled_load: list[Area] | None = None
     rescaled_friction: list[Area] | None = None
     load: list[Force] | None = None
     friction_force: list[Force] | None = None
 
     @model_validator(mode="after")
-    def _one_pair(self) -> PointsSection:
+    def _one_pair(self) -> CurveSection:
         rescaled = (self.rescaled_load is not None, self.rescaled_friction is not None)
         forces = (self.load is not None, self.friction_force is not None)
         if sorted((rescaled, forces)) != [(False, False), (True, True)]:
@@ -50,13 +58,61 @@ class PointsSection(Section):
             )
         return self
 
-    def target(self, material: Material, friction: Friction | None) -> Target:
-        """Return the target of these keys."""
+    def points(self, material: Material, friction: Friction | None) -> OperatingPoints:
+        """Return the points, rescaled."""
         if self.load is None:
             return OperatingPoints(self.rescaled_load or [], self.rescaled_friction or [])
         if friction is None:
             raise InvalidInput("load and friction_force need [friction] with shear_strength and area_ratio")
         return OperatingPoints.from_forces(self.load, self.friction_force or [], material, friction)
+
+
+class PointsSection(CurveSection):
+    """``[target]`` of kind operating-points."""
+
+    kind: Literal["operating-points"]
+
+    def target(self, material: Material, friction: Friction | None) -> Target:
+        """Return the target of these keys."""
+        return self.points(material, friction)
+
+
+class SampledSection(CurveSection):
+    """``[target]`` of kind sampled; `file` has been replaced by what it holds."""
+
+    kind: Literal["sampled"]
+    weight: list[Number] | None = None
+
+    def target(self, material: Material, friction: Friction | None) -> Target:
+        """Return the target of these keys."""
+        points = self.points(material, friction)
+        return SampledLaw(points.rescaled_load, points.rescaled_friction, self.weight)
+
+
+class PowerSection(Section):
+    """``[target]`` of kind power."""
+
+    kind: Literal["power"]
+    exponent: Number
+    load_range: list[Area]
+    prefactor: Number | None = None
+
+    def target(self, material: Material, friction: Friction | None) -> Target:
+        """Return the target of these keys."""
+        return PowerLaw(self.exponent, self.load_range, self.prefactor)
+
+
+class MultilinearSection(Section):
+    """``[target]`` of kind multilinear."""
+
+    kind: Literal["multilinear"]
+    slopes: list[Number]
+    crossover_loads: list[Area | list[Area]]
+    load_range: list[Area]
+
+    def target(self, material: Material, friction: Friction | None) -> Target:
+        """Return the target of these keys."""
+        return MultilinearLaw(self.slopes, self.crossover_loads, self.load_range)
 
 
 class LinearSection(Section):
@@ -171,7 +227,10 @@ class ChecksSection(Section):
 class Sections(Section):
     """The whole file."""
 
-    target: Annotated[PointsSection | LinearSection | BilinearSection, Field(discriminator="kind")]
+    target: Annotated[
+        PointsSection | LinearSection | BilinearSection | SampledSection | PowerSection | MultilinearSection,
+        Field(discriminator="kind"),
+    ]
     material: MaterialSection
     friction: FrictionSection | None = None
     lattice: LatticeSection

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, get_args
 
 from metafem.errors import InvalidInput
 from metafem.files.model_names import suggestion
+from metafem.files.wanted_table import with_samples
 from metafem.inversion import Limits, Target
 from metafem.models import Model
 from metafem.surface import Surface
@@ -45,6 +46,10 @@ _EXAMPLES = {
     "rescaled_load": '["0.144 mm^2", "0.336 mm^2"]',
     "rescaled_friction": '["0.84 mm^2", "1.68 mm^2"]',
     "load": '["0.2 N", "0.4 N"]',
+    "load_range": '["0.1 mm^2", "0.4 mm^2"]',
+    "crossover_loads": '["0.1 mm^2", ["0.2 mm^2", "0.3 mm^2"]]',
+    "exponent": "1.2",
+    "file": '"wanted.csv"',
     "friction_force": '["0.26 N", "0.53 N"]',
 }
 
@@ -55,7 +60,7 @@ class Specification:
 
     Attributes
     ----------
-    target : OperatingPoints, LinearLaw or BilinearLaw
+    target : OperatingPoints, LinearLaw, BilinearLaw, SampledLaw, PowerLaw or MultilinearLaw
     template : Surface
         The lattice, every site as tall as the limits allow.
     limits : Limits
@@ -116,7 +121,7 @@ def read_spec(path: str | Path) -> Specification:
     """
     raw = _bytes(Path(path))
     text = _decoded(path, raw)
-    table = _table(path, text)
+    table = with_samples(_table(path, text), Path(path).parent)
     from pydantic import ValidationError
 
     from metafem.files.sections import Sections

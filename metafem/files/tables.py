@@ -90,7 +90,7 @@ def read_heights(path: str | Path, radius: float | None = None) -> tuple[FloatAr
     >>> height
     array([0.12  , 0.0943])
     """
-    rows = _rows(Path(path))
+    rows = read_rows(Path(path))
     if not rows:
         raise InvalidInput(f"{path} is empty; its first line must name columns, as x_mm,y_mm,height_um")
     header = [name.strip() for name in rows[0][1]]
@@ -129,8 +129,8 @@ def read_heights(path: str | Path, radius: float | None = None) -> tuple[FloatAr
     )
 
 
-def _rows(path: Path) -> list[tuple[int, list[str]]]:
-    """Return the lines that hold something, each with its number."""
+def read_rows(path: Path) -> list[tuple[int, list[str]]]:
+    """Return the lines of a CSV file that hold something, each with its number."""
     try:
         text = path.read_text(encoding="utf-8-sig")
     except FileNotFoundError:

@@ -17,7 +17,14 @@ from metafem.inversion.adapt import adapted, interaction_margin
 from metafem.inversion.blueprint import Blueprint, Branch, Parameter
 from metafem.inversion.bounds import common_radius
 from metafem.inversion.gridded import gridded
-from metafem.inversion.judge import UNCOUPLED, DesignStatus, branch_fits, largest_misfit, status_of
+from metafem.inversion.judge import (
+    UNCOUPLED,
+    DesignStatus,
+    branch_fits,
+    found_parameters,
+    largest_misfit,
+    status_of,
+)
 from metafem.inversion.limits import Limits
 from metafem.inversion.target import (
     BilinearLaw,
@@ -100,6 +107,7 @@ _INVERSIONS: dict[type, Callable[[Any, float, int, Limits, np.random.Generator],
 _REFUSALS: dict[type, Callable[[Any, float, int, Limits, float], None]] = {
     SampledLaw: feasibility.refuse_sampled,
     PowerLaw: feasibility.refuse_power,
+    MultilinearLaw: feasibility.refuse_multilinear,
 }
 
 
@@ -176,11 +184,12 @@ def design(
         radius=template.radius[sites],
     )
     surface, sites, moved = adapted(surface, sites, template, solver, blueprint, limits, generator)
-    parameters, coupled = dict(blueprint.parameters), not isinstance(solver, UNCOUPLED)
+    stepped: dict[str, Parameter] = {}
+    coupled = not isinstance(solver, UNCOUPLED)
     if limits.height_step is not None and (coupled or not blueprint.stepped):
         surface, stepped, lost = gridded(surface, solver, blueprint, limits)
-        parameters |= stepped
         moved += lost
+    parameters = found_parameters(surface, solver, blueprint, target)
     sites.flags.writeable = False
     fits = branch_fits(surface, solver, blueprint)
     misfit = largest_misfit(surface, solver, blueprint, fits)
@@ -189,7 +198,7 @@ def design(
         law=_drawn_law(surface, solver, target),
         misfit=misfit,
         status=status_of(solver, blueprint, misfit, bool(moved)),
-        parameters=parameters,
+        parameters=parameters | stepped,
         sites=sites,
         target=target,
         template=template,

@@ -17,7 +17,7 @@ from metafem._validate import FloatArray
 from metafem.errors import Infeasible
 from metafem.inversion.bounds import common_radius
 from metafem.inversion.limits import Limits
-from metafem.inversion.target import PowerLaw, SampledLaw
+from metafem.inversion.target import MultilinearLaw, PowerLaw, SampledLaw
 from metafem.surface import Surface
 
 # A value this close to a bound is on it: rounding must not refuse what a surface was read off.
@@ -144,6 +144,40 @@ def refuse_power(target: PowerLaw, radius: float, count: int, limits: Limits, ma
         refuse_sampled(
             SampledLaw(load, target.prefactor * load**target.exponent), radius, count, limits, margin
         )
+
+
+def refuse_multilinear(
+    target: MultilinearLaw, radius: float, count: int, limits: Limits, margin: float
+) -> None:
+    """Raise Infeasible where no intercept keeps a run of branches that meet within the bounds."""
+    refuse_load(target.load_range[1], radius, count, limits)
+    slack = margin + ROUNDING
+    offset, low, high = 0.0, -math.inf, math.inf
+    for i, (slope, (start, end)) in enumerate(target.branches):
+        free = i > 0 and start > target.branches[i - 1][1][1]
+        if free:
+            offset, low, high = 0.0, -math.inf, math.inf
+        elif i:
+            offset += (target.slopes[i - 1] - slope) * start
+        # F = c + offset + slope p is straight, the bounds are concave: the lower one binds at the ends or
+        # where it is as steep as F, the upper one at the ends alone
+        load = np.array([start, end, min(max((2 / 3 * _single(radius) / slope) ** 3, start), end)])
+        least, most = friction_bounds(load, radius, count)
+        low = max(low, float((least * (1.0 - slack) - offset - slope * load).max()))
+        high = min(high, float((most * (1.0 + slack) - offset - slope * load)[:2].min()))
+        # F/p^(2/3) cannot fall: c + offset <= slope p/2, first broken at the start
+        high = min(high, slope * start * (0.5 + slack) - offset)
+        if low > high:
+            raise Infeasible(
+                f"branch {i + 1} of slope {slope:g} from {start:g} to {end:g} mm^2 leaves what {count} "
+                f"asperities of radius {radius:g} mm can have, whatever its intercept"
+                f"{_margin_words(margin)}"
+            )
+
+
+def _single(radius: float) -> float:
+    """Return c of the friction ``c p^(2/3)`` of a single asperity."""
+    return float(friction_bounds(np.array([1.0]), radius, 1)[0][0])
 
 
 def refuse_load(load: float, radius: float, count: int, limits: Limits) -> None:

@@ -6,7 +6,8 @@ from enum import Enum
 
 import numpy as np
 
-from metafem.inversion.blueprint import Blueprint, Branch
+from metafem.inversion.blueprint import Blueprint, Branch, Parameter
+from metafem.inversion.sampled import open_parameters
 from metafem.law import BranchFit, friction_law
 from metafem.models import Independent, MeanField, Model
 from metafem.surface import Surface
@@ -36,6 +37,17 @@ class DesignStatus(Enum):
     APPROXIMATE = "approximate: the density has the target's slopes at large loads; the law has the misfit"
     UNCORRECTED = "uncorrected: designed for independent asperities; this model's law has the misfit"
     MISSED = "missed: the law is further from the target than its kind allows; see the misfit"
+
+
+def found_parameters(
+    surface: Surface, model: Model, blueprint: Blueprint, target: object
+) -> dict[str, Parameter]:
+    """Return the blueprint's parameters, those that the target left open as the final law has them."""
+    wanted = blueprint.wanted
+    if not wanted.free.shape[1]:
+        return dict(blueprint.parameters)
+    area = friction_law(surface, model, load=surface.material.composite_modulus * wanted.load).area
+    return {**blueprint.parameters, **open_parameters(target, wanted, area)}
 
 
 def branch_fits(surface: Surface, model: Model, blueprint: Blueprint) -> tuple[tuple[Branch, BranchFit], ...]:

@@ -8,6 +8,7 @@ give more friction, none enter. The numbers are then spread over the heights bet
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 from scipy.optimize import brentq
@@ -44,10 +45,19 @@ def march(load: FloatArray, friction: FloatArray, radius: float, count: int) -> 
             levels.append(plane)
             numbers.append((deepest - depth) * whole / depth)
         else:
-            high = max(-plane, radius) + float(lead.max())
-            depth = float(brentq(lambda d, p=p, carried=carried: carried(d) - p, 0.0, high, rtol=1e-12))
+            depth = _depth_at(carried, p, radius)
         plane -= depth
     return _spread(np.array(levels), np.array(numbers), plane, count)
+
+
+def _depth_at(carried: Callable[[float], float], load: float, radius: float) -> float:
+    """Return the depth at which the asperities carry a load; 0 where they already carry more."""
+    if carried(0.0) >= load:
+        return 0.0
+    high = radius
+    while carried(high) < load:
+        high *= 2.0
+    return float(brentq(lambda depth: carried(depth) - load, 0.0, high, rtol=1e-12))
 
 
 def _spread(levels: FloatArray, numbers: FloatArray, plane: float, count: int) -> FloatArray:

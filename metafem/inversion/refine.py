@@ -21,11 +21,12 @@ Evaluate = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 START_DAMPING, LEAST_DAMPING, MOST_DAMPING = 1e-2, 1e-12, 1e4
 DAMPING_STEP = 5.0
 
-# A descent stops when a step wins less than this share of the sum of squares.
-GAIN = 1e-4
+# A descent stops when a step wins less than this share of the sum of squares: what it would still win
+# slowly, along kinks, a random change wins at once (measured: a quarter of the time of 1e-4).
+GAIN = 0.05
 
-# Steps of one descent.
-MAX_STEPS = 40
+# Steps of one descent, and of one that must converge to rounding.
+MAX_STEPS, PATIENT_STEPS = 20, 40
 
 
 @dataclass(frozen=True)
@@ -48,7 +49,7 @@ def descend(
     residual, jacobian = wanted.residual(area, gradient)
     squares, damping = float(residual @ residual), START_DAMPING
     count = len(residual)
-    for _ in range(MAX_STEPS):
+    for _ in range(PATIENT_STEPS if patient else MAX_STEPS):
         if np.sqrt(squares / count) <= goal or damping > MOST_DAMPING:
             break
         product = jacobian @ jacobian.T

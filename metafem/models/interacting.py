@@ -20,9 +20,9 @@ from metafem.models.large import LargeScene, Last
 from metafem.models.memory import require_memory
 from metafem.models.model import ContactState, Curve, Sensitivity, Status
 from metafem.models.newton_krylov import TOLERANCE as FAST_TOLERANCE
+from metafem.models.pedestal import pedestal_influence, pedestal_notes
 from metafem.models.range_notes import interaction_notes, refuse_thin_layer
 from metafem.substrate import HalfSpace, Radial, Substrate
-from metafem.substrate.pedestal import pedestal_compliance, pedestal_rate
 from metafem.surface import Surface
 
 if TYPE_CHECKING:
@@ -68,7 +68,8 @@ class Interacting:
     contact : Contact
         Law of one contact: `Hertz()`.
     pedestal : bool
-        Add the compliance of the caps themselves, which stand on the block.
+        Add the compliance of the caps themselves, which stand on the block, in the limit of light
+        loads; known up to h/R = 0.6.
 
     Raises
     ------
@@ -201,7 +202,11 @@ class Interacting:
             residual=residual,
             status=Status.CONVERGED if residual <= self._promise(surface) else Status.NOT_CONVERGED,
             model=self,
-            notes=(*last.notes, *interaction_notes(surface, np.sqrt(last.square), last.indentation)),
+            notes=(
+                *last.notes,
+                *(pedestal_notes(surface) if self.pedestal else ()),
+                *interaction_notes(surface, np.sqrt(last.square), last.indentation),
+            ),
         )
 
     def _run(
@@ -212,7 +217,7 @@ class Interacting:
 
         own = np.zeros(height.shape)
         if self.pedestal:
-            own += pedestal_compliance(height, surface.radius)
+            own += pedestal_influence(height, surface.radius)[0]
         gap = height.max(axis=1, keepdims=True) - height
         order = np.argsort(control, kind="stable")
         rising = np.ascontiguousarray(control[order])
@@ -284,7 +289,7 @@ class Interacting:
 
         own, rate = np.zeros((1, surface.count)), np.zeros(surface.count)
         if self.pedestal:
-            own[0], rate = pedestal_compliance(surface.height, surface.radius), pedestal_rate(surface)
+            own[0], rate = pedestal_influence(surface.height, surface.radius)
         results = kernel.empty_results(1, len(load))
         trail = np.empty((len(load), surface.count))
         self._run_dense(surface, own, surface.gap[None, :], load, True, results, trail)

@@ -10,12 +10,13 @@ from scipy.special import j0, jn_zeros
 
 from metafem._validate import FloatArray
 
-# Beyond this argument 1 - M is below 1e-40; 250 panels of 12 Gauss points integrate J0(x r/t) to rounding
+# Beyond this argument 1 - M is below 1e-38; 250 panels of 12 Gauss points integrate J0(x r/t) to rounding
 # up to r = 30 t, where a panel holds one wave.
 LAST, PANELS, POINTS = 50.0, 250, 12
 
-# Lattice sums end at this many thicknesses, where the layer's field has decayed to 1e-7 of 1/t.
-LATTICE_EXTENT = 14.0
+# Lattice sums end at this many thicknesses, where the layer's field, exp(-0.739 r/t) at nu = 0.5, has
+# decayed to 1e-8.
+LATTICE_EXTENT = 24.0
 
 # Terms of the Dini series; the last ones are 1e-11 of the sum.
 TERMS = 100_000

@@ -11,7 +11,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from metafem.inversion import BilinearLaw, Design, LinearLaw, OperatingPoints
+from metafem.inversion import (
+    BilinearLaw,
+    Design,
+    LinearLaw,
+    MultilinearLaw,
+    OperatingPoints,
+    PowerLaw,
+    SampledLaw,
+)
+from metafem.inversion.feasibility import friction_bounds
+from metafem.inversion.sampled import wanted_law
+from metafem.law import friction_law
 from metafem.models import equilibrium
 from metafem.report.comparison import Comparison
 from metafem.report.svg import new_figure
@@ -112,6 +123,22 @@ def _(target: LinearLaw | BilinearLaw, design: Design, ax: Axes, below: Axes) ->
         below.plot(x, 100.0 * (y / (through + branch.slope * x) - 1.0), color=ACHIEVED)
     if isinstance(target, BilinearLaw):
         ax.axvline(target.crossover_load, color=WANTED, ls=":", lw=1.2, label="target crossover")
+
+
+@draw_target.register(SampledLaw)
+@draw_target.register(PowerLaw)
+@draw_target.register(MultilinearLaw)
+def _(target: SampledLaw | PowerLaw | MultilinearLaw, design: Design, ax: Axes, below: Axes) -> None:
+    wanted = wanted_law(target)
+    load = wanted.load * design.surface.material.composite_modulus
+    area = friction_law(design.surface, design.law.model, load=load).area
+    law = wanted.law(area)
+    ax.plot(wanted.load, law, "o", ms=3, color=WANTED, label="target", zorder=3)
+    below.plot(wanted.load, 100.0 * (area / law - 1.0), color=ACHIEVED)
+    bounds = np.linspace(0.0, float(wanted.load[-1]), 200)[1:]
+    low, high = friction_bounds(bounds, float(design.surface.radius[0]), design.template.count)
+    ax.fill_between(bounds, low, high, color=QUIET, alpha=0.12, lw=0, label="what any surface can have")
+    ax.set_ylim(top=1.5 * float(design.law.area[-1]))
 
 
 def comparison_figure(comparisons: tuple[Comparison, ...]) -> Figure:

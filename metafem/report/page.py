@@ -9,7 +9,15 @@ from typing import Any
 
 import numpy as np
 
-from metafem.inversion import BilinearLaw, Design, LinearLaw, OperatingPoints
+from metafem.inversion import (
+    BilinearLaw,
+    Design,
+    LinearLaw,
+    MultilinearLaw,
+    OperatingPoints,
+    PowerLaw,
+    SampledLaw,
+)
 from metafem.models import equilibrium
 from metafem.report.cautions import cautions
 from metafem.report.comparison import Comparison, compared
@@ -33,6 +41,8 @@ PARAMETERS = {
     "foot_load": ("rescaled load at which the plane reaches the lowest asperity", "mm²", 1.0),
     "counts": ("numbers of asperities", "", 1.0),
     "levels": ("levels above the base", "µm", 1e3),
+    "prefactor": ("prefactor C of the power", "mm^(2-2β)", 1.0),
+    "intercepts": ("intercepts of the branches", "mm²", 1.0),
     "adjustment_heights": ("adjustment heights above the base", "µm", 1e3),
     "load_range": ("rescaled loads over which friction is proportional to load", "mm²", 1.0),
     "span": ("depth of the lowest summit below the tallest", "µm", 1e3),
@@ -116,6 +126,22 @@ def _(target: LinearLaw) -> str:
 def _(target: BilinearLaw) -> str:
     first, second = target.slopes
     return f"Bilinear friction law of slopes {first:.4g} and {second:.4g}"
+
+
+@wanted.register(SampledLaw)
+def _(target: SampledLaw) -> str:
+    return f"Friction law given by {len(target.rescaled_load)} samples"
+
+
+@wanted.register(PowerLaw)
+def _(target: PowerLaw) -> str:
+    low, high = target.load_range
+    return f"Power law of exponent {target.exponent:.4g} from {low:g} to {high:g} mm²"
+
+
+@wanted.register(MultilinearLaw)
+def _(target: MultilinearLaw) -> str:
+    return f"Friction law of slopes {', '.join(f'{slope:.4g}' for slope in target.slopes)}"
 
 
 def _tiles(design: Design) -> list[tuple[str, str]]:

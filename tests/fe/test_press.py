@@ -142,6 +142,29 @@ def test_bad_input_is_refused_with_its_reason(arguments, reason):
         mf.fe.press(**arguments)
 
 
+def test_a_residual_that_stays_is_reported_with_the_state(monkeypatch):
+    monkeypatch.setattr("metafem.fe.linear.RESIDUAL", 0.0)
+    with pytest.raises(mf.NotConverged, match="residual") as caught:
+        mf.fe.press(0.2, R)
+    assert caught.value.state.status is mf.fe.Status.NOT_CONVERGED
+
+
 def test_a_radius_outside_the_body_is_refused():
     with pytest.raises(mf.InvalidInput, match="radius of the body"):
         block(0.12, 0.10).displacement(11.0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("height", "contact_radius"), [(0.12, 0.10), (0.20, 0.26)])
+def test_estimate_bounds_the_distance_to_a_finer_solution(height, contact_radius):
+    from metafem.fe.contact import graded
+    from metafem.fe.geometry import Cap
+    from metafem.fe.mesh import graded_mesh
+
+    cap = Cap(R, height, 10.0, 7.2)
+    edge = float(cap.surface(np.array(contact_radius))[0])
+    mesh = graded_mesh(edge, 10.0, 7.2, cap.foot, contact_edge=1e-7)
+    fine = graded(mesh, cap, 8, 0.5, lambda r: R - np.sqrt(R**2 - r**2), contact_radius, 10.0, False)
+    contact = block(height, contact_radius)
+    errors = contact.rescaled_load / fine.load - 1.0, contact.indentation / fine.indentation - 1.0
+    assert overestimates(contact, max(map(abs, errors)))

@@ -7,6 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import metafem as mf
+from metafem.files.model_names import MODELS
 from metafem.files.records import from_record, to_record
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
@@ -80,3 +81,8 @@ def test_what_is_not_known_is_not_written():
 def test_a_foreign_record_is_refused(record, message):
     with pytest.raises(mf.InvalidInput, match=message):
         from_record(record)
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_every_named_model_reads_back(name):
+    assert through_json(MODELS[name]()) == MODELS[name]()

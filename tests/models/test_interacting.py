@@ -4,10 +4,12 @@ import math
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
 import metafem as mf
-from metafem.substrate.pedestal import pedestal_compliance
+from metafem.models.pedestal import pedestal_influence
 from tests.models.scenes import HEIGHT, MODELS, PLACE, RADIUS, lattice, scene
 
 SUBSTRATES = [mf.HalfSpace(), mf.BondedLayer(7.2, 0.5), mf.BondedLayer(1.0, 0.3)]
@@ -157,7 +159,7 @@ def test_pedestal_adds_its_compliance():
     bare, cap = (
         mf.equilibrium(surface, mf.Interacting(pedestal=pedestal), load=0.02) for pedestal in (False, True)
     )
-    compliance = float(pedestal_compliance(HEIGHT[:1], RADIUS[:1])[0])
+    compliance = float(pedestal_influence(HEIGHT[:1], RADIUS[:1])[0][0])
     assert cap.approach - bare.approach == pytest.approx(compliance * 0.02 / 1.36, rel=1e-9)
 
 
@@ -210,3 +212,18 @@ def test_batch_refuses_what_it_cannot_use(change):
     arguments = {"height": HEIGHT, "rescaled_load": [0.1], **change}
     with pytest.raises(mf.InvalidInput):
         mf.Interacting().curves(scene(), **arguments)
+
+
+@given(st.integers(0, 10**6))
+def test_curves_agree_with_single_loads_where_many_close_heights_enter(seed):
+    """A prediction along the curve may not lead Newton astray where a level of summits enters at once."""
+    rng = np.random.default_rng(seed)
+    height = 0.12 * rng.uniform(0.4, 0.6) + 1e-3 * rng.exponential(size=36)
+    height[0] = 0.24
+    surface = mf.Surface.square_lattice(height, (6, 6), pitch=4.0, radius=1.0, material=mf.Material(1.0))
+    entry = mf.Independent().curve_at(surface, np.array([0.24 - np.sort(height)[-2]])).load[0]
+    load = entry * np.linspace(0.5, 1.6, 40)
+    curve = mf.Interacting().curve(surface, load)
+    assert curve.residual.max() <= 1e-12
+    single = [mf.equilibrium(surface, mf.Interacting(), load=float(p)).area for p in load[::13]]
+    np.testing.assert_allclose(curve.area[::13], single, rtol=1e-10)

@@ -59,3 +59,11 @@ def test_thin_cells_do_not_feel_each_other_through_a_thin_layer():
     # A cell ten thicknesses wide is the layer alone.
     cell = layer.cell_influence(0.05, 10.0, 1.0, 0.5)
     assert cell == pytest.approx(float(layer.regular_influence(0.0, 1.0, 0.5)), rel=1e-3)
+
+
+def test_lattice_sum_does_not_depend_on_where_it_ends(monkeypatch):
+    total, laplacian = layer.lattice_sums(1.5, 7.2, 0.5)
+    monkeypatch.setattr(layer, "LATTICE_EXTENT", 20.0)
+    shorter = layer.lattice_sums(1.5, 7.2, 0.5)
+    # What lies beyond 20 thicknesses, exp(-14.8), times the number of sites there.
+    assert shorter == pytest.approx((total, laplacian), rel=1e-5)

@@ -1,4 +1,4 @@
-"""Half-space, bonded layer and pedestal against quadrature, printed values and limits."""
+"""Half-space and bonded layer against quadrature, printed values and limits."""
 
 import mpmath
 import numpy as np
@@ -8,7 +8,6 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
 import metafem as mf
-from metafem.substrate.pedestal import CAP_HEIGHT, CAP_RADIUS, COMPLIANCE, pedestal_compliance
 
 RATIOS = (0.0, 0.3, 0.45, 0.5)
 
@@ -136,11 +135,3 @@ def test_refuses_distances_that_are_not_positive(distance):
 def test_bare_layer_needs_explicit_values():
     with pytest.raises(mf.InvalidInput, match="for_surface"):
         mf.BondedLayer().influence(1.0)
-
-
-def test_pedestal_meets_its_data_and_scales_with_the_radius():
-    h, c = np.array(CAP_HEIGHT), np.array(COMPLIANCE)
-    computed = pedestal_compliance(h, np.full(3, CAP_RADIUS)) * np.pi
-    assert_allclose(computed, c, rtol=0, atol=5e-3)  # half of the last digit
-    assert_allclose(pedestal_compliance(2 * h, np.full(3, 2 * CAP_RADIUS)) * np.pi, computed / 2, rtol=1e-14)
-    assert pedestal_compliance(np.array([-0.1, 0.0]), np.ones(2)).tolist() == [0.0, 0.0]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import resource
 import time
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -21,7 +22,12 @@ SURFACES, LOADS, ASPERITIES = 10_000, 20, 64
 MATERIAL = mf.Material(1.36)
 BLOCK = mf.Block(20.0, 20.0, 7.2)
 SIDES = (64, 256, 1000)
-COUNTS = (10_000, 100_000, 300_000)
+
+# Products of order 3 by expansion in the shifts, over those of order 1.
+EXPANSION = 8
+
+# Scattered asperities, and as many as take minutes.
+COUNTS, LARGEST = (10_000, 100_000), 1_000_000
 SUBSTRATES = {"half-space": mf.HalfSpace(), "layer": mf.BondedLayer()}
 
 
@@ -90,21 +96,39 @@ def rows() -> list[Row]:
             count = products(lattice(side), substrate, 1)
             what = f"lattice of {side} x {side}, one load, order 1, {name}: FFT products"
             measured.append(Row(what, wanted, count, ""))
+        count = products(lattice(SIDES[1]), substrate, 3)
+        what = f"lattice of {SIDES[1]} x {SIDES[1]}, one load, order 3, {name}: FFT products"
+        measured.append(Row(what, EXPANSION * wanted, count, ""))
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
     measured.append(Row(f"memory after the lattice of {SIDES[-1]} x {SIDES[-1]}", 3.0, memory, "GiB"))
     for name, substrate in SUBSTRATES.items():
-        times = []
-        for count in COUNTS:
-            surface = scattered(count)
-            load = LOAD_PER_ASPERITY * count * MATERIAL.composite_modulus
-            model = mf.Interacting(order=1, substrate=substrate)
-            start = time.perf_counter()
-            mf.equilibrium(surface, model, load=load)
-            times.append(time.perf_counter() - start)
-            if count == 100_000:
-                what = f"{count} scattered asperities, one load, order 1, {name}"
-                measured.append(Row(what, 30.0, times[-1], "s"))
-        growth = np.log(times[-1] / times[0]) / np.log(COUNTS[-1] / COUNTS[0])
-        what = f"growth of the time from {COUNTS[0]} to {COUNTS[-1]}, exponent, {name}"
-        measured.append(Row(what, 1.15, float(growth), ""))
+        few, many = (scattered_time(count, substrate) for count in COUNTS)
+        what = f"{COUNTS[1]} scattered asperities, one load, order 1, {name}"
+        measured += [Row(what, 30.0, many, "s"), growth(name, COUNTS, (few, many))]
     return measured
+
+
+def long_rows() -> list[Row]:
+    """Measure how the time of scattered asperities grows up to the largest scene."""
+    return [
+        growth(name, counts := (COUNTS[0], LARGEST), [scattered_time(count, substrate) for count in counts])
+        for name, substrate in SUBSTRATES.items()
+    ]
+
+
+def scattered_time(count: int, substrate: metafem.substrate.Radial) -> float:
+    """Seconds of one load of scattered asperities, after a small scene that warms up."""
+    model = mf.Interacting(order=1, substrate=substrate)
+    for size in (COUNTS[0] // 2, count):
+        surface = scattered(size)
+        load = LOAD_PER_ASPERITY * size * MATERIAL.composite_modulus
+        start = time.perf_counter()
+        mf.equilibrium(surface, model, load=load)
+    return time.perf_counter() - start
+
+
+def growth(name: str, counts: Sequence[int], seconds: Sequence[float]) -> Row:
+    """Return the row of the exponent of the time between two counts."""
+    exponent = np.log(seconds[1] / seconds[0]) / np.log(counts[1] / counts[0])
+    what = f"growth of the time from {counts[0]} to {counts[1]}, exponent, {name}"
+    return Row(what, 1.15, float(exponent), "")

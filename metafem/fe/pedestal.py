@@ -1,0 +1,64 @@
+"""What a cap adds to a half-space's compliance by standing on it."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from metafem import _validate as check
+from metafem._validate import FloatArray
+from metafem.errors import InvalidInput
+from metafem.fe.contact import graded
+from metafem.fe.geometry import Cap
+from metafem.fe.mesh import graded_mesh
+
+# Thickness and radius of the block, in summit radii, and what this block lacks of a half-space's
+# compliance, in units of 1/(pi EXTENT): tests/fe/test_pedestal.py finds it without a cap.
+EXTENT, SHORTFALL = 1e3, 1.366
+
+# The compliance is a small difference of indentations: finer at the edge than `press`. One degree more
+# changes it by 3e-5 of its value.
+DEGREE, EDGE = 5, 1e-6
+
+
+def measure_pedestal(height_ratio: float, contact_ratio: float, poisson_ratio: float = 0.5) -> float:
+    """Sinking of a spherical cap on a half-space beyond Hertz's at the same load, times R.
+
+    ``c_p R`` with ``c_p = (d - d_Hertz(P)) pi E*/P``: what stands on the diagonal of the asperities'
+    influence, in units of 1/(pi R), where each contact's own indentation is Hertz's. Small strain.
+
+    Parameters
+    ----------
+    height_ratio : float
+        h/R, up to 1.
+    contact_ratio : float
+        a/R, inside the cap.
+    poisson_ratio : float
+        nu in [0, 0.5].
+
+    Raises
+    ------
+    InvalidInput
+        If the contact does not lie within the cap, or a value is outside its range.
+
+    Examples
+    --------
+    >>> round(measure_pedestal(0.38, 0.1), 2)
+    0.24
+    """
+    height = check.number("height_ratio", height_ratio, above=0.0, at_most=1.0)
+    a = check.number("contact_ratio", contact_ratio, above=0.0)
+    nu = check.number("poisson_ratio", poisson_ratio, at_least=0.0, at_most=0.5)
+    cap = Cap(1.0, height, EXTENT, EXTENT)
+    if a >= cap.foot:
+        raise InvalidInput(f"contact_ratio = {a:g} must lie within the cap's edge at {cap.foot:g}")
+
+    def sphere(r: FloatArray) -> FloatArray:
+        return np.asarray(r**2 / (1.0 + np.sqrt((1.0 - r) * (1.0 + r))))
+
+    edge = float(cap.surface(np.array(a))[0])
+    mesh = graded_mesh(edge, EXTENT, EXTENT, cap.foot, contact_edge=EDGE)
+    pressed = graded(mesh, cap, DEGREE, nu, sphere, a, EXTENT, False)
+    hertz = (0.75 * pressed.load) ** (2.0 / 3.0)
+    return float(math.pi * (pressed.indentation - hertz) / pressed.load + SHORTFALL / EXTENT)

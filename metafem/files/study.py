@@ -1,0 +1,47 @@
+"""Studies as NetCDF files in the result folder, and as plain data."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from metafem.errors import InvalidInput
+from metafem.files.staged import is_result_folder
+from metafem.files.text import refuse_existing, write_file
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+
+
+def study_path(folder: str | Path, name: str, force: bool) -> Path:
+    """Return where a study of a result folder goes; raises InvalidInput if `write_study` would refuse it."""
+    if not is_result_folder(Path(folder)):
+        raise InvalidInput(f"{Path(folder) / 'design.json'}: no such file; name a result folder of metafem")
+    path = Path(folder) / f"{name}.nc"
+    refuse_existing(path, force)
+    return path
+
+
+def write_study(study: Dataset, path: Path, *, force: bool = False) -> None:
+    """Write a study as NetCDF 4, by h5netcdf; an existing file is refused unless `force` is true."""
+    write_file(path, lambda fresh: study.to_netcdf(fresh, engine="h5netcdf"), force=force)
+
+
+def study_data(study: Dataset) -> dict[str, Any]:
+    """Return a study as dicts, lists, numbers and texts; what is not there is None."""
+    arrays = {
+        str(name): {
+            "dims": list(array.dims),
+            "units": array.attrs.get("units", ""),
+            "values": _plain(array.values.tolist()),
+        }
+        for name, array in study.variables.items()
+    }
+    return {**study.attrs, "notes": str(study.attrs["notes"]).splitlines(), "data": arrays}
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, list):
+        return [_plain(member) for member in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value

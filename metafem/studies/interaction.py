@@ -1,0 +1,122 @@
+"""How far elastic interaction moves the law of a design, wherever its asperities are placed."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from metafem import _validate as check
+from metafem._validate import FloatArray
+from metafem.inversion import Design
+from metafem.models import Independent, Interacting
+from metafem.substrate import BondedLayer, HalfSpace, Substrate
+from metafem.surface import Surface
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+IndexArray = NDArray[np.intp]
+
+# Loads of the study, evenly up to the largest of the design's law.
+LOADS = 20
+
+
+def interaction(design: Design, *, placements: int = 1000, rng: Any = 0) -> xr.Dataset:
+    """Compare A0(P) and delta(P) of coupled asperities with those of independent ones.
+
+    The change depends on which asperity stands where, and a law that is designed for independent
+    asperities says nothing about that: beside the design as it is placed, its asperities are dealt anew to
+    their places many times, and once with the tallest together in the centre.
+
+    Parameters
+    ----------
+    design : Design
+    placements : int
+        Number of random placements.
+    rng
+        Seed or numpy Generator.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``area_change`` [-] and ``sinking`` [mm] over ``substrate`` ("half-space", and "layer" where there
+        is a block), ``order`` (1, 3) and ``load`` [N]; ``centred_change`` [-] with the tallest in the
+        centre, order 3; ``placement_rms`` [-], the root mean square over the loads of each random
+        ``placement``, order 3.
+
+    Examples
+    --------
+    >>> import metafem as mf
+    >>> template = mf.Surface.square_lattice(0.12, (2, 2), radius=0.526, material=mf.Material(1.36))
+    >>> design = mf.design(mf.OperatingPoints([0.01], [0.1]), template)
+    >>> dict(interaction(design, placements=5).sizes)
+    {'substrate': 1, 'order': 2, 'load': 20, 'placement': 5}
+    """
+    import xarray as xr
+
+    check.instance("design", design, Design, "a metafem.Design")
+    count = check.integer("placements", placements, at_least=1)
+    random = check.generator(rng)
+    surface = design.surface
+    rescaled = float(design.law.rescaled_load[-1]) * np.arange(1, LOADS + 1) / LOADS
+    substrates: dict[str, Substrate] = {"half-space": HalfSpace()}
+    if surface.block is not None:
+        substrates["layer"] = BondedLayer()
+    alone = Independent().curve(surface, rescaled)
+    nearest = np.argsort(((surface.position - surface.position.mean(axis=0)) ** 2).sum(axis=1), kind="stable")
+    tallest = np.argsort(-surface.height, kind="stable")
+    centred = np.empty(surface.count, dtype=int)
+    centred[nearest] = tallest
+    dealt = [random.permutation(surface.count) for _ in range(count)]
+
+    change, sinking, centre, spread = [], [], [], []
+    for substrate in substrates.values():
+        curves = [Interacting(order=order, substrate=substrate).curve(surface, rescaled) for order in (1, 3)]
+        change.append([curve.area / alone.area - 1.0 for curve in curves])
+        sinking.append([curve.approach - alone.approach for curve in curves])
+        model = Interacting(substrate=substrate)
+        first, *rest = _areas(model, surface, [centred, *dealt], rescaled) / alone.area - 1.0
+        centre.append(first)
+        spread.append(np.sqrt((np.array(rest) ** 2).mean(axis=1)))
+    axes = ("substrate", "order", "load")
+    load = rescaled * surface.material.composite_modulus
+    return xr.Dataset(
+        {
+            "area_change": (axes, np.array(change), _told("1", "change of A0 by interaction")),
+            "sinking": (axes, np.array(sinking), _told("mm", "approach beyond independent asperities")),
+            "centred_change": (
+                ("substrate", "load"),
+                np.array(centre),
+                _told("1", "change of A0, tallest in the centre"),
+            ),
+            "placement_rms": (
+                ("substrate", "placement"),
+                np.array(spread),
+                _told("1", "rms change of A0 of random placements"),
+            ),
+        },
+        {
+            "substrate": list(substrates),
+            "order": [1, 3],
+            "load": ("load", load, _told("N", "normal load")),
+            "rescaled_load": ("load", rescaled, _told("mm2", "load over E*")),
+        },
+        {"study": "interaction", "notes": ""},
+    )
+
+
+def _areas(
+    model: Interacting, surface: Surface, orders: list[IndexArray], rescaled: FloatArray
+) -> FloatArray:
+    """Return A0 (m, k) with the asperities dealt to their places in the given orders."""
+    if np.ptp(surface.radius) == 0.0:
+        heights = surface.height[np.array(orders)]
+        return model.curves(surface, heights, rescaled)[2]
+    dealt = (surface.replaced(height=surface.height[o], radius=surface.radius[o]) for o in orders)
+    return np.array([model.curve(each, rescaled).area for each in dealt])
+
+
+def _told(units: str, long_name: str) -> dict[str, str]:
+    return {"units": units, "long_name": long_name}

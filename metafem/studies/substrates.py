@@ -1,0 +1,73 @@
+"""The law of one surface on substrates of increasing truth."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from metafem._validate import FloatArray
+from metafem.errors import InvalidInput
+from metafem.law import FrictionLaw, friction_law
+from metafem.models import Independent, Interacting, Model
+from metafem.substrate import BondedLayer
+from metafem.surface import Surface
+
+
+@dataclass(frozen=True, eq=False)
+class Laws:
+    """The laws of one surface at the same loads.
+
+    Attributes
+    ----------
+    law : dict of str to FrictionLaw
+        By the models' names on the command line; "independent" is the first.
+    notes : tuple of str
+        What was left out, and why.
+    """
+
+    law: dict[str, FrictionLaw]
+    notes: tuple[str, ...]
+
+
+def laws_on_substrates(surface: Surface, load: FloatArray, *, wait: bool) -> Laws:
+    """Predict the law of independent asperities, on the half-space, the bonded layer and the true block.
+
+    Parameters
+    ----------
+    surface : Surface
+        Without a block it has no layer and no true block.
+    load : ndarray, (k,)
+        Normal loads [N].
+    wait : bool
+        Compute the true block's influence where it is not on disk yet.
+    """
+    models: dict[str, Model] = {"independent": Independent(), "half-space": Interacting()}
+    notes = []
+    if surface.block is None:
+        notes.append("the layer and the true block are left out: the surface has no block")
+    else:
+        models["layer"] = Interacting(substrate=BondedLayer())
+        model, reason = _true_block(surface, wait)
+        if model is None:
+            notes.append(reason)
+        else:
+            models["block"] = model
+    return Laws(
+        {name: friction_law(surface, model, load=load) for name, model in models.items()}, tuple(notes)
+    )
+
+
+def _true_block(surface: Surface, wait: bool) -> tuple[Model | None, str]:
+    """Return the model of the true block, or why there is none."""
+    from metafem.fe import Block3D  # with scikit-fem, which no other model needs
+
+    substrate = Block3D()
+    try:
+        kept = substrate.is_kept(surface)
+    except InvalidInput as error:
+        return None, f"the true block is left out: {error}"
+    if not (kept or wait):
+        return None, (
+            "the true block is left out: its influence between these places is not computed yet, which takes "
+            "about a minute; metafem study fidelity computes and keeps it"
+        )
+    return Interacting(substrate=substrate), ""

@@ -1,0 +1,117 @@
+"""A study in a few lines."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from metafem._validate import FloatArray
+from metafem.errors import InvalidInput
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+
+# Loads at which laws are told, as shares of the largest.
+TOLD = (0.1, 0.4, 1.0)
+
+MICROMETRES = 1e3
+
+
+@dataclass(frozen=True)
+class Summary:
+    """A table of texts: title, heads of the columns, rows, and what to know about them."""
+
+    title: str
+    columns: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    notes: tuple[str, ...]
+
+
+def summary(study: Dataset) -> Summary:
+    """Return the table of a study; raises InvalidInput for one that has none."""
+    name = study.attrs.get("study")
+    if name not in _SUMMARIES:
+        raise InvalidInput(f"there is no summary of a study {name!r}")
+    title, columns, rows = _SUMMARIES[name](study)
+    return Summary(title, columns, rows, tuple(str(study.attrs["notes"]).splitlines()))
+
+
+Table = tuple[str, tuple[str, ...], tuple[tuple[str, ...], ...]]
+
+
+def _fidelity(study: Dataset) -> Table:
+    load = study["load"].values
+    told = [int(np.abs(load - share * load[-1]).argmin()) for share in TOLD]
+    columns = (
+        "model",
+        "rms change of A0 [%]",
+        "largest [%]",
+        *(f"at {load[i]:.3g} N [%]" for i in told),
+        f"A0 at {load[-1]:.3g} N [mm²]",
+        "separation [µm]",
+        "sinks by [µm]",
+    )
+    rows = []
+    for name in study.model.values:
+        row = study.sel(model=name)
+        change = row.area_change.values
+        rows.append(
+            (
+                str(name),
+                f"{100.0 * _rms(change):.2f}",
+                f"{100.0 * _largest(change):+.2f}",
+                *(f"{100.0 * change[i]:+.2f}" for i in told),
+                f"{float(row.area[-1]):.5g}",
+                f"{MICROMETRES * float(row.separation[-1]):.2f}",
+                f"{MICROMETRES * float(row.sinking[-1]):+.2f}",
+            )
+        )
+    return "The law by model, against independent asperities at the same loads", columns, tuple(rows)
+
+
+def _interaction(study: Dataset) -> Table:
+    top = float(study["load"][-1])
+    columns = (
+        "coupled through",
+        "order",
+        "rms change of A0 [%]",
+        "largest [%]",
+        f"sinks at {top:.3g} N by [µm]",
+        "random placements: median rms [%]",
+        "largest rms [%]",
+        "tallest in the centre: rms [%]",
+    )
+    rows = []
+    for substrate in study.substrate.values:
+        for order in study.order.values:
+            row = study.sel(substrate=substrate, order=order)
+            change = row.area_change.values
+            spread: tuple[str, ...] = ("",) * 3
+            if order == study.order.values[-1]:
+                placed = row.placement_rms.values
+                shown = (float(np.median(placed)), float(placed.max()), _rms(row.centred_change.values))
+                spread = tuple(f"{100.0 * value:.2f}" for value in shown)
+            rows.append(
+                (
+                    str(substrate),
+                    str(order),
+                    f"{100.0 * _rms(change):.2f}",
+                    f"{100.0 * _largest(change):+.2f}",
+                    f"{MICROMETRES * float(row.sinking[-1]):.2f}",
+                    *spread,
+                )
+            )
+    return "Change of the law by elastic interaction", columns, tuple(rows)
+
+
+_SUMMARIES = {"fidelity": _fidelity, "interaction": _interaction}
+
+
+def _rms(change: FloatArray) -> float:
+    return float(np.sqrt((change**2).mean()))
+
+
+def _largest(change: FloatArray) -> float:
+    return float(change[np.abs(change).argmax()])

@@ -1,0 +1,62 @@
+"""A wanted law from a table."""
+
+import numpy as np
+import pytest
+
+import metafem as mf
+from metafem.files.demo import demo_text
+
+REST = demo_text("linear").split("[material]")[1].replace('height_step = "6 um"', "")
+
+
+def written(folder, target, table=None):
+    if table is not None:
+        (folder / "wanted.csv").write_text(table, encoding="utf-8")
+    path = folder / "spec.toml"
+    path.write_text(f"[target]\n{target}\n[material]{REST}", encoding="utf-8")
+    return path
+
+
+def test_forces_of_a_table_are_rescaled(tmp_path):
+    table = "load_mN,friction_force_N,weight,remark\n100,0.17,1,a\n200,0.31,2,b\n"
+    target = mf.read_spec(written(tmp_path, 'kind = "sampled"\nfile = "wanted.csv"', table)).target
+    np.testing.assert_allclose(target.rescaled_load, np.array([0.1, 0.2]) / 1.36, rtol=1e-14)
+    np.testing.assert_array_equal(target.weight, [1.0, 2.0])
+
+
+def test_rescaled_columns_keep_their_digits(tmp_path):
+    table = "rescaled_load_mm2,rescaled_friction_mm2\n0.1,0.84\n0.3,1.68\n"
+    target = mf.read_spec(written(tmp_path, 'kind = "sampled"\nfile = "wanted.csv"', table)).target
+    assert target.rescaled_friction.tolist() == [0.84, 1.68]
+
+
+@pytest.mark.parametrize(
+    ("target", "table", "words"),
+    [
+        ('file = "none.csv"', None, "none.csv: no such file"),
+        ("file = 3", None, "target.file = 3 must be a text"),
+        ('file = "wanted.csv"', "", "holds no samples"),
+        (
+            'file = "wanted.csv"',
+            "load_N,friction_force_N\n1,2,3\n",
+            "line 2 has 3 entries; the first names 2",
+        ),
+        ('file = "wanted.csv"', "load_N,friction_force_N\n1,x\n", "line 2: friction_force_N"),
+        ('file = "wanted.csv"', "load_N,other\n1,2\n", "needs rescaled_load and rescaled_friction"),
+        ('file = "wanted.csv"\nload = ["1 N"]', "load_N\n1\n", "target.file and target.load both"),
+    ],
+)
+def test_bad_tables_are_named(tmp_path, target, table, words):
+    with pytest.raises(mf.InvalidInput, match=words):
+        mf.read_spec(written(tmp_path, f'kind = "sampled"\n{target}', table))
+
+
+def test_powers_and_branches_are_read(tmp_path):
+    power = 'kind = "power"\nexponent = 1.2\nload_range = ["0.1 mm^2", "0.4 mm^2"]'
+    assert mf.read_spec(written(tmp_path, power)).target.load_range == (0.1, 0.4)
+    many = (
+        'kind = "multilinear"\nslopes = [9.5, 7.0, 8.0]\n'
+        'crossover_loads = [["0.07 mm^2", "0.18 mm^2"], "0.2 mm^2"]\nload_range = ["0.03 mm^2", "0.26 mm^2"]'
+    )
+    target = mf.read_spec(written(tmp_path, many)).target
+    assert target.crossover_loads == ((0.07, 0.18), (0.2, 0.2))

@@ -1,0 +1,169 @@
+"""Laws of any shape under any model, their bounds, and what cannot be reached."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import metafem as mf
+from metafem.inversion import DesignStatus
+from metafem.inversion.feasibility import friction_bounds, largest_exponent, slope_bounds
+
+RADIUS = 0.526
+LATTICE = mf.Surface.square_lattice(
+    0.3, radius=RADIUS, material=mf.Material(1.36), block=mf.Block(20.0, 20.0, 7.2)
+)
+LIMITS = mf.Limits(0.3, offset=0.05)
+MODELS = [mf.Independent(), mf.Interacting(), mf.Interacting(substrate=mf.BondedLayer())]
+
+
+def random_law(seed, points=30):
+    """A law read off a surface of random kind, so that it can be reached."""
+    rng = np.random.default_rng(seed)
+    kind = rng.integers(3)
+    if kind == 0:
+        height = rng.exponential(rng.uniform(0.005, 0.05), 64)
+    elif kind == 1:
+        height = rng.uniform(0.0, rng.uniform(0.02, 0.15), 64)
+    else:
+        height = np.concatenate([rng.normal(0.1, 0.01, 32), rng.normal(0.05, 0.02, 32)])
+    full = 4 / 3 * math.sqrt(RADIUS) * float(((height - height.min()) ** 1.5).sum())
+    load = full * rng.uniform(0.5, 1.2) * np.arange(1, points + 1) / points
+    return mf.SampledLaw(load, mf.Independent().curves(height, RADIUS, load)[2][0])
+
+
+@settings(max_examples=25)
+@given(st.integers(0, 10**6))
+def test_laws_of_random_surfaces_are_recovered(seed):
+    result = mf.design(random_law(seed), LATTICE, limits=mf.Limits(0.6))
+    assert result.misfit <= 2e-3
+    assert result.status in (DesignStatus.REFINED, DesignStatus.EXACT)
+
+
+@pytest.mark.parametrize("model", MODELS, ids=repr)
+def test_operating_points_are_met_exactly_under_every_model(model):
+    target = mf.OperatingPoints([0.144, 0.336, 0.649], [0.84, 1.68, 4.12])
+    for seed in range(3):
+        result = mf.design(target, LATTICE, model, mf.Limits(0.27), rng=seed)
+        assert result.misfit <= 1e-9
+        areas = [mf.equilibrium(result.surface, model, load=1.36 * p).area for p in target.rescaled_load]
+        np.testing.assert_allclose(areas, target.rescaled_friction, rtol=2e-9)
+
+
+@pytest.mark.parametrize("model", MODELS, ids=repr)
+def test_a_sampled_law_is_met_under_every_model(model):
+    assert mf.design(random_law(3), LATTICE, model, LIMITS).misfit <= 1e-3
+
+
+@pytest.mark.parametrize("exponent", [2 / 3, 0.8, 1.0, 1.2, 1.35])
+@pytest.mark.parametrize("model", MODELS, ids=repr)
+def test_power_laws_are_met_under_every_model(model, exponent):
+    result = mf.design(mf.PowerLaw(exponent, (0.1, 0.4)), LATTICE, model, LIMITS)
+    assert result.misfit <= 1.5e-3
+    load = np.array([0.1, 0.2, 0.4])
+    area = mf.friction_law(result.surface, model, load=1.36 * load).area
+    wanted = result.parameters["prefactor"] * load**exponent
+    np.testing.assert_allclose(area, wanted, rtol=1e-2)  # single loads against the rms of 30
+
+
+def test_a_bilinear_law_with_a_smaller_second_slope():
+    target = mf.MultilinearLaw([9.5, 7.0], [(0.07, 0.18)], (0.03, 0.26))
+    for model in MODELS:
+        result = mf.design(target, LATTICE, model, LIMITS)
+        for branch, fit in result.fits:
+            assert fit.slope == pytest.approx(branch.slope, rel=0.01)
+
+
+def test_branches_that_meet_share_one_intercept():
+    target = mf.MultilinearLaw([7.0, 9.0], [0.15], (0.05, 0.3))
+    result = mf.design(target, LATTICE, limits=LIMITS)
+    assert len(result.parameters["intercepts"]) == 1
+    assert result.misfit <= 0.01
+
+
+@given(st.integers(0, 10**6))
+def test_no_surface_leaves_the_bounds(seed):
+    rng = np.random.default_rng(seed)
+    count = int(rng.integers(1, 40))
+    height = rng.exponential(rng.uniform(0.001, 0.1), count)
+    load = np.sort(rng.uniform(1e-4, 1.0, 12))
+    _, carried, area, _ = mf.Independent().curves(height, RADIUS, load)
+    low, high = friction_bounds(load, RADIUS, count)
+    assert (area[0] >= low * (1.0 - 1e-12)).all()
+    assert (area[0] <= high * (1.0 + 1e-12)).all()
+    assert (np.diff(area[0] / carried[0] ** (2 / 3)) >= -1e-12 * area[0, -1]).all()
+    exponents = np.diff(np.log(area[0])) / np.diff(np.log(load))
+    assert math.log(area[0, -1] / area[0, 0]) / math.log(load[-1] / load[0]) <= largest_exponent(
+        (load[0], load[-1]), count
+    ) * (1.0 + 1e-12)
+    assert exponents.min() >= 2 / 3 - 1e-9
+    step = 1e-7
+    near = mf.Independent().curves(height, RADIUS, load[5] * np.array([1.0, 1.0 + step]))[2][0]
+    flattest, steepest = slope_bounds(float(load[5]), float(area[0, 5]), RADIUS, count)
+    slope = float(np.diff(near)[0]) / (load[5] * step)
+    assert flattest * (1.0 - 1e-5) <= slope <= steepest * (1.0 + 1e-5)  # a difference of first order
+
+
+@pytest.mark.parametrize(
+    ("target", "words"),
+    [
+        (mf.PowerLaw(1.35, (0.02, 0.4)), "exponent 1.35 .* at most 1.129 with 64 asperities"),
+        (mf.PowerLaw(0.5, (0.1, 0.4)), "at least 0.6667"),
+        (mf.PowerLaw(1.0, (0.1, 0.4), prefactor=100.0), "sample 1 .* above that of 64 equal asperities"),
+        (mf.SampledLaw([0.1, 0.2], [0.1, 1.0]), "sample 1 .* below that of a single asperity"),
+        (mf.SampledLaw([0.1, 0.2, 0.3], [0.8, 2.0, 2.2]), "sample 3 .*F/P.* cannot fall"),
+        (mf.MultilinearLaw([1.0], [], (0.1, 0.4)), "branch 1 of slope 1 .* whatever its intercept"),
+        (mf.MultilinearLaw([80.0], [], (0.1, 0.4)), "branch 1 of slope 80 .* whatever its intercept"),
+        (mf.SampledLaw([0.1, 90.0], [0.8, 20.0]), "load 90 mm.2 is beyond 12.8"),
+    ],
+)
+def test_what_cannot_be_reached_says_why_and_what_is_near(target, words):
+    with pytest.raises(mf.Infeasible, match=words) as caught:
+        mf.design(target, LATTICE, limits=LIMITS)
+    if caught.value.nearest is not None:
+        mf.design(caught.value.nearest, LATTICE, limits=LIMITS)
+
+
+def test_under_interaction_the_bound_has_a_margin():
+    with pytest.raises(mf.Infeasible, match=r"interaction leaves a margin of 0\.\d+ %"):
+        mf.design(mf.PowerLaw(1.35, (0.02, 0.4)), LATTICE, mf.Interacting(), LIMITS)
+
+
+def test_feasible_region_ends_where_the_base_plane_begins():
+    low, high = mf.feasible_region(LATTICE, [0.1, 20.0], LIMITS)
+    assert high[0] / low[0] == pytest.approx(4.0, rel=1e-12)
+    assert np.isnan(low[1])
+    assert np.isnan(high[1])
+
+
+@pytest.mark.parametrize(
+    ("build", "words"),
+    [
+        (lambda: mf.SampledLaw([0.2, 0.1], [1, 2]), r"rescaled_load\[1\] = 0.1 does not exceed"),
+        (lambda: mf.SampledLaw([0.1, 0.2], [2, 1]), r"rescaled_friction\[1\] = 1 does not exceed"),
+        (lambda: mf.SampledLaw([0.1, np.nan], [1, 2]), "rescaled_load holds nan"),
+        (lambda: mf.SampledLaw([0.1, 0.2], [1, 2], [1, 0]), r"weight\[1\] = 0 must be greater"),
+        (lambda: mf.PowerLaw(-1.0, (0.1, 0.4)), "exponent = -1 must be greater"),
+        (lambda: mf.PowerLaw(1.0, (0.4, 0.1)), r"load_range\[1\] = 0.1 does not exceed"),
+        (lambda: mf.MultilinearLaw([1, 2], [], (0.1, 0.4)), "must hold 1 loads or pairs"),
+        (lambda: mf.MultilinearLaw([1, -2], [0.2], (0.1, 0.4)), "slopes holds -2"),
+        (lambda: mf.MultilinearLaw([1, 2], [0.5], (0.1, 0.4)), "branch 2 would run from 0.5 to 0.4"),
+    ],
+)
+def test_bad_targets_are_named(build, words):
+    with pytest.raises(mf.InvalidInput, match=words):
+        build()
+
+
+def test_laws_from_forces():
+    pair = mf.Material(2.0), mf.Friction(0.5)
+    power = mf.PowerLaw.from_forces([1.0, 2.0, 4.0], [1.0, 2.0**0.9, 4.0**0.9], *pair)
+    assert power.exponent == pytest.approx(0.9, rel=1e-12)
+    assert power.load_range == (0.5, 2.0)
+    many = mf.MultilinearLaw.from_forces([1.0, 2.0, 3.0], [1.0, 2.0, 4.0], *pair)
+    assert many.slopes == pytest.approx((4.0, 8.0), rel=1e-12)
+    assert many.crossover_loads == ((1.0, 1.0),)
+    sampled = mf.SampledLaw.from_forces([1.0, 2.0], [1.0, 2.0], *pair)
+    np.testing.assert_allclose(sampled.rescaled_friction, [2.0, 4.0], rtol=1e-12)

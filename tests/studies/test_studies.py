@@ -1,0 +1,90 @@
+"""Studies of a small design: what they hold, and what they must agree with."""
+
+import numpy as np
+import pytest
+
+import metafem as mf
+from metafem.studies import summary
+from metafem.studies.cap_contact import cap_contact
+
+
+@pytest.fixture(scope="module")
+def design():
+    material, block = mf.Material(1.36), mf.Block(20.0, 20.0, 7.2)
+    template = mf.Surface.square_lattice(0.12, (2, 3), radius=0.526, material=material, block=block)
+    return mf.design(mf.OperatingPoints([0.01, 0.03], [0.1, 0.26]), template)
+
+
+@pytest.fixture(scope="module")
+def interaction(design):
+    return mf.studies.interaction(design, placements=7)
+
+
+def test_interaction_as_placed_is_the_law_of_the_models(design, interaction):
+    for name, substrate in (("half-space", mf.HalfSpace()), ("layer", mf.BondedLayer())):
+        for order in (1, 3):
+            model = mf.Interacting(order=order, substrate=substrate)
+            found = interaction.sel(substrate=name, order=order)
+            laws = [mf.friction_law(design.surface, m, load=found["load"]) for m in (mf.Independent(), model)]
+            np.testing.assert_allclose(found.area_change, laws[1].area / laws[0].area - 1.0, atol=1e-10)
+            np.testing.assert_allclose(found.sinking, laws[1].approach - laws[0].approach, atol=1e-12)
+
+
+def test_random_placements_repeat_and_differ(design, interaction):
+    again = mf.studies.interaction(design, placements=7)
+    other = mf.studies.interaction(design, placements=7, rng=1)
+    assert again.identical(interaction)
+    assert not other.placement_rms.equals(interaction.placement_rms)
+
+
+def test_unequal_radii_are_dealt_with_their_heights(design, interaction):
+    from dataclasses import replace
+
+    # a difference of radii below rounding takes the way of unequal ones
+    radius = np.full(design.surface.count, 0.526)
+    radius[0] *= 1.0 + 1e-14
+    uneven = replace(design, surface=design.surface.replaced(radius=radius))
+    found = mf.studies.interaction(uneven, placements=7)
+    np.testing.assert_allclose(found.placement_rms, interaction.placement_rms, rtol=1e-8)
+
+
+def test_fidelity_without_a_block_says_what_is_left_out(design):
+    from dataclasses import replace
+
+    bare = replace(design, surface=design.surface.replaced(block=None))
+    found = mf.studies.fidelity(bare)
+    assert list(found.model.values) == ["independent", "half-space"]
+    assert "no block" in found.attrs["notes"]
+    assert "fe is left out" in found.attrs["notes"]
+
+
+@pytest.fixture(scope="module")
+def contact(design):
+    surface = design.surface
+    law = mf.friction_law(surface, load=[float(design.law.load[-1])])
+    return cap_contact(surface, surface.height - law.separation[0])
+
+
+@pytest.mark.slow
+def test_tabulated_caps_are_those_of_the_finite_elements(contact):
+    h, a = np.mean(contact.height), 0.08
+    side = 20.0 / np.sqrt(np.pi)
+    single = mf.fe.press(a, 0.526, height=h, thickness=7.2, block_radius=side)
+    radius, load = contact.solve(np.array([h, h]), np.array([single.indentation, -0.01]))
+    # an order above the error that the table finds of itself, at another place
+    assert contact.error < 1e-3
+    np.testing.assert_allclose(radius, [a, 0.0], rtol=10.0 * contact.error)
+    np.testing.assert_allclose(load, [single.rescaled_load, 0.0], rtol=30.0 * contact.error)
+
+
+@pytest.mark.slow
+def test_fidelity_holds_all_models(design, tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    found = mf.studies.fidelity(design)
+    assert list(found.model.values) == ["independent", "half-space", "layer", "block", "fe"]
+    # the block lies between layer and half-space; each model sinks less than the half-space does
+    sinking = found.sinking.isel(load=-1)
+    assert sinking.sel(model="layer") < sinking.sel(model="block") < sinking.sel(model="half-space")
+    # small strain and the cap's shape: a load more than Hertz's at the same radius, so less area
+    assert -0.05 < found.area_change.sel(model="fe").isel(load=-1) < 0.0
+    assert len(summary(found).rows) == 5

@@ -1,0 +1,99 @@
+"""Times and misfits of inversions of any law, under every model."""
+
+from __future__ import annotations
+
+import math
+import time
+
+import numpy as np
+
+import metafem as mf
+from validation.benchmark.timing import Row, best
+
+RADIUS = 0.526
+LATTICE = mf.Surface.square_lattice(
+    0.3, radius=RADIUS, material=mf.Material(1.36), block=mf.Block(20.0, 20.0, 7.2)
+)
+LIMITS = mf.Limits(0.3, offset=0.05)
+MODELS = {
+    "independent": mf.Independent(),
+    "half-space": mf.Interacting(),
+    "layer": mf.Interacting(substrate=mf.BondedLayer()),
+}
+RANDOM_LAWS = 1000
+
+
+def rows() -> list[Row]:
+    """Measure the rows of the table of inversions."""
+    points = mf.OperatingPoints([0.144, 0.336, 0.649], [0.84, 1.68, 4.12])
+    rng = np.random.default_rng(0)
+    height, load = rng.exponential(0.03, 64), np.linspace(0.02, 0.5, 30)
+    sampled = mf.SampledLaw(load, mf.Independent().curves(height, RADIUS, load)[2][0])
+    measured = []
+    for name, model in MODELS.items():
+        measured += _pair(f"operating points, {name}", points, model, 1e-9, 0.1, mf.Limits(0.27))
+    for name in ("half-space", "layer"):
+        measured += _pair(f"30 samples, {name}", sampled, MODELS[name], 1e-3, 0.2, LIMITS)
+    for exponent in (2 / 3, 0.8, 1.0, 1.2, 1.35):
+        for name, model in MODELS.items():
+            law = mf.PowerLaw(exponent, (0.1, 0.4))
+            measured += _pair(f"exponent {exponent:.3g}, {name}", law, model, 1.5e-3, 0.2, LIMITS)
+    target = mf.MultilinearLaw([9.5, 7.0], [(0.07, 0.18)], (0.03, 0.26))
+    for name, model in MODELS.items():
+        fits = mf.design(target, LATTICE, model, LIMITS).fits
+        worst = max(abs(fit.slope / branch.slope - 1.0) for branch, fit in fits)
+        measured.append(Row(f"slopes 9.5 and 7, {name}: worst slope", 0.01, worst, ""))
+    measured.append(Row("largest exponent within 1 %, of 1.667", 1.667, _largest_exponent(), ""))
+    failed = sum(_misfit(seed) > 2e-3 for seed in range(RANDOM_LAWS))
+    measured.append(Row(f"of {RANDOM_LAWS} random laws, not recovered to .2 %", 10, failed, ""))
+    return [*measured, *_large()]
+
+
+def _pair(
+    name: str, target: mf.OperatingPoints | mf.SampledLaw | mf.PowerLaw, model, misfit, seconds, limits
+) -> list[Row]:
+    result = mf.design(target, LATTICE, model, limits)
+    took = best(lambda: mf.design(target, LATTICE, model, limits), 2)
+    return [Row(f"{name}: misfit", misfit, result.misfit, ""), Row(f"{name}: time", seconds, took, "s")]
+
+
+def _largest_exponent() -> float:
+    low, high = 1.35, 1.667
+    while high - low > 2e-3:
+        middle = 0.5 * (low + high)
+        result = mf.design(mf.PowerLaw(middle, (0.1, 0.4)), LATTICE, limits=LIMITS)
+        low, high = (middle, high) if result.misfit <= 0.01 else (low, middle)
+    return low
+
+
+def _misfit(seed: int) -> float:
+    """Misfit of a law read off a surface of random kind."""
+    rng = np.random.default_rng(seed)
+    kind = rng.integers(3)
+    if kind == 0:
+        height = rng.exponential(rng.uniform(0.005, 0.05), 64)
+    elif kind == 1:
+        height = rng.uniform(0.0, rng.uniform(0.02, 0.15), 64)
+    else:
+        height = np.concatenate([rng.normal(0.1, 0.01, 32), rng.normal(0.05, 0.02, 32)])
+    full = 4 / 3 * math.sqrt(RADIUS) * float(((height - height.min()) ** 1.5).sum())
+    load = full * rng.uniform(0.5, 1.2) * np.arange(1, 31) / 30
+    target = mf.SampledLaw(load, mf.Independent().curves(height, RADIUS, load)[2][0])
+    return mf.design(target, LATTICE, limits=mf.Limits(0.6)).misfit
+
+
+def _large() -> list[Row]:
+    """A sampled law of 40 loads on a lattice of 4,096 asperities under the layer."""
+    rng = np.random.default_rng(1)
+    height, load = rng.exponential(0.03, 4096), np.linspace(1.0, 30.0, 40)
+    target = mf.SampledLaw(load, mf.Independent().curves(height, RADIUS, load)[2][0])
+    lattice = mf.Surface.square_lattice(
+        0.3, (64, 64), radius=RADIUS, material=mf.Material(1.36), block=mf.Block(120.0, 120.0, 7.2)
+    )
+    start = time.perf_counter()
+    result = mf.design(target, lattice, MODELS["layer"], LIMITS)
+    took = time.perf_counter() - start
+    return [
+        Row("4,096 asperities, layer, 40 loads: time", 60.0, took, "s"),
+        Row("the same: misfit", 1e-3, result.misfit, ""),
+    ]
