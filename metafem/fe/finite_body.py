@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
+from enum import Enum
 from functools import cached_property
 
 import numpy as np
@@ -28,6 +28,13 @@ THRESHOLD = 1e-3
 
 # Smallest part of the way by which the load is raised before the solver gives up.
 SMALLEST_STEP = 1.0 / 64.0
+
+
+class Equilibrium(Enum):
+    """How Newton's method ended; the value is the message."""
+
+    CONVERGED = "converged: the nodal forces balance"
+    NOT_CONVERGED = "not converged: the state belongs to a part of the plane's way"
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,6 +66,11 @@ class Flattened:
     share: float
     residual: float
     unknowns: FloatArray
+
+    @property
+    def status(self) -> Equilibrium:
+        """Whether the state is complete."""
+        return Equilibrium.CONVERGED if self.share == 1.0 else Equilibrium.NOT_CONVERGED
 
 
 @dataclass(frozen=True, eq=False)
