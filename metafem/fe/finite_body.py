@@ -120,14 +120,13 @@ class SoftBody(Body):
         return 2 * self.count + int(self.pressure.dofs.N)
 
     def deform(self, unknowns: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Deformation gradients (elements, points, 5) and pressures (elements, points)."""
+        """Displacement gradients (elements, points, 5) and pressures (elements, points)."""
         along_r, along_z, hoop, other, _ = self._shapes
         local = self.displacement.local
         mine = unknowns[self.all_numbers]
         u, v, p = mine[:, :local, None], mine[:, local : 2 * local, None], mine[:, 2 * local :]
         columns = [along_r @ u, along_z @ u, along_r @ v, along_z @ v, hoop @ u]
-        gradient = np.concatenate(columns, axis=-1) + np.array([1.0, 0.0, 0.0, 1.0, 1.0])
-        return gradient, p @ other.T
+        return np.concatenate(columns, axis=-1), p @ other.T
 
     def balance(self, gradient: FloatArray, pressure: FloatArray) -> tuple[csc_matrix, FloatArray]:
         """Tangent and nodal forces per 2 pi."""
@@ -140,19 +139,19 @@ class SoftBody(Body):
         stiff = neo_hookean.tangent(gradient, pressure, mu) * weight[..., None, None]
         flat = row.reshape(count, 5 * points, 2 * local)
         stiffness = flat.transpose(0, 2, 1) @ (stiff @ row).reshape(flat.shape)
-        slope = (neo_hookean.volume_slope(gradient) * weight[..., None])[:, :, None, :]
+        slope = ((neo_hookean.ONE + neo_hookean.volume_slope(gradient)) * weight[..., None])[:, :, None, :]
         mixed = -(other.T @ (slope @ row)[:, :, 0, :])
         empty = np.zeros((count, other.shape[1], other.shape[1]))
         block = np.block([[stiffness, mixed.transpose(0, 2, 1)], [mixed, empty]])
         force = neo_hookean.stress(gradient, pressure, mu) * weight[..., None]
         inner = (force.reshape(count, 1, -1) @ flat)[:, 0]
-        swelling = -((neo_hookean.volume_ratio(gradient) - 1.0) * weight) @ other
+        swelling = -(neo_hookean.volume_change(gradient) * weight) @ other
         number = self.all_numbers
         width = number.shape[1]
         rows, columns = np.repeat(number, width, axis=1).ravel(), np.tile(number, (1, width)).ravel()
         matrix = coo_matrix((block.ravel(), (rows, columns)), shape=(self.size, self.size)).tocsc()
         total = np.bincount(number.ravel(), np.hstack([inner, swelling]).ravel(), minlength=self.size)
-        return matrix, total
+        return matrix, np.asarray(total, dtype=np.float64)
 
     def flatten(
         self, profile: Profile, stuck: tuple[Profile, Profile] | None = None, start: Flattened | None = None
@@ -234,7 +233,7 @@ class SoftBody(Body):
         way = np.zeros((self.size, 0))
         for _ in range(NEWTON):
             gradient, pressure = self.deform(unknowns)
-            if neo_hookean.volume_ratio(gradient).min() <= 0.0:
+            if neo_hookean.volume_change(gradient).min() <= -1.0:
                 return None
             matrix, force = self.balance(gradient, pressure)
             wrong = np.concatenate([force[free[free < 2 * self.count]], force[plane.edge]])
