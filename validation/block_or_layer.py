@@ -119,8 +119,8 @@ def _facts() -> list[Check]:
     raised = mf.friction_law(surface, mf.Interacting(order=1, substrate=Raised(0.3)), load=block.load)
     shift = block.separation - raised.separation - 0.3 * LOADS
     return [
-        below(f"{name}: change of A0 by a Poisson's ratio of .49", np.abs(other.area / block.area - 1.0).max(),
-              POISSON, OTHER),
+        below(f"{name}: change of A0 by a Poisson's ratio of .49",
+              np.abs(other.area / block.area - 1.0).max(), POISSON, OTHER),
         below(f"{name}: change of A0 by a constant in the influence",
               np.abs(raised.area / block.area - 1.0).max(), 1e-10, "exact"),
         below(f"{name}: change of the plane beyond that constant [mm]", np.abs(shift).max(), 1e-12, "exact"),

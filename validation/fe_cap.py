@@ -8,6 +8,9 @@ from metafem.report.elements import cap_pressure_figure, mesh_figure
 from validation.check import Claim, from_elements
 from validation.frozen_meshes import CAP_CONTACT, FOLDER, cap
 
+# Several seconds of finite elements: the test suite runs it with the slow ones.
+SLOW = True
+
 
 def claim() -> Claim:
     """Compare load and indentation with another computation."""

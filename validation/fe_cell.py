@@ -13,6 +13,9 @@ from metafem.reference import single_contacts as exact
 from metafem.report.svg import new_figure
 from validation.check import Claim, from_elements
 
+# Several seconds of finite elements: the test suite runs it with the slow ones.
+SLOW = True
+
 
 def claim() -> Claim:
     """Compare load and indentation at three contact radii."""

@@ -10,6 +10,9 @@ from metafem.reference import bonded_layer
 from metafem.report.svg import new_figure
 from validation.check import Claim, from_elements
 
+# Several seconds of finite elements: the test suite runs it with the slow ones.
+SLOW = True
+
 
 def claim() -> Claim:
     """Compare at distances up to the block's half-width, for three Poisson ratios."""

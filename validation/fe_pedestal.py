@@ -14,6 +14,9 @@ from validation.check import Claim, below
 # Between the rows and columns of the table.
 PLACES = ((0.06, 0.3), (0.23, 0.5), (0.38, 0.1), (0.57, 0.3))
 
+# Several seconds of finite elements: the test suite runs it with the slow ones.
+SLOW = True
+
 
 def claim() -> Claim:
     """Compute the compliance anew where the table has no row."""
