@@ -205,6 +205,31 @@ def test_an_ill_posed_scene_raises_with_its_state():
     assert caught.value.state.residual > 1e-12
 
 
+@pytest.mark.parametrize("low", [0.099, 0.08])
+@pytest.mark.parametrize("load", [0.01, 0.1, 1.0])
+def test_of_two_asperities_in_one_contact_the_taller_carries_all(low, load):
+    """Point loads 0.05 mm apart: the sinking beside the taller one opens the other."""
+    surface, alone = scene([[0, 0], [0.05, 0]], [0.1, low], 0.5), scene([[0, 0]], [0.1], 0.5)
+    point = mf.Interacting(order=1)
+    state = mf.equilibrium(surface, point, load=load)
+    assert state.area == pytest.approx(mf.equilibrium(alone, load=load).area, rel=1e-12)
+    law = mf.friction_law(surface, point, load=load * np.arange(1, 65) / 64)
+    assert law.area[-1] == pytest.approx(state.area, rel=1e-12)
+
+
+def test_open_asperities_have_their_gap_along_a_whole_curve():
+    surface = scene([[0, 0], [0.5, 0], [3.0, 0]], [0.1, 0.06, 0.0], 0.5)
+    load = 0.005 * np.arange(1, 65) / 64
+    for order in (1, 3):
+        found = mf.Interacting(order=order).sensitivity(surface, load)
+        for k in (10, 63):
+            state = mf.equilibrium(surface, mf.Interacting(order=order), load=load[k] * 1.36)
+            u, _ = displacement(surface, mf.HalfSpace(), order, state.asperity_load / 1.36)
+            gap = surface.height - state.separation - u
+            assert_allclose(found.indentation[k][1:], gap[1:], rtol=0, atol=1e-11)
+            assert (gap[1:] < 0.0).all()
+
+
 @pytest.mark.parametrize("change", [{"rescaled_load": [-1.0]}, {"height": [[0.1, 0.2]]}])
 def test_batch_refuses_what_it_cannot_use(change):
     arguments = {"height": HEIGHT, "rescaled_load": [0.1], **change}
