@@ -170,6 +170,16 @@ def test_overlap_wide_contacts_and_the_base_plane_are_noted():
     assert "base plane would touch" in mf.equilibrium(low, mf.Interacting(), approach=0.11).notes[0]
 
 
+def test_a_sharp_summit_beside_a_blunt_one_is_noted():
+    """Its force bends the blunt one as a contact of equal radius would that is (R_i/R_j)^(1/3) as wide."""
+    radius = np.array([0.02, 5.0])
+    state = mf.equilibrium(scene([[0, 0], [0.6, 0]], [0.6, 0.5], radius), mf.Interacting(), load=0.01)
+    contact = np.sqrt(state.asperity_area / math.pi)
+    assert contact.min() > 0.0
+    assert contact.max() / 0.6 < 0.32
+    assert f"a/r = {250 ** (1 / 3) * contact[0] / 0.6:.2f} exceeds 0.32" in state.notes[0]
+
+
 def test_batch_agrees_with_single_laws():
     surface = lattice(0.1 * np.ones(16))
     heights = 0.1 - 0.08 * np.random.default_rng(0).random((5, 16))
@@ -184,7 +194,15 @@ def test_batch_agrees_with_single_laws():
 
 @pytest.mark.parametrize(
     "arguments",
-    [{"order": 2}, {"order": True}, {"substrate": mf.HalfSpace}, {"contact": 3}, {"pedestal": 1}],
+    [
+        {"order": 2},
+        {"order": True},
+        {"order": np.array([1, 3])},
+        {"order": 1.0},
+        {"substrate": mf.HalfSpace},
+        {"contact": 3},
+        {"pedestal": 1},
+    ],
 )
 def test_refuses_models_that_do_not_exist(arguments):
     with pytest.raises(mf.InvalidInput, match=next(iter(arguments))):
