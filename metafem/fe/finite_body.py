@@ -45,6 +45,8 @@ class Flattened:
     ----------
     load, indentation, edge : float
         P/E* [mm^2], the plane's way [mm], and the deformed radius of the contact's edge [mm].
+    energy : float
+        Stored, over E* [mm^3].
     shift : float
         Amplitude of the part of the stuck places that this state determines.
     bracket : float
@@ -61,6 +63,7 @@ class Flattened:
     load: float
     indentation: float
     edge: float
+    energy: float
     shift: float
     bracket: float
     share: float
@@ -219,7 +222,7 @@ class SoftBody(Body):
         return int(first), int(second)
 
     def _rest(self) -> Flattened:
-        return Flattened(0.0, 0.0, 0.0, 0.0, math.inf, 0.0, 0.0, np.zeros(self.size))
+        return Flattened(0.0, 0.0, 0.0, 0.0, 0.0, math.inf, 0.0, 0.0, np.zeros(self.size))
 
     def _newton(
         self, plane: Plane, share: float, start: FloatArray, amplitudes: FloatArray
@@ -233,19 +236,22 @@ class SoftBody(Body):
         way = np.zeros((self.size, 0))
         for _ in range(NEWTON):
             gradient, pressure = self.deform(unknowns)
-            if neo_hookean.volume_change(gradient).min() <= -1.0:
+            if not neo_hookean.volume_change(gradient).min() > -1.0:
                 return None
             matrix, force = self.balance(gradient, pressure)
             wrong = np.concatenate([force[free[free < 2 * self.count]], force[plane.edge]])
             error = float(np.abs(wrong).max() / max(abs(self._load(force)), np.finfo(float).tiny))
             if change <= CHANGE and error <= RESIDUAL:
                 bracket = self._bracket(plane, unknowns, amplitudes, matrix, force, way)
-                return self._state(share, unknowns, amplitudes, force, error, bracket)
+                return self._state(share, unknowns, amplitudes, gradient, force, error, bracket)
             right = np.column_stack([force + matrix @ jump, matrix @ plane.modes])
             full = np.zeros(right.shape)
-            full[free] = -linear.solve(matrix[free][:, free].tocsc(), right[free], THRESHOLD).value
-            at_edge = (right + matrix @ full)[plane.edge]
-            step = np.linalg.solve(at_edge[:, 1:], -at_edge[:, 0])
+            try:
+                full[free] = -linear.solve(matrix[free][:, free].tocsc(), right[free], THRESHOLD).value
+                at_edge = (right + matrix @ full)[plane.edge]
+                step = np.linalg.solve(at_edge[:, 1:], -at_edge[:, 0])
+            except (RuntimeError, np.linalg.LinAlgError):  # a singular tangent: too far from the solution
+                return None
             way = full[:, 1:] + plane.modes
             move = jump + full[:, 0] + way @ step
             unknowns, amplitudes = unknowns + move, amplitudes + step
@@ -283,6 +289,7 @@ class SoftBody(Body):
         share: float,
         unknowns: FloatArray,
         amplitudes: FloatArray,
+        gradient: FloatArray,
         force: FloatArray,
         residual: float,
         bracket: float,
@@ -292,6 +299,9 @@ class SoftBody(Body):
             load=2.0 * math.pi * self._load(force),
             indentation=float(amplitudes[0]),
             edge=float(self.geometry.point(self.mesh.p[:, [edge]])[0, 0] + unknowns[edge]),
+            energy=2.0
+            * math.pi
+            * float(np.sum(self._shapes[4] * neo_hookean.energy(gradient, self.shear_modulus))),
             shift=float(amplitudes[1]) if len(amplitudes) > 1 else 0.0,
             bracket=bracket,
             share=share,

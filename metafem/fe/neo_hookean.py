@@ -58,3 +58,9 @@ def tangent(h: FloatArray, pressure: FloatArray, shear_modulus: float) -> FloatA
     return np.asarray(
         shear_modulus * (np.eye(5) + inverse[..., :, None] * inverse[..., None, :]) - share * bend
     )
+
+
+def energy(h: FloatArray, shear_modulus: float) -> FloatArray:
+    """Return ``mu/2 (F:F - 3 - 2 ln J)`` per undeformed volume."""
+    square = np.sum(h**2, axis=-1) + 2.0 * (h @ ONE)
+    return np.asarray(0.5 * shear_modulus * (square - 2.0 * np.log1p(volume_change(h))))
