@@ -46,8 +46,9 @@ def from_elements(checks: list[Any]) -> list[Check]:
 
 @dataclass(frozen=True)
 class Claim:
-    """What one file shows: its checks, and at most three figures made only when they are drawn."""
+    """What one file shows: its checks, at most three figures made only when they are drawn, and words."""
 
     title: str
     checks: list[Check]
     figures: dict[str, Callable[[], Any]] = field(default_factory=dict)
+    text: str = ""

@@ -8,7 +8,7 @@ from metafem.report.elements import cap_pressure_figure, mesh_figure
 from validation.check import Claim, from_elements
 from validation.frozen_meshes import CAP_CONTACT, FOLDER, cap
 
-# The tests of this claim carry the mark "slow".
+# Several seconds of finite elements: the test suite runs it with the slow ones.
 SLOW = True
 
 

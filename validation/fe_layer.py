@@ -10,7 +10,7 @@ from metafem.reference import bonded_layer
 from metafem.report.svg import new_figure
 from validation.check import Claim, from_elements
 
-# The tests of this claim carry the mark "slow".
+# Several seconds of finite elements: the test suite runs it with the slow ones.
 SLOW = True
 
 

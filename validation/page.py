@@ -20,6 +20,7 @@ th { color: #667078; } .failed td { color: #b3261e; font-weight: 600; }
 <p>{{ passed }} of {{ total }} checks passed. Every number is computed when this page is made.</p>
 {% for claim in claims %}
 <h2>{{ claim.title }}</h2>
+{% if claim.text %}<p>{{ claim.text }}</p>{% endif %}
 <table><thead><tr><th>check</th><th>computed</th><th>expected</th><th>source</th></tr></thead><tbody>
 {% for check in claim.checks %}
 <tr{% if not check.passed %} class="failed"{% endif %}><td>{{ check.name }}</td>

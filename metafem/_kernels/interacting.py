@@ -24,6 +24,11 @@ INNER = 1e-5
 # A step is halved at most this often: what is left then is below the noise of the energy.
 MAX_CUTS = 30
 
+# Where the energy bends down, Hertz's compliance is raised by this factor, at most so often, until the step
+# leads downhill: contacts that overlap, of which one leaves in the end.
+SOFTER = 4.0
+MOST_SOFTENINGS = 20
+
 # Share of the predicted decrease of the energy that is asked for (Armijo).
 ARMIJO = 1e-4
 
@@ -110,6 +115,8 @@ def newton(field, order, radius, own, gap, approach, target, state, scratch):
             matrix, scratch.diagonal, state.closed, count, free, target - load, scratch.rhs,
             leave, False, scratch.loads, scratch.work,
         )  # fmt: skip
+        if order == 1 and not (good or free):  # the energy of order 3 has no bottom there
+            shift, good = downhill(own, matrix, state, count, leave, scratch)
         if not good:
             residual = max(residual, 1.0)
             break
@@ -123,7 +130,36 @@ def newton(field, order, radius, own, gap, approach, target, state, scratch):
         residual = new
         if stalled:
             break
+    for i in range(radius.size):  # open ones have their gap, on which predictions and sensitivities build
+        if state.z[i] <= 0.0:
+            state.z[i] = min(x - gap[i] - state.displacement[i], 0.0)
+            state.indentation[i] = state.z[i]
     return x, count, load, residual
+
+
+@njit(cache=True, nogil=True)
+def downhill(own, matrix, state, count, leave, scratch):
+    """Solve for a step at a given approach with contacts made compliant until the matrix is positive."""
+    raised = 1.0
+    shift, good = 0.0, False
+    for k in range(count):
+        if scratch.diagonal[state.closed[k]] <= 0.0:  # a thin layer wins over Hertz: no bottom either
+            return shift, good
+    for _ in range(MOST_SOFTENINGS):
+        raised *= SOFTER
+        for k in range(count):
+            i = state.closed[k]
+            scratch.diagonal[i] = own[i] + SOFTER * (scratch.diagonal[i] - own[i])
+        shift, good = projected_cg.solve(
+            matrix, scratch.diagonal, state.closed, count, False, 0.0, scratch.rhs,
+            leave, False, scratch.loads, scratch.work,
+        )  # fmt: skip
+        if good:
+            break
+    for k in range(count):
+        i = state.closed[k]
+        scratch.diagonal[i] = own[i] + (scratch.diagonal[i] - own[i]) / raised
+    return shift, good
 
 
 @njit(cache=True, nogil=True)

@@ -2,6 +2,8 @@
 
 from metafem.fe.block import Block3D
 from metafem.fe.checks import Check, Convergence, cap_check, cell_check, hertz_check, layer_check
+from metafem.fe.finite_body import Equilibrium
+from metafem.fe.finite_strain import FiniteContact, press_finite
 from metafem.fe.mesh import read_mesh
 from metafem.fe.pedestal import measure_pedestal
 from metafem.fe.press import PressedContact, Status, press
@@ -11,6 +13,8 @@ __all__ = [
     "Block3D",
     "Check",
     "Convergence",
+    "Equilibrium",
+    "FiniteContact",
     "FoundContact",
     "PressedContact",
     "Status",
@@ -20,6 +24,7 @@ __all__ = [
     "layer_check",
     "measure_pedestal",
     "press",
+    "press_finite",
     "read_mesh",
     "search_contact",
 ]

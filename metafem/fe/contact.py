@@ -10,7 +10,7 @@ import numpy as np
 from skfem import ElementLinePp, MeshQuad
 
 from metafem._validate import FloatArray
-from metafem.fe.elasticity import Body, Solution
+from metafem.fe.elasticity import Body, Solution, hierarchical
 from metafem.fe.geometry import Geometry, Oblate
 from metafem.fe.surface_values import locate
 
@@ -106,7 +106,7 @@ def contact_data(body: Body, value: Callable[[FloatArray], FloatArray]) -> Float
     facets = mesh.boundaries["contact"]
     x, w = np.polynomial.legendre.leggauss(body.degree + 3)
     x, w = 0.5 * (x + 1.0), 0.5 * w
-    line = ElementLinePp(body.degree)
+    line = hierarchical(ElementLinePp, body.degree)
     bubbles = np.array([line.lbasis(x[None], i)[0] for i in range(2, body.degree + 1)])
     # The degrees on a facet run from its smaller coordinate to its larger one.
     nodes = mesh.facets[:, facets]

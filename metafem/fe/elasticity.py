@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import logging
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from scipy.sparse import coo_matrix, csc_matrix
@@ -22,11 +24,22 @@ EXTRA_POINTS = 3
 GROUP = 250_000
 
 
+def hierarchical(kind: Any, degree: int) -> Any:
+    """Return an element of a hierarchical family without its logged advice to take a nodal one below 3."""
+    logger = logging.getLogger(kind.__module__)
+    level = logger.level
+    logger.setLevel(logging.ERROR)
+    try:
+        return kind(degree)
+    finally:
+        logger.setLevel(level)
+
+
 class Field:
     """Numbering and reference shapes of the scalar polynomials of one degree on a mesh."""
 
     def __init__(self, mesh: MeshQuad, degree: int) -> None:
-        self.element = ElementQuadP(degree)
+        self.element = hierarchical(ElementQuadP, degree)
         self.dofs = Dofs(mesh, self.element)
         self.local = (degree + 1) ** 2
         self.inner = (degree - 1) ** 2

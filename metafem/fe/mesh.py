@@ -51,6 +51,7 @@ def graded_mesh(
     foot: float | None = None,
     *,
     contact_edge: float = CONTACT_EDGE,
+    foot_edge: float = FOOT_EDGE,
 ) -> MeshQuad:
     """Return a mesh of a body's plane (s, depth), graded to the contact's edge and the cap's foot.
 
@@ -60,15 +61,15 @@ def graded_mesh(
         Plane coordinate of the contact's edge and of the side, and thickness [mm].
     foot : float, optional
         Plane coordinate of the cap's foot [mm].
-    contact_edge : float
-        Size of the last elements, relative to the contact's radius.
+    contact_edge, foot_edge : float
+        Size of the last elements, relative to the contact's radius and to the foot's.
     """
     fine, reach = contact_edge * contact, EDGE_REACH * contact
     across = [_graded(contact, 0.0, fine, reach)[::-1]]
     if foot is None:
         across.append(_graded(contact, outer, fine, reach, thickness))
     else:
-        coarse, wide, middle = FOOT_EDGE * foot, EDGE_REACH * foot, 0.5 * (contact + foot)
+        coarse, wide, middle = foot_edge * foot, EDGE_REACH * foot, 0.5 * (contact + foot)
         across += [
             _graded(contact, middle, fine, reach),
             _graded(foot, middle, coarse, wide)[::-1],

@@ -91,7 +91,8 @@ class Interacting:
     pedestal: bool = False
 
     def __post_init__(self) -> None:
-        if isinstance(self.order, bool) or self.order not in (1, 3):
+        whole = isinstance(self.order, int | np.integer) and not isinstance(self.order, bool)
+        if not whole or self.order not in (1, 3):
             raise InvalidInput(f"order = {self.order!r} does not exist; it must be 1 or 3")
         if isinstance(self.substrate, type) or not isinstance(self.substrate, Substrate):
             raise InvalidInput(

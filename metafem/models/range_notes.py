@@ -33,14 +33,18 @@ def interaction_notes(
     closed = np.flatnonzero(contact_radius > 0.0)
     if closed.size > 1:
         a = contact_radius[closed]
+        # the field of j bends i by p_j R_i/r^3, (a_j/r)^3 R_i/R_j: a sharp summit counts as a wider one
+        blunt = np.cbrt(surface.radius[closed])
+        sharp = a / blunt
         # pairs beyond this cannot overlap, nor leave the range
-        reach = float(a.max()) * max(2.0, 1.0 / COMPARED)
+        reach = float((sharp * blunt.max()).max()) * max(2.0, 1.0 / COMPARED)
         tree = cKDTree(surface.position[closed])
         i, j = tree.query_pairs(reach, output_type="ndarray").T
         if i.size:
             r = np.hypot(*(tree.data[i] - tree.data[j]).T)
             overlaps = int((a[i] + a[j] > r).sum())
-            ratio = float((np.maximum(a[i], a[j]) / r).max())
+            bending = np.maximum(sharp[j] * blunt[i], sharp[i] * blunt[j])
+            ratio = float((np.maximum(np.maximum(a[i], a[j]), bending) / r).max())
             if overlaps:
                 notes.append(
                     f"contacts overlap: {overlaps} pairs of them reach into each other; resolved "

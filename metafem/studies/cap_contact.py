@@ -12,8 +12,8 @@ from metafem.errors import InvalidInput, NotConverged
 from metafem.surface import Surface
 
 # Chebyshev nodes in the cap's height and in the contact's share of its foot. What load and indentation
-# have beyond Hertz's is smooth in both and vanishes with the contact: 3 x 3 nodes give it to 1e-3 of
-# load and indentation over the whole range of the source paper's surfaces (`CapContact.error` tells).
+# have beyond Hertz's is smooth in both and vanishes with the contact: 3 x 3 nodes give load and
+# indentation to 6e-5 on the source paper's red bilinear surface; `CapContact.error` tells.
 HEIGHT_NODES, SHARE_NODES = 3, 3
 
 # Newton's steps for the contact radius at an indentation: from Hertz's, 5 reach rounding.

@@ -172,6 +172,16 @@ def test_overlap_wide_contacts_and_the_base_plane_are_noted():
     assert "base plane would touch" in mf.equilibrium(low, mf.Interacting(), approach=0.11).notes[0]
 
 
+def test_a_sharp_summit_beside_a_blunt_one_is_noted():
+    """Its force bends the blunt one as a contact of equal radius would that is (R_i/R_j)^(1/3) as wide."""
+    radius = np.array([0.02, 5.0])
+    state = mf.equilibrium(scene([[0, 0], [0.6, 0]], [0.6, 0.5], radius), mf.Interacting(), load=0.01)
+    contact = np.sqrt(state.asperity_area / math.pi)
+    assert contact.min() > 0.0
+    assert contact.max() / 0.6 < 0.32
+    assert f"a/r = {250 ** (1 / 3) * contact[0] / 0.6:.2f} exceeds 0.32" in state.notes[0]
+
+
 def test_batch_agrees_with_single_laws():
     surface = lattice(0.1 * np.ones(16))
     heights = 0.1 - 0.08 * np.random.default_rng(0).random((5, 16))
@@ -186,7 +196,15 @@ def test_batch_agrees_with_single_laws():
 
 @pytest.mark.parametrize(
     "arguments",
-    [{"order": 2}, {"order": True}, {"substrate": mf.HalfSpace}, {"contact": 3}, {"pedestal": 1}],
+    [
+        {"order": 2},
+        {"order": True},
+        {"order": np.array([1, 3])},
+        {"order": 1.0},
+        {"substrate": mf.HalfSpace},
+        {"contact": 3},
+        {"pedestal": 1},
+    ],
 )
 def test_refuses_models_that_do_not_exist(arguments):
     with pytest.raises(mf.InvalidInput, match=next(iter(arguments))):
@@ -205,6 +223,31 @@ def test_an_ill_posed_scene_raises_with_its_state():
     with pytest.raises(mf.NotConverged) as caught:
         mf.equilibrium(surface, mf.Interacting(order=1, substrate=mf.BondedLayer()), load=0.035)
     assert caught.value.state.residual > 1e-12
+
+
+@pytest.mark.parametrize("low", [0.099, 0.08])
+@pytest.mark.parametrize("load", [0.01, 0.1, 1.0])
+def test_of_two_asperities_in_one_contact_the_taller_carries_all(low, load):
+    """Point loads 0.05 mm apart: the sinking beside the taller one opens the other."""
+    surface, alone = scene([[0, 0], [0.05, 0]], [0.1, low], 0.5), scene([[0, 0]], [0.1], 0.5)
+    point = mf.Interacting(order=1)
+    state = mf.equilibrium(surface, point, load=load)
+    assert state.area == pytest.approx(mf.equilibrium(alone, load=load).area, rel=1e-12)
+    law = mf.friction_law(surface, point, load=load * np.arange(1, 65) / 64)
+    assert law.area[-1] == pytest.approx(state.area, rel=1e-12)
+
+
+def test_open_asperities_have_their_gap_along_a_whole_curve():
+    surface = scene([[0, 0], [0.5, 0], [3.0, 0]], [0.1, 0.06, 0.0], 0.5)
+    load = 0.005 * np.arange(1, 65) / 64
+    for order in (1, 3):
+        found = mf.Interacting(order=order).sensitivity(surface, load)
+        for k in (10, 63):
+            state = mf.equilibrium(surface, mf.Interacting(order=order), load=load[k] * 1.36)
+            u, _ = displacement(surface, mf.HalfSpace(), order, state.asperity_load / 1.36)
+            gap = surface.height - state.separation - u
+            assert_allclose(found.indentation[k][1:], gap[1:], rtol=0, atol=1e-11)
+            assert (gap[1:] < 0.0).all()
 
 
 @pytest.mark.parametrize("change", [{"rescaled_load": [-1.0]}, {"height": [[0.1, 0.2]]}])

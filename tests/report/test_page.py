@@ -30,6 +30,24 @@ def test_page_is_self_contained_and_reproducible(template, kind):
     assert design.status.value.split(":")[0] in text
 
 
+def test_page_tells_of_tools_and_steps(template):
+    tools = mf.design_radius(
+        mf.LinearLaw(9.0, through_origin=True),
+        template,
+        [0.4, 0.526],
+        limits=mf.Limits(0.27, height_step=0.002),
+    )
+    text = page(tools)
+    for words in (
+        "radii within reach of the target",
+        "friction is proportional to load",
+        "through the origin",
+    ):
+        assert words in text
+    assert "heights stand on steps of 2 um" in text
+    assert "numbers of asperities on them" in text
+
+
 def test_page_warns_of_plastic_contacts_and_low_summits(template):
     design = mf.design(mf.LinearLaw(6.87), template, limits=mf.Limits(0.12, height_sd=0.0009))
     text = page(design, hardness=0.5)

@@ -11,6 +11,7 @@ import numpy as np
 import metafem as mf
 import metafem.substrate
 from metafem._kernels import continuation
+from metafem.models.interacting import NO_TRAIL
 from metafem.models.large import LargeScene
 from validation.benchmark.timing import Row, best
 
@@ -71,7 +72,7 @@ def kernel_time(model: mf.Interacting, surface: mf.Surface, loads: int) -> float
     place = continuation.empty_workplace(surface.count, model.order)
     rising = np.linspace(0.5 / loads, 0.5, loads)
     radius, gap = np.array(surface.radius[None]), surface.gap[None]
-    arguments = (coupling, model.order, radius, own[None], gap, rising, True, results, *place)
+    arguments = (coupling, model.order, radius, own[None], gap, rising, True, results, *place, NO_TRAIL)
     return best(lambda: continuation.curves(*arguments), 20) / loads
 
 

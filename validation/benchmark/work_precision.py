@@ -173,7 +173,7 @@ def shown_error(error: float, uncertainty: float) -> str:
 
 def draw() -> None:
     """Write the picture."""
-    figure = new_figure(8.0, 3.6)
+    figure = new_figure(9.0, 3.4)
     axes = figure.subplots(1, 2, sharex=True, sharey=True)
     for ax, load in zip(axes, LOADS, strict=True):
         for line, colour in COLOURS.items():
@@ -189,7 +189,7 @@ def draw() -> None:
         ax.set_xlabel("seconds for one load")
         ax.loglog()
     axes[0].set_ylabel("relative error of A0")
-    axes[1].legend(frameon=False, fontsize=7, loc="upper right")
+    figure.legend(*axes[1].get_legend_handles_labels(), frameon=False, fontsize=8, loc="outside right center")
     PICTURE.write_text(svg(figure, "Seconds against error of the models"), "utf-8")
 
 

@@ -1,0 +1,93 @@
+"""Laws beyond the paper's: true proportionality, other tools, and what steps of the heights cost."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+
+import metafem as mf
+from metafem.inversion.proportional import proportional_range
+from metafem.report.svg import new_figure
+from validation.check import Check, Claim, below
+from validation.paper_surfaces import template
+
+SLOPE = 7.0
+MODELS = {
+    "independent": mf.Independent(),
+    "half-space": mf.Interacting(),
+    "layer": mf.Interacting(substrate=mf.BondedLayer()),
+}
+
+# Heights tall enough for all laws here [mm], and the paper's step of Fig. 4.
+HEIGHT, STEP = 0.27, 0.006
+
+STEPPED = {
+    "three operating points": mf.OperatingPoints([0.144, 0.336, 0.649], [0.84, 1.68, 4.12]),
+    "power 0.8": mf.PowerLaw(0.8, (0.1, 0.4)),
+    "power 1.2": mf.PowerLaw(1.2, (0.1, 0.4)),
+    "slopes 9.5, then 7": mf.MultilinearLaw([9.5, 7.0], [(0.07, 0.18)], (0.03, 0.26)),
+}
+
+# A friction coefficient below what the paper's radius can reach within its heights, and three tools [mm].
+LOW_COEFFICIENT, TOOLS = 0.9, [0.2, 0.3, 0.526]
+
+
+@cache
+def proportional(model: str) -> mf.Design:
+    """Return the surface whose friction is proportional to the load."""
+    target = mf.LinearLaw(SLOPE, through_origin=True)
+    return mf.design(target, template("fig4_red"), MODELS[model], mf.Limits(HEIGHT))
+
+
+def claim() -> Claim:
+    """Design them all."""
+    checks = []
+    for name, model in MODELS.items():
+        result = proportional(name)
+        low, high = result.parameters["load_range"]
+        load = np.geomspace(low, high, 200)
+        ratio = model.curve(result.surface, load).area / (SLOPE * load)
+        rms = float(np.sqrt(((ratio - 1.0) ** 2).mean()))
+        checks.append(below(f"friction proportional to load, {name}: rms on 200 loads", rms, 0.01, "promise"))
+    first, last = proportional_range(SLOPE, 0.526, 64)
+    reached = high / low
+    checks.append(
+        Check(
+            "largest over smallest load of it",
+            float(reached),
+            f"at least 40, at most {last / first:.3g}",
+            bool(40.0 <= reached <= last / first),
+            "N^(1/3) times the friction of one contact",
+        )
+    )
+    for name, target in STEPPED.items():
+        limits = mf.Limits(HEIGHT, height_step=STEP)
+        misfit = mf.design(target, template("fig4_red"), limits=limits).misfit
+        checks.append(below(f"{name}, on steps of 6 µm: misfit", misfit, 0.01, "a hundredth is reached"))
+    pair = template("fig4_red")
+    target = mf.LinearLaw.from_friction_coefficient(LOW_COEFFICIENT, pair.material, pair.friction)
+    found = mf.design_radius(target, pair, TOOLS, limits=mf.Limits(0.12, height_sd=0.0009))
+    checks += [
+        below(f"μ = {LOW_COEFFICIENT:g} with the best tool: misfit", found.misfit, 0.1, "Fig. 4's kind"),
+        below("its radius [mm]", found.parameters["radius"], 0.3, "3π/4 √(R/h_m) σB/E* < μ"),
+    ]
+    return Claim("Laws of any shape, steps and tools", checks, {"proportional": _ratio})
+
+
+def _ratio():
+    figure = new_figure(8.0, 3.4)
+    ax = figure.add_subplot()
+    for name, model in MODELS.items():
+        result = proportional(name)
+        low, high = result.parameters["load_range"]
+        load = np.geomspace(0.5 * low, 2.0 * high, 300)
+        ax.semilogx(load, model.curve(result.surface, load).area / load, label=name)
+    ax.axhline(SLOPE, color="grey", lw=0.8, ls="--", label="target")
+    for end in (low, high):
+        ax.axvline(end, color="grey", lw=0.8, ls=":")
+    ax.set_ylim(0.8 * SLOPE, 1.2 * SLOPE)
+    ax.set_xlabel("rescaled load  P/E* [mm²]")
+    ax.set_ylabel("A0 E*/P")
+    ax.legend(frameon=False)
+    return figure
