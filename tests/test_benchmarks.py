@@ -7,7 +7,7 @@ import pytest
 from click.testing import CliRunner
 
 import metafem as mf
-from validation.benchmark import work_precision
+from validation.benchmark import interaction, work_precision
 from validation.benchmark.__main__ import MARKS, benchmarks, main
 from validation.readme import README
 
@@ -23,6 +23,10 @@ def test_what_takes_long_is_apart():
     assert {"interaction", "resolved"} <= set(benchmarks("long_rows"))
     help_text = CliRunner().invoke(main, ["--help"]).output
     assert "--long" in help_text
+
+
+def test_the_kernel_is_timed_as_it_is_called():
+    assert interaction.kernel_time(mf.Interacting(order=1), interaction.small(), 3) > 0.0
 
 
 def test_readme_shows_every_model_with_its_assumption_and_range():
