@@ -26,6 +26,10 @@ ROWS = {0.095: 0.989, 0.19: 0.981, 0.35: 0.974, 0.43: 0.974, 0.51: 0.978}
 # lowers the last row by 0.0009 and the others by 0.0002 at most.
 TOLERANCE = 1e-3
 
+# At small strain an incompressible surface does not move sideways, and stick and slip agree: they differ by
+# the second order in a/R, with a coefficient of about 0.03.
+SECOND_ORDER = 0.04
+
 OTHER = "an independent finite-strain computation"
 
 TEXT = """Small strain must not be used to improve Hertz's law of a soft sphere at large a/R. At a/R = 0.5 the
@@ -46,21 +50,13 @@ def claim() -> Claim:
         name = f"slip, a/R = {ratio}: load over Hertz"
         checks.append(near(name, _over_hertz(contact), expected, TOLERANCE, OTHER))
     for ratio, contact, other in zip(ROWS, stick, slip, strict=True):
-        lower = contact.rescaled_load / other.rescaled_load
-        checks.append(
-            # At small strain an incompressible surface does not move sideways: the two agree.
-            near(f"stick over slip, a/R = {ratio}: load", lower, 1.0, 0.08 * ratio**2, "second order in a/R")
-        )
+        name = f"stick, a/R = {ratio}: load over Hertz"
+        checks.append(near(name, _over_hertz(contact), _over_hertz(other), SECOND_ORDER * ratio**2, "slip"))
     worst = max(contact.error_estimate for contact in (*slip, *stick))
     checks.append(below("error estimate, worst", worst, 2e-3, "its own, between two meshes"))
     small = _small(0.5 * R)
     checks.append(near("small strain, a/R = 0.5: load over Hertz", small, 1.11, 1e-2, OTHER))
-    return Claim(
-        "Finite elements: the soft cap at large strain",
-        checks,
-        {"load": _load},
-        TEXT,
-    )
+    return Claim("Finite elements: the soft cap at large strain", checks, {"load": _load}, TEXT)
 
 
 @cache
