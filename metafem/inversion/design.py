@@ -161,15 +161,7 @@ def design(
     (0.0401, True)
     """
     solver: Model = Independent() if model is None else model
-    if type(target) not in _INVERSIONS:
-        known = ", ".join(kind.__name__ for kind in _INVERSIONS)
-        raise InvalidInput(f"target = {target!r:.60} must be one of {known}")
-    check.instance("template", template, Surface, "a metafem.Surface")
-    check.instance("model", solver, Model, "a model such as metafem.Independent()")
-    if limits is None:
-        limits = Limits(max_height=float(template.height.max()))
-    else:
-        check.instance("limits", limits, Limits, "metafem.Limits")
+    limits = _checked(target, template, solver, limits)
     radius, generator = common_radius(template), check.generator(rng)
     if type(target) in _REFUSALS:
         _REFUSALS[type(target)](target, radius, template.count, limits, interaction_margin(template, solver))
@@ -207,6 +199,19 @@ def design(
         density=blueprint.density,
         notes=blueprint.notes + moved + _notes(surface, limits),
     )
+
+
+def _checked(target: Target, template: Surface, model: Model, limits: Limits | None) -> Limits:
+    """Refuse arguments of the wrong kind, and return the limits that hold."""
+    if type(target) not in _INVERSIONS:
+        known = ", ".join(kind.__name__ for kind in _INVERSIONS)
+        raise InvalidInput(f"target = {target!r:.60} must be one of {known}")
+    check.instance("template", template, Surface, "a metafem.Surface")
+    check.instance("model", model, Model, "a model such as metafem.Independent()")
+    if limits is None:
+        return Limits(max_height=float(template.height.max()))
+    check.instance("limits", limits, Limits, "metafem.Limits")
+    return limits
 
 
 def _drawn_law(surface: Surface, model: Model, target: Target) -> FrictionLaw:

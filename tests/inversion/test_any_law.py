@@ -10,28 +10,9 @@ from hypothesis import strategies as st
 import metafem as mf
 from metafem.inversion import DesignStatus
 from metafem.inversion.feasibility import friction_bounds, largest_exponent, slope_bounds
+from validation.benchmark.inversion import LATTICE, LIMITS, RADIUS, random_law
 
-RADIUS = 0.526
-LATTICE = mf.Surface.square_lattice(
-    0.3, radius=RADIUS, material=mf.Material(1.36), block=mf.Block(20.0, 20.0, 7.2)
-)
-LIMITS = mf.Limits(0.3, offset=0.05)
 MODELS = [mf.Independent(), mf.Interacting(), mf.Interacting(substrate=mf.BondedLayer())]
-
-
-def random_law(seed, points=30):
-    """A law read off a surface of random kind, so that it can be reached."""
-    rng = np.random.default_rng(seed)
-    kind = rng.integers(3)
-    if kind == 0:
-        height = rng.exponential(rng.uniform(0.005, 0.05), 64)
-    elif kind == 1:
-        height = rng.uniform(0.0, rng.uniform(0.02, 0.15), 64)
-    else:
-        height = np.concatenate([rng.normal(0.1, 0.01, 32), rng.normal(0.05, 0.02, 32)])
-    full = 4 / 3 * math.sqrt(RADIUS) * float(((height - height.min()) ** 1.5).sum())
-    load = full * rng.uniform(0.5, 1.2) * np.arange(1, points + 1) / points
-    return mf.SampledLaw(load, mf.Independent().curves(height, RADIUS, load)[2][0])
 
 
 @settings(max_examples=25)

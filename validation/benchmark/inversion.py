@@ -66,8 +66,8 @@ def _largest_exponent() -> float:
     return low
 
 
-def _misfit(seed: int) -> float:
-    """Misfit of a law read off a surface of random kind."""
+def random_law(seed: int, points: int = 30) -> mf.SampledLaw:
+    """A law read off a surface of random kind, so that it can be reached."""
     rng = np.random.default_rng(seed)
     kind = rng.integers(3)
     if kind == 0:
@@ -77,9 +77,12 @@ def _misfit(seed: int) -> float:
     else:
         height = np.concatenate([rng.normal(0.1, 0.01, 32), rng.normal(0.05, 0.02, 32)])
     full = 4 / 3 * math.sqrt(RADIUS) * float(((height - height.min()) ** 1.5).sum())
-    load = full * rng.uniform(0.5, 1.2) * np.arange(1, 31) / 30
-    target = mf.SampledLaw(load, mf.Independent().curves(height, RADIUS, load)[2][0])
-    return mf.design(target, LATTICE, limits=mf.Limits(0.6)).misfit
+    load = full * rng.uniform(0.5, 1.2) * np.arange(1, points + 1) / points
+    return mf.SampledLaw(load, mf.Independent().curves(height, RADIUS, load)[2][0])
+
+
+def _misfit(seed: int) -> float:
+    return mf.design(random_law(seed), LATTICE, limits=mf.Limits(0.6)).misfit
 
 
 def _large() -> list[Row]:
