@@ -22,7 +22,7 @@ from metafem.inversion import (
 from metafem.inversion.feasibility import friction_bounds
 from metafem.inversion.sampled import wanted_law
 from metafem.law import friction_law
-from metafem.models import equilibrium
+from metafem.models import Independent, Sensitive, equilibrium
 from metafem.report.comparison import Comparison
 from metafem.report.names import model_name
 from metafem.report.svg import new_figure
@@ -40,6 +40,9 @@ WANTED, ACHIEVED, QUIET = "#c8553d", "#1b6f8a", "#8a8f98"
 VIEWED_LOADS = (0.1, 0.4, 1.0)
 
 MICROMETRES = 1e3
+
+# Loads at which sensitivities are drawn, of a law's hundred.
+SENSITIVITY_LOADS = 33
 
 
 def plot_law(law: FrictionLaw, ax: Axes | None = None, label: str | None = None) -> Axes:
@@ -154,6 +157,24 @@ def comparison_figure(comparisons: tuple[Comparison, ...]) -> Figure:
     ax.set_xlim(left=0.0)
     ax.spines[["top", "right"]].set_visible(False)
     ax.legend(frameon=False)
+    return figure
+
+
+def sensitivity_figure(design: Design) -> Figure:
+    """Change of A0 per height of each asperity, tallest first, over the load."""
+    model = design.law.model if isinstance(design.law.model, Sensitive) else Independent()
+    load = design.law.rescaled_load[:: max(1, len(design.law.load) // SENSITIVITY_LOADS)]
+    gradient = model.sensitivity(design.surface, load).gradient[:, np.argsort(-design.surface.height)]
+    largest = float(np.abs(gradient).max())
+    figure = new_figure(7.0, 3.2)
+    ax = figure.add_subplot()
+    picture = ax.pcolormesh(
+        np.arange(design.surface.count) + 1, load, gradient, cmap="RdBu_r", vmin=-largest, vmax=largest,
+        rasterized=True, shading="nearest",
+    )  # fmt: skip
+    figure.colorbar(picture, label="dA0/dh [mm]")
+    ax.set_xlabel("asperity, the tallest first")
+    ax.set_ylabel("rescaled load  P/E* [mm²]")
     return figure
 
 

@@ -20,13 +20,14 @@ from metafem.inversion import (
 )
 from metafem.models import equilibrium
 from metafem.report.cautions import cautions
-from metafem.report.comparison import Comparison, compared
+from metafem.report.comparison import MOST_COMPARED, Comparison, compared
 from metafem.report.elements import elements_section
 from metafem.report.figures import (
     comparison_figure,
     contact_figure,
     height_figure,
     law_figure,
+    sensitivity_figure,
 )
 from metafem.report.names import model_name
 from metafem.report.svg import svg
@@ -91,6 +92,9 @@ def page(design: Design, hardness: float | None = None, *, checks: bool = False)
         hardness=hardness,
         law=svg(law_figure(design), "Target and achieved friction law"),
         heights=svg(height_figure(design), "Summit heights at their places"),
+        sensitivities=svg(sensitivity_figure(design), "Sensitivity of A0 to each height")
+        if design.surface.count <= MOST_COMPARED
+        else "",
         contacts=svg(contact_figure(design), "Real contacts at three loads"),
         comparison=svg(comparison_figure(comparisons), "Change by elastic interaction")
         if comparisons

@@ -25,7 +25,7 @@ def test_page_is_self_contained_and_reproducible(template, kind):
         "#",
         "d",
     }  # elements of the page, and data: images
-    assert text.count("<svg") == 4
+    assert text.count("<svg") == 5
     assert "bonded layer" in text
     assert design.status.value.split(":")[0] in text
 
@@ -73,5 +73,5 @@ def test_page_does_not_wait_for_the_true_block(template, tmp_path, monkeypatch):
 def test_page_with_the_finite_element_checks(template):
     design = mf.design(mf.LinearLaw(6.87), template)
     text = page(design, checks=True)
-    assert text.count("<svg") == 4 + 3
+    assert text.count("<svg") == 5 + 3
     assert re.search(r"(\d+) checks, \1 passed", text)
