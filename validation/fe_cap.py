@@ -9,6 +9,7 @@ from metafem.fe.checks import BLOCK_RADIUS, RADIUS, THICKNESS
 from metafem.reference import single_contacts as exact
 from metafem.report.svg import new_figure
 from validation.check import Claim, from_elements
+from validation.fe_finite_strain import TEXT
 from validation.frozen_meshes import CAP_CONTACT, CAP_HEIGHT, FOLDER, cap
 
 
@@ -18,6 +19,7 @@ def claim() -> Claim:
         "Finite elements: the spherical cap on the bonded block",
         from_elements(fe.cap_check()),
         {"mesh": _mesh, "pressure": _pressure},
+        TEXT,
     )
 
 
