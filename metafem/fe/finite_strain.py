@@ -30,7 +30,8 @@ REFINEMENTS = (1, 0)
 # gains three digits or more, as radius and material point differ by a few percent.
 RADIUS_ERROR, SEARCH = 1e-7, 12
 
-# Contacts of the history of a stuck one: half as many change the load by less than 1e-5.
+# Contacts of the history of a stuck one: at a/R = 0.5 half as many change the load by 1e-4, twice as many by
+# 2e-6.
 HISTORY = 4
 
 

@@ -148,7 +148,7 @@ def press(
     -----
     Small strain overestimates P(a) of a soft sphere at large a/R, where finite strain lies below Hertz's
     law (0.974 of it at a/R = 0.43, while small strain gives 1.11 at 0.5): Hertz with a fitted modulus is
-    the better law there.
+    the better law there. `press_finite` computes it.
 
     Examples
     --------

@@ -88,6 +88,14 @@ def test_stick_is_stiffer_than_slip():
 
 
 @pytest.mark.slow
+def test_the_public_history_agrees_with_another():
+    contact = mf.fe.press_finite(0.5 * R, **BODY, stick=True)
+    other = coarse(True)[-1]
+    assert contact.error_estimate < 2e-3
+    assert contact.rescaled_load == pytest.approx(other.rescaled_load, rel=contact.error_estimate)
+
+
+@pytest.mark.slow
 def test_stuck_points_keep_their_place():
     early, late = (coarse(True)[i] for i in (2, 4))
     history = finite_strain._Stuck(R)
