@@ -1,0 +1,59 @@
+"""What the pedestals of the caps change on the five surfaces of the paper."""
+
+from __future__ import annotations
+
+import numpy as np
+
+import metafem as mf
+from metafem.report.svg import new_figure
+from validation.check import Check, Claim, below
+from validation.interaction_error import LOADS, surfaces
+
+
+def claim() -> Claim:
+    """Compare the layer with and without pedestals, at order 3."""
+    checks = []
+    for name in surfaces():
+        alone, bare, standing = laws(name)
+        raised = standing.area / bare.area - 1.0
+        sunk = bare.area / alone.area - 1.0
+        lower = 1e3 * (bare.separation - standing.separation)
+        checks += [
+            Check(f"{name}: rms change of A0 by the pedestals", _rms(raised), "measured", True, ""),
+            Check(f"{name}: rms of the layer alone", _rms(sunk), "measured", True, ""),
+            Check(f"{name}: rms of both", _rms(standing.area / alone.area - 1.0), "measured", True, ""),
+            Check(f"{name}: plane lower at the last load [µm]", float(lower[-1]), "measured", True, ""),
+            below(f"{name}: largest loss of A0 by the pedestals", float(-raised.min()), 0.0, "they add area"),
+        ]
+    return Claim("The pedestals' effect on the law", checks, {"change": _figure})
+
+
+def laws(name: str) -> tuple[mf.FrictionLaw, mf.FrictionLaw, mf.FrictionLaw]:
+    """Laws of independent asperities, of the layer, and of the layer with pedestals."""
+    surface = surfaces()[name]
+    load = LOADS * surface.material.composite_modulus
+    layer = mf.BondedLayer()
+    models = (
+        mf.Independent(),
+        mf.Interacting(substrate=layer),
+        mf.Interacting(substrate=layer, pedestal=True),
+    )
+    first, second, third = (mf.friction_law(surface, model, load=load) for model in models)
+    return first, second, third
+
+
+def _rms(change: np.ndarray) -> float:
+    return float(np.sqrt((change**2).mean()))
+
+
+def _figure():
+    figure = new_figure(8.0, 3.2)
+    ax = figure.add_subplot()
+    for name in surfaces():
+        alone, _, standing = laws(name)
+        ax.plot(LOADS, 100.0 * (standing.area / alone.area - 1.0), label=name)
+    ax.axhline(0.0, color="grey", lw=0.8)
+    ax.set_xlabel("rescaled load  P/E* [mm²]")
+    ax.set_ylabel("change of A0, layer and pedestals [%]")
+    ax.legend(frameon=False)
+    return figure
