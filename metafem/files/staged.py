@@ -52,6 +52,8 @@ def check_free(folder: str | Path, force: bool = False) -> Path:
         raise InvalidInput(f"{folder} cannot be a result folder; name a new one")
     try:
         _check(target, force)
+    except InvalidInput:
+        raise
     except OSError as error:
         raise InvalidInput(f"{target} cannot be used: {error.strerror}; choose another folder") from None
     except ValueError as error:

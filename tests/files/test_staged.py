@@ -1,7 +1,7 @@
 import pytest
 
 import metafem as mf
-from metafem.files.staged import FORMAT, staged
+from metafem.files.staged import FORMAT, check_free, staged
 
 OURS = f'{{"format": "{FORMAT}"}}'
 
@@ -88,3 +88,11 @@ def test_an_unwritable_name_is_refused(tmp_path):
 def test_the_root_is_refused():
     with pytest.raises(mf.InvalidInput, match="name a new one"), staged("/"):
         pass
+
+
+def test_an_existing_folder_is_refused_in_the_words_of_its_own_error(tmp_path):
+    (tmp_path / "mine").mkdir()
+    with pytest.raises(mf.InvalidInput, match=r"^\S*mine exists; choose another folder"):
+        check_free(tmp_path / "mine")
+    with pytest.raises(mf.InvalidInput, match="is not a path"):
+        check_free("a\0b")
