@@ -48,16 +48,14 @@ def check_free(folder: str | Path, force: bool = False) -> Path:
         target = Path(folder).absolute()
     except TypeError:
         raise InvalidInput(f"folder = {folder!r:.60} is not a path") from None
+    if "\0" in str(target):
+        raise InvalidInput(f"{str(target)!r:.80} is not a path: it holds a null character")
     if not target.name:
         raise InvalidInput(f"{folder} cannot be a result folder; name a new one")
     try:
         _check(target, force)
-    except InvalidInput:
-        raise
     except OSError as error:
         raise InvalidInput(f"{target} cannot be used: {error.strerror}; choose another folder") from None
-    except ValueError as error:
-        raise InvalidInput(f"{str(target)!r:.80} is not a path: {error}") from None
     return target
 
 
