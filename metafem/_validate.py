@@ -67,6 +67,23 @@ def array(name: str, value: Any, *, shape: tuple[int | None, ...]) -> FloatArray
     return result
 
 
+def lists(name: str, value: Any, length: int | None) -> FloatArray:
+    """Return one list of numbers or several as a new, read-only, finite array (m, length)."""
+    try:
+        table = np.atleast_2d(np.asarray(value, dtype=np.float64))
+    except (TypeError, ValueError, OverflowError):
+        raise InvalidInput(f"{name} is not lists of numbers of one length: {value!r:.80}") from None
+    return array(name, table, shape=(None, length))
+
+
+def loads(name: str, value: Any) -> FloatArray:
+    """Return loads, none of them negative, (k,)."""
+    result = array(name, value, shape=(None,))
+    if result.min() < 0.0:
+        raise InvalidInput(f"{name} holds {result.min():g}; loads cannot be negative")
+    return result
+
+
 def instance(name: str, value: Any, kind: type, wanted: str) -> None:
     """Refuse a value that is not of a kind, or is a class where an object is due."""
     if isinstance(value, type) or not isinstance(value, kind):

@@ -37,9 +37,7 @@ def with_samples(table: dict[str, Any], folder: Path) -> dict[str, Any]:
 def _samples(path: Path) -> dict[str, list[Any]]:
     rows = read_rows(path)
     if len(rows) < 2:
-        raise InvalidInput(
-            f"{path} holds no samples; its first line must name columns, as load_N,friction_force_N"
-        )
+        raise InvalidInput(f"{path} holds no samples; its first line must name columns, as {EXAMPLE}")
     header = [title.strip() for title in rows[0][1]]
     found: dict[str, list[Any]] = {}
     for column, title in enumerate(header):

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import math
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,6 +13,7 @@ from metafem._validate import FloatArray
 from metafem.asperity import Hertz
 from metafem.errors import InvalidInput
 from metafem.models.model import ContactState, Curve, Sensitivity, Status
+from metafem.models.rows import run_rows
 from metafem.surface import Surface
 
 # The load is solved for by the indentation of the shallowest contact, which keeps its digits.
@@ -140,19 +139,16 @@ class Independent:
         """
         from metafem._kernels import independent as kernel
 
-        heights = np.atleast_2d(height)
-        heights = check.array("height", heights, shape=(None, None))
-        radii = np.asarray(radius, dtype=np.float64)
+        heights = check.lists("height", height, None)
+        radii = check.lists("radius", radius, None).reshape(np.shape(radius))
         if radii.shape not in ((), heights.shape[1:], heights.shape):
             raise InvalidInput(
                 f"radius has shape {radii.shape}; it must be one number or have shape "
                 f"{heights.shape[1:]} or {heights.shape}"
             )
-        if not (np.isfinite(radii).all() and (radii > 0.0).all()):
+        if not (radii > 0.0).all():
             raise InvalidInput(f"radius = {radius!r:.80} must be finite and greater than 0")
-        loads = check.array("rescaled_load", rescaled_load, shape=(None,))
-        if loads.min() < 0.0:
-            raise InvalidInput(f"rescaled_load holds {loads.min():g}; loads cannot be negative")
+        loads = check.loads("rescaled_load", rescaled_load)
         gap, root = _sorted_by_gap(heights, radii)
         order = np.argsort(loads, kind="stable")
         rising = loads[order]
@@ -161,14 +157,7 @@ class Independent:
         def run(rows: slice) -> None:
             kernel.curves(gap[rows], root[rows], rising, *(part[rows] for part in results))
 
-        pieces = min(2, 1 + len(gap) * len(loads) // POINTS_PER_THREAD, len(gap))
-        edges = np.linspace(0, len(gap), pieces + 1).astype(int)
-        slices = [slice(a, b) for a, b in pairwise(edges)]
-        if pieces == 1:
-            run(slices[0])
-        else:
-            with ThreadPoolExecutor(pieces) as pool:
-                list(pool.map(run, slices))
+        run_rows(run, len(gap), len(gap) * len(loads), POINTS_PER_THREAD)
         back = np.argsort(order, kind="stable")
         approach, carried, area, slope = (part[:, back] for part in results)
         return approach, carried, area, slope

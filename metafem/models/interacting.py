@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import math
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
-from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,6 +20,7 @@ from metafem.models.model import ContactState, Curve, Sensitivity, Status
 from metafem.models.newton_krylov import TOLERANCE as FAST_TOLERANCE
 from metafem.models.pedestal import pedestal_influence, pedestal_notes
 from metafem.models.range_notes import interaction_notes, refuse_thin_layer
+from metafem.models.rows import run_rows
 from metafem.substrate import HalfSpace, Radial, Substrate
 from metafem.surface import Surface
 
@@ -162,10 +161,8 @@ class Interacting:
         array([[0.0988, 0.1568],
                [0.0784, 0.1245]])
         """
-        heights = check.array("height", np.atleast_2d(np.asarray(height)), shape=(None, surface.count))
-        loads = check.array("rescaled_load", rescaled_load, shape=(None,))
-        if loads.min() < 0.0:
-            raise InvalidInput(f"rescaled_load holds {loads.min():g}; loads cannot be negative")
+        heights = check.lists("height", height, surface.count)
+        loads = check.loads("rescaled_load", rescaled_load)
         results, _ = self._run(surface, heights, loads, by_load=True)
         refuse_thin_layer(self.substrate.for_surface(surface), float(results.radius.max()))
         worst = float(results.residual.max())
@@ -230,13 +227,15 @@ class Interacting:
                 part = kernel.Results(*(array[row] for array in results))
                 last = large.follow(own[row], gap[row], rising, by_load, part)
         else:
-            last = self._run_dense(surface, own, gap, rising, by_load, results)
+            coupling, self_term = self._coupling(surface)
+            last = self._run_dense(surface, coupling, own + self_term, gap, rising, by_load, results)
         back = np.argsort(order, kind="stable")
         return kernel.Results(*(array[:, back] for array in results)), last
 
     def _run_dense(
         self,
         surface: Surface,
+        coupling: Field,
         own: FloatArray,
         gap: FloatArray,
         rising: FloatArray,
@@ -247,10 +246,6 @@ class Interacting:
         """Fill the results by the compiled kernel, in up to two threads."""
         from metafem._kernels import continuation as kernel
 
-        # the matrices, those with their ends exchanged, the Jacobian, and as much while they are made
-        require_memory(8 * surface.count**2 * (3 if self.order == 1 else 14), f"{surface.count} asperities")
-        coupling, self_term = self._coupling(surface)
-        own = own + self_term
         radius = np.array(np.broadcast_to(surface.radius, gap.shape), order="C")
         last = Last(np.zeros(surface.count), np.zeros(surface.count), np.zeros(surface.count))
 
@@ -265,15 +260,7 @@ class Interacting:
                 last.load[:], last.square[:] = state.load, state.square
                 last.indentation[:] = state.indentation
 
-        work = gap.size * surface.count * len(rising)
-        pieces = min(2, 1 + work // PAIRS_PER_THREAD, len(gap))
-        edges = np.linspace(0, len(gap), pieces + 1).astype(int)
-        slices = [slice(int(a), int(b)) for a, b in pairwise(edges)]
-        if pieces == 1:
-            run(slices[0])
-        else:
-            with ThreadPoolExecutor(pieces) as pool:
-                list(pool.map(run, slices))
+        run_rows(run, len(gap), gap.size * surface.count * len(rising), PAIRS_PER_THREAD)
         return last
 
     def sensitivity(self, surface: Surface, load: FloatArray) -> Sensitivity:
@@ -293,17 +280,20 @@ class Interacting:
             own[0], rate = pedestal_influence(surface.height, surface.radius)
         results = kernel.empty_results(1, len(load))
         trail = np.empty((len(load), surface.count))
-        self._run_dense(surface, own, surface.gap[None, :], load, True, results, trail)
+        coupling, self_term = self._coupling(surface)
+        own += self_term
+        self._run_dense(surface, coupling, own, surface.gap[None, :], load, True, results, trail)
         approach, carried, area, stiffness, residual = (results[k][0] for k in range(5))
         curve = Curve(approach, carried, area, stiffness, residual, self._promise(surface))
-        coupling, self_term = self._coupling(surface)
-        gradients = area_gradients(coupling, self.order, surface.radius, own[0] + self_term, trail, rate)
+        gradients = area_gradients(coupling, self.order, surface.radius, own[0], trail, rate)
         return Sensitivity(curve, gradients, trail)
 
     def _coupling(self, surface: Surface) -> tuple[Field, FloatArray]:
         """Return the influence of the asperities on each other, and their own regular terms (n,)."""
         from metafem._kernels.coupling import Field
 
+        # the matrices, those with their ends exchanged, the Jacobian, and as much while they are made
+        require_memory(8 * surface.count**2 * (3 if self.order == 1 else 14), f"{surface.count} asperities")
         influence = np.array(self.substrate.influence_matrix(surface), dtype=np.float64, order="C")
         own = np.diagonal(influence).copy()
         np.fill_diagonal(influence, 0.0)
