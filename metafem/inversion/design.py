@@ -11,7 +11,7 @@ import numpy as np
 from metafem import _validate as check
 from metafem._validate import IntArray
 from metafem.distributions import PiecewiseExponential
-from metafem.errors import InvalidInput
+from metafem.errors import Infeasible, InvalidInput
 from metafem.inversion import exponential, feasibility, operating_points, proportional, sampled
 from metafem.inversion.adapt import adapted, interaction_margin
 from metafem.inversion.blueprint import Blueprint, Branch, Parameter
@@ -163,8 +163,7 @@ def design(
     solver: Model = Independent() if model is None else model
     limits = _checked(target, template, solver, limits)
     radius, generator = common_radius(template), check.generator(rng)
-    if type(target) in _REFUSALS:
-        _REFUSALS[type(target)](target, radius, template.count, limits, interaction_margin(template, solver))
+    _refuse_infeasible(target, template, solver, radius, limits)
     deal = generator.permutation(template.count)
     blueprint = _INVERSIONS[type(target)](target, radius, template.count, limits, generator)
     sites = deal[: len(blueprint.height)]
@@ -212,6 +211,22 @@ def _checked(target: Target, template: Surface, model: Model, limits: Limits | N
         return Limits(max_height=float(template.height.max()))
     check.instance("limits", limits, Limits, "metafem.Limits")
     return limits
+
+
+def _refuse_infeasible(
+    target: Target, template: Surface, model: Model, radius: float, limits: Limits
+) -> None:
+    """Raise Infeasible for a target beyond its bounds; the model's margin is worked out where it decides."""
+    refuse = _REFUSALS.get(type(target))
+    if refuse is None:
+        return
+    try:
+        refuse(target, radius, template.count, limits, 0.0)
+    except Infeasible:
+        margin = interaction_margin(template, model)
+        if margin == 0.0:
+            raise
+        refuse(target, radius, template.count, limits, margin)
 
 
 def _drawn_law(surface: Surface, model: Model, target: Target) -> FrictionLaw:
