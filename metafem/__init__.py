@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from metafem.inversion import Together as Together
     from metafem.inversion import achievable_friction_coefficients as achievable_friction_coefficients
     from metafem.inversion import arrange as arrange
+    from metafem.inversion import design_radii as design_radii
     from metafem.inversion import design_radius as design_radius
     from metafem.inversion import feasible_region as feasible_region
     from metafem.inversion import plasticity_index as plasticity_index
@@ -90,6 +91,7 @@ _HOME = {
         "achievable_friction_coefficients",
         "arrange",
         "design",
+        "design_radii",
         "design_radius",
         "feasible_region",
         "plasticity_index",

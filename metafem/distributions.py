@@ -140,11 +140,11 @@ class PiecewiseExponential:
             total = total + piece.alpha * (high - low)
         return np.asarray(lam ** (q + 1.0) * math.gamma(q + 1.0) * np.exp(-delta / lam) * total)
 
-    def area(self, separation: ArrayLike, count: int, radius: float) -> FloatArray:
+    def area(self, separation: ArrayLike, count: float, radius: float) -> FloatArray:
         """Expected real contact area A0 = N pi R <d> [mm^2] (S2)."""
         return count * math.pi * radius * self.moment(1.0, separation)
 
-    def rescaled_load(self, separation: ArrayLike, count: int, radius: float) -> FloatArray:
+    def rescaled_load(self, separation: ArrayLike, count: float, radius: float) -> FloatArray:
         """Expected load P/E* = N 4/3 sqrt(R) <d^(3/2)> [mm^2] (S2)."""
         return count * 4.0 / 3.0 * math.sqrt(radius) * self.moment(1.5, separation)
 
@@ -193,7 +193,7 @@ class TruncatedExponential(PiecewiseExponential):
         excess = float(slope_excess(self.max_height / self.scale))
         return uniform_slope(radius, self.max_height) * (1.0 + excess)
 
-    def intercept(self, count: int, radius: float) -> float:
+    def intercept(self, count: float, radius: float) -> float:
         """Intercept alpha = pi N R lambda Gamma(x) of the asymptote [mm^2].
 
         ``Gamma(x) = x e^-x/(1 - e^-x) (4/(3 sqrt(pi)) sqrt(x) g(x) - 1)``; the bracket is the excess
@@ -272,7 +272,7 @@ class TwoBranchExponential(PiecewiseExponential):
         first = TruncatedExponential(self.scale, self.max_height).asymptotic_slope(radius)
         return first, float(self.slope(0.0, radius))
 
-    def crossover_load(self, count: int, radius: float) -> float:
+    def crossover_load(self, count: float, radius: float) -> float:
         """Load P_c/E* [mm^2] at which the plane reaches the crossover height (S8)."""
         return float(self.rescaled_load(self.crossover_height, count, radius))
 

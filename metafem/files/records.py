@@ -22,6 +22,7 @@ from metafem.inversion import (
     MultilinearLaw,
     OperatingPoints,
     PowerLaw,
+    RadiusRange,
     SampledLaw,
 )
 from metafem.inversion.blueprint import Branch
@@ -37,7 +38,7 @@ VALUES: Mapping[str, type] = {
         *(Material, Friction, Block, Surface, Hertz, HalfSpace, BondedLayer),
         *(Independent, MeanField, Interacting, BoundaryElements, Automatic),
         *(OperatingPoints, LinearLaw, BilinearLaw, SampledLaw, PowerLaw, MultilinearLaw),
-        *(Limits, Design, FrictionLaw),
+        *(Limits, RadiusRange, Design, FrictionLaw),
         *(Branch, BranchFit, TruncatedExponential, TwoBranchExponential),
     )
 }

@@ -7,7 +7,8 @@ from metafem.inversion.judge import DesignStatus
 from metafem.inversion.layout import Arrangement, arrange
 from metafem.inversion.limits import Limits
 from metafem.inversion.objectives import FollowLaw, InsensitiveToTilt, Objective, Together
-from metafem.inversion.radius import RadiusRange, design_radius
+from metafem.inversion.radii import RadiusRange
+from metafem.inversion.radius import design_radii, design_radius
 from metafem.inversion.target import (
     BilinearLaw,
     LinearLaw,
@@ -38,6 +39,7 @@ __all__ = [
     "achievable_friction_coefficients",
     "arrange",
     "design",
+    "design_radii",
     "design_radius",
     "feasible_region",
     "plasticity_index",

@@ -8,13 +8,10 @@ from metafem._validate import FloatArray, IntArray
 from metafem.inversion.blueprint import Blueprint
 from metafem.inversion.judge import UNCOUPLED
 from metafem.inversion.limits import Limits
-from metafem.inversion.refine import Evaluate, Refined, descend, search
+from metafem.inversion.refine import POINT_GOAL, Evaluate, Heights, Refined, descend, search
 from metafem.inversion.wanted import Wanted
 from metafem.models import Independent, Model, Sensitive
 from metafem.surface import Surface
-
-# Operating points are met to this, a hundredth of what is promised.
-POINT_GOAL = 1e-11
 
 # Depths below the tallest are stretched, so that no level touches just at a point: interaction lowers
 # free summits by a hundredth to a tenth of their depth.
@@ -50,41 +47,38 @@ def adapted(
     if isinstance(model, UNCOUPLED) or not isinstance(model, Sensitive) or blueprint.stepped:
         return surface, sites, ()
     solver: Sensitive = model
-    points = "adjustment_heights" in blueprint.parameters
     start = surface
-    if points:
-        start, sites = _filled(
-            surface, sites, template, float(np.asarray(blueprint.parameters["levels"])[-1])
-        )
+    if blueprint.spare_height is not None:
+        start, sites = _filled(surface, sites, template, blueprint.spare_height)
 
     def evaluate(height: FloatArray) -> tuple[FloatArray, FloatArray]:
         found = solver.sensitivity(start.replaced(height=height), blueprint.wanted.load)
         return found.curve.area, found.gradient
 
-    if points:
+    if blueprint.exact:
         found = _through_points(evaluate, start.height, blueprint.wanted, limits.span)
     else:
-        found = search(
-            evaluate, [start.height], blueprint.wanted, limits.span, start.count, ADAPTED_GOAL, RESTARTS, rng
-        )
+        space = Heights(limits.span)
+        found = search(evaluate, [start.height], blueprint.wanted, space, ADAPTED_GOAL, RESTARTS, rng)
     top = limits.offset + limits.max_height
-    result = start.replaced(height=top - (found.height.max() - found.height))
+    result = start.replaced(height=top - (found.unknowns.max() - found.unknowns))
     change = 1e3 * float(np.abs(result.height - start.height).max())
     note = f"heights were moved by at most {change:.3g} um for the interaction of the asperities"
     return result, sites, (note,)
 
 
 def _filled(
-    surface: Surface, sites: IntArray, template: Surface, last_level: float
+    surface: Surface, sites: IntArray, template: Surface, spare_height: float
 ) -> tuple[Surface, IntArray]:
-    """Return the surface with summits on all places of the template, new ones just below the last level.
+    """Return the surface with summits on all places of the template, new ones just below a height.
 
     Interaction takes friction at every point; without spare asperities the levels could only give it
-    back by reaching into contact before their point.
+    back by reaching into contact before their point. They have the lowest summit's radius.
     """
-    height = np.full(template.count, last_level - FILL * (float(surface.height.max()) - last_level))
-    height[sites] = surface.height
-    return template.replaced(height=height), np.arange(template.count)
+    height = np.full(template.count, spare_height - FILL * (float(surface.height.max()) - spare_height))
+    radius = np.full(template.count, surface.radius[surface.height.argmin()])
+    height[sites], radius[sites] = surface.height, surface.radius
+    return template.replaced(height=height, radius=radius), np.arange(template.count)
 
 
 def _through_points(evaluate: Evaluate, height: FloatArray, wanted: Wanted, span: float) -> Refined:
@@ -92,7 +86,7 @@ def _through_points(evaluate: Evaluate, height: FloatArray, wanted: Wanted, span
     best: Refined | None = None
     for stretch in STRETCHES:
         start = height.max() - np.minimum(stretch * (height.max() - height), span)
-        found = descend(evaluate, start, wanted, span, POINT_GOAL, patient=True)
+        found = descend(evaluate, start, wanted, Heights(span), POINT_GOAL, patient=True)
         best = found if best is None or found.misfit < best.misfit else best
         if best.misfit <= POINT_GOAL:
             break

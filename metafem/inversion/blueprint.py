@@ -26,16 +26,24 @@ class Branch:
 
 @dataclass(frozen=True, eq=False)
 class Blueprint:
-    """Heights above the base plane, tallest first (n,) [mm], and what they are to achieve.
+    """Heights above the base plane, tallest first (n,) [mm], with their radii, and what they are to achieve.
 
     `wanted` is the law that heights for another model are to have; `stepped` heights stand on the
-    levels of the limits already.
+    levels of the limits already. Where points are to be met exactly, summits that another model needs in
+    addition start below `spare_height` [mm].
     """
 
     height: FloatArray
+    radius: FloatArray
     parameters: Mapping[str, Parameter]
     wanted: Wanted
     branches: tuple[Branch, ...] = ()
     density: PiecewiseExponential | None = None
     notes: tuple[str, ...] = field(default=())
     stepped: bool = False
+    spare_height: float | None = None
+
+    @property
+    def exact(self) -> bool:
+        """Whether points are to be met exactly."""
+        return self.spare_height is not None

@@ -4,41 +4,37 @@ from __future__ import annotations
 
 import math
 import warnings
+from collections.abc import Sequence
 
 from metafem import _validate as check
 from metafem.distributions import TruncatedExponential, uniform_slope
 from metafem.errors import InvalidInput, MetafemWarning
 from metafem.inversion.exponential import FINEST_SCALE_IN_SD
 from metafem.inversion.limits import Limits
+from metafem.inversion.radii import Radii, RadiusRange
 from metafem.surface import Surface
 
 # Greenwood and Williamson's limit of mostly elastic contact.
 ELASTIC_LIMIT = 0.6
 
 
-def common_radius(template: Surface) -> float:
-    """Return the radius [mm] that all asperities share, which the closed inversions need."""
-    radius = float(template.radius[0])
-    if (template.radius != radius).any():
-        raise InvalidInput(
-            f"template.radius runs from {template.radius.min():g} to {template.radius.max():g} mm; "
-            "this inversion needs one common radius"
-        )
-    return radius
-
-
-def achievable_friction_coefficients(template: Surface, limits: Limits) -> tuple[float, float]:
+def achievable_friction_coefficients(
+    template: Surface, limits: Limits, radii: RadiusRange | Sequence[float] | None = None
+) -> tuple[float, float]:
     """Bounds on the friction coefficient of a linear law.
 
     The lower one is that of uniformly distributed heights, ``3 pi/4 sqrt(R/h_m) sigma B / E*``; the
     upper one is that of the smallest scale that can be made, ten times `limits.height_sd`; without a
-    `height_sd` it is infinite.
+    `height_sd` it is infinite. Where each asperity may have one of several radii, the lower one is that
+    of the least and the upper one that of the largest; mixtures give all between.
 
     Parameters
     ----------
     template : Surface
-        With one common radius and a friction.
+        With a friction, and one common radius unless `radii` is given.
     limits : Limits
+    radii : RadiusRange or sequence of float, optional
+        What each asperity may have [mm], in place of the template's radius.
 
     Returns
     -------
@@ -48,7 +44,7 @@ def achievable_friction_coefficients(template: Surface, limits: Limits) -> tuple
     Raises
     ------
     InvalidInput
-        For a template without a friction, or with several radii.
+        For a template without a friction or with several radii, and radii that are not positive.
 
     Notes
     -----
@@ -67,15 +63,15 @@ def achievable_friction_coefficients(template: Surface, limits: Limits) -> tuple
     check.instance("limits", limits, Limits, "metafem.Limits")
     if template.friction is None:
         raise InvalidInput("template has no friction; a friction coefficient needs metafem.Friction")
-    radius = common_radius(template)
+    choice = Radii.common(template) if radii is None else Radii.given(radii)
     per_slope = (
         template.friction.shear_strength * template.friction.area_ratio / template.material.composite_modulus
     )
-    low = uniform_slope(radius, limits.span)
+    low = uniform_slope(choice.low, limits.span)
     high = math.inf
     if limits.height_sd:
         finest = TruncatedExponential(FINEST_SCALE_IN_SD * limits.height_sd, limits.span)
-        high = finest.asymptotic_slope(radius)
+        high = finest.asymptotic_slope(choice.high)
     return low * per_slope, high * per_slope
 
 

@@ -15,7 +15,6 @@ from metafem.errors import Infeasible, InvalidInput
 from metafem.inversion import exponential, feasibility, operating_points, proportional, sampled
 from metafem.inversion.adapt import adapted, interaction_margin
 from metafem.inversion.blueprint import Blueprint, Branch, Parameter
-from metafem.inversion.bounds import common_radius
 from metafem.inversion.gridded import gridded
 from metafem.inversion.judge import (
     UNCOUPLED,
@@ -26,6 +25,7 @@ from metafem.inversion.judge import (
     status_of,
 )
 from metafem.inversion.limits import Limits
+from metafem.inversion.radii import Radii, RadiusRange
 from metafem.inversion.target import (
     BilinearLaw,
     LinearLaw,
@@ -67,6 +67,8 @@ class Design:
         What was asked for.
     fits : tuple of (Branch, BranchFit)
         Straight branches asked for and found.
+    radii : RadiusRange, tuple of float or None
+        What each asperity's radius could be [mm], where it was chosen for each.
     density : PiecewiseExponential or None
         The height density behind the heights, measured from `limits.foot`.
     notes : tuple of str
@@ -85,16 +87,17 @@ class Design:
     fits: tuple[tuple[Branch, BranchFit], ...] = ()
     density: PiecewiseExponential | None = None
     notes: tuple[str, ...] = ()
+    radii: RadiusRange | tuple[float, ...] | None = None
 
 
 def _invert_linear(
-    target: LinearLaw, radius: float, count: int, limits: Limits, rng: np.random.Generator
+    target: LinearLaw, radii: Radii, count: int, limits: Limits, rng: np.random.Generator
 ) -> Blueprint:
     invert = proportional.invert if target.through_origin else exponential.invert_linear
-    return invert(target, radius, count, limits, rng)
+    return invert(target, radii, count, limits, rng)
 
 
-_INVERSIONS: dict[type, Callable[[Any, float, int, Limits, np.random.Generator], Blueprint]] = {
+_INVERSIONS: dict[type, Callable[[Any, Radii, int, Limits, np.random.Generator], Blueprint]] = {
     OperatingPoints: operating_points.invert,
     LinearLaw: _invert_linear,
     BilinearLaw: exponential.invert_bilinear,
@@ -104,7 +107,7 @@ _INVERSIONS: dict[type, Callable[[Any, float, int, Limits, np.random.Generator],
 }
 
 # Targets whose bounds are known before any heights are sought.
-_REFUSALS: dict[type, Callable[[Any, float, int, Limits, float], None]] = {
+_REFUSALS: dict[type, Callable[[Any, Radii, int, Limits, float], None]] = {
     SampledLaw: feasibility.refuse_sampled,
     PowerLaw: feasibility.refuse_power,
     MultilinearLaw: feasibility.refuse_multilinear,
@@ -161,18 +164,27 @@ def design(
     (0.0401, True)
     """
     solver: Model = Independent() if model is None else model
-    limits = _checked(target, template, solver, limits)
-    radius, generator = common_radius(template), check.generator(rng)
-    _refuse_infeasible(target, template, solver, radius, limits)
+    limits = checked(target, template, solver, limits)
+    return designed(target, template, Radii.common(template), solver, limits, check.generator(rng))
+
+
+def designed(
+    target: Target,
+    template: Surface,
+    radii: Radii,
+    solver: Model,
+    limits: Limits,
+    generator: np.random.Generator,
+) -> Design:
+    """Return the design of arguments that have been checked."""
+    _refuse_infeasible(target, template, solver, radii, limits)
     deal = generator.permutation(template.count)
-    blueprint = _INVERSIONS[type(target)](target, radius, template.count, limits, generator)
+    blueprint = _INVERSIONS[type(target)](target, radii, template.count, limits, generator)
     sites = deal[: len(blueprint.height)]
     order = np.argsort(sites)
     sites = sites[order]
     surface = template.replaced(
-        position=template.position[sites],
-        height=blueprint.height[order],
-        radius=template.radius[sites],
+        position=template.position[sites], height=blueprint.height[order], radius=blueprint.radius[order]
     )
     surface, sites, moved = adapted(surface, sites, template, solver, blueprint, limits, generator)
     stepped: dict[str, Parameter] = {}
@@ -200,7 +212,7 @@ def design(
     )
 
 
-def _checked(target: Target, template: Surface, model: Model, limits: Limits | None) -> Limits:
+def checked(target: Target, template: Surface, model: Model, limits: Limits | None) -> Limits:
     """Refuse arguments of the wrong kind, and return the limits that hold."""
     if type(target) not in _INVERSIONS:
         known = ", ".join(kind.__name__ for kind in _INVERSIONS)
@@ -213,20 +225,18 @@ def _checked(target: Target, template: Surface, model: Model, limits: Limits | N
     return limits
 
 
-def _refuse_infeasible(
-    target: Target, template: Surface, model: Model, radius: float, limits: Limits
-) -> None:
+def _refuse_infeasible(target: Target, template: Surface, model: Model, radii: Radii, limits: Limits) -> None:
     """Raise Infeasible for a target beyond its bounds; the model's margin is worked out where it decides."""
     refuse = _REFUSALS.get(type(target))
     if refuse is None:
         return
     try:
-        refuse(target, radius, template.count, limits, 0.0)
+        refuse(target, radii, template.count, limits, 0.0)
     except Infeasible:
-        margin = interaction_margin(template, model)
+        margin = interaction_margin(template.replaced(radius=radii.high), model)
         if margin == 0.0:
             raise
-        refuse(target, radius, template.count, limits, margin)
+        refuse(target, radii, template.count, limits, margin)
 
 
 def _drawn_law(surface: Surface, model: Model, target: Target) -> FrictionLaw:

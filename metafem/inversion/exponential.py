@@ -20,6 +20,8 @@ from metafem.distributions import (
 from metafem.errors import Infeasible
 from metafem.inversion.blueprint import Blueprint, Branch, Parameter
 from metafem.inversion.limits import Limits
+from metafem.inversion.mixture import Mixture, best_mixture
+from metafem.inversion.radii import Radii
 from metafem.inversion.target import BilinearLaw, LinearLaw
 from metafem.inversion.wanted import Wanted
 
@@ -45,13 +47,25 @@ FINEST_SCALE_IN_SD = 10.0
 
 
 def invert_linear(
-    target: LinearLaw, radius: float, count: int, limits: Limits, rng: np.random.Generator
+    target: LinearLaw, radii: Radii, count: int, limits: Limits, rng: np.random.Generator
 ) -> Blueprint:
     """Return heights of the truncated exponential whose law has the wanted slope."""
+    return best_mixture(lambda mixture: _linear(target, mixture, limits), radii, count)
+
+
+def invert_bilinear(
+    target: BilinearLaw, radii: Radii, count: int, limits: Limits, rng: np.random.Generator
+) -> Blueprint:
+    """Return heights of the two-branch exponential whose law has the wanted slopes and crossover."""
+    return best_mixture(lambda mixture: _bilinear(target, mixture, limits), radii, count)
+
+
+def _linear(target: LinearLaw, mixture: Mixture, limits: Limits) -> Blueprint:
+    radius, count = mixture.radius, mixture.count
     scale = _scale(target.slope, radius, limits, LinearLaw(_lowest_slope(radius, limits)))
     density = TruncatedExponential(scale, limits.span)
-    end = float(density.rescaled_load(0.0, count, radius))
-    intercept = density.intercept(count, radius)
+    end = float(density.rescaled_load(0.0, mixture.carrying, radius))
+    intercept = density.intercept(mixture.carrying, radius)
     parameters: dict[str, Parameter] = {"scale": scale, "intercept": intercept, "foot_load": end}
     if limits.height_step is None:
         height = _middles(density, 0.0, limits.span, count)
@@ -60,26 +74,30 @@ def invert_linear(
         height = np.repeat(levels, counts)[::-1]
         parameters |= {"levels": limits.foot + levels[counts > 0], "counts": counts[counts > 0]}
     branch = Branch(target.slope, (BRANCH_START * end, end), intercept)
-    wanted = _law_of(density, (branch,), radius, count)
-    stepped = limits.height_step is not None
-    notes = _notes(scale, limits)
-    return Blueprint(limits.foot + height, parameters, wanted, (branch,), density, notes, stepped)
+    wanted = _law_of(density, (branch,), mixture)
+    return Blueprint(
+        height=limits.foot + height,
+        radius=mixture.dealt(),
+        parameters=parameters,
+        wanted=wanted,
+        branches=(branch,),
+        density=density,
+        notes=_notes(scale, limits),
+        stepped=limits.height_step is not None,
+    )
 
 
-def invert_bilinear(
-    target: BilinearLaw, radius: float, count: int, limits: Limits, rng: np.random.Generator
-) -> Blueprint:
-    """Return heights of the two-branch exponential whose law has the wanted slopes and crossover."""
-    first, second = target.slopes
+def _bilinear(target: BilinearLaw, mixture: Mixture, limits: Limits) -> Blueprint:
+    (first, second), radius, count = target.slopes, mixture.radius, mixture.count
     floor = _lowest_slope(radius, limits)
     scale = _scale(first, radius, limits, BilinearLaw((floor, second), target.crossover_load))
-    density = _two_branches(target, scale, radius, count, limits)
+    density = _two_branches(target, scale, mixture, limits)
     upper = min(max(round(count * density.upper_mass), 1), count - 1)
     middle, top = density.crossover_height, limits.span
     height = np.concatenate(
         [_middles(density, middle, top, upper), _middles(density, 0.0, middle, count - upper)]
     )
-    crossover, end = target.crossover_load, float(density.rescaled_load(0.0, count, radius))
+    crossover, end = target.crossover_load, float(density.rescaled_load(0.0, mixture.carrying, radius))
     parameters: dict[str, Parameter] = {
         "scale": scale,
         "weight": density.weight,
@@ -91,17 +109,24 @@ def invert_bilinear(
         Branch(first, (BRANCH_START * crossover, crossover)),
         Branch(second, (crossover + BRANCH_START * (end - crossover), end)),
     )
-    notes = _notes(scale, limits)
-    wanted = _law_of(density, branches, radius, count)
-    return Blueprint(limits.foot + height, parameters, wanted, branches, density, notes)
+    return Blueprint(
+        height=limits.foot + height,
+        radius=mixture.dealt(),
+        parameters=parameters,
+        wanted=_law_of(density, branches, mixture),
+        branches=branches,
+        density=density,
+        notes=_notes(scale, limits),
+    )
 
 
-def _law_of(density: PiecewiseExponential, branches: tuple[Branch, ...], radius: float, count: int) -> Wanted:
+def _law_of(density: PiecewiseExponential, branches: tuple[Branch, ...], mixture: Mixture) -> Wanted:
     """Return the density's law over all branches, at even steps of the separation."""
     separation = density.max_height * (1.0 - np.arange(LAW_POINTS) / (LAW_POINTS - 1))
-    load = density.rescaled_load(separation, count, radius)
+    load = density.rescaled_load(separation, mixture.carrying, mixture.radius)
     inside = load >= branches[0].load_range[0]
-    return Wanted.exactly(load[inside], density.area(separation[inside], count, radius))
+    area = density.area(separation[inside], mixture.carrying, mixture.radius)
+    return Wanted.exactly(load[inside], area)
 
 
 def level_counts(density: PiecewiseExponential, count: int, step: float) -> tuple[FloatArray, IntArray]:
@@ -152,12 +177,13 @@ def _scale(slope: float, radius: float, limits: Limits, nearest: LinearLaw | Bil
 
 
 def _two_branches(
-    target: BilinearLaw, scale: float, radius: float, count: int, limits: Limits
+    target: BilinearLaw, scale: float, mixture: Mixture, limits: Limits
 ) -> TwoBranchExponential:
     """Solve S8: the crossover load gives the weight at each crossover height, m_2 then the height."""
+    radius, count, carrying = mixture.radius, mixture.count, mixture.carrying
     (first, second), crossover, top = target.slopes, target.crossover_load, limits.span
     plain = TruncatedExponential(scale, top)
-    full_load = float(plain.rescaled_load(0.0, count, radius))
+    full_load = float(plain.rescaled_load(0.0, carrying, radius))
     if crossover >= full_load:
         raise Infeasible(
             f"crossover_load = {crossover:g} mm^2 is outside the law of slope {first:g}, which ends at "
@@ -166,14 +192,14 @@ def _two_branches(
         )
 
     def weight(middle: float) -> float:
-        return crossover / float(plain.rescaled_load(middle, count, radius))
+        return crossover / float(plain.rescaled_load(middle, carrying, radius))
 
     def upper_mass(depth: float) -> float:
         return weight(top - depth) * float(plain.mass(top - depth, top))
 
     # The whole mass above a crossover height that lies `depth` below the top has <d^1.5> <= depth^1.5;
     # from there on the mass falls with the depth.
-    shallow = (crossover / (4.0 / 3.0 * count * math.sqrt(radius))) ** (2.0 / 3.0)
+    shallow = (crossover / (4.0 / 3.0 * carrying * math.sqrt(radius))) ** (2.0 / 3.0)
     deepest = top * (1.0 - INSIDE)
     ends = []
     for share in (1.0 - 0.5 / count, 0.5 / count):  # half an asperity rounds to one

@@ -1,72 +1,110 @@
-"""Bounds on the friction of every surface of N asperities of one radius, independent of each other.
+"""Bounds on the friction of every surface of N independent asperities with radii between R1 and R2.
 
-At a load p = P/E*, ``sum d^(3/2)`` is given and A0 = pi R sum d lies between that of one contact and that
-of N equal ones. Along a law, ``dA0/dp = (pi sqrt(R)/2) / <sqrt d>`` with the mean over the contacts, and
-Cauchy's inequality between the sums of d^(1/2), d and d^(3/2) bounds it by A0 and p alone.
+With contact radii a_i, ``p = P/E* = 4/3 sum a_i^3/R_i`` and ``A0 = pi sum a_i^2``. At a load, A0 is least
+with one contact of R1 and largest with N equal ones of R2. Along a law, ``dA0/dp = (pi/2) sum R_i / sum
+a_i``, and Cauchy's inequality between the sums of a, a^2 and a^3 bounds it by A0 and p alone.
+
+The local exponent is ``d ln A0/d ln p = 2/3 (sum R sum a^3/R) / (sum a^2 sum a)``. With one radius the sums
+are ordered alike and it is never below 2/3 (Chebyshev). Of several radii the ratio of the sums is least
+for two kinds of contact, large caps with a/R = x and small ones with a/R = s^2 x. With k^2 = R1/R2 and
+``1/(k^3 s^3)`` small ones to each large one it is ``((1 + k s^3)/(s + k s^2))^2``, and the best s is the root
+above 1 of ``k^2 s^4 + 2 k s^3 - 2 k s - 1``.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.optimize import brentq
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.errors import Infeasible
-from metafem.inversion.bounds import common_radius
 from metafem.inversion.limits import Limits
+from metafem.inversion.radii import Radii, RadiusRange
 from metafem.inversion.target import MultilinearLaw, PowerLaw, SampledLaw
 from metafem.surface import Surface
 
 # A value this close to a bound is on it: rounding must not refuse what a surface was read off.
 ROUNDING = 1e-9
 
-# Exponent of a fixed set of equal contacts, the least of any surface.
-LEAST_EXPONENT = 2.0 / 3.0
+# Exponent of a fixed set of equal contacts, the least of any surface of one radius.
+EQUAL_EXPONENT = 2.0 / 3.0
 
 
-def friction_bounds(load: FloatArray, radius: float, count: int) -> tuple[FloatArray, FloatArray]:
+def friction_bounds(load: FloatArray, radii: Radii, count: int) -> tuple[FloatArray, FloatArray]:
     """Return the lowest and highest friction at rescaled loads, (k,) [mm^2]: one contact, and N equal."""
-    low = math.pi * radius * (0.75 * load / math.sqrt(radius)) ** LEAST_EXPONENT
-    return low, low * count ** (1.0 / 3.0)
+    power = load**EQUAL_EXPONENT
+    return single_friction(radii.low) * power, single_friction(radii.high) * count ** (1.0 / 3.0) * power
 
 
-def slope_bounds(load: float, friction: float, radius: float, count: int) -> tuple[float, float]:
-    """Return the flattest and steepest slope at a point of a law [-]: 2/3 A0/p, and N contacts at once."""
-    steepest = 0.5 * math.pi * math.sqrt(radius) * count
-    steepest *= 0.75 * load / math.sqrt(radius) / (friction / (math.pi * radius)) ** 2
-    return LEAST_EXPONENT * friction / load, steepest
+def single_friction(radius: float) -> float:
+    """Return c of the friction ``c p^(2/3)`` of a single asperity [mm^(2/3)]."""
+    return float(math.pi * (0.75 * radius) ** EQUAL_EXPONENT)
 
 
-def largest_exponent(load_range: tuple[float, float], count: int) -> float:
-    """Return the largest exponent over a range of loads, ``2/3 + ln N^(1/3) / ln(P2/P1)``."""
+def least_exponent(radii: Radii) -> float:
+    """Return the least local exponent of a law: 2/3, and less with several radii."""
+    k, s = math.sqrt(radii.low / radii.high), relative_depth(radii)
+    return EQUAL_EXPONENT * ((1.0 + k * s**3) / (s + k * s * s)) ** 2
+
+
+def relative_depth(radii: Radii) -> float:
+    """Return s of the two kinds of contact: the small caps have s^4 times d/R of the large ones."""
+    if radii.single:
+        return 1.0
+    k = math.sqrt(radii.low / radii.high)
+
+    def slope(s: float) -> float:
+        return k * k * s**4 + 2.0 * k * s**3 - 2.0 * k * s - 1.0
+
+    # from s = 1 + (2/k)^(1/2) on, 2 k s (s^2 - 1) > 4 s alone is more than 1
+    return float(brentq(slope, 1.0, math.sqrt(2.0 / k) + 1.0))
+
+
+def slope_bounds(load: float, friction: float, radii: Radii, count: int) -> tuple[float, float]:
+    """Return bounds on the slope at a point of a law [-]: of two kinds, and of N contacts at once."""
+    steepest = 0.5 * math.pi * count * radii.high**2 * 0.75 * load / (friction / math.pi) ** 2
+    return least_exponent(radii) * friction / load, steepest
+
+
+def largest_exponent(load_range: tuple[float, float], radii: Radii, count: int) -> float:
+    """Return the largest exponent over a range, ``2/3 + ln(N^(1/3) (R2/R1)^(2/3)) / ln(P2/P1)``."""
     low, high = load_range
-    return LEAST_EXPONENT + math.log(count) / 3.0 / math.log(high / low)
+    wider = math.log(count) / 3.0 + EQUAL_EXPONENT * math.log(radii.high / radii.low)
+    return EQUAL_EXPONENT + wider / math.log(high / low)
 
 
-def largest_load(radius: float, count: int, limits: Limits) -> float:
+def largest_load(radii: Radii, count: int, limits: Limits) -> float:
     """Return the load P/E* [mm^2] that N asperities carry when the plane reaches the base plane."""
     depth = limits.offset + limits.max_height
-    return 4.0 / 3.0 * count * math.sqrt(radius * depth) * depth
+    return 4.0 / 3.0 * count * math.sqrt(radii.high * depth) * depth
 
 
 def feasible_region(
-    template: Surface, rescaled_load: ArrayLike, limits: Limits
+    template: Surface,
+    rescaled_load: ArrayLike,
+    limits: Limits,
+    radii: RadiusRange | Sequence[float] | None = None,
 ) -> tuple[FloatArray, FloatArray]:
     """Return the lowest and highest friction that any surface can have at each load.
 
-    ``pi R (3p/(4 sqrt R))^(2/3)`` and that times ``N^(1/3)``, for independent asperities of one radius;
-    nan beyond the load at which N summits of the largest height have the plane at the base plane.
+    ``pi R (3p/(4 sqrt R))^(2/3)`` of the least radius, and that of the largest times ``N^(1/3)``, for
+    independent asperities; nan beyond the load at which N summits of the largest height have the plane at
+    the base plane.
 
     Parameters
     ----------
     template : Surface
-        With one common radius R; its places count N.
+        Its places count N; with one common radius unless `radii` is given.
     rescaled_load : array_like, (k,)
         P/E* [mm^2], positive.
     limits : Limits
+    radii : RadiusRange or sequence of float, optional
+        What each asperity may have [mm], in place of the template's radius.
 
     Returns
     -------
@@ -76,7 +114,7 @@ def feasible_region(
     Raises
     ------
     InvalidInput
-        For loads that are not positive, or several radii.
+        For loads or radii that are not positive, or a template of several radii.
 
     Examples
     --------
@@ -91,66 +129,68 @@ def feasible_region(
     load = check.array("rescaled_load", rescaled_load, shape=(None,))
     if load.min() <= 0.0:
         check.number("rescaled_load", float(load.min()), above=0.0)
-    radius = common_radius(template)
-    low, high = friction_bounds(load, radius, template.count)
-    beyond = load > largest_load(radius, template.count, limits)
+    choice = Radii.common(template) if radii is None else Radii.given(radii)
+    low, high = friction_bounds(load, choice, template.count)
+    beyond = load > largest_load(choice, template.count, limits)
     return np.where(beyond, np.nan, low), np.where(beyond, np.nan, high)
 
 
-def refuse_sampled(target: SampledLaw, radius: float, count: int, limits: Limits, margin: float) -> None:
+def refuse_sampled(target: SampledLaw, radii: Radii, count: int, limits: Limits, margin: float) -> None:
     """Raise Infeasible for samples that break a bound by more than a margin (relative)."""
     load, friction = target.rescaled_load, target.rescaled_friction
-    refuse_load(float(load[-1]), radius, count, limits)
-    low, high = friction_bounds(load, radius, count)
+    refuse_load(float(load[-1]), radii, count, limits)
+    low, high = friction_bounds(load, radii, count)
     slack = margin + ROUNDING
-    scaled = friction / load**LEAST_EXPONENT
+    least = load ** least_exponent(radii)
+    scaled = friction / least
     top = np.maximum.accumulate(scaled)
     for broken, words, bound in (
         (friction < low * (1.0 - slack), "below that of a single asperity", low),
         (friction > high * (1.0 + slack), f"above that of {count} equal asperities", high),
         (
             scaled < top * (1.0 - slack),
-            "below what the asperities of the smaller loads already give (F/P^(2/3) cannot fall)",
-            top * load**LEAST_EXPONENT,
+            f"below what the asperities of the smaller loads already give (F/P^{_words(radii)} cannot fall)",
+            top * least,
         ),
     ):
         if broken.any():
             i = int(broken.argmax())
-            clipped = np.clip(scaled, low / load**LEAST_EXPONENT, high / load**LEAST_EXPONENT)
-            nearest = np.maximum.accumulate(clipped) * load**LEAST_EXPONENT
+            clipped = np.clip(scaled, low / least, high / least)
+            nearest = np.maximum.accumulate(clipped) * least
             raise Infeasible(
                 f"sample {i + 1} (load {load[i]:g}, friction {friction[i]:g} mm^2) is {words}, "
-                f"{bound[i]:.6g} mm^2, for any surface of radius {radius:g} mm{_margin_words(margin)}",
+                f"{bound[i]:.6g} mm^2, for any surface of {radii}{_margin_words(margin)}",
                 SampledLaw(load, nearest, target.weight),
             )
 
 
-def refuse_power(target: PowerLaw, radius: float, count: int, limits: Limits, margin: float) -> None:
+def refuse_power(target: PowerLaw, radii: Radii, count: int, limits: Limits, margin: float) -> None:
     """Raise Infeasible for an exponent or a prefactor beyond its bound by more than a margin (relative)."""
     low, high = target.load_range
-    refuse_load(high, radius, count, limits)
-    most = largest_exponent(target.load_range, count)
+    refuse_load(high, radii, count, limits)
+    least, most = least_exponent(radii), largest_exponent(target.load_range, radii, count)
     slack = margin / math.log(high / low)
-    if not LEAST_EXPONENT - slack - ROUNDING <= target.exponent <= most + slack + ROUNDING:
-        nearest = min(max(target.exponent, LEAST_EXPONENT), most)
+    if not least - slack - ROUNDING <= target.exponent <= most + slack + ROUNDING:
+        nearest = min(max(target.exponent, least), most)
         raise Infeasible(
             f"exponent {target.exponent:g} over loads from {low:g} to {high:g} mm^2 cannot be reached: at "
-            f"least {LEAST_EXPONENT:.4g} and at most {most:.4g} with {count} asperities of one radius"
+            f"least {least:.4g} and at most {most:.4g} with {count} asperities of "
+            f"{'one radius' if radii.single else radii}"
             f"{_margin_words(margin)}",
             PowerLaw(nearest, target.load_range),
         )
     if target.prefactor is not None:
         load = np.array(target.load_range)
         refuse_sampled(
-            SampledLaw(load, target.prefactor * load**target.exponent), radius, count, limits, margin
+            SampledLaw(load, target.prefactor * load**target.exponent), radii, count, limits, margin
         )
 
 
 def refuse_multilinear(
-    target: MultilinearLaw, radius: float, count: int, limits: Limits, margin: float
+    target: MultilinearLaw, radii: Radii, count: int, limits: Limits, margin: float
 ) -> None:
     """Raise Infeasible where no intercept keeps a run of branches that meet within the bounds."""
-    refuse_load(target.load_range[1], radius, count, limits)
+    refuse_load(target.load_range[1], radii, count, limits)
     slack = margin + ROUNDING
     offset, low, high = 0.0, -math.inf, math.inf
     for i, (slope, (start, end)) in enumerate(target.branches):
@@ -161,28 +201,24 @@ def refuse_multilinear(
             offset += (target.slopes[i - 1] - slope) * start
         # F = c + offset + slope p is straight, the bounds are concave: the lower one binds at the ends or
         # where it is as steep as F, the upper one at the ends alone
-        load = np.array([start, end, min(max((2 / 3 * _single(radius) / slope) ** 3, start), end)])
-        least, most = friction_bounds(load, radius, count)
+        steep = (EQUAL_EXPONENT * single_friction(radii.low) / slope) ** 3
+        load = np.array([start, end, min(max(steep, start), end)])
+        least, most = friction_bounds(load, radii, count)
         low = max(low, float((least * (1.0 - slack) - offset - slope * load).max()))
         high = min(high, float((most * (1.0 + slack) - offset - slope * load)[:2].min()))
-        # F/p^(2/3) cannot fall: c + offset <= slope p/2, first broken at the start
-        high = min(high, slope * start * (0.5 + slack) - offset)
+        # F/p^b cannot fall: c + offset <= slope p (1/b - 1), first broken at the start
+        high = min(high, slope * start * (1.0 / least_exponent(radii) - 1.0 + slack) - offset)
         if low > high:
             raise Infeasible(
                 f"branch {i + 1} of slope {slope:g} from {start:g} to {end:g} mm^2 leaves what {count} "
-                f"asperities of radius {radius:g} mm can have, whatever its intercept"
+                f"asperities of {radii} can have, whatever its intercept"
                 f"{_margin_words(margin)}"
             )
 
 
-def _single(radius: float) -> float:
-    """Return c of the friction ``c p^(2/3)`` of a single asperity."""
-    return float(friction_bounds(np.array([1.0]), radius, 1)[0][0])
-
-
-def refuse_load(load: float, radius: float, count: int, limits: Limits) -> None:
+def refuse_load(load: float, radii: Radii, count: int, limits: Limits) -> None:
     """Raise Infeasible for a load beyond that at which the plane reaches the base plane."""
-    most = largest_load(radius, count, limits)
+    most = largest_load(radii, count, limits)
     if load > most:
         raise Infeasible(
             f"load {load:g} mm^2 is beyond {most:.6g} mm^2, at which {count} summits of the largest height "
@@ -192,3 +228,7 @@ def refuse_load(load: float, radius: float, count: int, limits: Limits) -> None:
 
 def _margin_words(margin: float) -> str:
     return f" (the model's interaction leaves a margin of {100.0 * margin:.2g} %)" if margin > 0.0 else ""
+
+
+def _words(radii: Radii) -> str:
+    return "(2/3)" if radii.single else f"{least_exponent(radii):.4g}"

@@ -10,7 +10,7 @@ from metafem.inversion.blueprint import Blueprint, Branch, Parameter
 from metafem.inversion.sampled import open_parameters
 from metafem.law import BranchFit, friction_law
 from metafem.models import Independent, MeanField, Model
-from metafem.surface import Surface
+from metafem.surface import Material, Surface
 
 # Promise of an exact design: relative error of the friction at each load asked for.
 EXACT = 1e-9
@@ -70,11 +70,19 @@ def largest_misfit(
     wanted = blueprint.wanted
     area = friction_law(surface, model, load=surface.material.composite_modulus * wanted.load).area
     errors = [abs(fit.slope / branch.slope - 1.0) for branch, fit in fits]
-    if "adjustment_heights" in blueprint.parameters:
+    if blueprint.exact:
         errors.append(float(np.abs(area / wanted.law(area) - 1.0).max()))
     else:
         errors.append(wanted.misfit(area))
     return max(errors)
+
+
+def independent_misfit(blueprint: Blueprint) -> float:
+    """Return the misfit of independent asperities, wherever they stand."""
+    height, radius = blueprint.height, blueprint.radius
+    surface = Surface.square_lattice(height, (1, len(height)), radius=radius, material=Material(1.0))
+    model = Independent()
+    return largest_misfit(surface, model, blueprint, branch_fits(surface, model, blueprint))
 
 
 def status_of(model: Model, blueprint: Blueprint, misfit: float, moved: bool) -> DesignStatus:

@@ -14,40 +14,69 @@ import numpy as np
 from scipy.optimize import brentq
 
 from metafem._validate import FloatArray
+from metafem.inversion.feasibility import relative_depth
+from metafem.inversion.radii import Radii
 
 # An indentation this much smaller than where no asperity enters means numbers beyond any surface.
 SHALLOWEST = 1e-9
 
 
-def march(load: FloatArray, friction: FloatArray, radius: float, count: int) -> FloatArray:
-    """Return heights [mm], at most `count`, tallest first at 0, whose law is near the samples."""
-    root = 4.0 / 3.0 * math.sqrt(radius)
-    depth = (math.pi * radius * load[0] / (root * friction[0])) ** 2
-    levels, numbers = [0.0], [friction[0] / (math.pi * radius * depth)]
+def march(
+    load: FloatArray, friction: FloatArray, radius: FloatArray, count: int
+) -> tuple[FloatArray, FloatArray]:
+    """Return heights, at most `count`, tallest first at 0, whose law is near the samples, and radii [mm].
+
+    Those that enter at sample k have the radius k.
+    """
+    depth = (0.75 * math.pi * math.sqrt(radius[0]) * load[0] / friction[0]) ** 2
+    levels, numbers, kinds = [0.0], [friction[0] / (math.pi * radius[0] * depth)], [radius[0]]
     plane = -depth
-    for p, f in zip(load[1:], friction[1:], strict=True):
-        lead, number = np.array(levels) - plane, np.array(numbers)
-        spent = math.pi * radius * float(number @ lead)
+    for p, f, new_radius in zip(load[1:], friction[1:], radius[1:], strict=True):
+        lead, kind = np.array(levels) - plane, np.array(kinds)
+        per_depth = math.pi * kind * np.array(numbers)
+        per_root = 4.0 / 3.0 * np.sqrt(kind) * np.array(numbers)
+        whole = float(per_depth.sum())
 
-        def carried(depth: float, lead: FloatArray = lead, number: FloatArray = number) -> float:
-            return float(root * (number @ (lead + depth) ** 1.5))
+        def carried(depth: float, lead: FloatArray = lead, per_root: FloatArray = per_root) -> float:
+            return float(per_root @ (lead + depth) ** 1.5)
 
-        deepest = (f - spent) / (math.pi * radius * float(number.sum()))
+        deepest = (f - float(per_depth @ lead)) / whole
         if deepest > 0.0 and carried(deepest) > p:
-            whole = float(number.sum())
+            share = 4.0 / (
+                3.0 * math.pi * math.sqrt(new_radius)
+            )  # load of new ones by area and root of depth
 
-            def excess(depth: float, p: float = p, deepest: float = deepest, whole: float = whole) -> float:
-                new = (deepest - depth) * whole / depth
-                return carried(depth) + new * root * math.sqrt(depth) * depth - p
+            def excess(
+                depth: float, p: float = p, area: float = deepest * whole, whole: float = whole,
+                share: float = share,
+            ) -> float:  # fmt: skip
+                return carried(depth) + (area - depth * whole) * share * math.sqrt(depth) - p
 
             low = SHALLOWEST * deepest
             depth = float(brentq(excess, low, deepest, rtol=1e-12)) if excess(low) < 0.0 else low
             levels.append(plane)
-            numbers.append((deepest - depth) * whole / depth)
+            numbers.append((deepest - depth) * whole / (math.pi * new_radius * depth))
+            kinds.append(new_radius)
         else:
-            depth = _depth_at(carried, p, radius)
+            depth = _depth_at(carried, p, float(radius.max()))
         plane -= depth
-    return _spread(np.array(levels), np.array(numbers), plane, count)
+    return _spread(np.array(levels), np.array(numbers), np.array(kinds), plane, count)
+
+
+def slowest(load: float, friction: float, radii: Radii, count: int) -> tuple[FloatArray, FloatArray]:
+    """Return heights, at most `count`, and radii [mm] of the law that grows most slowly at a point."""
+    k, s = math.sqrt(radii.low / radii.high), relative_depth(radii)
+    small = 1.0 / (k * s) ** 3  # to each large one
+    # of one large cap with a/R = 1: sums of a^3/R and of a^2
+    cubes, squares = (radii.high**2 * (1.0 + small * k**4 * s**power) for power in (6.0, 4.0))
+    share = 0.75 * load / cubes * math.pi * squares / friction  # a/R of the large ones
+    large = friction / (math.pi * squares * share**2)
+    large *= min(1.0, count / (large * (1.0 + small)))
+    numbers = max(1, round(large)), max(1, round(large * small))
+    deeper = radii.high * share**2 - radii.low * (share * s * s) ** 2
+    height = np.repeat([0.0, -deeper], numbers)
+    radius = np.repeat([radii.high, radii.low], numbers)
+    return height[:count], radius[:count]
 
 
 def _depth_at(carried: Callable[[float], float], load: float, radius: float) -> float:
@@ -60,9 +89,13 @@ def _depth_at(carried: Callable[[float], float], load: float, radius: float) -> 
     return float(brentq(lambda depth: carried(depth) - load, 0.0, high, rtol=1e-12))
 
 
-def _spread(levels: FloatArray, numbers: FloatArray, plane: float, count: int) -> FloatArray:
+def _spread(
+    levels: FloatArray, numbers: FloatArray, kinds: FloatArray, plane: float, count: int
+) -> tuple[FloatArray, FloatArray]:
     """Deal whole asperities evenly over the levels, each spread half-way to its neighbours."""
     ends = np.append(np.insert(0.5 * (levels[1:] + levels[:-1]), 0, levels[0]), 0.5 * (levels[-1] + plane))
     total = np.insert(np.cumsum(numbers), 0, 0.0)
     whole = min(count, max(1, math.ceil(total[-1])))
-    return np.asarray(np.interp((np.arange(whole) + 0.5) / whole * total[-1], total, ends))
+    place = (np.arange(whole) + 0.5) / whole * total[-1]
+    level = np.minimum(np.searchsorted(total[1:], place), len(kinds) - 1)
+    return np.interp(place, total, ends), kinds[level]

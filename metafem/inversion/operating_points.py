@@ -1,21 +1,28 @@
 """Heights whose law passes through given points: one level and one adjustment asperity a point (S1).
 
-With all earlier asperities in contact, both sums of S1 are functions of the indentation d of the new
-level alone: the area is linear in d, and the load is taken at the d that gives the wanted area.
+With all earlier asperities in contact and n of radius R new at the level, the area fixes the indentation e
+of one more, of radius R', for any indentation d of the level: the sum of ``pi R_i d_i`` is linear in both.
+Between the d at which it stands at the level, e = d, and that at which it just touches, e = 0, the load
+changes its sign against the wanted one for the right n. With one radius that n is unique. With several a
+point can be met in many ways, below the friction of the earlier asperities too; they are tried in turn.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import brentq
 
 from metafem._validate import FloatArray
 from metafem.errors import Infeasible
-from metafem.inversion.blueprint import Blueprint
+from metafem.inversion.blueprint import Blueprint, Parameter
 from metafem.inversion.limits import Limits
+from metafem.inversion.nearest import independent_law, nearest_law
+from metafem.inversion.radii import Radii
+from metafem.inversion.refine import POINT_GOAL
 from metafem.inversion.target import OperatingPoints
 from metafem.inversion.wanted import Wanted
 from metafem.models import Independent
@@ -26,143 +33,267 @@ TIGHTEST = 4.0 * np.finfo(float).eps
 # A friction this close to a bound counts as the bound: rounding must not ask for one asperity more.
 ROUNDING = 1e-12
 
+# Ways to meet a point that are tried in all, of some 0.2 ms each.
+MOST_TRIED = 5_000
+
+# Random restarts where no levels meet the points, of some 10 ms each.
+FREE_RESTARTS = 30
+
 
 def invert(
-    target: OperatingPoints, radius: float, count: int, limits: Limits, rng: np.random.Generator
+    target: OperatingPoints, radii: Radii, count: int, limits: Limits, rng: np.random.Generator
 ) -> Blueprint:
     """Return the heights that lead the independent law through all points, or raise Infeasible."""
-    stand: list[float] = []  # heights above the foot plane of `limits`, tallest first
-    counts: list[int] = []
-    levels: list[float] = []
-    adjustments: list[float] = []
-    level = limits.max_height
-    for i, (load, friction) in enumerate(zip(target.rescaled_load, target.rescaled_friction, strict=True)):
-        step = _Step(np.array(stand) - level, radius, load, friction)
-        left = count - len(stand)
-        lowest = step.friction_with(0 if stand else 1)
-        if friction < lowest * (1.0 - ROUNDING):
-            raise _unreachable(target, i, (lowest, step.friction_with(left)), left)
-        number = step.level_count()
-        depth, adjustment = step.adjustment(number)
-        new = [level] * number + ([level - depth + adjustment] if adjustment > 0.0 else [])
-        if len(new) > left:
-            raise _unreachable(target, i, (lowest, step.friction_with(left)), left, len(new))
-        _refuse_too_low(i, min(new, default=level), level - depth, limits)
-        stand += new
-        counts.append(number)
-        levels.append(limits.offset + level)
-        adjustments.append(limits.offset + level - depth + adjustment)
-        level -= depth
-    parameters = {
-        "counts": np.array(counts),
-        "levels": np.array(levels),
-        "adjustment_heights": np.array(adjustments),
+    refused: Infeasible | None = None
+    found: list[tuple[_Level, ...]] = []
+    for radius in radii.tried.tolist():
+        search = _Search(target, (radius,), count, limits)
+        if path := search.path(()):
+            found.append(path)
+        else:
+            refused = search.refused
+    if not found and not radii.single:
+        search = _Search(target, tuple(radii.tried.tolist()), count, limits)
+        if path := search.path(()):
+            found.append(path)
+        for choice in (radii.extremes, radii):  # the former leave most room for another model's heights
+            if not found and (blueprint := _freely(target, choice, count, limits, rng)):
+                return blueprint
+        refused = search.refused
+    if not found:
+        raise refused if refused is not None else Infeasible("no way to meet the points was found")
+    path = min(found, key=lambda levels: sum(level.count for level in levels))
+    return _blueprint(target, path, radii, limits)
+
+
+def _blueprint(target: OperatingPoints, path: tuple[_Level, ...], radii: Radii, limits: Limits) -> Blueprint:
+    height, radius, number = np.array([kind for level in path for kind in level.kinds]).T
+    tops = np.array([level.height for level in path])
+    parameters: dict[str, Parameter] = {
+        "counts": np.array([level.number for level in path]),
+        "levels": limits.offset + tops,
+        "adjustment_heights": limits.offset
+        + tops
+        - np.array([level.depth - level.adjustment for level in path]),
     }
+    if not radii.single:
+        parameters["level_radii"] = np.array([level.radius for level in path])
+        parameters["adjustment_radii"] = np.array([level.other for level in path])
     wanted = Wanted.exactly(target.rescaled_load, target.rescaled_friction)
-    return Blueprint(limits.offset + np.array(stand), parameters, wanted)
+    each = np.repeat(np.arange(len(number)), number.astype(np.int64))
+    return Blueprint(
+        limits.offset + height[each],
+        radius[each],
+        parameters,
+        wanted,
+        spare_height=limits.offset + float(tops[-1]),
+    )
+
+
+def _freely(
+    target: OperatingPoints, radii: Radii, count: int, limits: Limits, rng: np.random.Generator
+) -> Blueprint | None:
+    """Return heights and radii without levels that meet the points, or None: the nearest law, made exact."""
+    wanted = Wanted.exactly(target.rescaled_load, target.rescaled_friction)
+    height, radius = nearest_law(
+        wanted, [wanted.base], radii, count, limits.span, FREE_RESTARTS, rng, POINT_GOAL
+    )
+    misfit = wanted.misfit(independent_law(height, radius, wanted.load).curve.area)
+    top = limits.offset + limits.max_height
+    approach = float(Independent().curves(height, radius, wanted.load[-1:])[0][0, 0])
+    if misfit > POINT_GOAL or approach > top:
+        return None
+    parameters: dict[str, Parameter] = {"span": float(-height[-1])}
+    return Blueprint(top + height, radius, parameters, wanted, spare_height=top + float(height[-1]))
+
+
+@dataclass(frozen=True)
+class _Level:
+    """Asperities of `radius` at a height, and one of another radius if its indentation is not zero."""
+
+    height: float
+    number: int
+    radius: float
+    other: float
+    depth: float
+    adjustment: float
+
+    @property
+    def kinds(self) -> list[tuple[float, float, int]]:
+        """Height, radius and number of the asperities of each kind."""
+        kinds = [(self.height, self.radius, self.number)]
+        if self.adjustment > 0.0:
+            kinds.append((self.height - self.depth + self.adjustment, self.other, 1))
+        return kinds
+
+    @property
+    def count(self) -> int:
+        """Number of asperities."""
+        return sum(number for _, _, number in self.kinds)
+
+
+class _Search:
+    """Ways to meet all points, depth first; `refused` says why the last point reached was not met."""
+
+    def __init__(self, target: OperatingPoints, tools: tuple[float, ...], count: int, limits: Limits) -> None:
+        self.target, self.tools, self.count, self.limits = target, tools, count, limits
+        self.refused: Infeasible | None = None
+        self.furthest = -1
+        self.tried = 0
+
+    def path(self, done: tuple[_Level, ...]) -> tuple[_Level, ...] | None:
+        """Return levels for all points that begin with those done, or None."""
+        i = len(done)
+        if i == len(self.target.rescaled_load):
+            return done
+        level = done[-1].height - done[-1].depth if done else self.limits.max_height
+        step = _Step(done, level, self.target.rescaled_load[i], self.target.rescaled_friction[i])
+        left = self.count - sum(part.count for part in done)
+        used = {part.radius for part in done}
+        ways = sorted(step.ways(self.tools, left), key=lambda way: (way.radius not in used, way.count))
+        if not ways:
+            self.refuse(i, _unreachable(self.target, i, step, self.tools, left))
+        for way in ways:
+            self.tried += 1
+            if self.tried > MOST_TRIED:
+                break
+            reason = _too_low(i, way, self.limits)
+            if reason is not None:
+                self.refuse(i, reason)
+            elif found := self.path((*done, way)):
+                return found
+        return None
+
+    def refuse(self, i: int, reason: Infeasible) -> None:
+        """Keep the reason of the first way that came this far."""
+        if i > self.furthest:
+            self.furthest, self.refused = i, reason
 
 
 class _Step:
-    """One point: the earlier asperities stand `lead` above the new level [mm]."""
+    """One point: the earlier asperities, by kinds, stand `lead` above the new level [mm]."""
 
-    def __init__(self, lead: FloatArray, radius: float, load: float, friction: float) -> None:
-        self.lead, self.radius, self.load, self.friction = lead, radius, load, friction
-        self.spent = math.pi * radius * float(lead.sum())  # earlier area as the plane meets the level
-        self.per_depth = math.pi * radius  # area of one asperity per indentation
+    def __init__(self, done: tuple[_Level, ...], height: float, load: float, friction: float) -> None:
+        self.height, self.load, self.friction = height, load, friction
+        kinds = [kind for level in done for kind in level.kinds]
+        top, self.radius, self.number = np.array(kinds).reshape(-1, 3).T
+        self.lead = top - height
+        # what is left of sum R_i d_i as the plane meets the level [mm^2], and its growth with the depth
+        self.rest = friction / math.pi - float(self.number @ (self.radius * self.lead))
+        self.growth = float(self.number @ self.radius)
+        self.fewest = 0 if done else 1
 
-    def earlier_load(self, depth: float) -> float:
-        """Load of the earlier asperities [mm^2]."""
-        return 4.0 / 3.0 * math.sqrt(self.radius) * float(((self.lead + depth) ** 1.5).sum())
+    def excess(self, depth: FloatArray, number: FloatArray | float, radius: float) -> FloatArray:
+        """Load, less that of the point, with new asperities at indentations of the level, (k,) [mm^2]."""
+        earlier = (self.lead + depth[:, None]) ** 1.5 @ (self.number * np.sqrt(self.radius))
+        return np.asarray(4.0 / 3.0 * (earlier + number * math.sqrt(radius) * depth**1.5) - self.load)
 
-    def single_load(self, depth: float) -> float:
-        """Load of one asperity at an indentation [mm^2]."""
-        return 4.0 / 3.0 * math.sqrt(self.radius * depth) * depth
-
-    def friction_with(self, number: int) -> float:
+    def friction_with(self, number: int, radius: float) -> float:
         """Friction at the load with `number` new asperities at the level [mm^2]."""
-        height = np.concatenate([self.lead, np.zeros(number)])
-        _, _, area, _ = Independent().curves(height, self.radius, [self.load])
+        times = self.number.astype(np.int64)
+        height = np.concatenate([np.repeat(self.lead, times), np.zeros(number)])
+        radii = np.concatenate([np.repeat(self.radius, times), np.full(number, radius)])
+        _, _, area, _ = Independent().curves(height, radii, [self.load])
         return float(area[0, 0])
 
-    def real_count(self) -> float:
-        """Number of level asperities that would meet the point, as a real number."""
-        wanted = self.friction - self.spent
-        if not self.lead.size:
-            depth = (3.0 * math.pi * math.sqrt(self.radius) * self.load / (4.0 * self.friction)) ** 2
-            return wanted / (self.per_depth * depth)
+    def needed(self, radius: float) -> float:
+        """Least number of new asperities that meets the point with the level's and the last below it."""
+
+        def excess(number: float) -> float:
+            depth = self.rest / (self.growth + number * radius)
+            return float(self.excess(np.array([depth]), number, radius)[0])
+
+        low, high = float(self.fewest), 1.0
+        while excess(high) > 0.0:
+            low, high = high, 2.0 * high
+        return math.floor(brentq(excess, low, high)) + 1 if excess(low) > 0.0 else low
+
+    def ways(self, tools: tuple[float, ...], left: int) -> Iterator[_Level]:
+        """Yield the levels that meet the point with at most `left` asperities."""
+        number = np.arange(self.fewest, left + 1.0)
+        if self.rest <= 0.0 or not number.size:
+            return
+        for radius in tools:
+            growth = self.growth + number * radius
+            alone = self.excess(self.rest / growth, number, radius)
+            for n in number[np.abs(alone) <= ROUNDING * self.load]:
+                depth = self.rest / (self.growth + n * radius)
+                yield _Level(self.height, int(n), radius, radius, depth, 0.0)
+            for other in tools:
+                depth = self.rest / (growth + other)
+                both = self.excess(depth, number, radius) + _single(depth, other)
+                for n in number[(alone * both <= 0.0) & (np.abs(alone) > ROUNDING * self.load)]:
+                    if n < left:
+                        yield self._adjusted(int(n), radius, other)
+
+    def _adjusted(self, number: int, radius: float, other: float) -> _Level:
+        """Return the level whose adjustment asperity, fixed by the area, carries the rest of the load."""
+        growth = self.growth + number * radius
+
+        def adjustment(depth: float) -> float:
+            return max(0.0, float(self.rest - growth * depth) / other)
 
         def excess(depth: float) -> float:
-            number = (wanted - self.per_depth * self.lead.size * depth) / (self.per_depth * depth)
-            return self.earlier_load(depth) + number * self.single_load(depth) - self.load
+            rest = float(_single(np.array(adjustment(depth)), other))
+            return float(self.excess(np.array([depth]), number, radius)[0]) + rest
 
-        end = wanted / (self.per_depth * self.lead.size)  # the earlier ones alone give the friction
-        depth = _root(excess, end * np.finfo(float).eps, end)
-        return wanted / (self.per_depth * depth) - self.lead.size
+        depth = _root(excess, self.rest / (growth + other), self.rest / growth)
+        return _Level(self.height, number, radius, other, depth, adjustment(depth))
 
-    def level_count(self) -> int:
-        """Whole number of asperities at the level that approaches the point from below."""
-        fewest = 0 if self.lead.size else 1
-        return max(fewest, math.floor(self.real_count() * (1.0 - ROUNDING)))
 
-    def adjustment(self, number: int) -> tuple[float, float]:
-        """Indentations of the level and of the adjustment asperity at the point [mm].
-
-        The friction fixes the adjustment's indentation for any depth of the level; the load grows with
-        the depth between the ends at which the adjustment has the level's height, and just touches.
-        """
-        wanted = (self.friction - self.spent) / self.per_depth
-        held = self.lead.size + number
-
-        def rest(depth: float) -> float:
-            return max(0.0, wanted - held * depth)
-
-        def excess(depth: float) -> float:
-            carried = self.earlier_load(depth) + number * self.single_load(depth)
-            return carried + self.single_load(rest(depth)) - self.load
-
-        depth = _root(excess, wanted / (held + 1), wanted / held)
-        touching = rest(depth) <= ROUNDING * depth
-        return depth, 0.0 if touching else rest(depth)
+def _single(depth: FloatArray, radius: float) -> FloatArray:
+    """Load of one asperity at indentations [mm^2]."""
+    return np.asarray(4.0 / 3.0 * math.sqrt(radius) * depth**1.5)
 
 
 def _root(function: Callable[[float], float], low: float, high: float) -> float:
-    """Root of a function that rises through zero in a bracket; an end where rounding hides the sign."""
-    if function(low) >= 0.0:
-        return low
-    if function(high) <= 0.0:
-        return high
+    """Root of a function in a bracket; an end where rounding hides the sign."""
+    first, last = function(low), function(high)
+    if first == 0.0 or (first > 0.0) == (last > 0.0):
+        return low if abs(first) <= abs(last) else high
     return float(brentq(function, low, high, xtol=TIGHTEST * low, rtol=TIGHTEST))
 
 
 def _unreachable(
-    target: OperatingPoints, i: int, reachable: tuple[float, float], left: int, needed: int | None = None
+    target: OperatingPoints, i: int, step: _Step, tools: tuple[float, ...], left: int
 ) -> Infeasible:
-    low, high = reachable[0], max(reachable)
-    if needed is None:
+    """Return why a point is not met, with the friction that could be had there."""
+    fewest = [step.friction_with(step.fewest, radius) for radius in tools]
+    most = [step.friction_with(left, radius) for radius in tools] if left >= step.fewest else []
+    low, high = min(fewest + most), max(fewest + most)
+    if step.friction < low:
         cause = "the asperities that the earlier points need" if i else "a single asperity"
         reason = f"{cause} already give{'' if i else 's'} more ({left} asperities are left, none is needed)"
         nearest = low
-    else:
-        reason = f"at least {needed} more asperities are needed, {left} are left"
+    elif step.friction > high:
+        needed = min(step.needed(radius) for radius in tools)
+        reason = f"at least {needed:.0f} more asperities are needed, {left} are left"
         nearest = high * (1.0 - 1e-9)  # so far inside that rounding asks for no further asperity
+    else:
+        reason = "no whole numbers of asperities of these radii meet it"
+        nearest = min(fewest + most, key=lambda friction: abs(friction - step.friction))
     load, friction = target.rescaled_load[i], target.rescaled_friction[i]
+    found = "cannot be reached" if len(tools) == 1 else "was not reached by levels of these radii"
     return Infeasible(
-        f"operating point {i + 1} (load {load:g}, friction {friction:g} mm^2) cannot be reached: {reason}. "
+        f"operating point {i + 1} (load {load:g}, friction {friction:g} mm^2) {found}: {reason}. "
         f"Given the earlier points, the friction at this load can be from {low:.6g} to {high:.6g} mm^2",
         OperatingPoints(target.rescaled_load[: i + 1], [*target.rescaled_friction[:i], nearest]),
     )
 
 
-def _refuse_too_low(i: int, lowest: float, plane: float, limits: Limits) -> None:
-    """Refuse summits below the workshop's lowest, and a plane that reaches the base plane."""
+def _too_low(i: int, level: _Level, limits: Limits) -> Infeasible | None:
+    """Return why a level cannot be made: summits below the workshop's lowest, or the base plane in touch."""
+    lowest = min(height for height, _, number in level.kinds if number) if level.count else level.height
+    plane = level.height - level.depth
     short = limits.min_height - lowest
     if short > 0.0:
-        raise Infeasible(
+        return Infeasible(
             f"operating point {i + 1} needs a summit at {lowest:.6g} mm, below min_height = "
             f"{limits.min_height:g} mm; raise max_height = {limits.max_height:g} mm by {short:.3g} mm"
         )
     if limits.offset + plane < 0.0:
-        raise Infeasible(
+        return Infeasible(
             f"at operating point {i + 1} the plane would reach the base plane; raise offset = "
             f"{limits.offset:g} mm or max_height by {-limits.offset - plane:.3g} mm"
         )
+    return None

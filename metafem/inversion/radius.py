@@ -1,45 +1,31 @@
-"""The common radius as an unknown: the best of a workshop's tools, or of a range."""
+"""Radii as unknowns: the best one for all of a workshop's tools or a range, or one for each asperity."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
-from metafem.errors import Infeasible, InvalidInput
+from metafem.errors import Infeasible
 from metafem.inversion.blueprint import Parameter
 from metafem.inversion.bounds import achievable_friction_coefficients
-from metafem.inversion.design import Design, design
+from metafem.inversion.design import Design, checked, design, designed
 from metafem.inversion.limits import Limits
+from metafem.inversion.mixture import unreachable
+from metafem.inversion.radii import Radii, RadiusRange
 from metafem.inversion.target import Target
-from metafem.models import Model
+from metafem.models import Independent, Model
 from metafem.surface import Surface
 
-# Radii of a range that are tried first, evenly in the logarithm, and then between the best one's
-# neighbours.
-FIRST_RADII, NEXT_RADII = 7, 4
+# Radii of a range that are tried between the best one's neighbours.
+NEXT_RADII = 4
 
-
-@dataclass(frozen=True)
-class RadiusRange:
-    """Radii from one to another [mm], positive and increasing.
-
-    Examples
-    --------
-    >>> RadiusRange(0.2, 0.8).high
-    0.8
-    """
-
-    low: float
-    high: float
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "low", check.number("low", self.low, above=0.0))
-        object.__setattr__(self, "high", check.number("high", self.high, above=self.low))
+# Of a range, more radii than this are told by the least and the largest.
+MOST_LISTED = 8
 
 
 def design_radius(
@@ -89,13 +75,7 @@ def design_radius(
     check.instance("template", template, Surface, "a metafem.Surface")
     bounds = Limits(max_height=float(template.height.max())) if limits is None else limits
     check.instance("limits", bounds, Limits, "metafem.Limits")
-    ranged = isinstance(radii, RadiusRange)
-    if isinstance(radii, RadiusRange):
-        first = np.geomspace(radii.low, radii.high, FIRST_RADII)
-    else:
-        first = np.unique(check.array("radii", radii, shape=(None,)))
-        if first[0] <= 0.0:
-            raise InvalidInput(f"radii holds {first[0]:g}; all must be greater than 0")
+    choice = Radii.given(radii)
     seed = check.generator(rng).integers(2**63)
     found: dict[float, Design] = {}
     refused: dict[float, Infeasible] = {}
@@ -108,15 +88,83 @@ def design_radius(
             except Infeasible as reason:
                 refused[radius] = reason
 
-    attempt(first)
+    attempt(choice.tried)
     if not found:
-        raise _unreachable(refused)
-    if ranged:
-        attempt(_between(first, min(found, key=lambda radius: found[radius].misfit)))
+        raise unreachable(refused)
+    if choice.tools is None:
+        attempt(_between(choice.tried, min(found, key=lambda radius: found[radius].misfit)))
     best = min(found, key=lambda radius: found[radius].misfit)
     result = found[best]
     parameters = {**result.parameters, "radius": best, **_reach(template, bounds, found)}
     return replace(result, parameters=parameters, notes=result.notes + _notes(refused))
+
+
+def design_radii(
+    target: Target,
+    template: Surface,
+    radii: RadiusRange | Sequence[float],
+    model: Model | None = None,
+    limits: Limits | None = None,
+    rng: Any = 0,
+) -> Design:
+    """Find a radius and a height for each asperity whose friction law is nearest to the target.
+
+    One radius for all is preferred where it reaches the target. Else tools are mixed: linear and bilinear
+    laws deal two to the heights of one density, ``R = (<R>/<sqrt R>)^2`` then taking the radius' place;
+    operating points may have another radius at each level; laws of any shape are sought in heights and
+    radii at once. The radii are those of independent asperities; under another model the heights alone
+    are refined. Several radii reach laws beyond one: local exponents below 2/3, and steeper ones.
+
+    Parameters
+    ----------
+    target, model, limits, rng
+        As for `design`.
+    template : Surface
+        As for `design`; its radii are not used.
+    radii : RadiusRange or sequence of float
+        What each asperity may have: any radius of a range, or the tools of the workshop [mm].
+
+    Returns
+    -------
+    Design
+        Its parameters hold ``used_radii`` [mm] and ``radius_counts``, those in use and the asperities of
+        each; of a range ``lowest_radius`` and ``highest_radius`` [mm]; and of a template with a friction
+        ``reachable_coefficients``, the lowest friction coefficient of linear laws within reach and,
+        where `limits.height_sd` bounds it, the highest.
+
+    Raises
+    ------
+    Infeasible
+        If no radii reach the target; says why.
+    InvalidInput
+        For arguments that cannot be used.
+
+    Examples
+    --------
+    With one radius friction never grows more slowly than P^(2/3).
+
+    >>> import metafem as mf
+    >>> template = mf.Surface.square_lattice(0.12, radius=0.526, material=mf.Material(1.36))
+    >>> target = mf.PowerLaw(0.64, (0.1, 0.2))
+    >>> result = mf.design_radii(target, template, [0.2, 0.8], limits=mf.Limits(0.27))
+    >>> result.parameters["used_radii"], result.misfit < 1e-3
+    (array([0.2, 0.8]), True)
+    """
+    solver: Model = Independent() if model is None else model
+    bounds = checked(target, template, solver, limits)
+    choice = Radii.given(radii)
+    result = designed(target, template, choice, solver, bounds, check.generator(rng))
+    parameters = dict(result.parameters)
+    used, counts = np.unique(result.surface.radius, return_counts=True)
+    if choice.tools is None and len(used) > MOST_LISTED:
+        parameters |= {"lowest_radius": float(used[0]), "highest_radius": float(used[-1])}
+    else:
+        parameters |= {"used_radii": used, "radius_counts": counts.astype(np.int64)}
+    if template.friction is not None:
+        reach = np.array(achievable_friction_coefficients(template, bounds, radii))
+        parameters["reachable_coefficients"] = reach[np.isfinite(reach)]
+    kept = RadiusRange(choice.low, choice.high) if choice.tools is None else choice.tools
+    return replace(result, parameters=parameters, radii=kept)
 
 
 def _between(tried: FloatArray, best: float) -> FloatArray:
@@ -150,10 +198,3 @@ def _notes(refused: dict[float, Infeasible]) -> tuple[str, ...]:
         return ()
     which = ", ".join(f"{radius:.4g}" for radius in sorted(refused))
     return (f"radii that cannot reach the target [mm]: {which}; {refused[min(refused)]}",)
-
-
-def _unreachable(refused: dict[float, Infeasible]) -> Infeasible:
-    smallest, largest = min(refused), max(refused)
-    reasons = [f"with a radius of {radius:.4g} mm, {refused[radius]}" for radius in {smallest, largest}]
-    nearest = refused[smallest].nearest
-    return Infeasible(f"no radius reaches the target: {'; '.join(sorted(reasons))}", nearest)

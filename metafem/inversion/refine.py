@@ -1,25 +1,30 @@
-"""Heights whose law under any model is nearest to what is wanted: Levenberg and Marquardt, and restarts.
+"""Asperities whose law under any model is nearest to what is wanted: Levenberg and Marquardt, and restarts.
 
 A0(P) has kinks in the heights where asperities enter the contact, so a descent can end short of the
-target; random changes of the best heights then start the next one.
+target; random changes of the best asperities then start the next one. What is unknown, and within which
+limits, a `Space` knows: here the heights alone.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
-from metafem._validate import FloatArray
+from metafem._validate import FloatArray, IntArray
 from metafem.inversion.wanted import Wanted
 
-# Law (k,) [mm^2] and its gradient by the heights (k, n) [mm] at given heights (n,).
+# Law (k,) [mm^2] and its gradient by the unknowns (k, n) [mm], lengths (n,) [mm].
 Evaluate = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 
 # Damping, relative to the mean square of the Jacobian: start, and bounds between which it may move.
 START_DAMPING, LEAST_DAMPING, MOST_DAMPING = 1e-2, 1e-12, 1e4
 DAMPING_STEP = 5.0
+
+# Operating points are met to this, a hundredth of what is promised.
+POINT_GOAL = 1e-11
 
 # A descent stops when a step wins less than this share of the sum of squares: what it would still win
 # slowly, along kinks, a random change wins at once (measured: a quarter of the time of 1e-4).
@@ -31,21 +36,76 @@ MAX_STEPS, PATIENT_STEPS = 20, 40
 
 @dataclass(frozen=True)
 class Refined:
-    """Heights (n,) [mm] and the weighted rms of the law's relative differences."""
+    """Unknowns (n,) [mm] and the weighted rms of the law's relative differences."""
 
-    height: FloatArray
+    unknowns: FloatArray
     misfit: float
 
 
-def descend(
-    evaluate: Evaluate, height: FloatArray, wanted: Wanted, span: float, goal: float, patient: bool = False
-) -> Refined:
-    """Lower the misfit from given heights until it is within the goal or no step wins.
+class Space(Protocol):
+    """What may be changed about the asperities of a surface, as a list of lengths."""
 
-    No height falls further than `span` below the tallest. A patient descent ignores small gains: from
-    near a solution it converges to rounding.
+    def project(self, unknowns: FloatArray) -> FloatArray:
+        """Return the nearest unknowns within the limits."""
+        ...
+
+    def changed(self, unknowns: FloatArray, rng: np.random.Generator) -> FloatArray:
+        """Return unknowns changed at random."""
+        ...
+
+
+@dataclass(frozen=True)
+class Heights:
+    """Heights (n,) that are to differ by `span` [mm] at most.
+
+    A random change may add and take a few asperities, of which there may be `most`; with None their
+    number stays.
     """
-    area, gradient = evaluate(height)
+
+    span: float
+    most: int | None = None
+
+    def project(self, unknowns: FloatArray) -> FloatArray:
+        """Return the heights with none further than `span` below the tallest."""
+        return np.asarray(np.maximum(unknowns, unknowns.max() - self.span))
+
+    def changed(self, unknowns: FloatArray, rng: np.random.Generator) -> FloatArray:
+        """Return heights moved at random by about their spacing, some added or taken."""
+        return moved(unknowns, self.most, rng)[0]
+
+
+def moved(height: FloatArray, most: int | None, rng: np.random.Generator) -> tuple[FloatArray, IntArray]:
+    """Return heights moved at random by about their spacing, and the asperity that each comes from."""
+    n = len(height)
+    every = np.arange(n)
+    spacing = float(np.ptp(height)) / n * rng.choice([0.3, 1.0, 3.0])
+    result = height + spacing * rng.standard_normal(n) * (rng.random(n) < rng.choice([0.2, 0.5, 1.0]))
+    if most is None:
+        return result, every
+    if n < most and rng.random() < 0.5:
+        source = rng.integers(n, size=rng.integers(1, min(5, most - n) + 1))
+        new = height[source] + spacing * rng.standard_normal(len(source))
+        return np.append(result, new), np.append(every, source)
+    if n > 2 and rng.random() < 0.3:
+        taken = rng.integers(n)
+        return np.delete(result, taken), np.delete(every, taken)
+    return result, every
+
+
+def descend(
+    evaluate: Evaluate,
+    start: FloatArray,
+    wanted: Wanted,
+    space: Space,
+    goal: float,
+    patient: bool = False,
+) -> Refined:
+    """Lower the misfit from given unknowns until it is within the goal or no step wins.
+
+    A patient descent ignores small gains: from near a solution it converges to rounding.
+    """
+    unknowns = start
+    area, gradient = evaluate(unknowns)
     residual, jacobian = wanted.residual(area, gradient)
     squares, damping = float(residual @ residual), START_DAMPING
     count = len(residual)
@@ -57,66 +117,43 @@ def descend(
         if size == 0.0:
             break
         system = product + damping * size * np.eye(count)
-        step = -jacobian.T @ np.linalg.solve(system, residual)
-        trial = height + step
-        trial = np.maximum(trial, trial.max() - span)
+        trial = space.project(unknowns - jacobian.T @ np.linalg.solve(system, residual))
         area, gradient = evaluate(trial)
         new_residual, new_jacobian = wanted.residual(area, gradient)
         new = float(new_residual @ new_residual)
         if new < squares:
             stalled = squares - new < GAIN * squares and not patient
-            height, residual, jacobian, squares = trial, new_residual, new_jacobian, new
+            unknowns, residual, jacobian, squares = trial, new_residual, new_jacobian, new
             damping = max(damping / DAMPING_STEP, LEAST_DAMPING)
             if stalled:
                 break
         else:
             damping *= DAMPING_STEP
-    return Refined(height, float(np.sqrt(squares / count)))
+    return Refined(unknowns, float(np.sqrt(squares / count)))
 
 
 def search(
     evaluate: Evaluate,
     starts: list[FloatArray],
     wanted: Wanted,
-    span: float,
-    most: int,
+    space: Space,
     goal: float,
     restarts: int,
     rng: np.random.Generator,
 ) -> Refined:
-    """Descend from every start, then from random changes of the best heights.
-
-    A change moves some of the heights by about their spacing, and adds or takes a few asperities, of
-    which there may be `most`; with `most` the present number, none are added or taken.
-    """
+    """Descend from every start, then from random changes of the best."""
     best: Refined | None = None
     for start in starts:
-        found = descend(evaluate, np.maximum(start, start.max() - span), wanted, span, goal)
+        found = descend(evaluate, space.project(start), wanted, space, goal)
         best = found if best is None or found.misfit < best.misfit else best
         if best.misfit <= goal:
             return best
     if best is None:
         raise ValueError("a search needs a start")
-    fixed = most == len(best.height)
     for _ in range(restarts):
         if best.misfit <= goal:
             break
-        height = _changed(best.height, fixed, most, rng)
-        found = descend(evaluate, np.maximum(height, height.max() - span), wanted, span, goal)
+        change = space.project(space.changed(best.unknowns, rng))
+        found = descend(evaluate, change, wanted, space, goal)
         best = found if found.misfit < best.misfit else best
     return best
-
-
-def _changed(height: FloatArray, fixed: bool, most: int, rng: np.random.Generator) -> FloatArray:
-    """Return heights moved at random by about their spacing, some added or taken."""
-    n = len(height)
-    spacing = float(np.ptp(height)) / n * rng.choice([0.3, 1.0, 3.0])
-    moved = height + spacing * rng.standard_normal(n) * (rng.random(n) < rng.choice([0.2, 0.5, 1.0]))
-    if fixed:
-        return np.asarray(moved)
-    if n < most and rng.random() < 0.5:
-        new = rng.choice(height, rng.integers(1, min(5, most - n) + 1))
-        return np.append(moved, new + spacing * rng.standard_normal(len(new)))
-    if n > 2 and rng.random() < 0.3:
-        return np.delete(moved, rng.integers(n))
-    return np.asarray(moved)

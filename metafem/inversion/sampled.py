@@ -10,18 +10,13 @@ from metafem._validate import FloatArray
 from metafem.inversion.blueprint import Blueprint, Branch, Parameter
 from metafem.inversion.feasibility import friction_bounds
 from metafem.inversion.limits import Limits
-from metafem.inversion.march import march
-from metafem.inversion.refine import Evaluate, search
+from metafem.inversion.nearest import independent_law, nearest_law
+from metafem.inversion.radii import Radii
 from metafem.inversion.target import MultilinearLaw, PowerLaw, SampledLaw
 from metafem.inversion.wanted import Wanted
-from metafem.models import Independent
-from metafem.surface import Material, Surface
 
 # Loads at which a power law or all branches of a multilinear law are asked for.
 POINTS = 30
-
-# Misfit at which a search ends: heights of 1 um of error change A0 by more.
-GOAL = 6e-4
 
 # Random restarts of a search, of some 10 ms each; nearly all laws of real surfaces need none or a few.
 RESTARTS = 30
@@ -32,37 +27,23 @@ TRIED_SHARES = (0.5, 0.25, 0.75, 0.1, 0.9)
 
 def invert(
     target: SampledLaw | PowerLaw | MultilinearLaw,
-    radius: float,
+    radii: Radii,
     count: int,
     limits: Limits,
     rng: np.random.Generator,
 ) -> Blueprint:
-    """Return heights whose independent law is nearest to the target."""
+    """Return heights and radii whose independent law is nearest to the target."""
     wanted = wanted_law(target)
-    low, high = friction_bounds(wanted.load, radius, count)
-    starts = [march(wanted.load, law, radius, count) for law in first_laws(target, wanted, low, high)]
-    evaluate = independent(radius, wanted.load)
-    found = search(evaluate, starts, wanted, limits.span, count, GOAL, RESTARTS, rng)
-    height = np.sort(found.height - found.height.max())[::-1]
-    area, _ = evaluate(height)
+    low, high = friction_bounds(wanted.load, radii, count)
+    laws = first_laws(target, wanted, low, high)
+    height, radius = nearest_law(wanted, laws, radii, count, limits.span, RESTARTS, rng)
+    area = independent_law(height, radius, wanted.load).curve.area
     parameters: dict[str, Parameter] = {"span": float(-height[-1]), **open_parameters(target, wanted, area)}
     branches: tuple[Branch, ...] = ()
     if isinstance(target, MultilinearLaw):
         branches = tuple(Branch(slope, ends) for slope, ends in target.branches)
     top = limits.offset + limits.max_height
-    return Blueprint(top + height, parameters, wanted, branches)
-
-
-def independent(radius: float, load: FloatArray) -> Evaluate:
-    """Return the law of independent asperities and its gradient as a function of the heights."""
-    material = Material(1.0)
-
-    def evaluate(height: FloatArray) -> tuple[FloatArray, FloatArray]:
-        surface = Surface.square_lattice(height, (1, len(height)), radius=radius, material=material)
-        found = Independent().sensitivity(surface, load)
-        return found.curve.area, found.gradient
-
-    return evaluate
+    return Blueprint(top + height, radius, parameters, wanted, branches)
 
 
 @singledispatch

@@ -18,8 +18,9 @@ from metafem.inversion import (
     OperatingPoints,
     PowerLaw,
     SampledLaw,
+    feasible_region,
 )
-from metafem.inversion.feasibility import friction_bounds
+from metafem.inversion.mixture import Mixture
 from metafem.inversion.sampled import wanted_law
 from metafem.law import friction_law
 from metafem.models import Independent, Sensitive, equilibrium
@@ -69,7 +70,8 @@ def law_figure(design: Design) -> Figure:
     ax, below = figure.subplots(2, 1, sharex=True, height_ratios=[3, 1])
     plot_law(design.law, ax, "achieved: " + model_name(design.law.model))
     if design.density is not None:
-        count, radius = design.surface.count, float(design.surface.radius[0])
+        mixture = Mixture.of(design.surface.radius)
+        count, radius = mixture.carrying, mixture.radius
         separation = np.linspace(0.0, design.density.max_height, 200)
         ax.plot(
             design.density.rescaled_load(separation, count, radius),
@@ -139,7 +141,7 @@ def _(target: SampledLaw | PowerLaw | MultilinearLaw, design: Design, ax: Axes, 
     ax.plot(wanted.load, law, "o", ms=3, color=WANTED, label="target", zorder=3)
     below.plot(wanted.load, 100.0 * (area / law - 1.0), color=ACHIEVED)
     bounds = np.linspace(0.0, float(wanted.load[-1]), 200)[1:]
-    low, high = friction_bounds(bounds, float(design.surface.radius[0]), design.template.count)
+    low, high = feasible_region(design.template, bounds, design.limits, design.radii)
     ax.fill_between(bounds, low, high, color=QUIET, alpha=0.12, lw=0, label="what any surface can have")
     ax.set_ylim(top=1.5 * float(design.law.area[-1]))
 

@@ -6,13 +6,15 @@ import pytest
 import metafem as mf
 from metafem.inversion.feasibility import friction_bounds
 from metafem.inversion.proportional import proportional_range
+from metafem.inversion.radii import Radii
 
 LIMITS = mf.Limits(0.27)
+ONE = Radii.of(0.526)
 
 
 def test_range_ends_where_the_law_meets_the_bounds():
-    low, high = proportional_range(7.0, 0.526, 64)
-    least, most = friction_bounds(np.array([low, high]), 0.526, 64)
+    low, high = proportional_range(7.0, ONE, 64)
+    least, most = friction_bounds(np.array([low, high]), ONE, 64)
     assert (least[0], most[1]) == (pytest.approx(7.0 * low), pytest.approx(7.0 * high))
 
 
@@ -21,7 +23,7 @@ def test_range_ends_where_the_law_meets_the_bounds():
 def test_friction_is_proportional_over_most_of_the_range(template, slope, model):
     result = mf.design(mf.LinearLaw(slope, through_origin=True), template, model, LIMITS)
     low, last = result.parameters["load_range"]
-    first, end = proportional_range(slope, 0.526, 64)
+    first, end = proportional_range(slope, ONE, 64)
     assert low == pytest.approx(first)
     assert last > 0.5 * end
     load = np.geomspace(low, last, 200)

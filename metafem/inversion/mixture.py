@@ -1,0 +1,115 @@
+"""Asperities of several radii that share the heights of one density alike."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from metafem._validate import FloatArray
+from metafem.errors import Infeasible
+from metafem.inversion.blueprint import Blueprint
+from metafem.inversion.judge import MISSED, independent_misfit
+from metafem.inversion.radii import Radii
+
+# A mixture must win this factor in the misfit over a single tool, whose part is easier to make.
+WORTH = 0.5
+
+# Of two neighbouring tools, the shares of the larger one that are tried.
+SHARES = (0.25, 0.5, 0.75)
+
+
+@dataclass(frozen=True)
+class Mixture:
+    """Numbers of asperities of each radius [mm].
+
+    Under one density of heights they have ``A0 = pi N <R> <d>`` and ``P/E* = 4/3 N <sqrt R> <d^(3/2)>``:
+    the law of ``N <sqrt R>^2/<R>`` asperities of the radius ``(<R>/<sqrt R>)^2``.
+    """
+
+    radii: tuple[float, ...]
+    numbers: tuple[int, ...]
+
+    @classmethod
+    def of(cls, radius: FloatArray) -> Mixture:
+        """Return the mixture of given radii (n,) [mm]."""
+        radii, numbers = np.unique(radius, return_counts=True)
+        return cls(tuple(radii.tolist()), tuple(numbers.tolist()))
+
+    @property
+    def count(self) -> int:
+        """N."""
+        return sum(self.numbers)
+
+    @property
+    def radius(self) -> float:
+        """Radius of asperities that have the same law [mm]."""
+        return self.radii[0] if len(self.radii) == 1 else (self._mean(1.0) / self._mean(0.5)) ** 2
+
+    @property
+    def carrying(self) -> float:
+        """Number of asperities of that radius that have the same law."""
+        return self.count if len(self.radii) == 1 else self.count * self._mean(0.5) ** 2 / self._mean(1.0)
+
+    def _mean(self, power: float) -> float:
+        pairs = zip(self.radii, self.numbers, strict=True)
+        return math.fsum(number * radius**power for radius, number in pairs) / self.count
+
+    def dealt(self) -> FloatArray:
+        """Return a radius for each height, one after the other, evenly mixed, (N,) [mm]."""
+        if len(self.radii) == 1:
+            return np.full(self.count, self.radii[0])
+        numbers, given = np.array(self.numbers), np.zeros(len(self.numbers))
+        order = []
+        for i in range(self.count):
+            most_owed = int((numbers * (i + 1) / self.count - given).argmax())
+            given[most_owed] += 1.0
+            order.append(most_owed)
+        return np.array(self.radii)[order]
+
+
+def best_mixture(invert: Callable[[Mixture], Blueprint], radii: Radii, count: int) -> Blueprint:
+    """Return the blueprint of the single radius with the least misfit, or of two tools that win by far.
+
+    A blueprint with notes, on heights too fine to be made, comes after those without.
+    """
+    singles = [Mixture((radius,), (count,)) for radius in radii.tried.tolist()]
+    if radii.single:
+        return invert(singles[0])
+    refused: dict[float, Infeasible] = {}
+    found: list[tuple[bool, float, Blueprint]] = []
+
+    def attempt(mixtures: list[Mixture]) -> None:
+        for mixture in mixtures:
+            try:
+                blueprint = invert(mixture)
+            except Infeasible as reason:
+                refused.setdefault(mixture.radius, reason)
+            else:
+                misfit = independent_misfit(blueprint)
+                unsound = bool(blueprint.notes) or misfit > MISSED
+                found.append((unsound, misfit / (1.0 if len(mixture.radii) == 1 else WORTH), blueprint))
+
+    attempt(singles)
+    if radii.tools is not None:
+        attempt(_pairs(radii.tools, count))
+    if not found:
+        raise unreachable(refused)
+    return min(found, key=lambda each: each[:2])[2]
+
+
+def _pairs(tools: tuple[float, ...], count: int) -> list[Mixture]:
+    """Return mixtures of neighbouring tools in whole numbers."""
+    numbers = sorted({round(share * count) for share in SHARES} - {0, count})
+    return [Mixture(pair, (count - n, n)) for pair in pairwise(tools) for n in numbers]
+
+
+def unreachable(refused: dict[float, Infeasible]) -> Infeasible:
+    """Return why no radius reaches a target: the reasons of the smallest and the largest."""
+    smallest, largest = min(refused), max(refused)
+    reasons = [f"with a radius of {radius:.4g} mm, {refused[radius]}" for radius in {smallest, largest}]
+    nearest = refused[smallest].nearest
+    return Infeasible(f"no radius reaches the target: {'; '.join(sorted(reasons))}", nearest)

@@ -1,0 +1,98 @@
+"""Radii that asperities may have: one, the tools of a workshop, or any of a range."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from metafem import _validate as check
+from metafem._validate import FloatArray
+from metafem.errors import InvalidInput
+from metafem.surface import Surface
+
+# Radii of a range that are tried alone, evenly in the logarithm.
+TRIED_RADII = 7
+
+
+@dataclass(frozen=True)
+class RadiusRange:
+    """Radii from one to another [mm], positive and increasing.
+
+    Examples
+    --------
+    >>> RadiusRange(0.2, 0.8).high
+    0.8
+    """
+
+    low: float
+    high: float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "low", check.number("low", self.low, above=0.0))
+        object.__setattr__(self, "high", check.number("high", self.high, above=self.low))
+
+
+@dataclass(frozen=True)
+class Radii:
+    """What each asperity may have: one of the tools, rising [mm], or without them any from low to high."""
+
+    low: float
+    high: float
+    tools: tuple[float, ...] | None
+
+    @classmethod
+    def of(cls, radius: float) -> Radii:
+        """One radius for all."""
+        return cls(radius, radius, (radius,))
+
+    @classmethod
+    def common(cls, template: Surface) -> Radii:
+        """The radius that all asperities of a template share."""
+        radius = float(template.radius[0])
+        if (template.radius != radius).any():
+            raise InvalidInput(
+                f"template.radius runs from {template.radius.min():g} to {template.radius.max():g} mm; "
+                "one common radius is needed here, and design_radii chooses radii for each asperity"
+            )
+        return cls.of(radius)
+
+    @classmethod
+    def given(cls, radii: RadiusRange | Sequence[float]) -> Radii:
+        """A range or a list of tools, as a user gives them."""
+        if isinstance(radii, RadiusRange):
+            return cls(radii.low, radii.high, None)
+        tools = np.unique(check.array("radii", radii, shape=(None,)))
+        if tools[0] <= 0.0:
+            raise InvalidInput(f"radii holds {tools[0]:g}; all must be greater than 0")
+        return cls(float(tools[0]), float(tools[-1]), tuple(tools.tolist()))
+
+    @property
+    def single(self) -> bool:
+        """Whether there is no choice."""
+        return self.low == self.high
+
+    @property
+    def tried(self) -> FloatArray:
+        """The tools, or some radii of the range, rising [mm]."""
+        if self.tools is None:
+            return np.geomspace(self.low, self.high, TRIED_RADII)
+        return np.array(self.tools)
+
+    @property
+    def extremes(self) -> Radii:
+        """The least and the largest alone."""
+        return Radii(self.low, self.high, (self.low, self.high))
+
+    def nearest(self, radius: FloatArray) -> FloatArray:
+        """Return the radii that may be had, nearest by ratio to given ones [mm]."""
+        if self.tools is None:
+            return np.clip(radius, self.low, self.high)
+        tools = np.array(self.tools)
+        return np.asarray(tools[np.abs(np.log(radius[:, None] / tools)).argmin(axis=1)])
+
+    def __str__(self) -> str:
+        if self.single:
+            return f"radius {self.low:g} mm"
+        return f"radii from {self.low:g} to {self.high:g} mm"

@@ -1,0 +1,151 @@
+"""A radius for each asperity: laws beyond one radius, tools mixed on one surface."""
+
+import numpy as np
+import pytest
+
+import metafem as mf
+from metafem.distributions import TruncatedExponential
+from metafem.inversion import DesignStatus
+from metafem.inversion.mixture import Mixture
+from metafem.inversion.nearest import Asperities
+from metafem.inversion.radii import Radii
+
+TOOLS = [0.2, 0.8]
+RANGE = mf.RadiusRange(0.2, 0.8)
+LIMITS = mf.Limits(0.27)
+MODELS = [
+    mf.Independent(),
+    mf.Interacting(),
+    mf.Interacting(substrate=mf.BondedLayer(7.2, 0.5)),
+]
+
+
+@pytest.mark.parametrize("model", MODELS, ids=["alone", "half-space", "layer"])
+@pytest.mark.parametrize("radii", [TOOLS, RANGE], ids=["tools", "range"])
+@pytest.mark.parametrize("exponent", [0.645, 1.55])
+def test_powers_beyond_one_radius(template, exponent, radii, model):
+    """One radius has at least 2/3, and reaches 1.51 within 1 % over this range."""
+    result = mf.design_radii(mf.PowerLaw(exponent, (0.1, 0.4)), template, radii, model, LIMITS)
+    assert result.misfit <= 1.5e-3
+    assert result.status is DesignStatus.REFINED
+    assert 0.2 <= result.surface.radius.min() < result.surface.radius.max() <= 0.8
+    if radii is TOOLS:
+        assert set(result.surface.radius) == set(TOOLS)
+        assert result.parameters["radius_counts"].sum() == result.surface.count
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_laws_of_random_mixtures_are_recovered(seed):
+    rng = np.random.default_rng(seed)
+    lattice = mf.Surface.square_lattice(0.12, radius=1.0, material=mf.Material(1.0))
+    mixed = lattice.replaced(
+        height=rng.exponential(0.03, 64), radius=rng.choice([0.2, 0.5, 0.9], 64, p=[0.3, 0.3, 0.4])
+    )
+    load = np.linspace(0.02, 0.5, 30)
+    target = mf.SampledLaw(load, mf.friction_law(mixed, load=load).area)
+    result = mf.design_radii(target, lattice, [0.2, 0.5, 0.9], limits=mf.Limits(0.4))
+    assert result.misfit <= 2e-3
+
+
+def test_one_tool_that_reaches_the_law_is_preferred(template):
+    result = mf.design_radii(mf.PowerLaw(1.2, (0.1, 0.4)), template, TOOLS, limits=LIMITS)
+    assert len(result.parameters["used_radii"]) == 1
+
+
+@pytest.mark.parametrize("model", MODELS, ids=["alone", "half-space", "layer"])
+@pytest.mark.parametrize("radii", [TOOLS, RANGE], ids=["tools", "range"])
+def test_points_below_those_of_one_radius_are_met(template, radii, model):
+    """F grows by less than P^(2/3)."""
+    target = mf.OperatingPoints([0.144, 0.336], [0.84, 0.84 * (0.336 / 0.144) ** 0.65])
+    with pytest.raises(mf.Infeasible, match=r"no radius .* point 2"):
+        mf.design_radius(target, template, TOOLS, limits=LIMITS)
+    result = mf.design_radii(target, template, radii, model, LIMITS)
+    assert result.misfit <= 1e-9
+    assert result.status is DesignStatus.EXACT
+
+
+def test_levels_of_different_radii_meet_points():
+    """With three asperities, one radius cannot: the second point needs a large one after small ones."""
+    three = mf.Surface.square_lattice(0.3, (1, 4), radius=1.0, material=mf.Material(1.0))
+    built = three.replaced(height=[0.3, 0.3, 0.27, 0.25], radius=[0.1, 0.1, 2.0, 2.0])
+    law = mf.friction_law(built, separation=[0.265, 0.2])
+    target = mf.OperatingPoints(law.rescaled_load, law.rescaled_friction)
+    with pytest.raises(mf.Infeasible):
+        mf.design_radius(target, three, [0.1, 2.0], limits=mf.Limits(0.3))
+    result = mf.design_radii(target, three, [0.1, 2.0], limits=mf.Limits(0.3))
+    assert result.misfit <= 1e-9
+    assert set(result.surface.radius) == {0.1, 2.0}
+
+
+def test_a_mixture_has_the_law_of_its_mean_radius():
+    mixture = Mixture((0.2, 0.8), (3000, 1000))
+    density = TruncatedExponential(0.03, 0.12)
+    height = np.sort(-0.03 * np.log1p(-np.linspace(0.0, -np.expm1(-4.0), 4001)[1:]))[::-1]
+    load = np.linspace(1.0, 10.0, 5)
+    area = mf.Independent().curves(height, mixture.dealt(), load)[2][0]
+    delta = np.linspace(0.12, 0.0, 2000)
+    expected = np.interp(
+        load,
+        density.rescaled_load(delta, mixture.carrying, mixture.radius),
+        density.area(delta, mixture.carrying, mixture.radius),
+    )
+    np.testing.assert_allclose(area, expected, rtol=2e-3)  # the ends of 4,000 intervals, not their middles
+
+
+def test_a_mixture_reaches_between_the_tools(template):
+    """10 times height_sd = 3 um leaves a gap between the slopes of the two tools."""
+    limits = mf.Limits(0.12, offset=0.1, height_sd=0.003)
+    friction = template.friction
+    per_slope = friction.shear_strength * friction.area_ratio / template.material.composite_modulus
+    low, high = (
+        np.array(mf.achievable_friction_coefficients(template, limits, [radius])) / per_slope
+        for radius in (0.2, 1.6)
+    )
+    slope = 0.5 * (low[1] + high[0])
+    result = mf.design_radii(mf.LinearLaw(slope), template, [0.2, 1.6], limits=limits)
+    assert result.parameters["used_radii"].tolist() == [0.2, 1.6]
+    assert result.status is DesignStatus.APPROXIMATE
+    assert not [note for note in result.notes if "height_sd" in note]
+    reach = result.parameters["reachable_coefficients"] / per_slope
+    np.testing.assert_allclose(reach, [low[0], high[1]])
+
+
+def test_proportional_laws_and_branches_take_tools(template):
+    wide = mf.design_radii(mf.LinearLaw(12.0, True), template, TOOLS, limits=LIMITS)
+    narrow = mf.design_radius(mf.LinearLaw(12.0, True), template, TOOLS, limits=LIMITS)
+    ratio = [
+        found.parameters["load_range"][1] / found.parameters["load_range"][0] for found in (wide, narrow)
+    ]
+    assert ratio[0] > 1.5 * ratio[1]
+    target = mf.MultilinearLaw([6.0, 12.0], [0.15], (0.1, 0.3))
+    assert mf.design_radii(target, template, TOOLS, limits=LIMITS).misfit <= 1e-3
+
+
+def test_gradients_by_radii_are_those_of_differences():
+    rng = np.random.default_rng(1)
+    space = Asperities(1.0, 9, Radii(0.1, 2.0, None), 0.05)
+    at = space.joined(rng.uniform(0.1, 0.2, 9), rng.uniform(0.2, 0.8, 9))
+    law = space.law(np.array([0.05, 0.2]))
+    step = 1e-5
+    for i in range(9, 18):
+        e = step * np.eye(18)[i]
+        slope = (
+            (8.0 * (law(at + e)[0] - law(at - e)[0]) - law(at + 2 * e)[0] + law(at - 2 * e)[0]) / 12 / step
+        )
+        np.testing.assert_allclose(law(at)[1][:, i], slope, atol=1e-7)
+
+
+def test_a_target_beyond_all_radii_says_why(template):
+    with pytest.raises(mf.Infeasible, match=r"at least 0\.6283 .* radii from 0\.2 to 0\.8 mm"):
+        mf.design_radii(mf.PowerLaw(0.62, (0.1, 0.4)), template, TOOLS, limits=LIMITS)
+    with pytest.raises(mf.Infeasible, match=r"no radius reaches the target: with a radius of 0\.2 mm"):
+        mf.design_radii(mf.LinearLaw(1.0), template, TOOLS, limits=LIMITS)
+
+
+def test_a_mixed_design_survives_its_files(template, tmp_path):
+    limits = mf.Limits(0.15, offset=0.02)
+    result = mf.design_radii(mf.PowerLaw(1.5, (0.1, 0.3)), template, RANGE, limits=limits)
+    mf.save(result, tmp_path / "mixed")
+    again = mf.load(tmp_path / "mixed")
+    np.testing.assert_array_equal(again.surface.radius, result.surface.radius)
+    assert again.radii == RANGE
