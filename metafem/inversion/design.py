@@ -14,6 +14,7 @@ from metafem.distributions import PiecewiseExponential
 from metafem.errors import Infeasible, InvalidInput
 from metafem.inversion import exponential, feasibility, operating_points, proportional, sampled
 from metafem.inversion.adapt import adapted, interaction_margin
+from metafem.inversion.arranged import Layout, arranged
 from metafem.inversion.blueprint import Blueprint, Branch, Parameter
 from metafem.inversion.bounds import common_radius
 from metafem.inversion.gridded import gridded
@@ -71,6 +72,8 @@ class Design:
         The height density behind the heights, measured from `limits.foot`.
     notes : tuple of str
         What a user should know before making the part.
+    layout : Layout or None
+        What the places were chosen for.
     """
 
     surface: Surface
@@ -85,6 +88,7 @@ class Design:
     fits: tuple[tuple[Branch, BranchFit], ...] = ()
     density: PiecewiseExponential | None = None
     notes: tuple[str, ...] = ()
+    layout: Layout | None = None
 
 
 def _invert_linear(
@@ -117,6 +121,7 @@ def design(
     model: Model | None = None,
     limits: Limits | None = None,
     rng: Any = 0,
+    layout: Layout | None = None,
 ) -> Design:
     """Find heights whose friction law is the target.
 
@@ -136,6 +141,9 @@ def design(
         under the independent model are the whole numbers nearest to its density.
     rng : int or numpy Generator
         Seed of the deal of heights to places.
+    layout : Layout, optional
+        What the places are chosen for, by `arrange` under the model and before any refinement; its
+        misfits are the parameters ``layout_before`` and ``layout_after`` [-].
 
     Returns
     -------
@@ -162,6 +170,8 @@ def design(
     """
     solver: Model = Independent() if model is None else model
     limits = _checked(target, template, solver, limits)
+    if layout is not None:
+        check.instance("layout", layout, Layout, "metafem.Layout")
     radius, generator = common_radius(template), check.generator(rng)
     _refuse_infeasible(target, template, solver, radius, limits)
     deal = generator.permutation(template.count)
@@ -174,6 +184,7 @@ def design(
         height=blueprint.height[order],
         radius=template.radius[sites],
     )
+    surface, placed, placing = arranged(surface, layout, solver, blueprint.wanted, generator)
     surface, sites, moved = adapted(surface, sites, template, solver, blueprint, limits, generator)
     stepped: dict[str, Parameter] = {}
     coupled = not isinstance(solver, UNCOUPLED)
@@ -189,14 +200,15 @@ def design(
         law=_drawn_law(surface, solver, target),
         misfit=misfit,
         status=status_of(solver, blueprint, misfit, bool(moved)),
-        parameters=parameters | stepped,
+        parameters=parameters | placed | stepped,
         sites=sites,
         target=target,
         template=template,
         limits=limits,
         fits=fits,
         density=blueprint.density,
-        notes=blueprint.notes + moved + _notes(surface, limits),
+        notes=blueprint.notes + placing + moved + _notes(surface, limits),
+        layout=layout,
     )
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.errors import Infeasible, InvalidInput
+from metafem.inversion.arranged import Layout
 from metafem.inversion.blueprint import Parameter
 from metafem.inversion.bounds import achievable_friction_coefficients
 from metafem.inversion.design import Design, design
@@ -49,6 +50,7 @@ def design_radius(
     model: Model | None = None,
     limits: Limits | None = None,
     rng: Any = 0,
+    layout: Layout | None = None,
 ) -> Design:
     """Find the common radius, and the heights, whose friction law is nearest to the target.
 
@@ -60,6 +62,8 @@ def design_radius(
         As for `design`; its radii are not used.
     radii : RadiusRange or sequence of float
         A range, of which 11 radii are tried, or the tools of the workshop [mm].
+    layout : Layout, optional
+        As for `design`, for the best radius alone.
 
     Returns
     -------
@@ -115,6 +119,9 @@ def design_radius(
         attempt(_between(first, min(found, key=lambda radius: found[radius].misfit)))
     best = min(found, key=lambda radius: found[radius].misfit)
     result = found[best]
+    if layout is not None:
+        part = template.replaced(radius=best)
+        result = design(target, part, model, bounds, np.random.default_rng(seed), layout)
     parameters = {**result.parameters, "radius": best, **_reach(template, bounds, found)}
     return replace(result, parameters=parameters, notes=result.notes + _notes(refused))
 

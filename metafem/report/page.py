@@ -53,6 +53,8 @@ PARAMETERS = {
     "radius_misfits": ("misfits with these radii", "", 1.0),
     "lowest_coefficients": ("lowest friction coefficients of linear laws with them", "", 1.0),
     "highest_coefficients": ("highest friction coefficients of linear laws with them", "", 1.0),
+    "layout_before": ("misfit of the places as dealt", "", 1.0),
+    "layout_after": ("misfit of the places as arranged", "", 1.0),
     "step_levels": ("levels on the steps, above the base", "µm", 1e3),
     "step_counts": ("numbers of asperities on them", "", 1.0),
     "step_loss": ("misfit that the steps add", "", 1.0),
