@@ -73,9 +73,11 @@ class Specification:
         """Design what the file asks for, under its model unless another is given."""
         chosen = self.model if model is None else model
         if self.radii is None:
-            return design(self.target, self.template, chosen, self.limits, self.seed, self.layout)
+            return design(self.target, self.template, chosen, self.limits, self.seed, layout=self.layout)
         search = SEARCHES[self.mixed]
-        return search(self.target, self.template, self.radii, chosen, self.limits, self.seed, self.layout)
+        return search(
+            self.target, self.template, self.radii, chosen, self.limits, self.seed, layout=self.layout
+        )
 
 
 def read_spec(path: str | Path) -> Specification:
