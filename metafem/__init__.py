@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from metafem.inversion import BilinearLaw as BilinearLaw
     from metafem.inversion import FollowLaw as FollowLaw
     from metafem.inversion import InsensitiveToTilt as InsensitiveToTilt
+    from metafem.inversion import Layout as Layout
     from metafem.inversion import Limits as Limits
     from metafem.inversion import LinearLaw as LinearLaw
     from metafem.inversion import MultilinearLaw as MultilinearLaw
@@ -80,6 +81,7 @@ _HOME = {
         "FollowLaw",
         "InsensitiveToTilt",
         "Design",
+        "Layout",
         "Limits",
         "LinearLaw",
         "MultilinearLaw",

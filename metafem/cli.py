@@ -6,6 +6,7 @@ import json
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -103,7 +104,12 @@ def demo(name: str, model: str | None, force: bool, as_json: bool) -> None:
 @force_option
 @json_option
 def design(spec: Path, output: Path, model: str | None, force: bool, as_json: bool) -> None:
-    """Design a surface from the specification SPEC.toml and write all its files."""
+    """Design a surface from the specification SPEC.toml and write all its files.
+
+    A specification has the sections target (of kind operating-points, linear, bilinear, sampled, power or
+    multilinear), material, lattice and limits and, where wanted, friction, radii, block, layout, model,
+    part and checks. `metafem spec` prints every key with an example; `metafem demo` writes whole files.
+    """
     _run(spec, output, model, force, as_json)
 
 
@@ -118,9 +124,7 @@ def _run(spec: Path, folder: Path, model: str | None, force: bool, as_json: bool
         specification = mf.read_spec(spec)
         chosen = model_named(model) if model else specification.model
         say("inverting the law")
-        result = mf.design(
-            specification.target, specification.template, chosen, specification.limits, rng=specification.seed
-        )
+        result = specification.design(chosen)
         say("drawing the report")
         text = page(result, specification.hardness)
         say("writing the files")
@@ -128,6 +132,18 @@ def _run(spec: Path, folder: Path, model: str | None, force: bool, as_json: bool
     _tell_design(result, specification, folder, cautions(result, specification.hardness), as_json)
     if result.status is DesignStatus.MISSED:
         sys.exit(NOT_ACHIEVED)
+
+
+@main.command("spec")
+@json_option
+def explain(as_json: bool) -> None:
+    """Print every section and key of a specification, each with its meaning and an example."""
+    from metafem.files import all_keys, manual
+
+    if as_json:
+        click.echo(json.dumps([asdict(key) for key in all_keys()]))
+    else:
+        click.echo(manual(), nl=False)
 
 
 @main.command()

@@ -1,6 +1,7 @@
 """The commands, as a person at a terminal uses them."""
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -9,7 +10,7 @@ from click.testing import CliRunner
 
 import metafem as mf
 from metafem import cli
-from metafem.files import MODELS, demo_text
+from metafem.files import MODELS, all_keys, demo_text, manual
 
 
 @pytest.fixture
@@ -27,6 +28,31 @@ def run(tmp_path, monkeypatch):
 
 def test_models_of_the_command_are_those_of_the_files():
     assert tuple(MODELS) == cli.MODELS
+
+
+def test_help_and_readme_name_every_section_and_kind_of_target(run):
+    readme = (Path(__file__).parent.parent / "README.md").read_text("utf-8")
+    for text in (run("design", "--help").output, readme.split("## Commands")[1]):
+        words = set(re.findall(r"[a-z-]+", " ".join(text.split())))
+        assert {name for key in all_keys() for name in (key.section, key.kind) if name} <= words
+
+
+def test_spec_prints_every_key(run):
+    assert run("spec").stdout == manual()
+    told = json.loads(run("spec", "--json").stdout)
+    assert [(key["section"], key["name"]) for key in told] == [(key.section, key.name) for key in all_keys()]
+
+
+def test_radii_and_layout_of_a_specification_are_designed(run):
+    text = demo_text("linear").replace('radius = "526 um"', "").replace("seed = 0", 'tilt = "0.1 deg"')
+    Path("tools.toml").write_text(text + '[radii]\ntools = ["526 um", "300 um"]\n', "utf-8")
+    result = run("design", "tools.toml", "-o", "tools")
+    assert result.exit_code == 0, result.output
+    assert "misfit of the places as arranged" in " ".join(result.output.split())
+    found = mf.load("tools")
+    assert found.layout.tilt == pytest.approx(0.1 * 3.141592653589793 / 180.0)
+    assert found.parameters["tried_radii"].tolist() == [0.3, 0.526]
+    assert "misfit of the places as arranged" in Path("tools/report.html").read_text("utf-8")
 
 
 @pytest.mark.parametrize("command", [(), *((name,) for name in cli.main.commands)])

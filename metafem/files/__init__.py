@@ -2,6 +2,7 @@
 
 from metafem.files.demo import demo_text
 from metafem.files.folder import load, save, stored_hardness
+from metafem.files.manual import all_keys, manual
 from metafem.files.model_names import MODELS, model_named
 from metafem.files.spec import Specification, read_spec
 from metafem.files.staged import check_free
@@ -13,10 +14,12 @@ from metafem.files.units import quantity
 __all__ = [
     "MODELS",
     "Specification",
+    "all_keys",
     "check_free",
     "demo_text",
     "law_table",
     "load",
+    "manual",
     "model_named",
     "quantity",
     "read_heights",

@@ -19,7 +19,7 @@ from metafem.files.spec import Specification
 from metafem.files.staged import FORMAT, staged
 from metafem.files.tables import heights_table, law_table, mould_table
 from metafem.files.vtu import write_surface
-from metafem.inversion import Design, DesignStatus, Limits, Target
+from metafem.inversion import Design, DesignStatus, Layout, Limits, Target
 from metafem.law import FrictionLaw
 from metafem.models import Model
 from metafem.surface import Surface
@@ -140,6 +140,7 @@ def _checked(path: Path, design: Any) -> Design:
         "limits": Limits,
         "fits": tuple,
         "notes": tuple,
+        "layout": Layout | None,
     }
     for name, kind in kinds.items():
         if not isinstance(getattr(design, name), kind):

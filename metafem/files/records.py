@@ -17,6 +17,7 @@ from metafem.inversion import (
     BilinearLaw,
     Design,
     DesignStatus,
+    Layout,
     Limits,
     LinearLaw,
     MultilinearLaw,
@@ -38,7 +39,7 @@ VALUES: Mapping[str, type] = {
         *(Material, Friction, Block, Surface, Hertz, HalfSpace, BondedLayer),
         *(Independent, MeanField, Interacting, BoundaryElements, Automatic),
         *(OperatingPoints, LinearLaw, BilinearLaw, SampledLaw, PowerLaw, MultilinearLaw),
-        *(Limits, RadiusRange, Design, FrictionLaw),
+        *(Limits, Layout, RadiusRange, Design, FrictionLaw),
         *(Branch, BranchFit, TruncatedExponential, TwoBranchExponential),
     )
 }

@@ -1,204 +1,124 @@
-"""Sections of a specification as pydantic models: known keys, their units, their types."""
+"""Sections of a specification as pydantic models: known keys, their units, their types, their meaning."""
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, field_validator, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from metafem.errors import InvalidInput
 from metafem.files.model_names import MODELS, suggestion
-from metafem.files.units import converted
-from metafem.inversion import (
-    BilinearLaw,
-    Limits,
-    LinearLaw,
-    MultilinearLaw,
-    OperatingPoints,
-    PowerLaw,
-    SampledLaw,
-    Target,
+from metafem.files.section import Angle, Length, Number, Section, Stress, Whether, measured, says
+from metafem.files.target_sections import (
+    BilinearSection,
+    LinearSection,
+    MultilinearSection,
+    PointsSection,
+    PowerSection,
+    SampledSection,
 )
+from metafem.inversion import Layout, Limits, RadiusRange
 from metafem.models import Model
 from metafem.surface import Block, Friction, Material, Surface
 
-
-def _in(unit: str, example: str | None = None) -> BeforeValidator:
-    return BeforeValidator(lambda given: converted(given, unit, example))
-
-
-Length = Annotated[float, _in("mm")]
-Area = Annotated[float, _in("mm^2")]
-Force = Annotated[float, _in("N")]
-Stress = Annotated[float, _in("MPa")]
-Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
-
-
-class Section(BaseModel):
-    """A section in which every key is known."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class CurveSection(Section):
-    """Points of a law: rescaled values, or forces."""
-
-    rescaled_load: list[Area] | None = None
-    rescaled_friction: list[Area] | None = None
-    load: list[Force] | None = None
-    friction_force: list[Force] | None = None
-
-    @model_validator(mode="after")
-    def _one_pair(self) -> CurveSection:
-        rescaled = (self.rescaled_load is not None, self.rescaled_friction is not None)
-        forces = (self.load is not None, self.friction_force is not None)
-        if sorted((rescaled, forces)) != [(False, False), (True, True)]:
-            raise InvalidInput(
-                "needs rescaled_load and rescaled_friction [mm^2], or load and friction_force [N]"
-            )
-        return self
-
-    def points(self, material: Material, friction: Friction | None) -> OperatingPoints:
-        """Return the points, rescaled."""
-        if self.load is None:
-            return OperatingPoints(self.rescaled_load or [], self.rescaled_friction or [])
-        if friction is None:
-            raise InvalidInput("load and friction_force need [friction] with shear_strength and area_ratio")
-        return OperatingPoints.from_forces(self.load, self.friction_force or [], material, friction)
-
-
-class PointsSection(CurveSection):
-    """``[target]`` of kind operating-points."""
-
-    kind: Literal["operating-points"]
-
-    def target(self, material: Material, friction: Friction | None) -> Target:
-        """Return the target of these keys."""
-        return self.points(material, friction)
-
-
-class SampledSection(CurveSection):
-    """``[target]`` of kind sampled; `file` has been replaced by what it holds."""
-
-    kind: Literal["sampled"]
-    weight: list[Number] | None = None
-
-    def target(self, material: Material, friction: Friction | None) -> Target:
-        """Return the target of these keys."""
-        points = self.points(material, friction)
-        return SampledLaw(points.rescaled_load, points.rescaled_friction, self.weight)
-
-
-class PowerSection(Section):
-    """``[target]`` of kind power."""
-
-    kind: Literal["power"]
-    exponent: Number
-    load_range: list[Area]
-    prefactor: Number | None = None
-
-    def target(self, material: Material, friction: Friction | None) -> Target:
-        """Return the target of these keys."""
-        return PowerLaw(self.exponent, self.load_range, self.prefactor)
-
-
-class MultilinearSection(Section):
-    """``[target]`` of kind multilinear."""
-
-    kind: Literal["multilinear"]
-    slopes: list[Number]
-    crossover_loads: list[Area | list[Area]]
-    load_range: list[Area]
-
-    def target(self, material: Material, friction: Friction | None) -> Target:
-        """Return the target of these keys."""
-        return MultilinearLaw(self.slopes, self.crossover_loads, self.load_range)
-
-
-class LinearSection(Section):
-    """``[target]`` of kind linear: a slope or a friction coefficient."""
-
-    kind: Literal["linear"]
-    slope: Number | None = None
-    friction_coefficient: Number | None = None
-
-    @model_validator(mode="after")
-    def _one_of_two(self) -> LinearSection:
-        if (self.slope is None) == (self.friction_coefficient is None):
-            raise InvalidInput("needs slope or friction_coefficient, one of the two")
-        return self
-
-    def target(self, material: Material, friction: Friction | None) -> Target:
-        """Return the target of these keys."""
-        if self.friction_coefficient is None:
-            return LinearLaw(self.slope or 0.0)
-        if friction is None:
-            raise InvalidInput("friction_coefficient needs [friction] with shear_strength and area_ratio")
-        return LinearLaw.from_friction_coefficient(self.friction_coefficient, material, friction)
-
-
-class BilinearSection(Section):
-    """``[target]`` of kind bilinear."""
-
-    kind: Literal["bilinear"]
-    slopes: list[Number]
-    crossover_load: Area
-
-    def target(self, material: Material, friction: Friction | None) -> Target:
-        """Return the target of these keys."""
-        return BilinearLaw(self.slopes, self.crossover_load)
+Integer = Annotated[int, Field(strict=True)]
+Radius = Annotated[Length, Field(gt=0.0)]
 
 
 class MaterialSection(Section):
     """``[material]``."""
 
-    composite_modulus: Stress
-    poisson_ratio: Number = 0.5
+    composite_modulus: Annotated[Stress, says("E* = E/(1 - nu^2)", "1.36 MPa")]
+    poisson_ratio: Annotated[Number, says("nu, from 0 to 0.5", 0.5)] = 0.5
 
 
 class FrictionSection(Section):
     """``[friction]``."""
 
-    shear_strength: Stress
-    area_ratio: Number = 1.0
+    shear_strength: Annotated[Stress, says("sigma: friction force per real contact area", "0.358 MPa")]
+    area_ratio: Annotated[Number, says("B: sheared over initial real contact area", 0.85)] = 1.0
 
 
 class LatticeSection(Section):
     """``[lattice]``."""
 
-    shape: tuple[Annotated[int, Field(strict=True)], Annotated[int, Field(strict=True)]]
-    pitch: Annotated[float, _in("mm", "1.5 mm")]
-    radius: Annotated[float, _in("mm", "526 um")]
+    shape: Annotated[tuple[Integer, Integer], says("rows, columns", [8, 8])]
+    pitch: Annotated[float, measured("mm", "1.5 mm"), says("distance of neighbours", "1.5 mm")]
+    radius: Annotated[
+        Annotated[float, measured("mm", "526 um")] | None,
+        says("either: of curvature of the summits; or: a section [radii]", "526 um"),
+    ] = None
+
+
+class RadiiSection(Section):
+    """``[radii]``."""
+
+    tools: Annotated[
+        Annotated[list[Radius], Field(min_length=1)] | None,
+        says("either: those that the workshop has", ["300 um", "526 um"]),
+    ] = None
+    range: Annotated[tuple[Radius, Radius] | None, says("or: from and to", ["200 um", "800 um"])] = None
+    mixed: Annotated[Whether, says("each asperity its own, not one for all", True)] = False
+
+    @field_validator("range")
+    @classmethod
+    def _increasing(cls, given: tuple[float, float] | None) -> tuple[float, float] | None:
+        if given is not None and not given[0] < given[1]:
+            raise InvalidInput(f"= [{given[0]:g} mm, {given[1]:g} mm] must increase")
+        return given
+
+    @model_validator(mode="after")
+    def _one_of_two(self) -> RadiiSection:
+        if (self.tools is None) == (self.range is None):
+            raise InvalidInput("needs tools or range, one of the two")
+        return self
+
+    def radii(self) -> RadiusRange | tuple[float, ...]:
+        """Return the range, or the tools."""
+        return tuple(self.tools or ()) if self.range is None else RadiusRange(*self.range)
 
 
 class BlockSection(Section):
     """``[block]``."""
 
-    width: Annotated[float, _in("mm", "20 mm")]
-    length: Annotated[float, _in("mm", "20 mm")]
-    thickness: Annotated[float, _in("mm", "7.2 mm")]
+    width: Annotated[float, measured("mm", "20 mm"), says("along x", "20 mm")]
+    length: Annotated[float, measured("mm", "20 mm"), says("along y", "20 mm")]
+    thickness: Annotated[float, measured("mm", "7.2 mm"), says("down to the rigid plate", "7.2 mm")]
 
 
 class LimitsSection(Section):
     """``[limits]``."""
 
-    max_height: Length
-    min_height: Length = 0.0
-    offset: Length = 0.0
-    height_step: Length | None = None
-    height_sd: Length | None = None
+    max_height: Annotated[Length, says("of the summits, above the offset", "120 um")]
+    min_height: Annotated[Length, says("of the summits, above the offset", "10 um")] = 0.0
+    offset: Annotated[Length, says("added to all heights", "84 um")] = 0.0
+    height_step: Annotated[Length | None, says("distance of the levels; any height unless given", "6 um")] = (
+        None
+    )
+    height_sd: Annotated[Length | None, says("standard deviation of the made heights", "0.9 um")] = None
 
 
 class LayoutSection(Section):
     """``[layout]``."""
 
-    seed: Annotated[int, Field(strict=True, ge=0)] = 0
+    seed: Annotated[int, Field(strict=True, ge=0), says("of the deal of heights to the sites", 0)] = 0
+    follow_law: Annotated[Whether, says("choose the sites against interaction", True)] = False
+    tilt: Annotated[Angle | None, says("choose the sites against a tilt by this angle", "0.1 deg")] = None
+    tilt_weight: Annotated[Number | None, says("of the tilt beside interaction; 1 unless given", 2.0)] = None
+
+    def layout(self) -> Layout | None:
+        """Return what the sites are chosen for."""
+        if self.tilt is None and self.tilt_weight is not None:
+            raise InvalidInput('tilt_weight needs tilt; write for example tilt = "0.1 deg"')
+        if self.tilt is None and not self.follow_law:
+            return None
+        return Layout(self.follow_law, self.tilt, 1.0 if self.tilt_weight is None else self.tilt_weight)
 
 
 class ModelSection(Section):
     """``[model]``."""
 
-    kind: str = "independent"
+    kind: Annotated[str, says(f"of the predicted law: {', '.join(MODELS)}", "layer")] = "independent"
 
     @field_validator("kind")
     @classmethod
@@ -215,13 +135,19 @@ class ModelSection(Section):
 class PartSection(Section):
     """``[part]``."""
 
-    alignment_height: Annotated[float, _in("mm", "400 um"), Field(gt=0.0)] | None = None
+    alignment_height: Annotated[
+        Annotated[float, measured("mm", "400 um"), Field(gt=0.0)] | None,
+        says("of four asperities outside the corners, cut off in the end", "400 um"),
+    ] = None
 
 
 class ChecksSection(Section):
     """``[checks]``."""
 
-    hardness: Annotated[float, _in("MPa", "10 MPa"), Field(gt=0.0)] | None = None
+    hardness: Annotated[
+        Annotated[float, measured("MPa", "10 MPa"), Field(gt=0.0)] | None,
+        says("H of the softer material, for plasticity", "10 MPa"),
+    ] = None
 
 
 class Sections(Section):
@@ -229,20 +155,23 @@ class Sections(Section):
 
     target: Annotated[
         PointsSection | LinearSection | BilinearSection | SampledSection | PowerSection | MultilinearSection,
-        Field(discriminator="kind"),
+        Field(discriminator="kind", description="the wanted friction law, of one of these kinds"),
     ]
-    material: MaterialSection
-    friction: FrictionSection | None = None
-    lattice: LatticeSection
-    block: BlockSection | None = None
-    limits: LimitsSection
-    layout: LayoutSection = LayoutSection()
-    model: ModelSection = ModelSection()
-    part: PartSection = PartSection()
-    checks: ChecksSection = ChecksSection()
+    material: Annotated[MaterialSection, says("the elastomer")]
+    friction: Annotated[FrictionSection | None, says("friction forces in N need it")] = None
+    lattice: Annotated[LatticeSection, says("places for asperities")]
+    radii: Annotated[RadiiSection | None, says("radii to choose from, instead of lattice.radius")] = None
+    block: Annotated[BlockSection | None, says("the part files and the models layer and block need it")] = (
+        None
+    )
+    limits: Annotated[LimitsSection, says("what the workshop can make")]
+    layout: Annotated[LayoutSection, says("which height stands where")] = LayoutSection()
+    model: Annotated[ModelSection, says("under which the law is to be met")] = ModelSection()
+    part: Annotated[PartSection, says("what the part has beside the asperities")] = PartSection()
+    checks: Annotated[ChecksSection, says("what is checked beside the law")] = ChecksSection()
 
-    def build(self) -> tuple[Target | None, Surface | None, Limits | None, list[str]]:
-        """Return target, template and limits, or None and what is wrong with each, one per problem."""
+    def build(self) -> tuple[dict[str, Any], list[str]]:
+        """Return target, template, limits, layout and radii, and what is wrong, one problem each."""
         problems: list[str] = []
 
         def made(section: str, kind: Any, values: dict[str, Any]) -> Any:
@@ -256,11 +185,26 @@ class Sections(Section):
         friction = self.friction and made("friction", Friction, self.friction.model_dump())
         block = self.block and made("block", Block, self.block.model_dump())
         limits = made("limits", Limits, self.limits.model_dump())
+        layout = made("layout", self.layout.layout, {})
         # Stand-ins let the other sections be judged when one of these is wrong.
         top = limits.offset + limits.max_height if limits else 1.0
         stuff = material or Material(1.0)
-        lattice = {"height": top, "material": stuff, "friction": friction, "block": block}
+        radius, radii, problem = self._radius()
+        problems += problem
+        lattice = {"height": top, "radius": radius, "material": stuff, "friction": friction, "block": block}
         template = made("lattice", Surface.square_lattice, {**self.lattice.model_dump(), **lattice})
         pair = friction or (Friction(1.0) if self.friction else None)
         target = made("target", self.target.target, {"material": stuff, "friction": pair})
-        return target, template, limits, problems
+        parts = {"target": target, "template": template, "limits": limits, "layout": layout, "radii": radii}
+        return parts, problems
+
+    def _radius(self) -> tuple[float, RadiusRange | tuple[float, ...] | None, list[str]]:
+        """Return the template's radius, the radii to choose from, and what is wrong with them."""
+        one = self.lattice.radius
+        if self.radii is None:
+            missing = 'lattice.radius is missing; write for example radius = "526 um", or a section [radii]'
+            return (1.0, None, [missing]) if one is None else (one, None, [])
+        radii = self.radii.radii()
+        least = radii.low if isinstance(radii, RadiusRange) else min(radii)
+        twice = "lattice.radius and [radii] both give radii; keep one"
+        return least, radii, [] if one is None else [twice]

@@ -5,15 +5,25 @@ from __future__ import annotations
 import hashlib
 import re
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
 from metafem.errors import InvalidInput
+from metafem.files.manual import all_keys, as_toml
 from metafem.files.model_names import suggestion
 from metafem.files.wanted_table import with_samples
-from metafem.inversion import Limits, Target
+from metafem.inversion import (
+    Design,
+    Layout,
+    Limits,
+    RadiusRange,
+    Target,
+    design,
+    design_radii,
+    design_radius,
+)
 from metafem.models import Model
 from metafem.surface import Surface
 
@@ -22,36 +32,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Specification", "read_spec"]
 
-# Keys whose value is a text or a list, and how it would look; quantities bring their own example.
-_EXAMPLES = {
-    "shape": "[8, 8]",
-    "slopes": "[7.15, 12.52]",
-    "poisson_ratio": "0.5",
-    "area_ratio": "0.85",
-    "slope": "6.87",
-    "friction_coefficient": "1.5",
-    "seed": "0",
-    "kind": '"linear"',
-    "composite_modulus": '"1.36 MPa"',
-    "shear_strength": '"0.358 MPa"',
-    "hardness": '"10 MPa"',
-    "pitch": '"1.5 mm"',
-    "radius": '"526 um"',
-    "max_height": '"120 um"',
-    "crossover_load": '"0.0380 mm^2"',
-    "alignment_height": '"400 um"',
-    "width": '"20 mm"',
-    "length": '"20 mm"',
-    "thickness": '"7.2 mm"',
-    "rescaled_load": '["0.144 mm^2", "0.336 mm^2"]',
-    "rescaled_friction": '["0.84 mm^2", "1.68 mm^2"]',
-    "load": '["0.2 N", "0.4 N"]',
-    "load_range": '["0.1 mm^2", "0.4 mm^2"]',
-    "crossover_loads": '["0.1 mm^2", ["0.2 mm^2", "0.3 mm^2"]]',
-    "exponent": "1.2",
-    "file": '"wanted.csv"',
-    "friction_force": '["0.26 N", "0.53 N"]',
-}
+# How radii are chosen: one for all asperities, or each its own.
+SEARCHES: Mapping[bool, Callable[..., Design]] = {False: design_radius, True: design_radii}
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,6 +49,12 @@ class Specification:
     model : Model
     seed : int
         Of the deal of heights to sites.
+    layout : Layout or None
+        What the sites are chosen for.
+    radii : RadiusRange, tuple of float or None
+        From which the radius is chosen [mm]; that of the template then counts for nothing.
+    mixed : bool
+        Whether each asperity may have its own radius.
     alignment_height : float or None
         Height of the four alignment asperities [mm].
     hardness : float or None
@@ -82,10 +70,23 @@ class Specification:
     limits: Limits
     model: Model
     seed: int
+    layout: Layout | None
+    radii: RadiusRange | tuple[float, ...] | None
+    mixed: bool
     alignment_height: float | None
     hardness: float | None
     text: str
     sha256: str
+
+    def design(self, model: Model | None = None) -> Design:
+        """Design what the file asks for, under its model unless another is given."""
+        chosen = self.model if model is None else model
+        if self.radii is None:
+            return design(self.target, self.template, chosen, self.limits, self.seed, layout=self.layout)
+        search = SEARCHES[self.mixed]
+        return search(
+            self.target, self.template, self.radii, chosen, self.limits, self.seed, layout=self.layout
+        )
 
 
 def read_spec(path: str | Path) -> Specification:
@@ -95,8 +96,8 @@ def read_spec(path: str | Path) -> Specification:
     ----------
     path : str or Path
         A TOML file with the sections target, material, lattice and limits, and, where wanted,
-        friction, block, layout, model, part and checks. Lengths, areas, forces and stresses are
-        texts with a unit, as ``"120 um"``.
+        friction, radii, block, layout, model, part and checks; ``metafem spec`` lists their keys.
+        Lengths, areas, forces, stresses and angles are texts with a unit, as ``"120 um"``.
 
     Returns
     -------
@@ -131,15 +132,15 @@ def read_spec(path: str | Path) -> Specification:
     except ValidationError as error:
         problems = [_worded(detail, Sections) for detail in error.errors(include_url=False)]
         raise _refused(path, problems) from None
-    target, template, limits, problems = sections.build()
-    if target is None or template is None or limits is None or problems:
+    parts, problems = sections.build()
+    mixed = sections.radii is not None and sections.radii.mixed
+    if problems:
         raise _refused(path, problems)
     return Specification(
-        target=target,
-        template=template,
-        limits=limits,
+        **parts,
         model=sections.model.model(),
         seed=sections.layout.seed,
+        mixed=mixed,
         alignment_height=sections.part.alignment_height,
         hardness=sections.checks.hardness,
         text=text,
@@ -186,7 +187,7 @@ def _worded(detail: Any, sections: type[BaseModel]) -> str:
         del place[1]  # the kind of target, which pydantic counts as a place
     name = next(part for part in reversed(place) if not part.isdigit())
     key = re.sub(r"\.(\d+)", r"[\1]", ".".join(place))
-    example = f"; write for example {name} = {_EXAMPLES[name]}" if name in _EXAMPLES else ""
+    example = _example(place, name)
     if kind == "extra_forbidden":
         what = "section" if len(place) == 1 else "key"
         return f"{key} is an unknown {what}{suggestion(name, tuple(_known(detail['loc'], sections)))}"
@@ -203,6 +204,14 @@ def _worded(detail: Any, sections: type[BaseModel]) -> str:
         return f"{key} = {given!r:.60} must be a section: write [{key}] on a line of its own"
     message = detail["msg"].replace("Input should", "should")
     return f"{key} = {given!r:.60}: {message}{example}"
+
+
+def _example(place: list[str], name: str) -> str:
+    """Return how a key would look, for the end of an error."""
+    for key in all_keys():
+        if (key.section, key.name) == (place[0], name):
+            return f"; write for example {name} = {as_toml(key.example)}"
+    return ""
 
 
 def _known(place: tuple[Any, ...], sections: type[BaseModel]) -> Iterator[str]:

@@ -1,5 +1,6 @@
 """From a wanted friction law to the heights that produce it."""
 
+from metafem.inversion.arranged import Layout
 from metafem.inversion.bounds import achievable_friction_coefficients, plasticity_index
 from metafem.inversion.design import Design, design
 from metafem.inversion.feasibility import feasible_region
@@ -26,6 +27,7 @@ __all__ = [
     "DesignStatus",
     "FollowLaw",
     "InsensitiveToTilt",
+    "Layout",
     "Limits",
     "LinearLaw",
     "MultilinearLaw",

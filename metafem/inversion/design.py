@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,6 +14,7 @@ from metafem.distributions import PiecewiseExponential
 from metafem.errors import Infeasible, InvalidInput
 from metafem.inversion import exponential, feasibility, operating_points, proportional, sampled
 from metafem.inversion.adapt import adapted, interaction_margin
+from metafem.inversion.arranged import Layout, arranged
 from metafem.inversion.blueprint import Blueprint, Branch, Parameter
 from metafem.inversion.gridded import gridded
 from metafem.inversion.judge import (
@@ -73,6 +74,8 @@ class Design:
         The height density behind the heights, measured from `limits.foot`.
     notes : tuple of str
         What a user should know before making the part.
+    layout : Layout or None
+        What the places were chosen for.
     """
 
     surface: Surface
@@ -88,6 +91,7 @@ class Design:
     density: PiecewiseExponential | None = None
     notes: tuple[str, ...] = ()
     radii: RadiusRange | tuple[float, ...] | None = None
+    layout: Layout | None = None
 
 
 def _invert_linear(
@@ -120,6 +124,7 @@ def design(
     model: Model | None = None,
     limits: Limits | None = None,
     rng: Any = 0,
+    layout: Layout | None = None,
 ) -> Design:
     """Find heights whose friction law is the target.
 
@@ -139,6 +144,9 @@ def design(
         under the independent model are the whole numbers nearest to its density.
     rng : int or numpy Generator
         Seed of the deal of heights to places.
+    layout : Layout, optional
+        What the places are chosen for, by `arrange` under the model and before any refinement; its
+        misfits are the parameters ``layout_before`` and ``layout_after`` [-].
 
     Returns
     -------
@@ -163,29 +171,58 @@ def design(
     >>> round(result.parameters["scale"], 4), result.misfit < 0.03
     (0.0401, True)
     """
-    solver: Model = Independent() if model is None else model
-    limits = checked(target, template, solver, limits)
-    return designed(target, template, Radii.common(template), solver, limits, check.generator(rng))
+    return designed(Request.checked(target, template, None, model, limits, layout), check.generator(rng))
 
 
-def designed(
-    target: Target,
-    template: Surface,
-    radii: Radii,
-    solver: Model,
-    limits: Limits,
-    generator: np.random.Generator,
-) -> Design:
-    """Return the design of arguments that have been checked."""
-    _refuse_infeasible(target, template, solver, radii, limits)
+@dataclass(frozen=True, eq=False)
+class Request:
+    """What is asked of an inversion, with nothing left open."""
+
+    target: Target
+    template: Surface
+    radii: Radii
+    model: Model
+    limits: Limits
+    layout: Layout | None
+
+    @classmethod
+    def checked(
+        cls,
+        target: Target,
+        template: Surface,
+        radii: RadiusRange | Sequence[float] | None,
+        model: Model | None,
+        limits: Limits | None,
+        layout: Layout | None,
+    ) -> Request:
+        """Refuse arguments of the wrong kind, and fill in those left out."""
+        if type(target) not in _INVERSIONS:
+            known = ", ".join(kind.__name__ for kind in _INVERSIONS)
+            raise InvalidInput(f"target = {target!r:.60} must be one of {known}")
+        check.instance("template", template, Surface, "a metafem.Surface")
+        solver: Model = Independent() if model is None else model
+        check.instance("model", solver, Model, "a model such as metafem.Independent()")
+        bounds = Limits(max_height=float(template.height.max())) if limits is None else limits
+        check.instance("limits", bounds, Limits, "metafem.Limits")
+        if layout is not None:
+            check.instance("layout", layout, Layout, "metafem.Layout")
+        choice = Radii.common(template) if radii is None else Radii.given(radii)
+        return cls(target, template, choice, solver, bounds, layout)
+
+
+def designed(request: Request, generator: np.random.Generator) -> Design:
+    """Return the design of a request."""
+    target, template, solver, limits = request.target, request.template, request.model, request.limits
+    _refuse_infeasible(request)
     deal = generator.permutation(template.count)
-    blueprint = _INVERSIONS[type(target)](target, radii, template.count, limits, generator)
+    blueprint = _INVERSIONS[type(target)](target, request.radii, template.count, limits, generator)
     sites = deal[: len(blueprint.height)]
     order = np.argsort(sites)
     sites = sites[order]
     surface = template.replaced(
         position=template.position[sites], height=blueprint.height[order], radius=blueprint.radius[order]
     )
+    surface, placed, placing = arranged(surface, request.layout, solver, blueprint.wanted, generator)
     surface, sites, moved = adapted(surface, sites, template, solver, blueprint, limits, generator)
     stepped: dict[str, Parameter] = {}
     coupled = not isinstance(solver, UNCOUPLED)
@@ -201,42 +238,31 @@ def designed(
         law=_drawn_law(surface, solver, target),
         misfit=misfit,
         status=status_of(solver, blueprint, misfit, bool(moved)),
-        parameters=parameters | stepped,
+        parameters=parameters | placed | stepped,
         sites=sites,
         target=target,
         template=template,
         limits=limits,
         fits=fits,
         density=blueprint.density,
-        notes=blueprint.notes + moved + _notes(surface, limits),
+        notes=blueprint.notes + placing + moved + _notes(surface, limits),
+        layout=request.layout,
     )
 
 
-def checked(target: Target, template: Surface, model: Model, limits: Limits | None) -> Limits:
-    """Refuse arguments of the wrong kind, and return the limits that hold."""
-    if type(target) not in _INVERSIONS:
-        known = ", ".join(kind.__name__ for kind in _INVERSIONS)
-        raise InvalidInput(f"target = {target!r:.60} must be one of {known}")
-    check.instance("template", template, Surface, "a metafem.Surface")
-    check.instance("model", model, Model, "a model such as metafem.Independent()")
-    if limits is None:
-        return Limits(max_height=float(template.height.max()))
-    check.instance("limits", limits, Limits, "metafem.Limits")
-    return limits
-
-
-def _refuse_infeasible(target: Target, template: Surface, model: Model, radii: Radii, limits: Limits) -> None:
+def _refuse_infeasible(request: Request) -> None:
     """Raise Infeasible for a target beyond its bounds; the model's margin is worked out where it decides."""
+    target, radii, count = request.target, request.radii, request.template.count
     refuse = _REFUSALS.get(type(target))
     if refuse is None:
         return
     try:
-        refuse(target, radii, template.count, limits, 0.0)
+        refuse(target, radii, count, request.limits, 0.0)
     except Infeasible:
-        margin = interaction_margin(template.replaced(radius=radii.high), model)
+        margin = interaction_margin(request.template.replaced(radius=radii.high), request.model)
         if margin == 0.0:
             raise
-        refuse(target, radii, template.count, limits, margin)
+        refuse(target, radii, count, request.limits, margin)
 
 
 def _drawn_law(surface: Surface, model: Model, target: Target) -> FrictionLaw:

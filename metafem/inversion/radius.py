@@ -11,14 +11,15 @@ import numpy as np
 from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.errors import Infeasible
+from metafem.inversion.arranged import Layout
 from metafem.inversion.blueprint import Parameter
 from metafem.inversion.bounds import achievable_friction_coefficients
-from metafem.inversion.design import Design, checked, design, designed
+from metafem.inversion.design import Design, Request, designed
 from metafem.inversion.limits import Limits
 from metafem.inversion.mixture import unreachable
 from metafem.inversion.radii import Radii, RadiusRange
 from metafem.inversion.target import Target
-from metafem.models import Independent, Model
+from metafem.models import Model
 from metafem.surface import Surface
 
 # Radii of a range that are tried between the best one's neighbours.
@@ -35,6 +36,7 @@ def design_radius(
     model: Model | None = None,
     limits: Limits | None = None,
     rng: Any = 0,
+    layout: Layout | None = None,
 ) -> Design:
     """Find the common radius, and the heights, whose friction law is nearest to the target.
 
@@ -46,6 +48,8 @@ def design_radius(
         As for `design`; its radii are not used.
     radii : RadiusRange or sequence of float
         A range, of which 11 radii are tried, or the tools of the workshop [mm].
+    layout : Layout, optional
+        As for `design`, for the best radius alone.
 
     Returns
     -------
@@ -72,19 +76,21 @@ def design_radius(
     >>> result.parameters["radius"]
     0.3
     """
-    check.instance("template", template, Surface, "a metafem.Surface")
-    bounds = Limits(max_height=float(template.height.max())) if limits is None else limits
-    check.instance("limits", bounds, Limits, "metafem.Limits")
-    choice = Radii.given(radii)
+    request = Request.checked(target, template, radii, model, limits, layout)
+    choice, bounds = request.radii, request.limits
     seed = check.generator(rng).integers(2**63)
     found: dict[float, Design] = {}
     refused: dict[float, Infeasible] = {}
 
+    def found_with(radius: float, layout: Layout | None) -> Design:
+        part = template.replaced(radius=radius)
+        one = replace(request, template=part, radii=Radii.of(radius), layout=layout)
+        return designed(one, np.random.default_rng(seed))
+
     def attempt(values: FloatArray) -> None:
         for radius in values.tolist():
-            part = template.replaced(radius=radius)
             try:
-                found[radius] = design(target, part, model, bounds, np.random.default_rng(seed))
+                found[radius] = found_with(radius, None)
             except Infeasible as reason:
                 refused[radius] = reason
 
@@ -94,8 +100,16 @@ def design_radius(
     if choice.tools is None:
         attempt(_between(choice.tried, min(found, key=lambda radius: found[radius].misfit)))
     best = min(found, key=lambda radius: found[radius].misfit)
-    result = found[best]
-    parameters = {**result.parameters, "radius": best, **_reach(template, bounds, found)}
+    result = found[best] if layout is None else found_with(best, layout)
+    tried = np.array(sorted(found))
+    parameters = {
+        **result.parameters,
+        "radius": best,
+        "tried_radii": tried,
+        "radius_misfits": np.array([found[radius].misfit for radius in tried.tolist()]),
+    }
+    if template.friction is not None:
+        parameters |= _reach(template, bounds, tried)
     return replace(result, parameters=parameters, notes=result.notes + _notes(refused))
 
 
@@ -106,6 +120,7 @@ def design_radii(
     model: Model | None = None,
     limits: Limits | None = None,
     rng: Any = 0,
+    layout: Layout | None = None,
 ) -> Design:
     """Find a radius and a height for each asperity whose friction law is nearest to the target.
 
@@ -117,7 +132,7 @@ def design_radii(
 
     Parameters
     ----------
-    target, model, limits, rng
+    target, model, limits, rng, layout
         As for `design`.
     template : Surface
         As for `design`; its radii are not used.
@@ -130,7 +145,8 @@ def design_radii(
         Its parameters hold ``used_radii`` [mm] and ``radius_counts``, those in use and the asperities of
         each; of a range ``lowest_radius`` and ``highest_radius`` [mm]; and of a template with a friction
         ``reachable_coefficients``, the lowest friction coefficient of linear laws within reach and,
-        where `limits.height_sd` bounds it, the highest.
+        where `limits.height_sd` bounds it, the highest, beside ``lowest_coefficients`` and
+        ``highest_coefficients`` of each of the ``tried_radii`` [mm] alone.
 
     Raises
     ------
@@ -150,10 +166,8 @@ def design_radii(
     >>> result.parameters["used_radii"], result.misfit < 1e-3
     (array([0.2, 0.8]), True)
     """
-    solver: Model = Independent() if model is None else model
-    bounds = checked(target, template, solver, limits)
-    choice = Radii.given(radii)
-    result = designed(target, template, choice, solver, bounds, check.generator(rng))
+    request = Request.checked(target, template, radii, model, limits, layout)
+    result, choice = designed(request, check.generator(rng)), request.radii
     parameters = dict(result.parameters)
     used, counts = np.unique(result.surface.radius, return_counts=True)
     if choice.tools is None and len(used) > MOST_LISTED:
@@ -161,7 +175,8 @@ def design_radii(
     else:
         parameters |= {"used_radii": used, "radius_counts": counts.astype(np.int64)}
     if template.friction is not None:
-        reach = np.array(achievable_friction_coefficients(template, bounds, radii))
+        reach = np.array(achievable_friction_coefficients(template, request.limits, radii))
+        parameters |= {"tried_radii": choice.tried, **_reach(template, request.limits, choice.tried)}
         parameters["reachable_coefficients"] = reach[np.isfinite(reach)]
     kept = RadiusRange(choice.low, choice.high) if choice.tools is None else choice.tools
     return replace(result, parameters=parameters, radii=kept)
@@ -175,19 +190,12 @@ def _between(tried: FloatArray, best: float) -> FloatArray:
     return np.concatenate([side[1:-1] for side in sides if side[0] < side[-1]])
 
 
-def _reach(template: Surface, limits: Limits, found: dict[float, Design]) -> dict[str, Parameter]:
-    """Return the radii that reach the target, how well, and the friction coefficients of each."""
-    radii = sorted(found)
-    reach: dict[str, Parameter] = {
-        "tried_radii": np.array(radii),
-        "radius_misfits": np.array([found[radius].misfit for radius in radii]),
-    }
-    if template.friction is None:
-        return reach
+def _reach(template: Surface, limits: Limits, radii: FloatArray) -> dict[str, Parameter]:
+    """Return the friction coefficients of linear laws with each radius alone."""
     bounds = np.array(
-        [achievable_friction_coefficients(template.replaced(radius=radius), limits) for radius in radii]
+        [achievable_friction_coefficients(template, limits, [radius]) for radius in radii.tolist()]
     )
-    reach["lowest_coefficients"] = bounds[:, 0]
+    reach: dict[str, Parameter] = {"lowest_coefficients": bounds[:, 0]}
     if np.isfinite(bounds).all():
         reach["highest_coefficients"] = bounds[:, 1]
     return reach

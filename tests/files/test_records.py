@@ -48,6 +48,11 @@ def test_a_design_reads_back_to_the_bit(name):
     assert same(through_json(result), result)
 
 
+def test_a_layout_reads_back_with_its_design():
+    result = mf.design(mf.OperatingPoints([0.1], [0.84]), TEMPLATE, layout=mf.Layout(tilt=0.002))
+    assert same(through_json(result), result)
+
+
 @given(
     st.lists(st.tuples(finite, finite, finite, positive), min_size=1, max_size=6, unique_by=lambda t: t[:2])
 )

@@ -1,4 +1,5 @@
 import hashlib
+import math
 
 import numpy as np
 import pytest
@@ -7,6 +8,7 @@ import metafem as mf
 from metafem.files.demo import DEMOS, demo_text
 
 LINEAR = demo_text("linear")
+RADIUS = 'radius = "526 um"'
 
 
 @pytest.fixture
@@ -71,6 +73,54 @@ def test_target_from_forces(read):
     np.testing.assert_allclose(read(text).target.rescaled_load, [0.1 / 1.36, 0.3 / 1.36], rtol=1e-12)
 
 
+def test_a_linear_law_may_pass_through_the_origin(read):
+    spec = read(LINEAR.replace("slope = 6.87", "slope = 6.87\nthrough_origin = true"))
+    assert spec.target == mf.LinearLaw(6.87, through_origin=True)
+    mu = read(LINEAR.replace("slope = 6.87", "friction_coefficient = 1.5\nthrough_origin = true")).target
+    assert mu.through_origin
+
+
+def test_a_layout_is_read_with_its_angle(read):
+    assert read(LINEAR).layout is None
+    assert read(LINEAR.replace("seed = 0", "follow_law = true")).layout == mf.Layout()
+    tilt = 'tilt = "0.1 deg"\ntilt_weight = 2'
+    assert read(LINEAR.replace("seed = 0", tilt)).layout == mf.Layout(False, math.radians(0.1), 2.0)
+
+
+@pytest.mark.parametrize(
+    ("keys", "radii", "least"),
+    [
+        ('tools = ["526 um", "0.3 mm"]', (0.526, 0.3), 0.3),
+        ('range = ["200 um", "800 um"]\nmixed = false', mf.RadiusRange(0.2, 0.8), 0.2),
+    ],
+)
+def test_radii_take_the_place_of_the_lattice_radius(read, keys, radii, least):
+    spec = read(LINEAR.replace(RADIUS, "") + f"[radii]\n{keys}\n")
+    assert (spec.radii, spec.mixed, set(spec.template.radius)) == (radii, False, {least})
+
+
+def test_mixed_radii_may_differ_between_asperities(read):
+    kind = '[target]\nkind = "power"\nexponent = 1.55\nload_range = ["0.1 mm^2", "0.3 mm^2"]\n'
+    text = kind + LINEAR[LINEAR.index("[material]") :].replace(RADIUS, "")
+    result = read(text + '[radii]\ntools = ["200 um", "0.8 mm"]\nmixed = true\n').design()
+    assert set(result.surface.radius) == {0.2, 0.8}
+
+
+def test_a_specification_is_designed_with_all_it_asks_for(read):
+    """A slope of 4.5 is out of reach of the larger tool."""
+    text = LINEAR.replace(RADIUS, "").replace("6.87", "4.5").replace("seed = 0", 'seed = 3\ntilt = "0.1 deg"')
+    spec = read(text + '[radii]\ntools = ["526 um", "300 um"]\n')
+    result = spec.design()
+    assert result.parameters["radius"] == 0.3
+    assert result.layout == mf.Layout(False, math.radians(0.1))
+    same = mf.design_radius(spec.target, spec.template, [0.3, 0.526], None, spec.limits, 3, spec.layout)
+    np.testing.assert_array_equal(result.surface.height, same.surface.height)
+
+
+def test_another_model_may_be_given(read):
+    assert read(LINEAR).design(mf.MeanField()).law.model == mf.MeanField()
+
+
 WRONG = {
     "bare number": ('"120 um"', "120", ["limits.max_height = 120 needs a unit", '"120 um"']),
     "unknown unit": ('"120 um"', '"120 foo"', ["limits.max_height", "foo"]),
@@ -94,6 +144,20 @@ WRONG = {
     "unknown model": ('"independent"', '"indpendent"', ["model.kind", "did you mean independent?"]),
     "negative alignment": ('"400 um"', '"-4 um"', ["part.alignment_height"]),
     "no section": ("[target]", "checks = 3\n[target]", ["checks = 3 must be a section"]),
+    "word for a truth": ("slope = 6.87", "slope = 6\nthrough_origin = 1", ["through_origin = 1: should"]),
+    "foreign truth": ('"linear"', '"linear"\nthrough_orign = true', ["did you mean through_origin?"]),
+    "tilt without unit": ("seed = 0", "tilt = 0.1", ["layout.tilt = 0.1 needs a unit", '"0.1 deg"']),
+    "no tilt": ("seed = 0", 'tilt = "0 deg"', ["layout.tilt = 0 must be greater than 0"]),
+    "weight alone": ("seed = 0", "tilt_weight = 2", ["layout.tilt_weight needs tilt"]),
+    "unknown layout": ("seed = 0", "folow_law = true", ["layout.folow_law", "did you mean follow_law?"]),
+    "no radius": (RADIUS, "", ["lattice.radius is missing", '"526 um"', "[radii]"]),
+    "radii twice": ("[block]", '[radii]\ntools = ["1 mm"]\n[block]', ["lattice.radius and [radii] both"]),
+    "no radii": ("[block]", "[radii]\n[block]", ["radii needs tools or range"]),
+    "no tools": ("[block]", "[radii]\ntools = []\n[block]", ["radii.tools = []", '["300 um", "526 um"]']),
+    "bad tool": ("[block]", '[radii]\ntools = ["0 mm"]\n[block]', ["radii.tools[0] = '0 mm'", "greater"]),
+    "falling range": ("[block]", '[radii]\nrange = ["2 mm", "1 mm"]\n[block]', ["range = [2 mm, 1 mm] must"]),
+    "short range": ("[block]", '[radii]\nrange = ["2 mm"]\n[block]', ["radii.range[1] is missing"]),
+    "unknown radii": ("[block]", '[radii]\ntool = ["2 mm"]\n[block]', ["radii.tool", "did you mean tools?"]),
     "truncated": ("shape = [8, 8]", "shape = [8,", ["not valid TOML", "line"]),
 }  # fmt: skip
 

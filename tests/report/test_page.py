@@ -39,7 +39,7 @@ def test_page_tells_of_tools_and_steps(template):
     )
     text = page(tools)
     for words in (
-        "radii within reach of the target",
+        "radii tried",
         "friction is proportional to load",
         "through the origin",
     ):

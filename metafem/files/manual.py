@@ -1,0 +1,120 @@
+"""Every section and key of a specification in words, from the sections themselves."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, get_args
+
+if TYPE_CHECKING:
+    from pydantic import BaseModel
+
+HEAD = """\
+# Every section and key of a specification for `metafem design`, each with an example value.
+# Sections and keys that are not called optional must be there; lengths, areas, forces, stresses and
+# angles carry their unit. `metafem demo linear` writes a whole file to start from.
+"""
+
+# Column of the comments, past most examples.
+COLUMN = 48
+
+# Words with which a meaning begins where one key, or one pair, of several must be there.
+CHOICES = ("either: ", "or: ", "with it: ")
+
+
+@dataclass(frozen=True)
+class Key:
+    """A key of a section, for `target` of one kind, with an example and what stands where it is left out."""
+
+    section: str
+    kind: str | None
+    name: str
+    example: Any
+    meaning: str
+    optional: bool
+    default: Any
+
+
+def all_keys() -> tuple[Key, ...]:
+    """Return every key of a specification.
+
+    Examples
+    --------
+    >>> next(key.example for key in all_keys() if key.name == "max_height")
+    '120 um'
+    """
+    from metafem.files.sections import Sections
+
+    return tuple(
+        key
+        for name, field in Sections.model_fields.items()
+        for model in _models(field.annotation)
+        for key in _keys(name, model)
+    )
+
+
+def manual() -> str:
+    """Return the text that `metafem spec` prints.
+
+    Examples
+    --------
+    >>> text = manual()
+    >>> print(text[text.index("[checks]") :], end="")
+    [checks]                                        # optional: what is checked beside the law
+    hardness = "10 MPa"                             # optional: H of the softer material, for plasticity
+    """
+    from metafem.files.sections import Sections
+
+    lines = [HEAD]
+    for name, field in Sections.model_fields.items():
+        lines.append(_line(f"[{name}]", field.description or "", not field.is_required(), None))
+        for model in _models(field.annotation):
+            if name == "target":
+                words = (model.__doc__ or "").splitlines()[0]
+                lines += ["", _line(f'kind = "{_kind(model)}"', words, False, None)]
+            lines += [
+                _line(f"{key.name} = {as_toml(key.example)}", key.meaning, key.optional, key.default)
+                for key in _keys(name, model)
+            ]
+        lines.append("")
+    return "\n".join(lines[:-1]) + "\n"
+
+
+def as_toml(value: Any) -> str:
+    """Return an example as it stands in a file.
+
+    Examples
+    --------
+    >>> as_toml(["300 um", "526 um"]), as_toml(True)
+    ('["300 um", "526 um"]', 'true')
+    """
+    return json.dumps(value)
+
+
+def _models(annotation: Any) -> Iterator[type[BaseModel]]:
+    """Yield the models of a section: that of the target has one for each kind."""
+    for model in get_args(annotation) or (annotation,):
+        if model is not type(None):
+            yield model
+
+
+def _kind(model: type[BaseModel]) -> str:
+    """Return the kind of target that a model reads."""
+    return str(get_args(model.model_fields["kind"].annotation)[0])
+
+
+def _keys(section: str, model: type[BaseModel]) -> Iterator[Key]:
+    kind = _kind(model) if section == "target" else None
+    for name, field in model.model_fields.items():
+        if kind is None or name != "kind":
+            examples, words = field.examples or [None], field.description or ""
+            default = None if field.is_required() else field.default
+            yield Key(section, kind, name, examples[0], words, not field.is_required(), default)
+
+
+def _line(start: str, meaning: str, optional: bool, default: Any) -> str:
+    told = "optional: " if optional and not meaning.startswith(CHOICES) else ""
+    if default is not None:
+        told = f"optional, else {f'{default:g}' if isinstance(default, float) else as_toml(default)}: "
+    return f"{start:<{COLUMN - 1}} # {told}{meaning}"

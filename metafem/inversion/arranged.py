@@ -1,0 +1,128 @@
+"""The heights of a design on its places, arranged for what a layout asks."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from metafem import _validate as check
+from metafem._validate import FloatArray, IntArray
+from metafem.errors import InvalidInput
+from metafem.inversion.blueprint import Parameter
+from metafem.inversion.judge import UNCOUPLED
+from metafem.inversion.layout import arrange
+from metafem.inversion.objectives import FollowLaw, InsensitiveToTilt, Objective, Together
+from metafem.inversion.wanted import Wanted
+from metafem.models import Automatic, BoundaryElements, Independent, Interacting, Model
+from metafem.surface import STEEPEST, Surface
+
+# Loads at which the law, and its change by tilts, are asked for. `FollowLaw` says why the first are enough;
+# each of the second costs seven curves, and with six of them a third is lost on the loads between.
+LAW_LOADS, TILT_LOADS = 20, 10
+
+NO_EFFECT = "the places were left as dealt: without interaction they do not matter to the law"
+
+
+@dataclass(frozen=True)
+class Layout:
+    """What the places of a design's heights are chosen for; without a layout they are drawn at random.
+
+    Parameters
+    ----------
+    follow_law : bool
+        Whether interaction is to change the law as little as it can; of no effect on independent
+        asperities.
+    tilt : float, optional
+        Angle of a misalignment that is to change the law as little as it can [rad], up to pi/4.
+    tilt_weight : float
+        Weight of the mean square change by the tilt beside that of the deviation from the law, positive.
+
+    Raises
+    ------
+    InvalidInput
+        If nothing is asked for, or a value is outside its range.
+
+    Examples
+    --------
+    >>> import math
+    >>> Layout(tilt=math.radians(0.1)).follow_law
+    True
+    """
+
+    follow_law: bool = True
+    tilt: float | None = None
+    tilt_weight: float = 1.0
+
+    def __post_init__(self) -> None:
+        check.instance("follow_law", self.follow_law, bool, "True or False")
+        weight = check.number("tilt_weight", self.tilt_weight, above=0.0)
+        object.__setattr__(self, "tilt_weight", weight)
+        if self.tilt is not None:
+            angle = check.number("tilt", self.tilt, above=0.0, at_most=STEEPEST)
+            object.__setattr__(self, "tilt", angle)
+        elif not self.follow_law:
+            raise InvalidInput("follow_law = False and no tilt ask for nothing; leave the layout out")
+
+
+def arranged(
+    surface: Surface, layout: Layout | None, model: Model, wanted: Wanted, rng: np.random.Generator
+) -> tuple[Surface, dict[str, Parameter], tuple[str, ...]]:
+    """Return the surface with its heights arranged, the misfits before and after, and a note.
+
+    Models that take too long are replaced by the interacting one on their substrate.
+    """
+    if layout is None:
+        return surface, {}, ()
+    solver, under = model, ""
+    if isinstance(model, (Automatic, BoundaryElements)):
+        solver, under = Interacting(substrate=model.substrate), " under Interacting() in the model's stead"
+    asked = asked_for(layout, surface, solver, wanted)
+    if not asked:
+        return surface, {}, (NO_EFFECT,)
+    objective = Together([part for _, part, _ in asked], [weight for _, _, weight in asked])
+    found = arrange(surface, objective, solver, rng)
+    changes = [
+        f"{words} from {_percent(part, surface, solver)} to {_percent(part, found.surface, solver)} %"
+        for words, part, _ in asked
+    ]
+    won = " and ".join(changes)
+    note = f"the places of the heights were chosen{under}, before any refinement: that took {won} (rms)"
+    return found.surface, {"layout_before": found.before, "layout_after": found.after}, (note,)
+
+
+def asked_for(
+    layout: Layout, surface: Surface, model: Model, wanted: Wanted
+) -> list[tuple[str, Objective, float]]:
+    """Return what is asked for, in words and as an objective with its weight."""
+    asked: list[tuple[str, Objective, float]] = []
+    if layout.follow_law and not isinstance(model, UNCOUPLED):
+        asked.append(("the deviation from the law", _law(surface, wanted), 1.0))
+    if layout.tilt is not None:
+        words = f"the change by a tilt of {math.degrees(layout.tilt):.3g} deg"
+        load = wanted.load[_some(len(wanted.load), TILT_LOADS)]
+        asked.append((words, InsensitiveToTilt(load, layout.tilt), layout.tilt_weight))
+    return asked
+
+
+def _law(surface: Surface, wanted: Wanted) -> FollowLaw:
+    """Return the wanted law at some of its loads, open parameters as for independent asperities."""
+    area = Independent().curve(surface, wanted.load).area
+    law, some = wanted.law(area), _some(len(wanted.load), LAW_LOADS)
+    # far from any law of its kind a fit can fall; the law of independent asperities always rises
+    return FollowLaw(wanted.load[some], law[some] if _rises(law[some]) else area[some])
+
+
+def _rises(law: FloatArray) -> bool:
+    return bool(law[0] > 0.0 and (np.diff(law) > 0.0).all())
+
+
+def _some(count: int, most: int) -> IntArray:
+    """Return evenly spaced positions, both ends among them, at most so many."""
+    return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(np.int64))
+
+
+def _percent(objective: Objective, surface: Surface, model: Model) -> str:
+    residual = objective.residual(surface, model)
+    return f"{100.0 * float(np.linalg.norm(residual)):.2g}"

@@ -1,0 +1,52 @@
+"""What a specification may hold, told from what is read."""
+
+import pytest
+
+import metafem as mf
+from metafem.files import Specification, all_keys, manual
+from metafem.files.manual import as_toml
+from metafem.files.sections import Sections
+
+KEYS = all_keys()
+KINDS = sorted({key.kind for key in KEYS if key.kind})
+
+# Keys that exclude others, and a table that is not there.
+FIRST = {"load", "friction_force", "friction_coefficient", "file", "radius", "range", "mixed"}
+SECOND = {"rescaled_load", "rescaled_friction", "slope", "file", "radius", "tools", "mixed"}
+THIRD = FIRST - {"radius"} | {"tools"}
+
+
+@pytest.mark.parametrize("left_out", [FIRST, SECOND, THIRD], ids=["either", "or", "one radius"])
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_examples_make_a_specification(tmp_path, kind, left_out):
+    lines = []
+    for section in Sections.model_fields:
+        keys = [
+            key for key in KEYS
+            if key.section == section and key.kind in (None, kind) and key.name not in left_out
+        ]  # fmt: skip
+        if keys:
+            lines.append(f"[{section}]")
+        if section == "target":
+            lines.append(f'kind = "{kind}"')
+        lines += [f"{key.name} = {as_toml(key.example)}" for key in keys]
+    path = tmp_path / "spec.toml"
+    path.write_text("\n".join(lines), "utf-8")
+    assert isinstance(mf.read_spec(path), Specification)
+
+
+def test_the_text_tells_every_section_kind_and_key():
+    text = manual()
+    for name, field in Sections.model_fields.items():
+        assert f"[{name}]" in text
+        assert field.description in text
+    assert all(f'\nkind = "{kind}"' in text for kind in KINDS)
+    assert all(key.meaning and f"\n{key.name} = {as_toml(key.example)}" in text for key in KEYS)
+
+
+def test_what_may_be_left_out_is_marked():
+    lines = {line.split("=")[0].strip(): line for line in manual().splitlines()}
+    assert "# optional, else 0.5: " in lines["poisson_ratio"]
+    assert "# optional: " in lines["height_sd"]
+    assert "# either: " in lines["slope"]
+    assert "optional" not in lines["max_height"]

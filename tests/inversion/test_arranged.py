@@ -1,0 +1,114 @@
+"""Designs whose heights take the places that suit interaction, or a tilt."""
+
+import math
+
+import numpy as np
+import pytest
+
+import metafem as mf
+from metafem.inversion import DesignStatus
+from metafem.inversion.arranged import LAW_LOADS, NO_EFFECT, TILT_LOADS, arranged, asked_for
+from metafem.inversion.wanted import Wanted
+
+LAYER = mf.Interacting(substrate=mf.BondedLayer())
+POWER, LIMITS = mf.PowerLaw(1.2, (0.1, 0.4)), mf.Limits(0.27)
+TILT = math.radians(0.1)
+LOAD = np.linspace(0.1, 0.4, 8)
+
+
+def rms(surface, model, wanted):
+    return math.sqrt(((model.curve(surface, LOAD).area / wanted - 1.0) ** 2).mean())
+
+
+def tilting(surface, model):
+    return float(np.linalg.norm(mf.InsensitiveToTilt(LOAD, TILT).residual(surface, model)))
+
+
+def test_heights_that_follow_the_law_need_less_refinement(template):
+    dealt, placed = (mf.design(POWER, template, LAYER, LIMITS, layout=how) for how in (None, mf.Layout()))
+    alone = mf.design(POWER, template, limits=LIMITS)
+    assert placed.parameters["layout_after"] < 0.2 * placed.parameters["layout_before"]
+    assert placed.status is DesignStatus.REFINED
+    moved = [np.abs(np.sort(d.surface.height) - np.sort(alone.surface.height)).max() for d in (dealt, placed)]
+    assert moved[1] < 0.3 * moved[0]
+    assert (placed.layout, dealt.layout) == (mf.Layout(), None)
+
+
+@pytest.mark.parametrize("model", [mf.Independent(), LAYER], ids=["independent", "layer"])
+def test_a_tilt_changes_the_law_of_an_arranged_design_less(template, model):
+    dealt, placed = (
+        mf.design(POWER, template, model, LIMITS, layout=how) for how in (None, mf.Layout(False, TILT))
+    )
+    assert tilting(placed.surface, model) < 0.4 * tilting(dealt.surface, model)
+    assert "the change by a tilt of 0.1 deg from" in " ".join(placed.notes)
+
+
+def test_sites_are_those_of_the_places(template):
+    target = mf.OperatingPoints([0.144, 0.336], [0.84, 1.68])
+    placed = mf.design(target, template, limits=LIMITS, layout=mf.Layout(tilt=TILT), rng=4)
+    np.testing.assert_array_equal(template.position[placed.sites], placed.surface.position)
+    dealt = mf.design(target, template, limits=LIMITS, rng=4)
+    np.testing.assert_array_equal(np.sort(placed.surface.height), np.sort(dealt.surface.height))
+    assert placed.misfit == pytest.approx(dealt.misfit, abs=1e-12)
+
+
+def test_a_layout_is_the_same_for_the_same_seed(template):
+    first, second = (
+        mf.design(POWER, template, limits=LIMITS, rng=3, layout=mf.Layout(tilt=TILT)) for _ in "ab"
+    )
+    np.testing.assert_array_equal(first.surface.height, second.surface.height)
+    np.testing.assert_array_equal(first.sites, second.sites)
+
+
+def test_following_the_law_means_nothing_without_interaction(template):
+    placed = mf.design(POWER, template, limits=LIMITS, layout=mf.Layout())
+    assert NO_EFFECT in placed.notes
+    np.testing.assert_array_equal(
+        placed.surface.height, mf.design(POWER, template, limits=LIMITS).surface.height
+    )
+
+
+def test_slow_models_are_arranged_under_the_interacting_one(rough):
+    wanted = Wanted.exactly(LOAD, mf.Independent().curve(rough, LOAD).area)
+    model = mf.BoundaryElements(0.01, substrate=mf.BondedLayer())
+    surface, told, notes = arranged(rough, mf.Layout(), model, wanted, np.random.default_rng(0))
+    assert "Interacting() in the model's stead" in notes[0]
+    assert rms(surface, LAYER, wanted.base) == pytest.approx(told["layout_after"], rel=1e-9)
+
+
+def test_many_loads_are_thinned_between_their_ends(rough):
+    load = np.linspace(0.01, 0.5, 61)
+    wanted = Wanted.exactly(load, mf.Independent().curve(rough, load).area)
+    asked = asked_for(mf.Layout(tilt=TILT), rough, LAYER, wanted)
+    for (_, part, _), most in zip(asked, (LAW_LOADS, TILT_LOADS), strict=True):
+        assert len(part.rescaled_load) == most
+        assert part.rescaled_load[[0, -1]].tolist() == load[[0, -1]].tolist()
+
+
+def test_a_wanted_law_that_falls_gives_way_to_that_of_independent_asperities(rough):
+    wanted = Wanted.exactly(LOAD, np.linspace(2.0, 1.0, len(LOAD)))
+    asked = asked_for(mf.Layout(), rough, LAYER, wanted)
+    np.testing.assert_array_equal(asked[0][1].rescaled_friction, mf.Independent().curve(rough, LOAD).area)
+
+
+def test_the_best_radius_is_arranged(template):
+    found = mf.design_radius(POWER, template, [0.4, 0.526], limits=LIMITS, layout=mf.Layout(tilt=TILT))
+    assert found.parameters["layout_after"] < found.parameters["layout_before"]
+    assert found.layout == mf.Layout(tilt=TILT)
+    assert (found.surface.radius == found.parameters["radius"]).all()
+
+
+@pytest.mark.parametrize(
+    ("build", "words"),
+    [
+        (lambda t: mf.Layout(False), "ask for nothing"),
+        (lambda t: mf.Layout(1), "follow_law = 1 must be True or False"),
+        (lambda t: mf.Layout(tilt=0.0), "tilt = 0 must be greater than 0"),
+        (lambda t: mf.Layout(tilt=math.nan), "tilt = nan"),
+        (lambda t: mf.Layout(tilt=0.1, tilt_weight=0.0), "tilt_weight = 0 must be greater than 0"),
+        (lambda t: mf.design(POWER, t, layout="tilt"), "layout = 'tilt' must be metafem.Layout"),
+    ],
+)
+def test_bad_layouts_are_named(template, build, words):
+    with pytest.raises(mf.InvalidInput, match=words):
+        build(template)
