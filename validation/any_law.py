@@ -8,6 +8,7 @@ import numpy as np
 
 import metafem as mf
 from metafem.inversion.proportional import proportional_range
+from metafem.inversion.radii import Radii
 from metafem.report.svg import new_figure
 from validation.check import Check, Claim, below
 from validation.paper_surfaces import template
@@ -50,7 +51,7 @@ def claim() -> Claim:
         ratio = model.curve(result.surface, load).area / (SLOPE * load)
         rms = float(np.sqrt(((ratio - 1.0) ** 2).mean()))
         checks.append(below(f"friction proportional to load, {name}: rms on 200 loads", rms, 0.01, "promise"))
-    first, last = proportional_range(SLOPE, 0.526, 64)
+    first, last = proportional_range(SLOPE, Radii.of(0.526), 64)
     reached = high / low
     checks.append(
         Check(
