@@ -8,6 +8,7 @@ from metafem._validate import FloatArray, IntArray
 from metafem.inversion.blueprint import Blueprint
 from metafem.inversion.judge import UNCOUPLED
 from metafem.inversion.limits import Limits
+from metafem.inversion.nearest import GOAL, independent_law
 from metafem.inversion.refine import POINT_GOAL, Evaluate, Heights, Refined, descend, search
 from metafem.inversion.wanted import Wanted
 from metafem.models import Independent, Model, Sensitive
@@ -24,8 +25,18 @@ FILL = 0.01
 # its own noise of entering contacts is left.
 ADAPTED_GOAL = 9e-4
 
+# A law this near needs no other start than its own heights.
+CLOSE = 5.0 * ADAPTED_GOAL
+
 # Random restarts under an interacting model, whose descents cost ten times those of the independent one.
 RESTARTS = 3
+
+# The factor by which interaction changes a law, as a polynomial of the logarithm of the load: without
+# the jags of single contacts, which heights that are moved no longer have.
+FACTOR_DEGREE = 3
+
+# Random restarts of the independent descents for it, of some 3 ms each.
+CHEAP_RESTARTS = 10
 
 # Loads at which the margin of interaction is taken, in shares of the load that closes all contacts.
 MARGIN_SHARES = np.array([0.25, 1.0])
@@ -59,12 +70,35 @@ def adapted(
         found = _through_points(evaluate, start.height, blueprint.wanted, limits.span)
     else:
         space = Heights(limits.span)
-        found = search(evaluate, [start.height], blueprint.wanted, space, ADAPTED_GOAL, RESTARTS, rng)
+        starts = [start.height]
+        if blueprint.wanted.misfit(model.curve(start, blueprint.wanted.load).area) > CLOSE:
+            starts.insert(0, _forestalled(start, model, blueprint.wanted, space, rng))
+        found = search(evaluate, starts, blueprint.wanted, space, ADAPTED_GOAL, RESTARTS, rng)
     top = limits.offset + limits.max_height
     result = start.replaced(height=top - (found.unknowns.max() - found.unknowns))
     change = 1e3 * float(np.abs(result.height - start.height).max())
     note = f"heights were moved by at most {change:.3g} um for the interaction of the asperities"
     return result, sites, (note,)
+
+
+def _forestalled(
+    surface: Surface, model: Model, wanted: Wanted, space: Heights, rng: np.random.Generator
+) -> FloatArray:
+    """Return heights whose independent law has more where interaction takes, and less where it gives.
+
+    Interaction changes a law by a smooth factor that hardly depends on small changes of the heights.
+    """
+
+    def evaluate(height: FloatArray) -> tuple[FloatArray, FloatArray]:
+        found = independent_law(height, surface.radius, wanted.load)
+        return found.curve.area, found.gradient
+
+    area = model.curve(surface, wanted.load).area
+    factor = area / evaluate(surface.height)[0]
+    logarithm, degree = np.log(wanted.load), min(FACTOR_DEGREE, len(wanted.load) - 1)
+    smooth = np.polyval(np.polyfit(logarithm, factor, degree), logarithm)
+    law = Wanted.exactly(wanted.load, wanted.law(area) / smooth, wanted.weight)
+    return search(evaluate, [surface.height], law, space, GOAL, CHEAP_RESTARTS, rng).unknowns
 
 
 def _filled(

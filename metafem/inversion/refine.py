@@ -23,6 +23,9 @@ Evaluate = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 START_DAMPING, LEAST_DAMPING, MOST_DAMPING = 1e-2, 1e-12, 1e4
 DAMPING_STEP = 5.0
 
+# This near to the goal, random changes win sooner than other starts.
+NEAR = 2.0
+
 # Operating points are met to this, a hundredth of what is promised.
 POINT_GOAL = 1e-11
 
@@ -146,8 +149,8 @@ def search(
     for start in starts:
         found = descend(evaluate, space.project(start), wanted, space, goal)
         best = found if best is None or found.misfit < best.misfit else best
-        if best.misfit <= goal:
-            return best
+        if best.misfit <= NEAR * goal:
+            break
     if best is None:
         raise ValueError("a search needs a start")
     for _ in range(restarts):

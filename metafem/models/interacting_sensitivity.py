@@ -12,9 +12,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from scipy.linalg.lapack import dgesv
 
 from metafem._kernels.coupling import Field, State, empty_state, respond
-from metafem._validate import FloatArray
+from metafem._validate import FloatArray, IntArray
 
 
 def area_gradients(
@@ -31,52 +32,51 @@ def area_gradients(
     """
     gradients = np.zeros_like(trail)
     state = empty_state(len(radius))
+    influences = _influences(field, order)
     for row, z in enumerate(trail):
         state.z[:] = z
         count = respond(field, order, radius, own, state)
         if count == 0:
             continue
         closed = state.closed[:count]
-        hessian = _hessian(field, order, radius, own, state, closed)
-        right = np.column_stack([_area_by_load(field, order, radius, state, closed), np.ones(count)])
-        by_area, by_load = np.linalg.solve(hessian, right).T
-        change = by_area - by_area.sum() / by_load.sum() * by_load
+        hessian, by_load = _system(influences, radius, own, state, closed)
+        _, _, found, failed = dgesv(hessian, np.column_stack([by_load, np.ones(count)]), overwrite_a=True)
+        if failed:
+            raise np.linalg.LinAlgError("the contact system of an equilibrium is singular")
+        by_area, by_approach = found.T
+        change = by_area - by_area.sum() / by_approach.sum() * by_approach
         gradients[row, closed] = change * (1.0 - own_rate[closed] * state.load[closed])
     return gradients
 
 
-def _hessian(
-    field: Field, order: int, radius: FloatArray, own: FloatArray, state: State, closed: FloatArray
-) -> FloatArray:
-    """Return d2W/dp2 on the asperities in contact, every term of `coupling.quadratic_form`."""
-    pairs = np.ix_(closed, closed)
-    R, p, z = radius[closed], state.load[closed], state.z[closed]
-    matrix: FloatArray = field.influence[pairs].copy()
-    matrix[np.diag_indices(len(closed))] += state.bend[closed] / (2.0 * np.sqrt(R * z)) + own[closed]
+def _influences(field: Field, order: int) -> FloatArray:
+    """Return displacements, and for order 3 curvatures and slopes, at i by the load of j, (m, n, n)."""
     if order == 1:
-        return matrix
-    square, cube = state.square[closed], state.bend[closed] ** 3
-    rate = field.laplacian_at[pairs].T  # curvature of i by the load of j
-    matrix += _symmetric(square[:, None] / 3.0 * rate) - rate.T @ (
-        (p * square * R / (30.0 * cube))[:, None] * rate
-    )
-    for at, slope in ((field.slope_x_at, state.slope_x), (field.slope_y_at, state.slope_y)):
-        rate = at[pairs].T
-        matrix -= _symmetric(2.0 * (R * slope[closed])[:, None] * rate) + rate.T @ ((R * p)[:, None] * rate)
-    return matrix
+        return np.asarray(field.influence[None])
+    at = (field.laplacian_at, field.slope_x_at, field.slope_y_at)
+    return np.stack([field.influence, *(matrix.T for matrix in at)])
 
 
-def _symmetric(matrix: FloatArray) -> FloatArray:
-    return np.asarray(0.5 * (matrix + matrix.T))
+def _system(
+    influences: FloatArray, radius: FloatArray, own: FloatArray, state: State, closed: IntArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return d2W/dp2 on the asperities in contact, every term of `coupling.quadratic_form`, and dA0/dp [-].
 
-
-def _area_by_load(
-    field: Field, order: int, radius: FloatArray, state: State, closed: FloatArray
-) -> FloatArray:
-    """Return dA0/dp [-]: each load widens its own contact, and curves those of the others."""
-    R, z, bend = radius[closed], state.z[closed], state.bend[closed]
-    own = R / (2.0 * np.sqrt(R * z) * bend**2)
-    if order == 1:
-        return np.asarray(math.pi * own)
-    flattening = -state.square[closed] * R / (3.0 * bend**3)  # d a^2 by the curvature sum p lap G
-    return np.asarray(math.pi * (own + field.laplacian_at[np.ix_(closed, closed)] @ flattening))
+    Each load widens its own contact, and curves those of the others: ``d a^2 = -a^2 R/(3 b^3) dk``.
+    """
+    R, p, z, bend = radius[closed], state.load[closed], state.z[closed], state.bend[closed]
+    part = influences.take(closed, axis=1).take(closed, axis=2)
+    matrix, rates = part[0], part[1:]
+    root = 2.0 * np.sqrt(R * z)
+    matrix[np.diag_indices(len(closed))] += bend / root + own[closed]
+    widened = R / (root * bend**2)
+    if not len(rates):
+        return matrix, math.pi * widened
+    square, cube = state.square[closed], bend**3
+    weights = np.stack([square / 3.0, -2.0 * R * state.slope_x[closed], -2.0 * R * state.slope_y[closed]])
+    mixed = np.einsum("ki,kij->ij", weights, rates)
+    matrix += 0.5 * (mixed + mixed.T)
+    weights = np.stack([p * square * R / (30.0 * cube), R * p, R * p])
+    stacked = rates.reshape(-1, len(closed))
+    matrix -= stacked.T @ (weights[:, :, None] * rates).reshape(-1, len(closed))
+    return matrix, math.pi * (widened - rates[0].T @ (square * R / (3.0 * cube)))
