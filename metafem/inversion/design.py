@@ -43,6 +43,9 @@ from metafem.surface import Surface
 # Heights should be this many times larger than the errors with which they are made.
 HEIGHT_TO_ERROR = 10.0
 
+# Heights that differ by all but this share of what they may are held back by it.
+ALL_OF_IT = 1e-6
+
 
 @dataclass(frozen=True, eq=False)
 class Design:
@@ -233,11 +236,12 @@ def designed(request: Request, generator: np.random.Generator) -> Design:
     sites.flags.writeable = False
     fits = branch_fits(surface, solver, blueprint)
     misfit = largest_misfit(surface, solver, blueprint, fits)
+    status = status_of(solver, blueprint, misfit, bool(moved))
     return Design(
         surface=surface,
         law=_drawn_law(surface, solver, target),
         misfit=misfit,
-        status=status_of(solver, blueprint, misfit, bool(moved)),
+        status=status,
         parameters=parameters | placed | stepped,
         sites=sites,
         target=target,
@@ -245,7 +249,7 @@ def designed(request: Request, generator: np.random.Generator) -> Design:
         limits=limits,
         fits=fits,
         density=blueprint.density,
-        notes=blueprint.notes + placing + moved + _notes(surface, limits),
+        notes=blueprint.notes + placing + moved + _notes(surface, limits, status),
         layout=request.layout,
     )
 
@@ -277,14 +281,18 @@ def _drawn_law(surface: Surface, model: Model, target: Target) -> FrictionLaw:
     return friction_law(surface, model, load=end * np.arange(1, 101) / 100)
 
 
-def _notes(surface: Surface, limits: Limits) -> tuple[str, ...]:
-    if limits.height_sd is None:
-        return ()
-    least = HEIGHT_TO_ERROR * limits.height_sd
+def _notes(surface: Surface, limits: Limits, status: DesignStatus) -> tuple[str, ...]:
+    notes = []
+    used = float(np.ptp(surface.height))
+    if status is DesignStatus.MISSED and used >= limits.span * (1.0 - ALL_OF_IT):
+        notes.append(
+            f"the heights use all of the {limits.span:g} mm that they may differ by: raise max_height"
+        )
+    least = HEIGHT_TO_ERROR * (limits.height_sd or 0.0)
     low = int((surface.height < least).sum())
-    if not low:
-        return ()
-    return (
-        f"{low} of {surface.count} summits stand lower than {HEIGHT_TO_ERROR:g} times height_sd = "
-        f"{limits.height_sd:g} mm: raise the offset",
-    )
+    if low:
+        notes.append(
+            f"{low} of {surface.count} summits stand lower than {HEIGHT_TO_ERROR:g} times height_sd = "
+            f"{limits.height_sd:g} mm: raise the offset"
+        )
+    return tuple(notes)

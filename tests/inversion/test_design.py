@@ -241,3 +241,10 @@ def test_coefficient_bounds_need_a_friction(template):
     assert (low, high) == (pytest.approx(bound, rel=1e-12), math.inf)
     with pytest.raises(mf.InvalidInput, match="template has no friction"):
         mf.achievable_friction_coefficients(template.replaced(friction=None), LIMITS)
+
+
+def test_a_law_missed_for_want_of_height_says_so(template):
+    target = mf.PowerLaw(1.35, (0.1, 0.4))
+    result = mf.design(target, template, limits=mf.Limits(0.1, offset=0.1))
+    assert result.status is DesignStatus.MISSED
+    assert "the heights use all of the 0.1 mm that they may differ by: raise max_height" in result.notes
