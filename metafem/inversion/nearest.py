@@ -26,25 +26,29 @@ LOOSE_RESTARTS = 4
 REDEALT = (0.0, 0.1, 0.3)
 
 
-def nearest_law(
-    wanted: Wanted,
-    laws: list[FloatArray],
-    radii: Radii,
-    count: int,
-    span: float,
-    restarts: int,
-    rng: np.random.Generator,
-    goal: float = GOAL,
-) -> tuple[FloatArray, FloatArray]:
-    """Return heights, tallest first at 0 and within the span, and their radii (n,) [mm].
+@dataclass(frozen=True, eq=False)
+class Quest:
+    """A law that is wanted, laws (k,) each [mm^2] to start from, and how long to seek the nearest one.
 
-    The search starts from given laws, (k,) each [mm^2] at the wanted loads. One radius that reaches the
-    goal is preferred; else radii that rise and fall with the depth are tried, then random ones.
+    There may be `count` asperities, of heights within `span` [mm]; a misfit of `goal` is enough.
     """
-    if radii.single:
-        found = _with_one(wanted, laws, radii.low, count, span, restarts, rng, goal)
-    else:
-        found = _with_several(wanted, laws, radii, count, span, restarts, rng, goal)
+
+    wanted: Wanted
+    laws: list[FloatArray]
+    count: int
+    span: float
+    restarts: int
+    rng: np.random.Generator
+    goal: float = GOAL
+
+
+def nearest_law(quest: Quest, radii: Radii) -> tuple[FloatArray, FloatArray]:
+    """Return heights, tallest first at 0, and their radii (n,) [mm] whose law is nearest.
+
+    One radius that reaches the goal is preferred; else radii that rise and fall with the depth are tried,
+    then random ones.
+    """
+    found = _with_one(quest, radii.low, quest.restarts) if radii.single else _with_several(quest, radii)
     order = np.argsort(-found.height, kind="stable")
     return found.height[order] - found.height.max(), found.radius[order]
 
@@ -62,46 +66,45 @@ class _Found:
     misfit: float
 
 
-def _with_one(
-    wanted: Wanted, laws: list[FloatArray], radius: float, count: int, span: float, restarts: int,
-    rng: np.random.Generator, goal: float,
-) -> _Found:  # fmt: skip
+def _with_one(quest: Quest, radius: float, restarts: int) -> _Found:
+    load = quest.wanted.load
+
     def evaluate(height: FloatArray) -> tuple[FloatArray, FloatArray]:
-        found = independent_law(height, np.full(len(height), radius), wanted.load)
+        found = independent_law(height, np.full(len(height), radius), load)
         return found.curve.area, found.gradient
 
-    starts = [march(wanted.load, law, np.full(len(law), radius), count)[0] for law in laws]
-    found = search(evaluate, starts, wanted, Heights(span, count), goal, restarts, rng)
+    starts = [march(load, law, np.full(len(law), radius), quest.count)[0] for law in quest.laws]
+    space = Heights(quest.span, quest.count)
+    found = search(evaluate, starts, quest.wanted, space, quest.goal, restarts, quest.rng)
     return _Found(found.unknowns, np.full(len(found.unknowns), radius), found.misfit)
 
 
-def _with_several(
-    wanted: Wanted, laws: list[FloatArray], radii: Radii, count: int, span: float, restarts: int,
-    rng: np.random.Generator, goal: float,
-) -> _Found:  # fmt: skip
+def _with_several(quest: Quest, radii: Radii) -> _Found:
     singles = []
     for radius in radii.tried.tolist():
-        singles.append(_with_one(wanted, laws, radius, count, span, 0, rng, goal))
-        if singles[-1].misfit <= goal:
+        singles.append(_with_one(quest, radius, 0))
+        if singles[-1].misfit <= quest.goal:
             return singles[-1]
     best = min(singles, key=lambda found: found.misfit)
-    rising = np.geomspace(radii.low, radii.high, len(wanted.load))
-    starts = [march(wanted.load, law, ramp, count) for law in laws for ramp in (rising, rising[::-1])]
-    middle = len(wanted.load) // 2
-    starts += [slowest(wanted.load[middle], law[middle], radii, count) for law in laws]
+    load = quest.wanted.load
+    rising, middle = np.geomspace(radii.low, radii.high, len(load)), len(load) // 2
+    starts = [march(load, law, ramp, quest.count) for law in quest.laws for ramp in (rising, rising[::-1])]
+    starts += [slowest(load[middle], law[middle], radii, quest.count) for law in quest.laws]
     starts.append((best.height, best.radius))
-    depth = float(Independent().curves(best.height, best.radius, wanted.load[-1:])[0].max())
-    loose = Asperities(span, count, Radii(radii.low, radii.high, None), depth)
-    tools = radii.extremes if radii.tools is None else radii
-    space = Asperities(span, count, tools, depth)
-    found = loose.nearest(starts, wanted, LOOSE_RESTARTS, rng, goal)
-    if radii.tools is None and found.misfit <= goal:
-        return found
-    rounded = (found.height, tools.nearest(found.radius))
-    mixed = space.nearest([rounded, *starts], wanted, restarts, rng, goal)
-    if radii.tools is None:  # where the extremes do better than what lies between, from there
-        found = loose.nearest([(mixed.height, mixed.radius)], wanted, LOOSE_RESTARTS, rng, goal)
-    return min(mixed, found if radii.tools is None else best, best, key=lambda each: each.misfit)
+    depth = float(Independent().curves(best.height, best.radius, load[-1:])[0].max())
+    ranged = radii.tools is None
+    tools = radii.extremes if ranged else radii
+    between = Asperities(quest.span, quest.count, radii.between, depth)
+    mixing = Asperities(quest.span, quest.count, tools, depth)
+    relaxed = between.nearest(quest, starts, LOOSE_RESTARTS)
+    if ranged and relaxed.misfit <= quest.goal:
+        return relaxed
+    rounded = (relaxed.height, tools.nearest(relaxed.radius))
+    mixed = mixing.nearest(quest, [rounded, *starts], quest.restarts)
+    found = [mixed, best]
+    if ranged:  # the extremes can do better than what lies between, and what lies near them better still
+        found.append(between.nearest(quest, [(mixed.height, mixed.radius)], LOOSE_RESTARTS))
+    return min(found, key=lambda each: each.misfit)
 
 
 @dataclass(frozen=True)
@@ -161,11 +164,9 @@ class Asperities:
 
         return evaluate
 
-    def nearest(
-        self, starts: list[tuple[FloatArray, FloatArray]], wanted: Wanted, restarts: int,
-        rng: np.random.Generator, goal: float,
-    ) -> _Found:  # fmt: skip
+    def nearest(self, quest: Quest, starts: list[tuple[FloatArray, FloatArray]], restarts: int) -> _Found:
         """Search from heights and radii."""
         unknowns = [self.joined(height, radius) for height, radius in starts]
-        found = search(self.law(wanted.load), unknowns, wanted, self, goal, restarts, rng)
+        law = self.law(quest.wanted.load)
+        found = search(law, unknowns, quest.wanted, self, quest.goal, restarts, quest.rng)
         return _Found(*self.split(found.unknowns), found.misfit)

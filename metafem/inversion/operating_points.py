@@ -1,37 +1,24 @@
 """Heights whose law passes through given points: one level and one adjustment asperity a point (S1).
 
-With all earlier asperities in contact and n of radius R new at the level, the area fixes the indentation e
-of one more, of radius R', for any indentation d of the level: the sum of ``pi R_i d_i`` is linear in both.
-Between the d at which it stands at the level, e = d, and that at which it just touches, e = 0, the load
-changes its sign against the wanted one for the right n. With one radius that n is unique. With several a
-point can be met in many ways, below the friction of the earlier asperities too; they are tried in turn.
+With one radius each point is met in one way, given those before it. With several it can be met in many
+ways, below the friction of the earlier asperities too; they are tried in turn, and last a search without
+levels.
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-
 import numpy as np
-from scipy.optimize import brentq
 
-from metafem._validate import FloatArray
 from metafem.errors import Infeasible
 from metafem.inversion.blueprint import Blueprint, Parameter
+from metafem.inversion.level import Level, Step
 from metafem.inversion.limits import Limits
-from metafem.inversion.nearest import independent_law, nearest_law
+from metafem.inversion.nearest import Quest, independent_law, nearest_law
 from metafem.inversion.radii import Radii
 from metafem.inversion.refine import POINT_GOAL
 from metafem.inversion.target import OperatingPoints
 from metafem.inversion.wanted import Wanted
 from metafem.models import Independent
-
-# brentq's tightest tolerance, so that the points are met to rounding.
-TIGHTEST = 4.0 * np.finfo(float).eps
-
-# A friction this close to a bound counts as the bound: rounding must not ask for one asperity more.
-ROUNDING = 1e-12
 
 # Ways to meet a point that are tried in all, of some 0.2 ms each.
 MOST_TRIED = 5_000
@@ -45,7 +32,7 @@ def invert(
 ) -> Blueprint:
     """Return the heights that lead the independent law through all points, or raise Infeasible."""
     refused: Infeasible | None = None
-    found: list[tuple[_Level, ...]] = []
+    found: list[tuple[Level, ...]] = []
     for radius in radii.tried.tolist():
         search = _Search(target, (radius,), count, limits)
         if path := search.path(()):
@@ -56,7 +43,9 @@ def invert(
         search = _Search(target, tuple(radii.tried.tolist()), count, limits)
         if path := search.path(()):
             found.append(path)
-        for choice in (radii.extremes, radii):  # the former leave most room for another model's heights
+        for choice in dict.fromkeys(
+            (radii.extremes, radii)
+        ):  # the former leave most room for another model's heights
             if not found and (blueprint := _freely(target, choice, count, limits, rng)):
                 return blueprint
         refused = search.refused
@@ -66,7 +55,7 @@ def invert(
     return _blueprint(target, path, radii, limits)
 
 
-def _blueprint(target: OperatingPoints, path: tuple[_Level, ...], radii: Radii, limits: Limits) -> Blueprint:
+def _blueprint(target: OperatingPoints, path: tuple[Level, ...], radii: Radii, limits: Limits) -> Blueprint:
     height, radius, number = np.array([kind for level in path for kind in level.kinds]).T
     tops = np.array([level.height for level in path])
     parameters: dict[str, Parameter] = {
@@ -95,9 +84,8 @@ def _freely(
 ) -> Blueprint | None:
     """Return heights and radii without levels that meet the points, or None: the nearest law, made exact."""
     wanted = Wanted.exactly(target.rescaled_load, target.rescaled_friction)
-    height, radius = nearest_law(
-        wanted, [wanted.base], radii, count, limits.span, FREE_RESTARTS, rng, POINT_GOAL
-    )
+    quest = Quest(wanted, [wanted.base], count, limits.span, FREE_RESTARTS, rng, POINT_GOAL)
+    height, radius = nearest_law(quest, radii)
     misfit = wanted.misfit(independent_law(height, radius, wanted.load).curve.area)
     top = limits.offset + limits.max_height
     approach = float(Independent().curves(height, radius, wanted.load[-1:])[0][0, 0])
@@ -105,31 +93,6 @@ def _freely(
         return None
     parameters: dict[str, Parameter] = {"span": float(-height[-1])}
     return Blueprint(top + height, radius, parameters, wanted, spare_height=top + float(height[-1]))
-
-
-@dataclass(frozen=True)
-class _Level:
-    """Asperities of `radius` at a height, and one of another radius if its indentation is not zero."""
-
-    height: float
-    number: int
-    radius: float
-    other: float
-    depth: float
-    adjustment: float
-
-    @property
-    def kinds(self) -> list[tuple[float, float, int]]:
-        """Height, radius and number of the asperities of each kind."""
-        kinds = [(self.height, self.radius, self.number)]
-        if self.adjustment > 0.0:
-            kinds.append((self.height - self.depth + self.adjustment, self.other, 1))
-        return kinds
-
-    @property
-    def count(self) -> int:
-        """Number of asperities."""
-        return sum(number for _, _, number in self.kinds)
 
 
 class _Search:
@@ -141,13 +104,13 @@ class _Search:
         self.furthest = -1
         self.tried = 0
 
-    def path(self, done: tuple[_Level, ...]) -> tuple[_Level, ...] | None:
+    def path(self, done: tuple[Level, ...]) -> tuple[Level, ...] | None:
         """Return levels for all points that begin with those done, or None."""
         i = len(done)
         if i == len(self.target.rescaled_load):
             return done
         level = done[-1].height - done[-1].depth if done else self.limits.max_height
-        step = _Step(done, level, self.target.rescaled_load[i], self.target.rescaled_friction[i])
+        step = Step(done, level, self.target.rescaled_load[i], self.target.rescaled_friction[i])
         left = self.count - sum(part.count for part in done)
         used = {part.radius for part in done}
         ways = sorted(step.ways(self.tools, left), key=lambda way: (way.radius not in used, way.count))
@@ -170,92 +133,8 @@ class _Search:
             self.furthest, self.refused = i, reason
 
 
-class _Step:
-    """One point: the earlier asperities, by kinds, stand `lead` above the new level [mm]."""
-
-    def __init__(self, done: tuple[_Level, ...], height: float, load: float, friction: float) -> None:
-        self.height, self.load, self.friction = height, load, friction
-        kinds = [kind for level in done for kind in level.kinds]
-        top, self.radius, self.number = np.array(kinds).reshape(-1, 3).T
-        self.lead = top - height
-        # what is left of sum R_i d_i as the plane meets the level [mm^2], and its growth with the depth
-        self.rest = friction / math.pi - float(self.number @ (self.radius * self.lead))
-        self.growth = float(self.number @ self.radius)
-        self.fewest = 0 if done else 1
-
-    def excess(self, depth: FloatArray, number: FloatArray | float, radius: float) -> FloatArray:
-        """Load, less that of the point, with new asperities at indentations of the level, (k,) [mm^2]."""
-        earlier = (self.lead + depth[:, None]) ** 1.5 @ (self.number * np.sqrt(self.radius))
-        return np.asarray(4.0 / 3.0 * (earlier + number * math.sqrt(radius) * depth**1.5) - self.load)
-
-    def friction_with(self, number: int, radius: float) -> float:
-        """Friction at the load with `number` new asperities at the level [mm^2]."""
-        times = self.number.astype(np.int64)
-        height = np.concatenate([np.repeat(self.lead, times), np.zeros(number)])
-        radii = np.concatenate([np.repeat(self.radius, times), np.full(number, radius)])
-        _, _, area, _ = Independent().curves(height, radii, [self.load])
-        return float(area[0, 0])
-
-    def needed(self, radius: float) -> float:
-        """Least number of new asperities that meets the point with the level's and the last below it."""
-
-        def excess(number: float) -> float:
-            depth = self.rest / (self.growth + number * radius)
-            return float(self.excess(np.array([depth]), number, radius)[0])
-
-        low, high = float(self.fewest), 1.0
-        while excess(high) > 0.0:
-            low, high = high, 2.0 * high
-        return math.floor(brentq(excess, low, high)) + 1 if excess(low) > 0.0 else low
-
-    def ways(self, tools: tuple[float, ...], left: int) -> Iterator[_Level]:
-        """Yield the levels that meet the point with at most `left` asperities."""
-        number = np.arange(self.fewest, left + 1.0)
-        if self.rest <= 0.0 or not number.size:
-            return
-        for radius in tools:
-            growth = self.growth + number * radius
-            alone = self.excess(self.rest / growth, number, radius)
-            for n in number[np.abs(alone) <= ROUNDING * self.load]:
-                depth = self.rest / (self.growth + n * radius)
-                yield _Level(self.height, int(n), radius, radius, depth, 0.0)
-            for other in tools:
-                depth = self.rest / (growth + other)
-                both = self.excess(depth, number, radius) + _single(depth, other)
-                for n in number[(alone * both <= 0.0) & (np.abs(alone) > ROUNDING * self.load)]:
-                    if n < left:
-                        yield self._adjusted(int(n), radius, other)
-
-    def _adjusted(self, number: int, radius: float, other: float) -> _Level:
-        """Return the level whose adjustment asperity, fixed by the area, carries the rest of the load."""
-        growth = self.growth + number * radius
-
-        def adjustment(depth: float) -> float:
-            return max(0.0, float(self.rest - growth * depth) / other)
-
-        def excess(depth: float) -> float:
-            rest = float(_single(np.array(adjustment(depth)), other))
-            return float(self.excess(np.array([depth]), number, radius)[0]) + rest
-
-        depth = _root(excess, self.rest / (growth + other), self.rest / growth)
-        return _Level(self.height, number, radius, other, depth, adjustment(depth))
-
-
-def _single(depth: FloatArray, radius: float) -> FloatArray:
-    """Load of one asperity at indentations [mm^2]."""
-    return np.asarray(4.0 / 3.0 * math.sqrt(radius) * depth**1.5)
-
-
-def _root(function: Callable[[float], float], low: float, high: float) -> float:
-    """Root of a function in a bracket; an end where rounding hides the sign."""
-    first, last = function(low), function(high)
-    if first == 0.0 or (first > 0.0) == (last > 0.0):
-        return low if abs(first) <= abs(last) else high
-    return float(brentq(function, low, high, xtol=TIGHTEST * low, rtol=TIGHTEST))
-
-
 def _unreachable(
-    target: OperatingPoints, i: int, step: _Step, tools: tuple[float, ...], left: int
+    target: OperatingPoints, i: int, step: Step, tools: tuple[float, ...], left: int
 ) -> Infeasible:
     """Return why a point is not met, with the friction that could be had there."""
     fewest = [step.friction_with(step.fewest, radius) for radius in tools]
@@ -281,7 +160,7 @@ def _unreachable(
     )
 
 
-def _too_low(i: int, level: _Level, limits: Limits) -> Infeasible | None:
+def _too_low(i: int, level: Level, limits: Limits) -> Infeasible | None:
     """Return why a level cannot be made: summits below the workshop's lowest, or the base plane in touch."""
     lowest = min(height for height, _, number in level.kinds if number) if level.count else level.height
     plane = level.height - level.depth

@@ -18,7 +18,7 @@ from metafem.inversion.blueprint import Blueprint, Branch, Parameter
 from metafem.inversion.feasibility import largest_load, single_friction
 from metafem.inversion.judge import REACHED, independent_misfit
 from metafem.inversion.limits import Limits
-from metafem.inversion.nearest import nearest_law
+from metafem.inversion.nearest import Quest, nearest_law
 from metafem.inversion.radii import Radii
 from metafem.inversion.sampled import POINTS, RESTARTS
 from metafem.inversion.target import LinearLaw
@@ -94,7 +94,8 @@ def _over(
 ) -> Blueprint:  # fmt: skip
     load = np.geomspace(*ends, POINTS)
     wanted = Wanted.exactly(load, slope * load)
-    height, radius = nearest_law(wanted, [wanted.base], radii, count, limits.span, restarts, rng)
+    quest = Quest(wanted, [wanted.base], count, limits.span, restarts, rng)
+    height, radius = nearest_law(quest, radii)
     parameters: dict[str, Parameter] = {"load_range": np.array(ends), "span": float(-height[-1])}
     branch = Branch(slope, ends, 0.0)
     return Blueprint(limits.offset + limits.max_height + height, radius, parameters, wanted, (branch,))

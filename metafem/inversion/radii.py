@@ -81,6 +81,11 @@ class Radii:
         return np.array(self.tools)
 
     @property
+    def between(self) -> Radii:
+        """Any radius from the least to the largest."""
+        return Radii(self.low, self.high, None)
+
+    @property
     def extremes(self) -> Radii:
         """The least and the largest alone."""
         return Radii(self.low, self.high, (self.low, self.high))

@@ -10,7 +10,7 @@ from metafem._validate import FloatArray
 from metafem.inversion.blueprint import Blueprint, Branch, Parameter
 from metafem.inversion.feasibility import friction_bounds
 from metafem.inversion.limits import Limits
-from metafem.inversion.nearest import independent_law, nearest_law
+from metafem.inversion.nearest import Quest, independent_law, nearest_law
 from metafem.inversion.radii import Radii
 from metafem.inversion.target import MultilinearLaw, PowerLaw, SampledLaw
 from metafem.inversion.wanted import Wanted
@@ -36,7 +36,7 @@ def invert(
     wanted = wanted_law(target)
     low, high = friction_bounds(wanted.load, radii, count)
     laws = first_laws(target, wanted, low, high)
-    height, radius = nearest_law(wanted, laws, radii, count, limits.span, RESTARTS, rng)
+    height, radius = nearest_law(Quest(wanted, laws, count, limits.span, RESTARTS, rng), radii)
     area = independent_law(height, radius, wanted.load).curve.area
     parameters: dict[str, Parameter] = {"span": float(-height[-1]), **open_parameters(target, wanted, area)}
     branches: tuple[Branch, ...] = ()

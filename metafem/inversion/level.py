@@ -1,0 +1,134 @@
+"""One level of asperities, and one adjustment asperity, that meet one operating point (S1).
+
+With all earlier asperities in contact and n of radius R new at the level, the area fixes the indentation e
+of one more, of radius R', for any indentation d of the level: the sum of ``pi R_i d_i`` is linear in both.
+Between the d at which it stands at the level, e = d, and that at which it just touches, e = 0, the load
+changes its sign against the wanted one for the right n. With one radius that n is unique.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import brentq
+
+from metafem._validate import FloatArray
+from metafem.models import Independent
+
+# brentq's tightest tolerance, so that the points are met to rounding.
+TIGHTEST = 4.0 * np.finfo(float).eps
+
+# A friction this close to a bound counts as the bound: rounding must not ask for one asperity more.
+ROUNDING = 1e-12
+
+
+@dataclass(frozen=True)
+class Level:
+    """Asperities of `radius` at a height, and one of another radius if its indentation is not zero."""
+
+    height: float
+    number: int
+    radius: float
+    other: float
+    depth: float
+    adjustment: float
+
+    @property
+    def kinds(self) -> list[tuple[float, float, int]]:
+        """Height, radius and number of the asperities of each kind."""
+        kinds = [(self.height, self.radius, self.number)]
+        if self.adjustment > 0.0:
+            kinds.append((self.height - self.depth + self.adjustment, self.other, 1))
+        return kinds
+
+    @property
+    def count(self) -> int:
+        """Number of asperities."""
+        return sum(number for _, _, number in self.kinds)
+
+
+class Step:
+    """One point: the earlier asperities, by kinds, stand `lead` above the new level [mm]."""
+
+    def __init__(self, done: tuple[Level, ...], height: float, load: float, friction: float) -> None:
+        self.height, self.load, self.friction = height, load, friction
+        kinds = [kind for level in done for kind in level.kinds]
+        top, self.radius, self.number = np.array(kinds).reshape(-1, 3).T
+        self.lead = top - height
+        # what is left of sum R_i d_i as the plane meets the level [mm^2], and its growth with the depth
+        self.rest = friction / math.pi - float(self.number @ (self.radius * self.lead))
+        self.growth = float(self.number @ self.radius)
+        self.fewest = 0 if done else 1
+
+    def excess(self, depth: FloatArray, number: FloatArray | float, radius: float) -> FloatArray:
+        """Load, less that of the point, with new asperities at indentations of the level, (k,) [mm^2]."""
+        earlier = (self.lead + depth[:, None]) ** 1.5 @ (self.number * np.sqrt(self.radius))
+        return np.asarray(4.0 / 3.0 * (earlier + number * math.sqrt(radius) * depth**1.5) - self.load)
+
+    def friction_with(self, number: int, radius: float) -> float:
+        """Friction at the load with `number` new asperities at the level [mm^2]."""
+        times = self.number.astype(np.int64)
+        height = np.concatenate([np.repeat(self.lead, times), np.zeros(number)])
+        radii = np.concatenate([np.repeat(self.radius, times), np.full(number, radius)])
+        _, _, area, _ = Independent().curves(height, radii, [self.load])
+        return float(area[0, 0])
+
+    def needed(self, radius: float) -> float:
+        """Least number of new asperities that meets the point with the level's and the last below it."""
+
+        def excess(number: float) -> float:
+            depth = self.rest / (self.growth + number * radius)
+            return float(self.excess(np.array([depth]), number, radius)[0])
+
+        low, high = float(self.fewest), 1.0
+        while excess(high) > 0.0:
+            low, high = high, 2.0 * high
+        return math.floor(brentq(excess, low, high)) + 1 if excess(low) > 0.0 else low
+
+    def ways(self, tools: tuple[float, ...], left: int) -> Iterator[Level]:
+        """Yield the levels that meet the point with at most `left` asperities."""
+        number = np.arange(self.fewest, left + 1.0)
+        if self.rest <= 0.0 or not number.size:
+            return
+        for radius in tools:
+            growth = self.growth + number * radius
+            alone = self.excess(self.rest / growth, number, radius)
+            for n in number[np.abs(alone) <= ROUNDING * self.load]:
+                depth = self.rest / (self.growth + n * radius)
+                yield Level(self.height, int(n), radius, radius, depth, 0.0)
+            for other in tools:
+                depth = self.rest / (growth + other)
+                both = self.excess(depth, number, radius) + _single(depth, other)
+                for n in number[(alone * both <= 0.0) & (np.abs(alone) > ROUNDING * self.load)]:
+                    if n < left:
+                        yield self._adjusted(int(n), radius, other)
+
+    def _adjusted(self, number: int, radius: float, other: float) -> Level:
+        """Return the level whose adjustment asperity, fixed by the area, carries the rest of the load."""
+        growth = self.growth + number * radius
+
+        def adjustment(depth: float) -> float:
+            return max(0.0, float(self.rest - growth * depth) / other)
+
+        def excess(depth: float) -> float:
+            rest = float(_single(np.array(adjustment(depth)), other))
+            return float(self.excess(np.array([depth]), number, radius)[0]) + rest
+
+        depth = _root(excess, self.rest / (growth + other), self.rest / growth)
+        return Level(self.height, number, radius, other, depth, adjustment(depth))
+
+
+def _single(depth: FloatArray, radius: float) -> FloatArray:
+    """Load of one asperity at indentations [mm^2]."""
+    return np.asarray(4.0 / 3.0 * math.sqrt(radius) * depth**1.5)
+
+
+def _root(function: Callable[[float], float], low: float, high: float) -> float:
+    """Root of a function in a bracket; an end where rounding hides the sign."""
+    first, last = function(low), function(high)
+    if first == 0.0 or (first > 0.0) == (last > 0.0):
+        return low if abs(first) <= abs(last) else high
+    return float(brentq(function, low, high, xtol=TIGHTEST * low, rtol=TIGHTEST))
