@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,7 +13,6 @@ from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.asperity import Contact, Hertz
 from metafem.errors import InvalidInput, NotConverged
-from metafem.models.independent import Independent
 from metafem.models.large import LargeScene, Last
 from metafem.models.memory import require_memory
 from metafem.models.model import ContactState, Curve, Sensitivity, Status
@@ -266,26 +265,32 @@ class Interacting:
     def sensitivity(self, surface: Surface, load: FloatArray) -> Sensitivity:
         """Law at increasing rescaled loads (k,), and dA0/dh of each height at fixed load [mm], (k, n).
 
-        The factor of each load's contact system serves for all heights. Beyond the size of the dense
-        solver the sensitivities are those of independent asperities.
+        One solution of each load's contact system serves for all heights; beyond the size of the dense
+        solver by conjugate gradients, to 1e-9.
         """
-        from metafem.models.interacting_sensitivity import area_gradients
-
-        if surface.count > DENSE_LIMIT:
-            return replace(Independent().sensitivity(surface, load), curve=self.curve(surface, load))
         from metafem._kernels import continuation as kernel
+        from metafem.models.interacting_sensitivity import area_gradients
 
         own, rate = np.zeros((1, surface.count)), np.zeros(surface.count)
         if self.pedestal:
             own[0], rate = pedestal_influence(surface.height, surface.radius)
         results = kernel.empty_results(1, len(load))
-        trail = np.empty((len(load), surface.count))
-        coupling, self_term = self._coupling(surface)
-        own += self_term
-        self._run_dense(surface, coupling, own, surface.gap[None, :], load, True, results, trail)
+        trail, gradients = np.empty((2, len(load), surface.count))
+        bound = self.substrate.for_surface(surface)
+        if surface.count > DENSE_LIMIT and isinstance(bound, Radial):
+            gradients[:] = 0.0
+            part = kernel.Results(*(array[0] for array in results))
+            LargeScene(surface, bound, self.order).follow(
+                own[0], surface.gap, load, True, part, trail, gradients
+            )
+            gradients *= 1.0 - rate * 4.0 / 3.0 * np.sqrt(surface.radius) * np.maximum(trail, 0.0) ** 1.5
+        else:
+            coupling, self_term = self._coupling(surface)
+            own += self_term
+            self._run_dense(surface, coupling, own, surface.gap[None, :], load, True, results, trail)
+            gradients = area_gradients(coupling, self.order, surface.radius, own[0], trail, rate)
         approach, carried, area, stiffness, residual = (results[k][0] for k in range(5))
         curve = Curve(approach, carried, area, stiffness, residual, self._promise(surface))
-        gradients = area_gradients(coupling, self.order, surface.radius, own[0], trail, rate)
         return Sensitivity(curve, gradients, trail)
 
     def _coupling(self, surface: Surface) -> tuple[Field, FloatArray]:

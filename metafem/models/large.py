@@ -40,9 +40,19 @@ class LargeScene:
         self.coarse = coarsen(surface.position, substrate)
 
     def follow(
-        self, own: FloatArray, gap: FloatArray, control: FloatArray, by_load: bool, results: Results
+        self,
+        own: FloatArray,
+        gap: FloatArray,
+        control: FloatArray,
+        by_load: bool,
+        results: Results,
+        trail: FloatArray | None = None,
+        gradients: FloatArray | None = None,
     ) -> Last:
-        """Fill the results (k,) at increasing loads or approaches, and return the last state."""
+        """Fill the results (k,) at increasing loads or approaches, and return the last state.
+
+        Where they are given, fill the nominal indentations and dA0/dh at fixed load too, (k, n) [mm].
+        """
         own = own + self.substrate.self_influence
         contacts = Contacts(self.sums, self.order, self.radius, own, gap, self.coarse)
         x, z, rate = 0.0, -gap, None
@@ -51,6 +61,8 @@ class LargeScene:
         for j, value in enumerate(control):
             results.approach[j] = 0.0 if by_load else value
             if value <= 0.0:
+                if trail is not None:
+                    trail[j] = -gap
                 last = Last(zero, zero, min(float(results.approach[j]), 0.0) - gap)
                 continue
             target = float(value) if by_load else 0.0
@@ -68,6 +80,10 @@ class LargeScene:
             if state.residual <= TOLERANCE:
                 results.stiffness[j], rate = contacts.tangent(state)
             self._record(results, j, x, state)
+            if trail is not None:
+                trail[j] = z
+            if gradients is not None:
+                gradients[j] = contacts.area_gradient(state)
             last = Last(state.load, state.square, state.indentation, (self.sums.note,))
         return last
 

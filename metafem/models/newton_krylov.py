@@ -28,6 +28,9 @@ LOOSEST = 0.1
 # Residual of the tangent; the stiffness has twice its digits.
 TANGENT = 1e-4
 
+# Residual of the sensitivities, relative to the change of area by load that drives them.
+SENSITIVITY = 1e-9
+
 
 class Sums(Protocol):
     """Products of one surface's influence; `metafem.models.lattice.LatticeSums` says what they are."""
@@ -159,6 +162,21 @@ class Contacts:
         # y.H y is stationary at the tangent, and rest = -H y
         return -1.0 / float(share @ rest), rate
 
+    def area_gradient(self, state: Iterate) -> FloatArray:
+        """Return dA0/dh at fixed load [mm] at an equilibrium, by `interacting_sensitivity`'s equations.
+
+        ``H l = c + x 1`` with the x for which the l of the contacts sum to zero.
+        """
+        closed, none = state.closed, np.zeros_like(state.z)
+        root = 2.0 * np.sqrt(self.radius * np.maximum(state.z, 0.0))
+        widened = np.divide(self.radius, root * state.bend**2, out=none.copy(), where=closed)
+        if self.order == 3:
+            flattening = -state.square * self.radius / (3.0 * state.bend**3)
+            widened += self.sums.displacement(none, flattening, none, none)
+        by_load = np.where(closed, math.pi * widened, 0.0)
+        change, _, _ = self.solve(state, by_load, 0.0, SENSITIVITY * float(by_load.max()), exact=True)
+        return change
+
     def jacobian(self, state: Iterate, loads: FloatArray, exact: bool) -> FloatArray:
         """Return dF/dp times a change of the loads, without the diagonal of Hertz and self terms."""
         if self.order == 1 or not exact:
@@ -199,12 +217,13 @@ class Contacts:
                 rest -= self.jacobian(state, loads, exact) + np.where(closed, diagonal * loads, 0.0)
         direction, before = np.zeros_like(rhs), 0.0
         for _ in range(MAX_INNER):
-            inside = np.where(closed, rest, 0.0)
+            inside = np.where(closed, rest + shift, 0.0)  # without the constant, whose rounding would stay
             ahead = precondition(inside)
             if total is not None:
-                shift = -float(ahead.sum()) / whole
-                ahead += shift * uniform
-            if float(np.abs(np.where(closed, rest + shift, 0.0)).max()) <= leave:
+                more = -float(ahead.sum()) / whole
+                shift, ahead = shift + more, ahead + more * uniform
+                inside[closed] += more
+            if float(np.abs(inside).max()) <= leave:
                 break
             product = float(inside @ ahead)
             direction = ahead + (product / before if before > 0.0 else 0.0) * direction

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.models import Sensitive
+from metafem.models import Sensitive, interacting
 
 MODELS = [
     mf.Independent(),
@@ -55,3 +55,25 @@ def test_raising_all_heights_changes_nothing():
     for model in (mf.Independent(), mf.Interacting(order=1), mf.Interacting(order=3)):
         gradient = model.sensitivity(surface, np.array([0.01, 0.1])).gradient
         np.testing.assert_allclose(gradient.sum(axis=1), 0.0, atol=1e-12 * np.abs(gradient).max())
+
+
+@pytest.mark.parametrize("scattered", [False, True], ids=["lattice", "scattered"])
+@pytest.mark.parametrize("model", MODELS[2:], ids=repr)
+def test_fast_sums_give_the_sensitivities_of_dense_matrices(model, scattered, monkeypatch):
+    rng = np.random.default_rng(0)
+    surface = mf.Surface.square_lattice(
+        0.1 + rng.exponential(0.02, 144),
+        (12, 12),
+        radius=rng.uniform(0.4, 0.7, 144),
+        material=mf.Material(1.0),
+        block=mf.Block(30.0, 30.0, 3.0),
+    )
+    if scattered:
+        surface = surface.replaced(position=surface.position + rng.uniform(-0.2, 0.2, (144, 2)))
+    load = np.array([0.05, 0.5, 2.0])
+    dense = model.sensitivity(surface, load)
+    monkeypatch.setattr(interacting, "DENSE_LIMIT", 1)
+    fast = model.sensitivity(surface, load)
+    scale = np.abs(dense.gradient).max()
+    np.testing.assert_allclose(fast.gradient, dense.gradient, rtol=0.0, atol=1e-7 * scale)
+    np.testing.assert_allclose(fast.indentation, dense.indentation, rtol=0.0, atol=1e-9)
