@@ -171,18 +171,24 @@ class Joined:
 
 
 def exchanged(
-    forecast: Forecast, missed: FloatArray, order: IntArray, most: int, rng: np.random.Generator
+    forecast: Forecast,
+    missed: FloatArray,
+    order: IntArray,
+    open_: IntArray,
+    most: int,
+    rng: np.random.Generator,
 ) -> IntArray:
     """Return the order after at most `most` exchanges, each the best of all for the sum of squares.
 
-    forecast: of the asperities in the given order; missed: what it misses (q,), taken as constant.
+    forecast: of the asperities in the given order; missed: what it misses (q,), taken as constant; open_:
+    the places that take part.
     """
     order, now = order.copy(), forecast
     residual = now.residual() + missed
     for _ in range(most):
         if residual @ residual <= ENOUGH**2:
             break
-        places = drawn(len(order), rng)
+        places = drawn(open_, rng)
         change = now.changes(places)
         squares = after(residual, change)
         a, b = np.unravel_index(int(squares.argmin()), squares.shape)
@@ -202,11 +208,11 @@ def after(residual: FloatArray, change: FloatArray) -> FloatArray:
     return np.asarray(squares.reshape(change.shape[1:]))
 
 
-def drawn(count: int, rng: np.random.Generator) -> IntArray:
+def drawn(places: IntArray, rng: np.random.Generator) -> IntArray:
     """Return the places among which exchanges are priced."""
-    if count <= PRICED_AT_ONCE:
-        return np.arange(count)
-    return np.asarray(rng.choice(count, PRICED_AT_ONCE, replace=False))
+    if len(places) <= PRICED_AT_ONCE:
+        return places
+    return np.asarray(rng.choice(places, PRICED_AT_ONCE, replace=False))
 
 
 def swap(order: IntArray, i: int, j: int) -> None:

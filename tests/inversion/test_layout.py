@@ -124,6 +124,57 @@ def test_many_places_are_drawn(template):
     assert result.after < 0.3 * result.before
 
 
+CORNERS = np.array([[9.0, 9.0], [-9.0, 9.0], [9.0, -9.0], [-9.0, -9.0]])
+
+
+class Dear:
+    """The half-space as a substrate of no radial kind, which counts how often it is asked."""
+
+    def __init__(self):
+        self.asked = 0
+
+    def for_surface(self, surface):
+        return self
+
+    def influence_matrix(self, surface):
+        self.asked += 1
+        return mf.HalfSpace().influence_matrix(surface)
+
+    def influence_derivatives(self, surface):
+        return mf.HalfSpace().influence_derivatives(surface)
+
+
+def test_empty_places_are_taken_where_they_help():
+    """Two asperities as near as they can be move as far apart as they can."""
+    row = np.column_stack([1.5 * np.arange(6), np.zeros(6)])
+    pair = mf.Surface(row[2:4], [0.1, 0.11], 0.526, mf.Material(1.36))
+    result = mf.arrange(pair, mf.FollowLaw([0.02, 0.04]), places=row)
+    assert np.abs(np.diff(result.sites)) == [5]
+    assert result.after < 0.3 * result.before
+
+
+def test_places_that_stay_empty_are_told(uneven):
+    more = np.vstack([CORNERS, uneven.position])
+    result = mf.arrange(uneven, mf.FollowLaw(LOAD), places=more)
+    assert result.after < result.before == mf.arrange(uneven, mf.FollowLaw(LOAD)).before
+    np.testing.assert_array_equal(result.places, more)
+    assert (result.order == -1).sum() == 4
+    np.testing.assert_array_equal(np.sort(result.order[result.sites]), np.arange(36))
+    np.testing.assert_array_equal(result.surface.position, more[result.sites])
+    np.testing.assert_array_equal(result.surface.height, uneven.height[result.order[result.sites]])
+    np.testing.assert_array_equal(result.surface.radius, uneven.radius[result.order[result.sites]])
+
+
+def test_a_substrate_without_a_formula_is_asked_once_for_all_places(uneven):
+    more, law = np.vstack([CORNERS, uneven.position]), mf.FollowLaw(LOAD)
+    substrate = Dear()
+    result = mf.arrange(uneven, law, mf.Interacting(substrate=substrate), places=more)
+    assert substrate.asked == 1
+    assert result.after < 0.1 * result.before
+    assert result.after == pytest.approx(np.linalg.norm(law.residual(result.surface, mf.Interacting())))
+    assert result.model.substrate is substrate
+
+
 @pytest.mark.parametrize(
     ("build", "words"),
     [
@@ -134,6 +185,13 @@ def test_many_places_are_drawn(template):
         (lambda s: mf.Together([TILT], [0.0]), "weights holds 0"),
         (lambda s: mf.Together([3]), r"objectives\[0\] = 3 must be"),
         (lambda s: mf.arrange(s, "tilt"), "objective = 'tilt' must be"),
+        (lambda s: mf.arrange(s, TILT, places=s.position[1:]), r"position\[0\] = .* is none of the places"),
+        (lambda s: mf.arrange(s, TILT, places=np.vstack([s.position, s.position[:1]])), "coincide"),
+        (lambda s: mf.arrange(s, TILT, places=[1.0, 2.0]), r"places has shape \(2,\)"),
+        (
+            lambda s: mf.arrange(s, TILT, places=np.random.default_rng(0).uniform(size=(10**6, 2))),
+            "the influence between 1000000 places would need",
+        ),
         (lambda s: mf.arrange(3, TILT), "surface = 3 must be a metafem.Surface"),
     ],
 )
