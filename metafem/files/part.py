@@ -54,7 +54,7 @@ def alignment_positions(template: Surface) -> FloatArray:
 def alignment_asperities(surface: Surface, template: Surface, height: float) -> Surface:
     """Return the four alignment asperities as a surface of their own.
 
-    Their radius is that of the nearest site of the template.
+    Their radius is that of the nearest asperity, so that the part needs no further tool.
 
     Raises
     ------
@@ -69,8 +69,8 @@ def alignment_asperities(surface: Surface, template: Surface, height: float) -> 
             "so that the alignment asperities touch first"
         )
     places = alignment_positions(template)
-    nearest = [int(((template.position - place) ** 2).sum(axis=1).argmin()) for place in places]
-    return surface.replaced(position=places, height=np.full(4, top), radius=template.radius[nearest])
+    nearest = [int(((surface.position - place) ** 2).sum(axis=1).argmin()) for place in places]
+    return surface.replaced(position=places, height=np.full(4, top), radius=surface.radius[nearest])
 
 
 def block_mesh(

@@ -1,14 +1,17 @@
 """Exchanges of asperities between places, by a forecast that prices all of them at once.
 
-To first order in the interaction a change of A0 is a quadratic form in what the asperities carry and how
-they weigh, each at its place; that by a tilt is a sum over the places. Exchanging two asperities changes
-both by terms of the two places alone.
+An empty place holds a vacancy, which carries nothing and is exchanged as an asperity is.
+
+To first order in what asperities in other places feel of each other, the change of A0 is a quadratic form
+in what they carry and how they weigh, each at its place; that by a tilt is a sum over the places.
+Exchanging two asperities changes both by terms of the two places alone.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from copy import copy
+from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 import numpy as np
@@ -22,11 +25,15 @@ PRICED_AT_ONCE = 96
 LEAST_GAIN = 1e-9
 
 
+# Exchanges end where the forecast expects a misfit that is far below what it can tell.
+ENOUGH = 1e-6
+
+
 class Forecast(Protocol):
     """Residuals (q,) of asperities in their places."""
 
-    def placed(self, order: IntArray) -> Forecast:
-        """Return the forecast with asperity order[i] at place i."""
+    def swapped(self, i: int, j: int) -> Forecast:
+        """Return the forecast with the asperities of two places exchanged."""
         ...
 
     def residual(self) -> FloatArray:
@@ -40,20 +47,37 @@ class Forecast(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Coupled:
-    """``base + sum_ij left_i G_ij right_j``: left and right (q, n) move with the asperities."""
+    """``sum_ij left_i G_ij right_j``: left and right (q, m) move with the asperities.
 
-    base: FloatArray
+    The fields of both at the places (q, m), a product with G each, are kept: an exchange changes them by
+    the two places' rows of G alone.
+    """
+
     left: FloatArray
     right: FloatArray
     influence: FloatArray
+    fields: tuple[FloatArray, FloatArray] = field(init=False)
 
-    def placed(self, order: IntArray) -> Coupled:
-        """Return the forecast with asperity order[i] at place i."""
-        return replace(self, left=self.left[:, order], right=self.right[:, order])
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "fields", (self.left @ self.influence, self.right @ self.influence))
+
+    def swapped(self, i: int, j: int) -> Coupled:
+        """Return the forecast with the asperities of two places exchanged."""
+        result = copy(self)
+        pair, turned = [i, j], [j, i]
+        between = self.influence[i] - self.influence[j]
+        fields = []
+        for name, old in zip(("left", "right"), self.fields, strict=True):
+            values = getattr(self, name).copy()
+            fields.append(old + (values[:, j] - values[:, i])[:, None] * between)
+            values[:, pair] = values[:, turned]
+            object.__setattr__(result, name, values)
+        object.__setattr__(result, "fields", tuple(fields))
+        return result
 
     def residual(self) -> FloatArray:
         """Return the residuals, (q,)."""
-        return np.asarray(self.base + ((self.left @ self.influence) * self.right).sum(axis=1))
+        return np.asarray((self.fields[0] * self.right).sum(axis=1))
 
     def changes(self, places: IntArray) -> FloatArray:
         """Return their changes by the exchange of each two of the places, (q, m, m)."""
@@ -67,8 +91,8 @@ class Coupled:
 
         left, right = difference(self.left), difference(self.right)
         change = left * right * (2.0 * influence - own[:, None] - own[None, :])
-        change += left * difference(self.right @ self.influence)
-        change += right * difference(self.left @ self.influence)
+        change += left * difference(self.fields[1])
+        change += right * difference(self.fields[0])
         return np.asarray(-change)
 
 
@@ -81,11 +105,11 @@ class Tilted:
 
     Attributes
     ----------
-    depth : ndarray, (k, n)
+    depth : ndarray, (k, m)
         Indentations of the asperities before the tilt [mm], negative where open.
-    radius : ndarray, (n,)
+    radius : ndarray, (m,)
         R of the asperities [mm].
-    lift : ndarray, (t, n)
+    lift : ndarray, (t, m)
         By which each tilt raises the places [mm].
     scale, rate : ndarray, (k,)
         Factor [1/mm^2] and dA0/d(P/E*) [-].
@@ -97,8 +121,10 @@ class Tilted:
     scale: FloatArray
     rate: FloatArray
 
-    def placed(self, order: IntArray) -> Tilted:
-        """Return the forecast with asperity order[i] at place i."""
+    def swapped(self, i: int, j: int) -> Tilted:
+        """Return the forecast with the asperities of two places exchanged."""
+        order = np.arange(len(self.radius))
+        swap(order, i, j)
         return replace(self, depth=self.depth[:, order], radius=self.radius[order])
 
     def residual(self) -> FloatArray:
@@ -130,9 +156,9 @@ class Joined:
     factors: tuple[float, ...]
     parts: tuple[Forecast, ...]
 
-    def placed(self, order: IntArray) -> Joined:
-        """Return the forecast with asperity order[i] at place i."""
-        return replace(self, parts=tuple(part.placed(order) for part in self.parts))
+    def swapped(self, i: int, j: int) -> Joined:
+        """Return the forecast with the asperities of two places exchanged."""
+        return replace(self, parts=tuple(part.swapped(i, j) for part in self.parts))
 
     def residual(self) -> FloatArray:
         """Return the residuals, (q,)."""
@@ -145,25 +171,33 @@ class Joined:
 
 
 def exchanged(
-    forecast: Forecast, missed: FloatArray, order: IntArray, most: int, rng: np.random.Generator
+    forecast: Forecast,
+    missed: FloatArray,
+    order: IntArray,
+    open_: IntArray,
+    most: int,
+    rng: np.random.Generator,
 ) -> IntArray:
     """Return the order after at most `most` exchanges, each the best of all for the sum of squares.
 
-    missed: what the forecast misses (q,), taken as constant.
+    forecast: of the asperities in the given order; missed: what it misses (q,), taken as constant; open_:
+    the places that take part.
     """
-    order = order.copy()
-    now = forecast.placed(order)
+    order, now = order.copy(), forecast
     residual = now.residual() + missed
     for _ in range(most):
-        places = drawn(len(order), rng)
+        if residual @ residual <= ENOUGH**2:
+            break
+        places = drawn(open_, rng)
         change = now.changes(places)
         squares = after(residual, change)
         a, b = np.unravel_index(int(squares.argmin()), squares.shape)
         if not squares[a, b] < residual @ residual * (1.0 - LEAST_GAIN):
             break
         residual = residual + change[:, a, b]
-        swap(order, int(places[a]), int(places[b]))
-        now = forecast.placed(order)
+        i, j = int(places[a]), int(places[b])
+        swap(order, i, j)
+        now = now.swapped(i, j)
     return order
 
 
@@ -174,11 +208,11 @@ def after(residual: FloatArray, change: FloatArray) -> FloatArray:
     return np.asarray(squares.reshape(change.shape[1:]))
 
 
-def drawn(count: int, rng: np.random.Generator) -> IntArray:
+def drawn(places: IntArray, rng: np.random.Generator) -> IntArray:
     """Return the places among which exchanges are priced."""
-    if count <= PRICED_AT_ONCE:
-        return np.arange(count)
-    return np.asarray(rng.choice(count, PRICED_AT_ONCE, replace=False))
+    if len(places) <= PRICED_AT_ONCE:
+        return places
+    return np.asarray(rng.choice(places, PRICED_AT_ONCE, replace=False))
 
 
 def swap(order: IntArray, i: int, j: int) -> None:

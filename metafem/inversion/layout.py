@@ -2,34 +2,43 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from metafem import _validate as check
 from metafem._validate import FloatArray, IntArray
 from metafem.inversion.exchange import Forecast, after, drawn, exchanged, swap
-from metafem.inversion.judge import UNCOUPLED
 from metafem.inversion.objectives import Objective
-from metafem.models import Interacting, Model
-from metafem.substrate import HalfSpace
+from metafem.inversion.places import Places, places_for
+from metafem.models import Independent, Interacting, Model
 from metafem.surface import Surface
 
-# Arrangements, the given one among them, from which a forecast's best exchanges are followed.
-STARTS = 3
+# Places up to which everything is tried as often as stated here; of more, less often.
+FEW_PLACES = 128
 
-# Exchanges that a forecast follows before it is measured against the model, at most.
-MOST_EXCHANGES = 64
+# Times that a forecast's best exchanges are followed: from the given arrangement, and from the best one
+# after it was stirred by exchanges at random, as many as this share of the places. By turns the forecast is
+# that of the model and that of independent asperities: one serves few levels better, the other many heights.
+MOST_TRIES, STIRRED = 8, 0.1
 
-# Measurements of the forecast's error along the way to the best arrangement.
+# What `Arrangement.order` holds where no asperity stands.
+EMPTY = -1
+
+# Exchanges that a forecast follows before it is measured against the model, at most; of many places a
+# quarter of their number.
+MOST_EXCHANGES = 16
+
+# Measurements along the way to the best arrangement.
 CORRECTIONS = 24
 
 # Misfit at which nothing more is tried: the errors of made heights change A0 by tens of times more.
 GOAL = 1e-4
 
 # Exchanges, the best by the forecast, that are tried on the model at each step of the last descent.
-TRIED = 12
+TRIED = 40
 
 # Steps of the last descent.
 LAST_STEPS = 16
@@ -42,8 +51,13 @@ class Arrangement:
     Attributes
     ----------
     surface : Surface
-    order : ndarray of int, (n,)
-        Asperity of the given surface that stands at each place.
+    places : ndarray, (m, 2)
+        All places [mm], empty ones among them.
+    order : ndarray of int, (m,)
+        Asperity of the given surface that stands at each place, -1 where none does.
+    sites : ndarray of int, (n,)
+        Place of each asperity of the arranged surface: ``surface.position = places[sites]`` and
+        ``surface.height = given.height[order[sites]]``.
     before, after : float
         Misfit of the objective [-] under the model as given and as arranged.
     objective : Objective
@@ -51,20 +65,31 @@ class Arrangement:
     """
 
     surface: Surface
+    places: FloatArray
     order: IntArray
+    sites: IntArray
     before: float
     after: float
     objective: Objective
     model: Model
 
 
-def arrange(surface: Surface, objective: Objective, model: Model | None = None, rng: Any = 0) -> Arrangement:
-    """Assign the asperities of a surface, each height with its radius, to its places.
+def arrange(
+    surface: Surface,
+    objective: Objective,
+    model: Model | None = None,
+    rng: Any = 0,
+    *,
+    places: ArrayLike | None = None,
+) -> Arrangement:
+    """Assign the asperities of a surface, each height with its radius, to its places or to some of more.
 
-    The objective's residuals are forecast to first order in the interaction for all exchanges of two
-    asperities at once; the best are followed from several random starts, measured under the model, and
-    the forecast is corrected by what it missed. The best arrangement then descends by exchanges that the
-    model itself has confirmed. The result is never worse than what was given; a misfit of 1e-4 is enough.
+    The objective's residuals are forecast to first order for all exchanges of two asperities at once; the
+    best are followed, measured under the model, and the forecast is renewed there. The best arrangement is
+    stirred and followed again some times, and then descends by exchanges that the model itself has
+    confirmed. Places that are empty so far take part in a second round, from the best of the first. The
+    result is never worse than what was given; a misfit of 1e-4 is enough. Of more than 128 places less is
+    tried: minutes for thousands of them.
 
     Parameters
     ----------
@@ -73,7 +98,10 @@ def arrange(surface: Surface, objective: Objective, model: Model | None = None, 
     model : Model, optional
         Under which the objective is to hold, `Interacting()` unless told.
     rng : int or numpy Generator
-        Seed of the random starts.
+        Seed of what is drawn at random.
+    places : array_like, (m, 2), optional
+        Where asperities may stand [mm], as ``design.template.position``: those of the surface, which it
+        must hold to the bit, and more, of which as many stay empty. The surface's own unless told.
 
     Returns
     -------
@@ -82,7 +110,8 @@ def arrange(surface: Surface, objective: Objective, model: Model | None = None, 
     Raises
     ------
     InvalidInput
-        For arguments that cannot be used.
+        For arguments that cannot be used, places that lack one of the surface's or hold one twice, and
+        more places than fit into the memory, 24 bytes for each pair.
     NotConverged
         If an equilibrium of the model did not converge.
 
@@ -103,21 +132,21 @@ def arrange(surface: Surface, objective: Objective, model: Model | None = None, 
     check.instance("surface", surface, Surface, "a metafem.Surface")
     check.instance("model", solver, Model, "a model such as metafem.Interacting()")
     check.instance("objective", objective, Objective, "such as metafem.FollowLaw(...)")
-    generator = check.generator(rng)
-    forecast = objective.forecast(surface, _influence(surface, solver))
-    search = _Search(surface, objective, solver, forecast, generator)
-    first = search.measured(np.arange(surface.count))
-    best = first
-    for start in range(STARTS):
-        if _misfit(best) <= GOAL:
-            break
-        order = first.order if start == 0 else generator.permutation(surface.count)
-        found = search.corrected(first if start == 0 else search.measured(order))
-        best = min(best, found, key=_squares)
-    best = search.confirmed(best)
-    best.order.flags.writeable = False
-    placed = search.placed(best.order)
-    return Arrangement(placed, best.order, _misfit(first), _misfit(best), objective, solver)
+    where, known = places_for(surface, solver, places)
+    count, total = surface.count, len(where.position)
+    given, own = np.full(total, EMPTY), where.numbers(surface.position)
+    given[own] = np.arange(count)
+    search = _Search(surface, where, np.sort(own), objective, known, check.generator(rng))
+    first = search.measured(given)
+    best = search.best(first)
+    if total > count:
+        best = replace(search, open_=np.arange(total)).best(best)
+    order, sites = best.order, np.flatnonzero(best.order != EMPTY)
+    for array in (order, sites):
+        array.flags.writeable = False
+    return Arrangement(
+        best.surface, where.position, order, sites, _misfit(first), _misfit(best), objective, solver
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,6 +154,7 @@ class _Measured:
     """An order of the asperities with its residuals under the model (q,)."""
 
     order: IntArray
+    surface: Surface
     residual: FloatArray
 
 
@@ -136,35 +166,66 @@ def _misfit(found: _Measured) -> float:
     return float(np.sqrt(_squares(found)))
 
 
+def _affordable(most: int, places: int) -> int:
+    """Return how often something is tried: the work grows at least with the square of the places."""
+    return min(most, most * FEW_PLACES**2 // places**2)
+
+
 @dataclass(frozen=True, eq=False)
 class _Search:
     surface: Surface
+    places: Places
+    open_: IntArray
     objective: Objective
     model: Model
-    forecast: Forecast
     rng: np.random.Generator
 
-    def placed(self, order: IntArray) -> Surface:
-        """Return the surface with asperity order[i] at place i."""
-        return self.surface.replaced(height=self.surface.height[order], radius=self.surface.radius[order])
+    def best(self, first: _Measured) -> _Measured:
+        """Return the best arrangement that is found from one, with the open places taking part."""
+        best = first
+        for k in range(max(1, _affordable(MOST_TRIES, len(self.open_)))):
+            if _misfit(best) <= GOAL:
+                break
+            start = first if k < 2 else self.stirred(best)
+            best = min(best, self.corrected(start, (self.model, Independent())[k % 2]), key=_squares)
+        return self.confirmed(best)
 
     def measured(self, order: IntArray) -> _Measured:
         """Return the order with its residuals under the model."""
-        return _Measured(order, self.objective.residual(self.placed(order), self.model))
+        sites = np.flatnonzero(order != EMPTY)
+        surface = self.surface.replaced(
+            position=self.places.position[sites],
+            height=self.surface.height[order[sites]],
+            radius=self.surface.radius[order[sites]],
+        )
+        return _Measured(order, surface, self.objective.residual(surface, self.model))
 
-    def corrected(self, best: _Measured) -> _Measured:
-        """Follow the forecast; what it missed corrects it, and where it led astray it is trusted less."""
-        trusted = MOST_EXCHANGES
+    def stirred(self, best: _Measured) -> _Measured:
+        """Exchange some asperities at random."""
+        order = best.order.copy()
+        for _ in range(max(2, int(STIRRED * len(self.open_)))):
+            i, j = self.rng.choice(self.open_, 2)
+            swap(order, int(i), int(j))
+        return self.measured(order)
+
+    def forecast(self, best: _Measured, model: Model) -> Forecast:
+        """Return the forecast about an order."""
+        return self.objective.forecast(best.surface, model, self.places)
+
+    def corrected(self, best: _Measured, model: Model) -> _Measured:
+        """Follow the forecast, renewed wherever it led on; where it led astray it is trusted less."""
+        trusted = max(MOST_EXCHANGES, len(self.open_) // 4)
+        forecast = self.forecast(best, model)
         for _ in range(CORRECTIONS):
             if _misfit(best) <= GOAL:
                 break
-            missed = best.residual - self.forecast.placed(best.order).residual()
-            order = exchanged(self.forecast, missed, best.order, trusted, self.rng)
+            missed = best.residual - forecast.residual()
+            order = exchanged(forecast, missed, best.order, self.open_, trusted, self.rng)
             if (order == best.order).all():
                 break
             found = self.measured(order)
             if _squares(found) < _squares(best):
-                best = found
+                best, forecast = found, self.forecast(found, model)
             elif trusted == 1:
                 break
             else:
@@ -173,11 +234,11 @@ class _Search:
 
     def confirmed(self, best: _Measured) -> _Measured:
         """Make the exchanges that lower the misfit under the model, the best by the forecast first."""
-        for _ in range(LAST_STEPS):
+        for _ in range(_affordable(LAST_STEPS, len(self.open_))):
             if _misfit(best) <= GOAL:
                 break
-            places = drawn(self.surface.count, self.rng)
-            squares = after(best.residual, self.forecast.placed(best.order).changes(places))
+            places = drawn(self.open_, self.rng)
+            squares = after(best.residual, self.forecast(best, self.model).changes(places))
             squares[np.tril_indices(len(places))] = np.inf
             trials = []
             for flat in np.argsort(squares, axis=None, kind="stable")[:TRIED]:
@@ -190,11 +251,3 @@ class _Search:
                 break
             best = found
         return best
-
-
-def _influence(surface: Surface, model: Model) -> FloatArray:
-    """Return the influence of the places on each other; that of the half-space where a model has none."""
-    if isinstance(model, UNCOUPLED):
-        return np.zeros((surface.count, surface.count))
-    substrate = model.substrate if isinstance(model, Interacting) else HalfSpace()
-    return np.array(substrate.influence_matrix(surface), dtype=np.float64)

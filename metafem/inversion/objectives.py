@@ -11,10 +11,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from metafem import _validate as check
-from metafem._validate import FloatArray
+from metafem._validate import FloatArray, IntArray
 from metafem.errors import InvalidInput
 from metafem.inversion.exchange import Coupled, Forecast, Joined, Tilted
-from metafem.models import Independent, Model
+from metafem.inversion.places import Places
+from metafem.models import Independent, Model, Sensitive, Sensitivity
 from metafem.surface import STEEPEST, Surface
 
 # The misalignment for which the source paper states the change of its laws, doi:10.1126/science.adk4234.
@@ -33,8 +34,8 @@ class Objective(Protocol):
         """Relative differences of A0, whose sum of squares is to be small."""
         ...
 
-    def forecast(self, surface: Surface, influence: FloatArray) -> Forecast:
-        """The same to first order in the influence (n, n) [1/mm], as a function of the places."""
+    def forecast(self, surface: Surface, model: Model, places: Places) -> Forecast:
+        """How they change, to first order, as asperities and vacancies exchange their places."""
         ...
 
 
@@ -80,14 +81,18 @@ class FollowLaw:
         area = model.curve(surface, self.rescaled_load).area
         return np.asarray((area / self._target(surface) - 1.0) / math.sqrt(len(area)))
 
-    def forecast(self, surface: Surface, influence: FloatArray) -> Forecast:
-        """The others' displacements act as lower heights: ``dA0 = -sum_ij dA0/dh_i G_ij P_j/E*``."""
-        alone = Independent().sensitivity(surface, self.rescaled_load)
-        depth = np.maximum(alone.indentation, 0.0)
+    def forecast(self, surface: Surface, model: Model, places: Places) -> Forecast:
+        """Return ``-sum_ij dA0/dh_i G_ij P_j/E*``: displacements by the others act as lower heights.
+
+        The gradient and the loads are those of the surface as it stands.
+        """
+        found = _sensitivity(surface, model, self.rescaled_load)
+        depth = np.maximum(found.indentation, 0.0)
         load = 4.0 / 3.0 * np.sqrt(surface.radius * depth) * depth
-        scale = 1.0 / (self._target(surface) * math.sqrt(len(depth)))
-        base = alone.curve.area * scale - 1.0 / math.sqrt(len(depth))
-        return Coupled(base, -scale[:, None] * alone.gradient, load, influence)
+        weight = -found.gradient / (self._target(surface)[:, None] * math.sqrt(len(depth)))
+        sites = places.numbers(surface.position)
+        left, right = (_spread(values, sites, places, 0.0) for values in (weight, load))
+        return Coupled(left, right, places.influence)
 
     def _target(self, surface: Surface) -> FloatArray:
         if self.rescaled_friction is not None:
@@ -133,24 +138,27 @@ class InsensitiveToTilt:
     def residual(self, surface: Surface, model: Model) -> FloatArray:
         """Return the relative changes, (6 K,)."""
         level = model.curve(surface, self.rescaled_load).area
-        tilted = [surface.replaced(height=surface.height + lift) for lift in self._lifts(surface)]
+        tilted = [surface.replaced(height=surface.height + lift) for lift in self._lifts(surface.position)]
         changes = [model.curve(part, self.rescaled_load).area / level - 1.0 for part in tilted]
         return np.concatenate(changes) / math.sqrt(DIRECTIONS * len(level))
 
-    def forecast(self, surface: Surface, influence: FloatArray) -> Forecast:
-        """Return the changes of independent asperities: sums over the places."""
-        found = Independent().sensitivity(surface, self.rescaled_load)
+    def forecast(self, surface: Surface, model: Model, places: Places) -> Forecast:
+        """Return the changes of asperities that do not feel each other any more: sums over the places."""
+        found = _sensitivity(surface, model, self.rescaled_load)
         depth, radius = found.indentation, surface.radius
         rate = math.pi * np.where(depth > 0.0, radius, 0.0).sum(axis=1)
         rate /= 2.0 * np.sqrt(radius * np.maximum(depth, 0.0)).sum(axis=1)
         scale = 1.0 / (found.curve.area * math.sqrt(DIRECTIONS * len(depth)))
-        return Tilted(depth, radius, self._lifts(surface), scale, rate)
+        # a vacancy is an asperity that no tilt brings into contact
+        sites = places.numbers(surface.position)
+        depth, radius = _spread(depth, sites, places, -math.inf), _spread(radius, sites, places, 1.0)
+        return Tilted(depth, radius, self._lifts(places.position), scale, rate)
 
-    def _lifts(self, surface: Surface) -> FloatArray:
-        """By which the tilts raise the summits, (6, n) [mm]."""
+    def _lifts(self, places: FloatArray) -> FloatArray:
+        """By which the tilts raise the places, (6, m) [mm]."""
         direction = 2.0 * math.pi * np.arange(DIRECTIONS) / DIRECTIONS
         slope = math.tan(self.angle) * np.stack([np.cos(direction), np.sin(direction)], axis=1)
-        return np.asarray(slope @ surface.position.T)
+        return np.asarray(slope @ places.T)
 
 
 @dataclass(frozen=True, init=False)
@@ -196,10 +204,22 @@ class Together:
         pairs = zip(self.weights, self.objectives, strict=True)
         return np.concatenate([math.sqrt(w) * part.residual(surface, model) for w, part in pairs])
 
-    def forecast(self, surface: Surface, influence: FloatArray) -> Forecast:
+    def forecast(self, surface: Surface, model: Model, places: Places) -> Forecast:
         """Return the parts' forecasts, each times the root of its weight."""
-        parts = tuple(part.forecast(surface, influence) for part in self.objectives)
+        parts = tuple(part.forecast(surface, model, places) for part in self.objectives)
         return Joined(tuple(math.sqrt(w) for w in self.weights), parts)
+
+
+def _sensitivity(surface: Surface, model: Model, load: FloatArray) -> Sensitivity:
+    """Return how the law changes with the heights, of independent asperities where a model cannot tell."""
+    return (model if isinstance(model, Sensitive) else Independent()).sensitivity(surface, load)
+
+
+def _spread(values: FloatArray, sites: IntArray, places: Places, vacant: float) -> FloatArray:
+    """Return values of asperities (..., n) on their places (..., m)."""
+    result = np.full((*values.shape[:-1], len(places.position)), vacant)
+    result[..., sites] = values
+    return result
 
 
 def _loads(given: ArrayLike) -> FloatArray:

@@ -42,6 +42,9 @@ VIEWED_LOADS = (0.1, 0.4, 1.0)
 
 MICROMETRES = 1e3
 
+# Area of the marker of the largest radius [points^2], and the most radii whose markers are explained.
+LARGEST_DOT, MOST_DOTS = 110.0, 3
+
 # Loads at which sensitivities are drawn, of a law's hundred.
 SENSITIVITY_LOADS = 33
 
@@ -180,8 +183,13 @@ def sensitivity_figure(design: Design) -> Figure:
     return figure
 
 
+def several_radii(design: Design) -> bool:
+    """Whether the summits differ in their radii."""
+    return bool(np.ptp(design.surface.radius) > 0.0)
+
+
 def height_figure(design: Design) -> Figure:
-    """Heights at their places; empty places of the template as rings."""
+    """Heights at their places, the diameters in proportion to radii that differ; empty places as rings."""
     figure = new_figure(5.0, 4.2)
     ax = figure.add_subplot()
     _draw_block(design, ax)
@@ -189,8 +197,17 @@ def height_figure(design: Design) -> Figure:
     x, y = design.template.position[empty].T
     ax.scatter(x, y, s=60, facecolors="none", edgecolors=QUIET, lw=0.8)
     x, y = design.surface.position.T
-    dots = ax.scatter(x, y, c=design.surface.height * MICROMETRES, s=110, cmap="viridis")
+    radius = design.surface.radius
+    size = LARGEST_DOT * (radius / radius.max()) ** 2
+    dots = ax.scatter(x, y, c=design.surface.height * MICROMETRES, s=size, cmap="viridis")
     _frame(ax)
+    if several_radii(design):
+        told = np.unique(radius)
+        told = told if len(told) <= MOST_DOTS else np.linspace(told[0], told[-1], MOST_DOTS)
+        for each in told:
+            area = LARGEST_DOT * (each / radius.max()) ** 2
+            ax.scatter([], [], s=area, color=QUIET, label=f"R = {each * MICROMETRES:.4g} µm")
+        figure.legend(loc="outside lower center", ncols=MOST_DOTS, frameon=False)
     figure.colorbar(dots, label="summit height [µm]", shrink=0.85)
     if empty.size:
         ax.set_title(f"{empty.size} places stay empty (rings)", fontsize=10, color=QUIET)

@@ -28,11 +28,15 @@ from metafem.report.figures import (
     height_figure,
     law_figure,
     sensitivity_figure,
+    several_radii,
 )
 from metafem.report.names import model_name
 from metafem.report.svg import svg
 
 Row = tuple[str, str, str]
+
+# Radii of the summits that are named one by one.
+MOST_NAMED = 5
 
 # Units and words of the parameters that inversions report.
 PARAMETERS = {
@@ -91,7 +95,7 @@ def page(design: Design, hardness: float | None = None, *, checks: bool = False)
 
     source = resources.files("metafem.report").joinpath("templates/page.html").read_text("utf-8")
     template = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True).from_string(source)
-    heights, (comparisons, left_out) = design.surface.height, compared(design)
+    comparisons, left_out = compared(design)
     return template.render(
         title=wanted(design.target),
         status=design.status.value,
@@ -114,9 +118,20 @@ def page(design: Design, hardness: float | None = None, *, checks: bool = False)
         parameters=parameter_rows(design),
         fits=_fits(design),
         inputs=_inputs(design),
+        summit_columns=("site", "x [mm]", "y [mm]", "height [µm]", "radius [µm]")[
+            : 4 + several_radii(design)
+        ],
         summits=[
-            (int(site), f"{x:.4f}", f"{y:.4f}", f"{h * 1e3:.2f}")
-            for site, (x, y), h in zip(design.sites, design.surface.position, heights, strict=True)
+            (str(site), f"{x:.4f}", f"{y:.4f}", f"{h * 1e3:.2f}", f"{r * 1e3:.6g}")[
+                : 4 + several_radii(design)
+            ]
+            for site, (x, y), h, r in zip(
+                design.sites.tolist(),
+                design.surface.position,
+                design.surface.height,
+                design.surface.radius,
+                strict=True,
+            )
         ],
         residual=f"{design.law.residual.max():.1e}",
         model=model_name(design.law.model),
@@ -212,12 +227,20 @@ def _comparisons(comparisons: tuple[Comparison, ...]) -> list[tuple[str, ...]]:
     ]
 
 
+def _radii(design: Design) -> str:
+    """Return the one radius of the summits, the few, or their range."""
+    radii = np.unique(design.surface.radius) * 1e3
+    if len(radii) > MOST_NAMED:
+        return f"{radii[0]:.4g} – {radii[-1]:.4g}"
+    return ", ".join(f"{radius:.6g}" for radius in radii)
+
+
 def _inputs(design: Design) -> list[Row]:
     surface = design.template
     rows = [
         ("composite modulus E*", f"{surface.material.composite_modulus:g}", "MPa"),
         ("Poisson's ratio ν", f"{surface.material.poisson_ratio:g}", ""),
-        ("summit radius R", f"{surface.radius[0] * 1e3:g}", "µm"),
+        ("summit radius R", _radii(design), "µm"),
         ("places for asperities", f"{surface.count}", ""),
         ("largest height h_m", f"{design.limits.max_height * 1e3:g}", "µm"),
         ("offset h_0", f"{design.limits.offset * 1e3:g}", "µm"),

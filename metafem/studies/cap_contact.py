@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from metafem._validate import FloatArray
+from metafem._validate import FloatArray, IntArray
 from metafem.errors import InvalidInput, NotConverged
 from metafem.surface import Surface
 
@@ -15,6 +15,9 @@ from metafem.surface import Surface
 # have beyond Hertz's is smooth in both and vanishes with the contact: 3 x 3 nodes give load and
 # indentation to 6e-5 on the source paper's red bilinear surface; `CapContact.error` tells.
 HEIGHT_NODES, SHARE_NODES = 3, 3
+
+# Radii of which each gets a table, of half a minute: the tools of a workshop.
+MOST_RADII = 4
 
 # Newton's steps for the contact radius at an indentation: from Hertz's, 5 reach rounding.
 NEWTON_STEPS = 30
@@ -75,6 +78,67 @@ class CapContact:
         return np.asarray(
             np.polynomial.polynomial.polyval2d(_scaled(h, self.height), _scaled(share, self.share), table)
         )
+
+
+@dataclass(frozen=True, eq=False)
+class Caps:
+    """The caps of a surface: a table for each radius of those that touch.
+
+    Attributes
+    ----------
+    surface : Surface
+    tables : tuple of CapContact
+        One a radius.
+    table : ndarray of int, (n,)
+        Which of them holds for each asperity; -1 where no asperity of its radius touches.
+    """
+
+    surface: Surface
+    tables: tuple[CapContact, ...]
+    table: IntArray
+
+    @property
+    def error(self) -> float:
+        """Largest error of the tables."""
+        return max(table.error for table in self.tables)
+
+    def solve(self, indentation: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return contact radii [mm] and rescaled loads [mm^2] at indentations d [mm], (n,); 0 if open.
+
+        Those without a table follow Hertz's law, from beyond the indentations asked for.
+        """
+        depth = np.maximum(indentation, 0.0)
+        a = np.sqrt(self.surface.radius * depth)
+        load = 4.0 / 3.0 * a * depth
+        for k, table in enumerate(self.tables):
+            its = self.table == k
+            a[its], load[its] = table.solve(self.surface.height[its], indentation[its])
+        return a, load
+
+
+def caps_of(surface: Surface, indentation: FloatArray) -> Caps:
+    """Press the caps of each radius by finite elements, for contacts up to given indentations (n,) [mm].
+
+    Raises
+    ------
+    InvalidInput
+        If more than four radii touch, and where `cap_contact` does.
+    """
+    radii = np.unique(surface.radius[indentation > 0.0])
+    if len(radii) > MOST_RADII:
+        raise InvalidInput(
+            f"the summits in contact have {len(radii)} different radii; "
+            f"the caps of at most {MOST_RADII} are pressed"
+        )
+    tables, table = [], np.full(surface.count, -1)
+    for k, radius in enumerate(radii):
+        its = surface.radius == radius
+        part = surface.replaced(
+            position=surface.position[its], height=surface.height[its], radius=float(radius)
+        )
+        tables.append(cap_contact(part, indentation[its]))
+        table[its] = k
+    return Caps(surface, tuple(tables), table)
 
 
 def cap_contact(surface: Surface, indentation: FloatArray) -> CapContact:

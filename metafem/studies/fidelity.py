@@ -10,9 +10,8 @@ from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.inversion import Design
-from metafem.studies.cap_contact import CapContact, cap_contact
+from metafem.studies.cap_contact import Caps, caps_of
 from metafem.studies.substrates import laws_on_substrates
-from metafem.surface import Surface
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -44,7 +43,8 @@ def fidelity(design: Design, *, elements: bool = True) -> xr.Dataset:
     ----------
     design : Design
     elements : bool
-        Compute "fe", which takes about half a minute.
+        Compute "fe", which takes about half a minute for each radius of the summits, of which there may be
+        four; with more it is left out.
 
     Returns
     -------
@@ -73,9 +73,9 @@ def fidelity(design: Design, *, elements: bool = True) -> xr.Dataset:
     if elements:
         try:
             # a fifth more than Hertz's indentation: what pedestals add in the source paper's surfaces
-            contact = cap_contact(surface, 1.2 * (surface.height - separation["independent"][-1]))
-            area["fe"], separation["fe"] = _law_of_caps(surface, contact, load)
-            error = contact.error
+            caps = caps_of(surface, 1.2 * (surface.height - separation["independent"][-1]))
+            area["fe"], separation["fe"] = _law_of_caps(caps, load)
+            error = caps.error
             notes.append(ELEMENTS)
         except InvalidInput as reason:
             notes.append(f"fe is left out: {reason}")
@@ -98,15 +98,16 @@ def fidelity(design: Design, *, elements: bool = True) -> xr.Dataset:
     return xr.Dataset(variables, coordinates, {"study": "fidelity", "notes": "\n".join(notes)})
 
 
-def _law_of_caps(surface: Surface, contact: CapContact, load: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _law_of_caps(caps: Caps, load: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return areas and separations (k,) of independent asperities with a tabulated law, at loads [N]."""
     from scipy.optimize import brentq
 
+    surface = caps.surface
     top = float(surface.height.max())
     area, separation = np.empty(len(load)), np.empty(len(load))
 
     def loaded(separation: float) -> tuple[FloatArray, FloatArray]:
-        return contact.solve(surface.height, surface.height - separation)
+        return caps.solve(surface.height - separation)
 
     low = top
     for k, wanted in enumerate(load / surface.material.composite_modulus):

@@ -53,6 +53,21 @@ def test_alignment_uses_the_corners_of_the_template():
     assert {tuple(place) for place in summits[:, :2]} == {tuple(p) for p in alignment_positions(template)}
 
 
+def test_each_cap_has_its_own_radius():
+    radius, height = np.array([0.3, 0.526, 0.8, 0.8, 0.3, 0.526]), np.linspace(0.1, 0.2, 6)
+    part = surface(height).replaced(radius=radius)
+    found = block_mesh(part, 0.25, surface())
+    caps = found.vertices[found.vertices[:, 2] > 1e-9]
+    distance = np.linalg.norm(caps[:, None, :2] - part.position, axis=2)
+    own = distance.argmin(axis=1)
+    centre = np.column_stack([part.position, height - radius])
+    inner = distance.min(axis=1) < 0.75  # not of the alignment
+    to_centre = np.linalg.norm(caps - centre[own], axis=1)
+    np.testing.assert_allclose(to_centre[inner], radius[own][inner], rtol=1e-12)
+    # the hole of an alignment asperity is made by the tool of the next one
+    assert alignment_asperities(part, surface(), 0.25).radius.tolist() == [0.3, 0.8, 0.8, 0.526]
+
+
 def test_the_stl_is_closed_after_rounding_and_deterministic():
     import trimesh
 

@@ -1,5 +1,6 @@
 import csv
 import io
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -59,6 +60,17 @@ def test_the_mould_mirrors_x_and_keeps_depth_and_radius():
     np.testing.assert_array_equal(depth, [*surface.height, 0.4, 0.4, 0.4, 0.4])
     assert set(radius) == {0.526}
     assert "-0.0" not in table["x_mm"]
+
+
+def test_holes_and_summits_have_their_own_radii(tmp_path):
+    radius = np.random.default_rng(0).choice([0.3, 0.526, 0.8], 9)
+    mixed = replace(DESIGN, surface=DESIGN.surface.replaced(radius=radius))
+    np.testing.assert_array_equal(
+        np.array(columns(mould_table(mixed.surface))["tool_radius_mm"], float), radius
+    )
+    path = tmp_path / "heights.csv"
+    path.write_text(heights_table(mixed))
+    np.testing.assert_array_equal(read_heights(path)[2], radius)
 
 
 @given(st.lists(st.integers(1, 999_999), min_size=1, max_size=5))

@@ -1,10 +1,13 @@
 """Arrangements: forecasts that price every exchange, and laws that the places make better."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import metafem as mf
 from metafem.inversion.exchange import swap
+from metafem.inversion.places import places_for
 
 LOAD = np.array([0.05, 0.15, 0.3])
 LAYER = mf.Interacting(substrate=mf.BondedLayer())
@@ -24,23 +27,37 @@ def uneven():
     )
 
 
+def exchanged(surface, i, j):
+    order = np.arange(surface.count)
+    swap(order, i, j)
+    return surface.replaced(height=surface.height[order], radius=surface.radius[order])
+
+
 @pytest.mark.parametrize("objective", [mf.FollowLaw(LOAD), TILT, BOTH], ids=["law", "tilt", "both"])
 def test_forecast_prices_every_exchange_as_if_it_were_made(uneven, objective):
-    forecast = objective.forecast(uneven, mf.HalfSpace().influence_matrix(uneven))
-    changes = forecast.changes(np.arange(36))
-    for i, j in [(0, 1), (3, 30), (35, 7), (12, 12)]:
-        order = np.arange(36)
-        swap(order, i, j)
-        expected = forecast.placed(order).residual() - forecast.residual()
-        np.testing.assert_allclose(changes[:, i, j], expected, atol=1e-15)
+    more = np.vstack([uneven.position, [[9.0, 0.0], [0.0, 9.0]]])
+    places, model = places_for(uneven, mf.Interacting(), more)
+    forecast = objective.forecast(uneven, model, places)
+    changes = forecast.changes(np.arange(38))
+    for i, j in [(0, 1), (3, 30), (35, 7), (12, 12), (4, 36), (36, 37)]:
+        after = forecast.swapped(i, j)
+        np.testing.assert_allclose(changes[:, i, j], after.residual() - forecast.residual(), atol=1e-15)
+        again = after.swapped(i, j)
+        np.testing.assert_allclose(again.residual(), forecast.residual(), atol=1e-15)
 
 
-def test_forecast_of_the_law_is_that_of_weak_interaction(uneven):
-    """Far apart, interaction is of first order."""
-    far = uneven.replaced(position=1e4 * uneven.position)
-    forecast = mf.FollowLaw(LOAD).forecast(far, mf.HalfSpace().influence_matrix(far))
-    found = mf.FollowLaw(LOAD).residual(far, mf.Interacting())
-    np.testing.assert_allclose(forecast.residual(), found, rtol=1e-2)
+@pytest.mark.parametrize("model", [mf.Interacting(), LAYER], ids=["half-space", "layer"])
+def test_forecast_of_the_law_is_its_first_order_change(uneven, model):
+    """A slight shift of a place is felt as the forecast says."""
+    objective = mf.FollowLaw(LOAD)
+    moved = uneven.position.copy()
+    moved[7, 0] += 1e-5
+    here, there = (places_for(uneven.replaced(position=p), model, None)[0] for p in (uneven.position, moved))
+    forecast = objective.forecast(uneven, model, here)
+    foreseen = replace(forecast, influence=there.influence).residual() - forecast.residual()
+    made = objective.residual(uneven.replaced(position=moved), model) - objective.residual(uneven, model)
+    # the forecast holds the point loads of order 1 alone
+    np.testing.assert_allclose(foreseen, made, rtol=0.02, atol=0.02 * np.abs(made).max())
 
 
 def test_small_tilts_change_the_law_by_the_first_moments(uneven):
@@ -56,7 +73,8 @@ def test_small_tilts_change_the_law_by_the_first_moments(uneven):
 
 def test_forecast_of_tilt_is_that_of_independent_asperities(uneven):
     found = TILT.residual(uneven, mf.Independent())
-    forecast = TILT.forecast(uneven, np.zeros((36, 36))).residual()
+    places, model = places_for(uneven, mf.Independent(), None)
+    forecast = TILT.forecast(uneven, model, places).residual()
     # the shift of the plane is taken to first order
     np.testing.assert_allclose(forecast, found, atol=0.25 * np.abs(found).max())
     assert np.linalg.norm(forecast - found) < 0.2 * np.linalg.norm(found)
@@ -106,6 +124,57 @@ def test_many_places_are_drawn(template):
     assert result.after < 0.3 * result.before
 
 
+CORNERS = np.array([[9.0, 9.0], [-9.0, 9.0], [9.0, -9.0], [-9.0, -9.0]])
+
+
+class Dear:
+    """The half-space as a substrate of no radial kind, which counts how often it is asked."""
+
+    def __init__(self):
+        self.asked = 0
+
+    def for_surface(self, surface):
+        return self
+
+    def influence_matrix(self, surface):
+        self.asked += 1
+        return mf.HalfSpace().influence_matrix(surface)
+
+    def influence_derivatives(self, surface):
+        return mf.HalfSpace().influence_derivatives(surface)
+
+
+def test_empty_places_are_taken_where_they_help():
+    """Two asperities as near as they can be move as far apart as they can."""
+    row = np.column_stack([1.5 * np.arange(6), np.zeros(6)])
+    pair = mf.Surface(row[2:4], [0.1, 0.11], 0.526, mf.Material(1.36))
+    result = mf.arrange(pair, mf.FollowLaw([0.02, 0.04]), places=row)
+    assert np.abs(np.diff(result.sites)) == [5]
+    assert result.after < 0.3 * result.before
+
+
+def test_places_that_stay_empty_are_told(uneven):
+    more = np.vstack([CORNERS, uneven.position])
+    result = mf.arrange(uneven, mf.FollowLaw(LOAD), places=more)
+    assert result.after < result.before == mf.arrange(uneven, mf.FollowLaw(LOAD)).before
+    np.testing.assert_array_equal(result.places, more)
+    assert (result.order == -1).sum() == 4
+    np.testing.assert_array_equal(np.sort(result.order[result.sites]), np.arange(36))
+    np.testing.assert_array_equal(result.surface.position, more[result.sites])
+    np.testing.assert_array_equal(result.surface.height, uneven.height[result.order[result.sites]])
+    np.testing.assert_array_equal(result.surface.radius, uneven.radius[result.order[result.sites]])
+
+
+def test_a_substrate_without_a_formula_is_asked_once_for_all_places(uneven):
+    more, law = np.vstack([CORNERS, uneven.position]), mf.FollowLaw(LOAD)
+    substrate = Dear()
+    result = mf.arrange(uneven, law, mf.Interacting(substrate=substrate), places=more)
+    assert substrate.asked == 1
+    assert result.after < 0.1 * result.before
+    assert result.after == pytest.approx(np.linalg.norm(law.residual(result.surface, mf.Interacting())))
+    assert result.model.substrate is substrate
+
+
 @pytest.mark.parametrize(
     ("build", "words"),
     [
@@ -116,6 +185,13 @@ def test_many_places_are_drawn(template):
         (lambda s: mf.Together([TILT], [0.0]), "weights holds 0"),
         (lambda s: mf.Together([3]), r"objectives\[0\] = 3 must be"),
         (lambda s: mf.arrange(s, "tilt"), "objective = 'tilt' must be"),
+        (lambda s: mf.arrange(s, TILT, places=s.position[1:]), r"position\[0\] = .* is none of the places"),
+        (lambda s: mf.arrange(s, TILT, places=np.vstack([s.position, s.position[:1]])), "coincide"),
+        (lambda s: mf.arrange(s, TILT, places=[1.0, 2.0]), r"places has shape \(2,\)"),
+        (
+            lambda s: mf.arrange(s, TILT, places=np.random.default_rng(0).uniform(size=(10**6, 2))),
+            "the influence between 1000000 places would need",
+        ),
         (lambda s: mf.arrange(3, TILT), "surface = 3 must be a metafem.Surface"),
     ],
 )

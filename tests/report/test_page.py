@@ -1,7 +1,9 @@
 """The page: self-contained, the same to the byte, and saying what it should."""
 
 import re
+from dataclasses import replace
 
+import numpy as np
 import pytest
 
 import metafem as mf
@@ -46,6 +48,25 @@ def test_page_tells_of_tools_and_steps(template):
         assert words in text
     assert "heights stand on steps of 2 um" in text
     assert "numbers of asperities on them" in text
+
+
+@pytest.mark.parametrize(
+    ("radius", "told"),
+    [
+        (np.random.default_rng(0).choice([0.3, 0.526, 0.8], 64), "300, 526, 800"),
+        (np.linspace(0.3, 0.8, 64), "300 – 800"),
+    ],
+    ids=["tools", "any"],
+)
+def test_page_tells_of_radii_that_differ(template, radius, told):
+    target, limits = TARGETS["linear"]
+    design = mf.design(target, template, limits=limits)
+    assert "radius [µm]" not in page(design)
+    surface = design.surface.replaced(radius=radius)
+    text = page(replace(design, surface=surface, law=mf.friction_law(surface, load=design.law.load)))
+    assert f'summit radius R</td><td class="number">{told}</td>' in text
+    assert text.count("<td>300</td>") == (radius == 0.3).sum()
+    assert text.count("R = ") == 3  # what the markers' sizes mean
 
 
 def test_page_warns_of_plastic_contacts_and_low_summits(template):

@@ -5,7 +5,8 @@ import pytest
 
 import metafem as mf
 from metafem.studies import summary
-from metafem.studies.cap_contact import cap_contact
+from metafem.studies.cap_contact import CapContact, Caps, cap_contact, caps_of
+from metafem.studies.fidelity import _law_of_caps
 
 
 @pytest.fixture(scope="module")
@@ -56,6 +57,49 @@ def test_fidelity_without_a_block_says_what_is_left_out(design):
     assert list(found.model.values) == ["independent", "half-space"]
     assert "no block" in found.attrs["notes"]
     assert "fe is left out" in found.attrs["notes"]
+
+
+def test_caps_of_several_radii_that_follow_hertz_are_independent_asperities(design):
+    radii = np.array([0.3, 0.526, 0.8])
+    surface = design.template.replaced(
+        height=[0.12, 0.11, 0.1, 0.09, 0.08, 0.07], radius=radii[[0, 1, 2, 0, 1, 1]]
+    )
+    zero = np.zeros((1, 1))
+    hertz = tuple(CapContact(radii[k], (0.1, 0.1), (0.1, 0.2), zero, zero, (1e-3, 2e-3)[k]) for k in (0, 1))
+    caps = Caps(surface, hertz, np.array([0, 1, -1, 0, 1, 1]))
+    assert caps.error == 2e-3
+    load = np.array([0.005, 0.02])
+    area, separation = _law_of_caps(caps, load * surface.material.composite_modulus)
+    alone = mf.Independent().curve(surface, load)
+    np.testing.assert_allclose(area, alone.area, rtol=1e-9)
+    np.testing.assert_allclose(separation, 0.12 - alone.approach, atol=1e-12)
+
+
+def test_fidelity_leaves_the_caps_of_many_radii_out(design):
+    from dataclasses import replace
+
+    surface = design.template.replaced(radius=np.linspace(0.4, 0.6, 6), block=None)
+    bare = surface.replaced(height=np.full(6, 0.12))
+    with pytest.raises(mf.InvalidInput, match="have 6 different radii; the caps of at most 4"):
+        caps_of(bare, np.full(6, 0.01))
+    found = mf.studies.fidelity(replace(design, surface=bare))
+    assert "fe is left out: the summits in contact have 6 different radii" in found.attrs["notes"]
+
+
+@pytest.mark.slow
+def test_each_radius_has_its_own_table(design):
+    surface = design.template.replaced(
+        height=[0.12, 0.11, 0.12, 0.11, 0.12, 0.06], radius=[0.3, 0.3, 0.8, 0.8, 0.3, 0.5]
+    )
+    indentation = np.array([0.02, 0.01, 0.02, 0.01, 0.02, -0.04])
+    caps = caps_of(surface, indentation)
+    np.testing.assert_array_equal(caps.table, [0, 0, 1, 1, 0, -1])
+    found, load = caps.solve(indentation)
+    for i, radius in ((0, 0.3), (2, 0.8)):
+        single = mf.fe.press(found[i], radius, height=0.12, thickness=7.2, block_radius=20.0 / np.sqrt(np.pi))
+        assert load[i] == pytest.approx(single.rescaled_load, rel=30.0 * caps.error)
+        assert single.indentation == pytest.approx(0.02, rel=30.0 * caps.error)
+    assert found[5] == load[5] == 0.0
 
 
 @pytest.fixture(scope="module")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import resource
 import time
 
 import numpy as np
@@ -21,6 +22,9 @@ MODELS = {
     "layer": mf.Interacting(substrate=mf.BondedLayer()),
 }
 RANDOM_LAWS = 1000
+
+# Sides of the lattices that are arranged; the last one takes minutes.
+SIDES, LARGEST = (8, 32), 64
 
 
 def rows() -> list[Row]:
@@ -46,7 +50,36 @@ def rows() -> list[Row]:
     measured.append(Row("largest exponent within 1 %, of 1.667", 1.667, _largest_exponent(), ""))
     failed = sum(_misfit(seed) > 2e-3 for seed in range(RANDOM_LAWS))
     measured.append(Row(f"of {RANDOM_LAWS} random laws, not recovered to .2 %", 10, failed, ""))
-    return [*measured, *_large()]
+    return [*measured, *_large(), *_arranged(SIDES[0], 3.0), *_arranged(SIDES[1], 60.0)]
+
+
+def long_rows() -> list[Row]:
+    """Measure the arrangement of thousands of asperities."""
+    measured = _arranged(LARGEST, 240.0)
+    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
+    return [*measured, Row(f"memory after arranging {LARGEST**2} asperities", 4.0, memory, "GiB")]
+
+
+def _arranged(side: int, seconds: float) -> list[Row]:
+    """Arrange random heights so that their law follows that of independent asperities."""
+    count = side**2
+    width = side * 1.5 + 8.0
+    lattice = mf.Surface.square_lattice(
+        np.random.default_rng(1).exponential(0.03, count), (side, side), radius=RADIUS,
+        material=mf.Material(1.36), block=mf.Block(width, width, 7.2),
+    )  # fmt: skip
+    objective = mf.FollowLaw(count / 64 * 0.03 * np.arange(1, 21))
+    measured = []
+    for name in ("half-space", "layer"):
+        start = time.perf_counter()
+        result = mf.arrange(lattice, objective, MODELS[name])
+        took = time.perf_counter() - start
+        what = f"{count} arranged, {name}"
+        measured += [
+            Row(f"{what}: time", seconds, took, "s"),
+            Row(f"{what}: misfit, as given {result.before:.2g}", result.before, result.after, ""),
+        ]
+    return measured
 
 
 def _pair(
