@@ -7,9 +7,9 @@ import numpy as np
 from metafem._validate import FloatArray, IntArray
 from metafem.inversion.blueprint import Blueprint
 from metafem.inversion.judge import UNCOUPLED
-from metafem.inversion.limits import Limits
 from metafem.inversion.nearest import GOAL, independent_law
 from metafem.inversion.refine import POINT_GOAL, Evaluate, Heights, Refined, descend, search
+from metafem.inversion.request import Request
 from metafem.inversion.wanted import Wanted
 from metafem.models import Independent, Model, Sensitive
 from metafem.surface import Surface
@@ -38,46 +38,44 @@ FACTOR_DEGREE = 3
 # Random restarts of the independent descents for it, of some 3 ms each.
 CHEAP_RESTARTS = 10
 
-# Loads at which the margin of interaction is taken, in shares of the load that closes all contacts.
-MARGIN_SHARES = np.array([0.25, 1.0])
+# Loads at which the margin of interaction is taken, in shares of the last one asked for.
+MARGIN_SHARES = np.array([0.25, 0.5, 1.0])
 
 
 def adapted(
-    surface: Surface,
-    sites: IntArray,
-    template: Surface,
-    model: Model,
-    blueprint: Blueprint,
-    limits: Limits,
-    rng: np.random.Generator,
+    request: Request, surface: Surface, sites: IntArray, blueprint: Blueprint, rng: np.random.Generator
 ) -> tuple[Surface, IntArray, tuple[str, ...]]:
     """Return the surface with heights refined under the model, its sites, and a note that says so.
 
     Heights that stand on steps already stay there, and models without sensitivities leave them as they are.
     """
+    model, limits, wanted = request.model, request.limits, blueprint.wanted
     if isinstance(model, UNCOUPLED) or not isinstance(model, Sensitive) or blueprint.stepped:
         return surface, sites, ()
     solver: Sensitive = model
-    start = surface
+    start, added = surface, ""
     if blueprint.spare_height is not None:
-        start, sites = _filled(surface, sites, template, blueprint.spare_height)
+        start, sites = _filled(surface, sites, request.template, blueprint.spare_height)
+        if start.count > surface.count:
+            added = f", and {start.count - surface.count} asperities were added that give friction back"
 
     def evaluate(height: FloatArray) -> tuple[FloatArray, FloatArray]:
-        found = solver.sensitivity(start.replaced(height=height), blueprint.wanted.load)
+        found = solver.sensitivity(start.replaced(height=height), wanted.load)
         return found.curve.area, found.gradient
 
     if blueprint.exact:
-        found = _through_points(evaluate, start.height, blueprint.wanted, limits.span)
+        found = _through_points(evaluate, start.height, wanted, limits.span)
     else:
         space = Heights(limits.span)
         starts = [start.height]
-        if blueprint.wanted.misfit(model.curve(start, blueprint.wanted.load).area) > CLOSE:
-            starts.insert(0, _forestalled(start, model, blueprint.wanted, space, rng))
-        found = search(evaluate, starts, blueprint.wanted, space, ADAPTED_GOAL, RESTARTS, rng)
-    top = limits.offset + limits.max_height
-    result = start.replaced(height=top - (found.unknowns.max() - found.unknowns))
+        if wanted.misfit(model.curve(start, wanted.load).area) > CLOSE:
+            # heights whose places were chosen for this model are moved as little as can be
+            starts.insert(0 if request.layout is None else 1, _forestalled(start, model, wanted, space, rng))
+        found = search(evaluate, starts, wanted, space, ADAPTED_GOAL, RESTARTS, rng)
+    height = limits.offset + limits.max_height - (found.unknowns.max() - found.unknowns)
+    result = start.replaced(height=np.maximum(height, limits.foot))
     change = 1e3 * float(np.abs(result.height - start.height).max())
-    note = f"heights were moved by at most {change:.3g} um for the interaction of the asperities"
+    note = f"heights were moved by at most {change:.3g} um for the interaction of the asperities{added}"
     return result, sites, (note,)
 
 
@@ -95,8 +93,8 @@ def _forestalled(
 
     area = model.curve(surface, wanted.load).area
     factor = area / evaluate(surface.height)[0]
-    logarithm, degree = np.log(wanted.load), min(FACTOR_DEGREE, len(wanted.load) - 1)
-    smooth = np.polyval(np.polyfit(logarithm, factor, degree), logarithm)
+    powers = np.vander(np.log(wanted.load / wanted.load[-1]), FACTOR_DEGREE + 1)
+    smooth = powers @ np.linalg.lstsq(powers, factor, rcond=None)[0]
     law = Wanted.exactly(wanted.load, wanted.law(area) / smooth, wanted.weight)
     return search(evaluate, [surface.height], law, space, GOAL, CHEAP_RESTARTS, rng).unknowns
 
@@ -127,16 +125,15 @@ def _through_points(evaluate: Evaluate, height: FloatArray, wanted: Wanted, span
     return best if best is not None else Refined(height, np.inf)
 
 
-def interaction_margin(template: Surface, model: Model) -> float:
-    """Return how much interaction changes A0 of the template with equal heights, relative.
+def interaction_margin(request: Request) -> float:
+    """Return how much interaction changes A0 of equal heights up to the last load asked for, relative.
 
     Bounds that are proven for independent asperities are enforced only beyond twice that.
     """
-    if isinstance(model, UNCOUPLED) or template.count == 1:
+    template, model = request.template.replaced(radius=request.radii.high), request.model
+    if isinstance(model, UNCOUPLED) or template.count == 1 or request.last_load is None:
         return 0.0
     equal = template.replaced(height=np.zeros(template.count))
-    # indentation to a/R = 0.2, within the range of all models
-    depth = 0.04 * float(template.radius.min())
-    load = Independent().curve_at(equal, np.array([depth])).load[0] * MARGIN_SHARES
+    load = request.last_load * MARGIN_SHARES
     change = model.curve(equal, load).area / Independent().curve(equal, load).area - 1.0
     return 2.0 * float(np.abs(change).max())

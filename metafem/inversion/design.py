@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,7 +11,7 @@ import numpy as np
 from metafem import _validate as check
 from metafem._validate import IntArray
 from metafem.distributions import PiecewiseExponential
-from metafem.errors import Infeasible, InvalidInput
+from metafem.errors import Infeasible
 from metafem.inversion import exponential, feasibility, operating_points, proportional, sampled
 from metafem.inversion.adapt import adapted, interaction_margin
 from metafem.inversion.arranged import Layout, arranged
@@ -27,6 +27,7 @@ from metafem.inversion.judge import (
 )
 from metafem.inversion.limits import Limits
 from metafem.inversion.radii import Radii, RadiusRange
+from metafem.inversion.request import Request
 from metafem.inversion.target import (
     BilinearLaw,
     LinearLaw,
@@ -37,7 +38,7 @@ from metafem.inversion.target import (
     Target,
 )
 from metafem.law import BranchFit, FrictionLaw, friction_law
-from metafem.models import Independent, Model
+from metafem.models import Model
 from metafem.surface import Surface
 
 # Heights should be this many times larger than the errors with which they are made.
@@ -158,7 +159,8 @@ def design(
     Raises
     ------
     Infeasible
-        If no surface within the limits has the law; says why, with the nearest reachable target.
+        If no surface within the limits has the law, or levels do not lead through the points; says why,
+        with the nearest target within the bounds.
     InvalidInput
         For arguments that cannot be used.
 
@@ -177,42 +179,6 @@ def design(
     return designed(Request.checked(target, template, None, model, limits, layout), check.generator(rng))
 
 
-@dataclass(frozen=True, eq=False)
-class Request:
-    """What is asked of an inversion, with nothing left open."""
-
-    target: Target
-    template: Surface
-    radii: Radii
-    model: Model
-    limits: Limits
-    layout: Layout | None
-
-    @classmethod
-    def checked(
-        cls,
-        target: Target,
-        template: Surface,
-        radii: RadiusRange | Sequence[float] | None,
-        model: Model | None,
-        limits: Limits | None,
-        layout: Layout | None,
-    ) -> Request:
-        """Refuse arguments of the wrong kind, and fill in those left out."""
-        if type(target) not in _INVERSIONS:
-            known = ", ".join(kind.__name__ for kind in _INVERSIONS)
-            raise InvalidInput(f"target = {target!r:.60} must be one of {known}")
-        check.instance("template", template, Surface, "a metafem.Surface")
-        solver: Model = Independent() if model is None else model
-        check.instance("model", solver, Model, "a model such as metafem.Independent()")
-        bounds = Limits(max_height=float(template.height.max())) if limits is None else limits
-        check.instance("limits", bounds, Limits, "metafem.Limits")
-        if layout is not None:
-            check.instance("layout", layout, Layout, "metafem.Layout")
-        choice = Radii.common(template) if radii is None else Radii.given(radii)
-        return cls(target, template, choice, solver, bounds, layout)
-
-
 def designed(request: Request, generator: np.random.Generator) -> Design:
     """Return the design of a request."""
     target, template, solver, limits = request.target, request.template, request.model, request.limits
@@ -223,23 +189,25 @@ def designed(request: Request, generator: np.random.Generator) -> Design:
     order = np.argsort(sites)
     sites = sites[order]
     surface = template.replaced(
-        position=template.position[sites], height=blueprint.height[order], radius=blueprint.radius[order]
+        position=template.position[sites],
+        height=np.maximum(blueprint.height[order], limits.foot),  # rounding must not lead below it
+        radius=blueprint.radius[order],
     )
     surface, placed, placing = arranged(surface, request.layout, solver, blueprint.wanted, generator)
-    surface, sites, moved = adapted(surface, sites, template, solver, blueprint, limits, generator)
+    surface, sites, moved = adapted(request, surface, sites, blueprint, generator)
     stepped: dict[str, Parameter] = {}
     coupled = not isinstance(solver, UNCOUPLED)
     if limits.height_step is not None and (coupled or not blueprint.stepped):
         surface, stepped, lost = gridded(surface, solver, blueprint, limits)
         moved += lost
-    parameters = found_parameters(surface, solver, blueprint, target)
+    parameters = found_parameters(surface, solver, blueprint, target, bool(moved))
     sites.flags.writeable = False
     fits = branch_fits(surface, solver, blueprint)
     misfit = largest_misfit(surface, solver, blueprint, fits)
     status = status_of(solver, blueprint, misfit, bool(moved))
     return Design(
         surface=surface,
-        law=_drawn_law(surface, solver, target),
+        law=_drawn_law(surface, request),
         misfit=misfit,
         status=status,
         parameters=parameters | placed | stepped,
@@ -263,36 +231,37 @@ def _refuse_infeasible(request: Request) -> None:
     try:
         refuse(target, radii, count, request.limits, 0.0)
     except Infeasible:
-        margin = interaction_margin(request.template.replaced(radius=radii.high), request.model)
+        margin = interaction_margin(request)
         if margin == 0.0:
             raise
         refuse(target, radii, count, request.limits, margin)
 
 
-def _drawn_law(surface: Surface, model: Model, target: Target) -> FrictionLaw:
+def _drawn_law(surface: Surface, request: Request) -> FrictionLaw:
     """Return the law on its usual grid, or on one that ends a tenth beyond the last load asked for."""
-    if isinstance(target, (LinearLaw, BilinearLaw)):
-        return friction_law(surface, model)
-    if isinstance(target, (OperatingPoints, SampledLaw)):
-        last = target.rescaled_load[-1]
-    else:
-        last = target.load_range[1]
-    end = 1.1 * surface.material.composite_modulus * float(last)
-    return friction_law(surface, model, load=end * np.arange(1, 101) / 100)
+    if request.last_load is None:
+        return friction_law(surface, request.model)
+    end = 1.1 * surface.material.composite_modulus * request.last_load
+    return friction_law(surface, request.model, load=end * np.arange(1, 101) / 100)
 
 
 def _notes(surface: Surface, limits: Limits, status: DesignStatus) -> tuple[str, ...]:
     notes = []
-    used = float(np.ptp(surface.height))
-    if status is DesignStatus.MISSED and used >= limits.span * (1.0 - ALL_OF_IT):
+    used, step = float(np.ptp(surface.height)), limits.height_step or 0.0
+    if status is DesignStatus.MISSED and used >= limits.span * (1.0 - ALL_OF_IT) - step:
         notes.append(
             f"the heights use all of the {limits.span:g} mm that they may differ by: raise max_height"
         )
-    least = HEIGHT_TO_ERROR * (limits.height_sd or 0.0)
-    low = int((surface.height < least).sum())
+    low = 0 if limits.height_sd is None else int((surface.height < HEIGHT_TO_ERROR * limits.height_sd).sum())
     if low:
         notes.append(
             f"{low} of {surface.count} summits stand lower than {HEIGHT_TO_ERROR:g} times height_sd = "
             f"{limits.height_sd:g} mm: raise the offset"
+        )
+    high = int((surface.height > surface.radius).sum())
+    if high:
+        notes.append(
+            f"{high} of {surface.count} summits stand higher than their radius and cannot be made as caps: "
+            f"lower max_height and offset to {float(surface.radius.min()):g} mm together, or use larger radii"
         )
     return tuple(notes)

@@ -82,7 +82,7 @@ def _linear(target: LinearLaw, mixture: Mixture, limits: Limits) -> Blueprint:
         wanted=wanted,
         branches=(branch,),
         density=density,
-        notes=_notes(scale, limits),
+        notes=_notes(scale, mixture, limits),
         stepped=limits.height_step is not None,
     )
 
@@ -116,7 +116,7 @@ def _bilinear(target: BilinearLaw, mixture: Mixture, limits: Limits) -> Blueprin
         wanted=_law_of(density, branches, mixture),
         branches=branches,
         density=density,
-        notes=_notes(scale, limits),
+        notes=_notes(scale, mixture, limits),
     )
 
 
@@ -143,7 +143,8 @@ def level_counts(density: PiecewiseExponential, count: int, step: float) -> tupl
     counts = np.rint(expected).astype(np.int64)
     while (missing := count - int(counts.sum())) != 0:
         changed = counts + (1 if missing > 0 else -1)
-        error = np.where(changed >= 0, np.abs(changed - expected) / expected, np.inf)
+        error = np.full(len(counts), np.inf)
+        np.divide(np.abs(changed - expected), expected, out=error, where=(changed >= 0) & (expected > 0.0))
         best = int(error.argmin())
         counts[best] = changed[best]
     return levels, counts
@@ -239,10 +240,12 @@ def _two_branches(
     return density(float(depth))
 
 
-def _notes(scale: float, limits: Limits) -> tuple[str, ...]:
-    if limits.height_sd is not None and scale < FINEST_SCALE_IN_SD * limits.height_sd:
-        return (
-            f"the scale {scale:.4g} mm is below {FINEST_SCALE_IN_SD:g} times height_sd = "
-            f"{limits.height_sd:g} mm: errors of the made heights will shape the law",
-        )
-    return ()
+def _notes(scale: float, mixture: Mixture, limits: Limits) -> tuple[str, ...]:
+    if limits.height_sd is None or scale >= FINEST_SCALE_IN_SD * limits.height_sd:
+        return ()
+    finest = FINEST_SCALE_IN_SD * limits.height_sd
+    steepest = TruncatedExponential(finest, limits.span).asymptotic_slope(mixture.radius)
+    return (
+        f"the scale {scale:.4g} mm is below {FINEST_SCALE_IN_SD:g} times height_sd, {finest:.4g} mm: errors of "
+        f"made heights will shape the law; slopes up to {steepest:.4g} are free of that",
+    )

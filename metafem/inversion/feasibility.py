@@ -144,6 +144,7 @@ def refuse_sampled(target: SampledLaw, radii: Radii, count: int, limits: Limits,
     least = load ** least_exponent(radii)
     scaled = friction / least
     top = np.maximum.accumulate(scaled)
+    jump = _largest_jump(load, friction, radii, count)
     for broken, words, bound in (
         (friction < low * (1.0 - slack), "below that of a single asperity", low),
         (friction > high * (1.0 + slack), f"above that of {count} equal asperities", high),
@@ -152,16 +153,32 @@ def refuse_sampled(target: SampledLaw, radii: Radii, count: int, limits: Limits,
             f"below what the asperities of the smaller loads already give (F/P^{_words(radii)} cannot fall)",
             top * least,
         ),
+        (
+            friction > jump * (1.0 + slack),
+            f"above what {count} asperities that all come into contact after a smaller load give",
+            jump,
+        ),
     ):
         if broken.any():
             i = int(broken.argmax())
-            clipped = np.clip(scaled, low / least, high / least)
+            clipped = np.clip(scaled, low / least, np.minimum(high, jump) / least)
             nearest = np.maximum.accumulate(clipped) * least
             raise Infeasible(
                 f"sample {i + 1} (load {load[i]:g}, friction {friction[i]:g} mm^2) is {words}, "
                 f"{bound[i]:.6g} mm^2, for any surface of {radii}{_margin_words(margin)}",
                 SampledLaw(load, nearest, target.weight),
             )
+
+
+def _largest_jump(load: FloatArray, friction: FloatArray, radii: Radii, count: int) -> FloatArray:
+    """Return the most friction that the smaller loads leave, (k,) [mm^2].
+
+    The steepest slope is ``dA0/dp = 2/3 K p/A0^2``, so that ``A0^3 - K p^2`` cannot rise along a law; K is
+    that of N equal contacts.
+    """
+    rise = 9.0 / 16.0 * math.pi**3 * count * radii.high**2 * load**2
+    lowest = np.minimum.accumulate(np.insert(friction**3 - rise, 0, 0.0))[:-1]
+    return np.cbrt(lowest + rise)
 
 
 def refuse_power(target: PowerLaw, radii: Radii, count: int, limits: Limits, margin: float) -> None:

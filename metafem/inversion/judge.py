@@ -40,14 +40,22 @@ class DesignStatus(Enum):
 
 
 def found_parameters(
-    surface: Surface, model: Model, blueprint: Blueprint, target: object
+    surface: Surface, model: Model, blueprint: Blueprint, target: object, moved: bool
 ) -> dict[str, Parameter]:
-    """Return the blueprint's parameters, those that the target left open as the final law has them."""
+    """Return the blueprint's parameters as the final law and heights have them.
+
+    Those that the target left open are found anew; levels are no longer where heights were moved.
+    """
     wanted = blueprint.wanted
+    if blueprint.exact and moved:
+        return {"span": float(np.ptp(surface.height))}
+    parameters = dict(blueprint.parameters)
+    if "span" in parameters:
+        parameters["span"] = float(np.ptp(surface.height))
     if not wanted.free.shape[1]:
-        return dict(blueprint.parameters)
+        return parameters
     area = friction_law(surface, model, load=surface.material.composite_modulus * wanted.load).area
-    return {**blueprint.parameters, **open_parameters(target, wanted, area)}
+    return {**parameters, **open_parameters(target, wanted, area)}
 
 
 def branch_fits(surface: Surface, model: Model, blueprint: Blueprint) -> tuple[tuple[Branch, BranchFit], ...]:

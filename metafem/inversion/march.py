@@ -53,7 +53,11 @@ def march(
                 return carried(depth) + (area - depth * whole) * share * math.sqrt(depth) - p
 
             low = SHALLOWEST * deepest
-            depth = float(brentq(excess, low, deepest, rtol=1e-12)) if excess(low) < 0.0 else low
+            depth = (
+                float(brentq(excess, low, deepest, xtol=1e-12 * low, rtol=1e-12))
+                if excess(low) < 0.0
+                else low
+            )
             levels.append(plane)
             numbers.append((deepest - depth) * whole / (math.pi * new_radius * depth))
             kinds.append(new_radius)
@@ -86,7 +90,7 @@ def _depth_at(carried: Callable[[float], float], load: float, radius: float) -> 
     high = radius
     while carried(high) < load:
         high *= 2.0
-    return float(brentq(lambda depth: carried(depth) - load, 0.0, high, rtol=1e-12))
+    return float(brentq(lambda depth: carried(depth) - load, 0.0, high, xtol=1e-12 * high, rtol=1e-12))
 
 
 def _spread(

@@ -19,7 +19,7 @@ from metafem.inversion.radii import Radii
 WORTH = 0.5
 
 # Of two neighbouring tools, the shares of the larger one that are tried.
-SHARES = (0.25, 0.5, 0.75)
+SHARES = tuple(i / 16 for i in range(1, 16))
 
 
 @dataclass(frozen=True)

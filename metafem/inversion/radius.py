@@ -14,10 +14,11 @@ from metafem.errors import Infeasible
 from metafem.inversion.arranged import Layout
 from metafem.inversion.blueprint import Parameter
 from metafem.inversion.bounds import achievable_friction_coefficients
-from metafem.inversion.design import Design, Request, designed
+from metafem.inversion.design import Design, designed
 from metafem.inversion.limits import Limits
 from metafem.inversion.mixture import unreachable
 from metafem.inversion.radii import Radii, RadiusRange
+from metafem.inversion.request import Request
 from metafem.inversion.target import Target
 from metafem.models import Model
 from metafem.surface import Surface
@@ -47,7 +48,7 @@ def design_radius(
     template : Surface
         As for `design`; its radii are not used.
     radii : RadiusRange or sequence of float
-        A range, of which 11 radii are tried, or the tools of the workshop [mm].
+        A range, of which up to 11 radii are tried, or the tools of the workshop [mm].
     layout : Layout, optional
         As for `design`, for the best radius alone.
 
@@ -55,9 +56,10 @@ def design_radius(
     -------
     Design
         That of the least misfit. Its parameters hold ``radius`` [mm], ``tried_radii`` [mm] and
-        ``radius_misfits`` [-] of those that can reach the target, and of a template with a friction the
-        friction coefficients of linear laws within reach with each, ``lowest_coefficients`` and, where
-        `limits.height_sd` bounds them, ``highest_coefficients``. A note says which cannot, and why.
+        ``radius_misfits`` [-], before any layout, of those that can reach the target, and of a template
+        with a friction the friction coefficients of linear laws within reach with each,
+        ``lowest_coefficients`` and, where `limits.height_sd` bounds them, ``highest_coefficients``. A
+        note says which cannot, and why.
 
     Raises
     ------
@@ -76,7 +78,7 @@ def design_radius(
     >>> result.parameters["radius"]
     0.3
     """
-    request = Request.checked(target, template, radii, model, limits, layout)
+    request = Request.checked(target, template, [] if radii is None else radii, model, limits, layout)
     choice, bounds = request.radii, request.limits
     seed = check.generator(rng).integers(2**63)
     found: dict[float, Design] = {}
@@ -166,7 +168,7 @@ def design_radii(
     >>> result.parameters["used_radii"], result.misfit < 1e-3
     (array([0.2, 0.8]), True)
     """
-    request = Request.checked(target, template, radii, model, limits, layout)
+    request = Request.checked(target, template, [] if radii is None else radii, model, limits, layout)
     result, choice = designed(request, check.generator(rng)), request.radii
     parameters = dict(result.parameters)
     used, counts = np.unique(result.surface.radius, return_counts=True)

@@ -272,7 +272,8 @@ class MultilinearLaw:
         values = check.array("slopes", slopes, shape=(None,))
         if values.min() <= 0.0:
             raise InvalidInput(f"slopes holds {values.min():g}; all must be greater than 0")
-        if isinstance(crossover_loads, (str, bytes)) or len(crossover_loads) != len(values) - 1:
+        listed = isinstance(crossover_loads, (list, tuple, np.ndarray))
+        if not listed or len(crossover_loads) != len(values) - 1:
             raise InvalidInput(
                 f"crossover_loads = {crossover_loads!r:.60} must hold {len(values) - 1} loads or pairs of "
                 f"loads for {len(values)} slopes"
@@ -324,7 +325,9 @@ def _crossover(i: int, given: object) -> tuple[float, float]:
     if check.scalar(given):
         load = check.number(name, given, above=0.0)
         return load, load
-    return _range(name, np.asarray(given))
+    if not isinstance(given, (list, tuple, np.ndarray)) or not all(check.scalar(end) for end in given):
+        raise InvalidInput(f"{name} = {given!r:.60} must be a load or a pair of loads [mm^2]")
+    return _range(name, given)
 
 
 def _check_pair(material: Material, friction: Friction) -> None:

@@ -12,6 +12,9 @@ from metafem._validate import FloatArray
 # settled to a digit of the residual after two rounds.
 ROUNDS = 3
 
+# Where the nearest law is not positive, differences are relative to this share of the curve, and so large.
+FAR = 0.1
+
 
 @dataclass(frozen=True, eq=False)
 class Wanted:
@@ -49,8 +52,8 @@ class Wanted:
             scale = np.sqrt(self.weight) / law
             c = np.linalg.lstsq(scale[:, None] * self.free, scale * (area - self.base), rcond=None)[0]
             law = self.base + self.free @ c
-            if law.min() <= 0.0:  # far from any law of this kind: measure against the curve itself
-                return area
+            if law.min() <= 0.0:  # far from any law of this kind
+                return np.asarray(np.maximum(law, FAR * area))
         return np.asarray(law)
 
     def residual(self, area: FloatArray, gradient: FloatArray) -> tuple[FloatArray, FloatArray]:

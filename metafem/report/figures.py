@@ -145,7 +145,7 @@ def _(target: SampledLaw | PowerLaw | MultilinearLaw, design: Design, ax: Axes, 
     below.plot(wanted.load, 100.0 * (area / law - 1.0), color=ACHIEVED)
     bounds = np.linspace(0.0, float(wanted.load[-1]), 200)[1:]
     low, high = feasible_region(design.template, bounds, design.limits, design.radii)
-    ax.fill_between(bounds, low, high, color=QUIET, alpha=0.12, lw=0, label="what any surface can have")
+    ax.fill_between(bounds, low, high, color=QUIET, alpha=0.12, lw=0, label="reach of independent asperities")
     ax.set_ylim(top=1.5 * float(design.law.area[-1]))
 
 

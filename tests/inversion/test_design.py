@@ -247,4 +247,4 @@ def test_a_law_missed_for_want_of_height_says_so(template):
     target = mf.PowerLaw(1.35, (0.1, 0.4))
     result = mf.design(target, template, limits=mf.Limits(0.1, offset=0.1))
     assert result.status is DesignStatus.MISSED
-    assert "the heights use all of the 0.1 mm that they may differ by: raise max_height" in result.notes
+    assert "the heights differ by all of the 0.1 mm that they may: raise max_height" in result.notes
