@@ -98,7 +98,9 @@ def test_arrangement_keeps_each_height_with_its_radius_and_the_places(uneven):
 
 
 def test_arrangement_is_the_same_for_the_same_seed(uneven):
-    first, second = (mf.arrange(uneven, BOTH, rng=3).order for _ in range(2))
+    parts = ("position", "height", "radius")
+    few = uneven.replaced(**{name: getattr(uneven, name)[:12] for name in parts})
+    first, second = (mf.arrange(few, BOTH, rng=3).order for _ in range(2))
     np.testing.assert_array_equal(first, second)
 
 
