@@ -33,7 +33,7 @@ class Layout:
     ----------
     follow_law : bool
         Whether interaction is to change the law as little as it can; of no effect on independent
-        asperities.
+        asperities. Under an interacting model a tilt asks for it too.
     tilt : float, optional
         Angle of a misalignment that is to change the law as little as it can [rad], up to pi/4.
     tilt_weight : float
@@ -97,7 +97,7 @@ def asked_for(
 ) -> list[tuple[str, Objective, float]]:
     """Return what is asked for, in words and as an objective with its weight."""
     asked: list[tuple[str, Objective, float]] = []
-    if layout.follow_law and not isinstance(model, UNCOUPLED):
+    if not isinstance(model, UNCOUPLED):  # for a tilt too: refining the heights would undo what is won
         asked.append(("the deviation from the law", _law(surface, wanted), 1.0))
     if layout.tilt is not None:
         words = f"the change by a tilt of {math.degrees(layout.tilt):.3g} deg"

@@ -246,6 +246,6 @@ def _notes(scale: float, mixture: Mixture, limits: Limits) -> tuple[str, ...]:
     finest = FINEST_SCALE_IN_SD * limits.height_sd
     steepest = TruncatedExponential(finest, limits.span).asymptotic_slope(mixture.radius)
     return (
-        f"the scale {scale:.4g} mm is below {FINEST_SCALE_IN_SD:g} times height_sd, {finest:.4g} mm: errors of "
-        f"made heights will shape the law; slopes up to {steepest:.4g} are free of that",
+        f"the scale {scale:.4g} mm is below {FINEST_SCALE_IN_SD:g} times height_sd, {finest:.4g} mm: errors "
+        f"of made heights will shape the law; slopes up to {steepest:.4g} are free of that",
     )

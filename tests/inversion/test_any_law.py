@@ -122,3 +122,9 @@ def test_laws_from_forces():
     assert many.crossover_loads == ((1.0, 1.0),)
     sampled = mf.SampledLaw.from_forces([1.0, 2.0], [1.0, 2.0], *pair)
     np.testing.assert_allclose(sampled.rescaled_friction, [2.0, 4.0], rtol=1e-12)
+
+
+@pytest.mark.parametrize("given", [0.5, None, [(0.1, (0.2, 0.3))], [(0.1, 0.2, 0.3)], ["0.2"]])
+def test_crossovers_must_be_loads_or_pairs_of_loads(given):
+    with pytest.raises(mf.InvalidInput, match="crossover_loads"):
+        mf.MultilinearLaw([1.0, 2.0], given, (0.1, 0.4))

@@ -36,10 +36,9 @@ def test_heights_that_follow_the_law_need_less_refinement(template):
 
 @pytest.mark.parametrize("model", [mf.Independent(), LAYER], ids=["independent", "layer"])
 def test_a_tilt_changes_the_law_of_an_arranged_design_less(template, model):
-    dealt, placed = (
-        mf.design(POWER, template, model, LIMITS, layout=how) for how in (None, mf.Layout(False, TILT))
-    )
-    assert tilting(placed.surface, model) < 0.4 * tilting(dealt.surface, model)
+    dealt = [tilting(mf.design(POWER, template, model, LIMITS, seed).surface, model) for seed in range(3)]
+    placed = mf.design(POWER, template, model, LIMITS, layout=mf.Layout(False, TILT))
+    assert tilting(placed.surface, model) < 0.4 * np.mean(dealt)
     assert "the change by a tilt of 0.1 deg from" in " ".join(placed.notes)
 
 

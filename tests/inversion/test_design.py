@@ -247,4 +247,30 @@ def test_a_law_missed_for_want_of_height_says_so(template):
     target = mf.PowerLaw(1.35, (0.1, 0.4))
     result = mf.design(target, template, limits=mf.Limits(0.1, offset=0.1))
     assert result.status is DesignStatus.MISSED
-    assert "the heights differ by all of the 0.1 mm that they may: raise max_height" in result.notes
+    assert "the heights use all of the 0.1 mm that they may differ by: raise max_height" in result.notes
+
+
+@pytest.mark.parametrize(("count", "points"), [(3, 2), (8, 3), (64, 5)])
+def test_points_of_surfaces_without_levels_are_met_or_nearly_so(count, points):
+    lattice = mf.Surface.square_lattice(0.5, (1, count), radius=0.526, material=mf.Material(1.0))
+    for seed in range(4):
+        rng = np.random.default_rng(seed)
+        height, load = rng.exponential(0.03, count), np.sort(rng.uniform(0.001, 1.8, points)) * count / 64
+        area = mf.Independent().curves(height, 0.526, load)[2][0]
+        result = mf.design(mf.OperatingPoints(load, area), lattice, limits=mf.Limits(0.5))
+        assert result.misfit < 1e-3
+        assert result.status in (DesignStatus.EXACT, DesignStatus.REFINED)
+
+
+def test_no_summit_stands_below_the_foot(template):
+    """Heights over the whole span end at it to rounding."""
+    for top in np.arange(0.06, 0.1, 0.005):
+        limits = mf.Limits(top, min_height=0.01)
+        assert mf.design(mf.PowerLaw(1.5, (0.1, 0.4)), template, limits=limits).surface.height.min() >= 0.01
+
+
+def test_levels_are_not_told_where_interaction_moved_them(template):
+    result = mf.design(POINTS, template, mf.Interacting(order=1), mf.Limits(0.27))
+    assert result.surface.count == 64
+    assert "6 asperities were added" in result.notes[-1]
+    assert "levels" not in result.parameters

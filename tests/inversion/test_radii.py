@@ -149,3 +149,16 @@ def test_a_mixed_design_survives_its_files(template, tmp_path):
     again = mf.load(tmp_path / "mixed")
     np.testing.assert_array_equal(again.surface.radius, result.surface.radius)
     assert again.radii == RANGE
+
+
+def test_branches_far_from_those_of_one_tool_are_designed_with_the_other(template):
+    """Of small radii no intercept leaves the nearest law positive: that is no perfect hit."""
+    target = mf.MultilinearLaw([9.5, 7.0], [(0.07, 0.18)], (0.03, 0.26))
+    assert mf.design_radii(target, template, [0.2, 0.526], limits=LIMITS).misfit < 1e-3
+    assert mf.design_radii(target, template, [0.2], limits=LIMITS).misfit > 0.1
+
+
+@pytest.mark.parametrize("search", [mf.design_radius, mf.design_radii])
+def test_radii_must_be_given(template, search):
+    with pytest.raises(mf.InvalidInput, match="radii"):
+        search(mf.LinearLaw(7.0), template, None)
