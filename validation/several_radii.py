@@ -29,7 +29,7 @@ MODELS = {
 EXPONENTS = (0.645, 1.55)
 
 # Exponents tried one by one, for the largest that is met within 1 %.
-LADDER = np.arange(1.5, 2.0, 0.02)
+LADDER = np.arange(1.6, 2.0, 0.04)
 
 
 @cache

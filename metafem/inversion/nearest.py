@@ -22,6 +22,10 @@ GOAL = 6e-4
 # Random restarts over any radii before they are rounded to tools.
 LOOSE_RESTARTS = 4
 
+# Random restarts with several tools, to each with one: they have to find the tools as well (measured: of
+# 40 laws of random surfaces with radii of .1, .4 and 1.6 mm all are recovered to .1 %, with 4 all but one).
+MIXED_RESTARTS = 10
+
 # A random change deals a new radius to each asperity with one of these probabilities.
 REDEALT = (0.0, 0.1, 0.3)
 
@@ -100,7 +104,7 @@ def _with_several(quest: Quest, radii: Radii) -> _Found:
     if ranged and relaxed.misfit <= quest.goal:
         return relaxed
     rounded = (relaxed.height, tools.nearest(relaxed.radius))
-    mixed = mixing.nearest(quest, [rounded, *starts], quest.restarts)
+    mixed = mixing.nearest(quest, [rounded, *starts], MIXED_RESTARTS * quest.restarts)
     found = [mixed, best]
     if ranged:  # the extremes can do better than what lies between, and what lies near them better still
         found.append(between.nearest(quest, [(mixed.height, mixed.radius)], LOOSE_RESTARTS))

@@ -15,7 +15,7 @@ from metafem.inversion.blueprint import Blueprint, Parameter
 from metafem.inversion.feasibility import refuse_sampled
 from metafem.inversion.level import Level, Step
 from metafem.inversion.limits import Limits
-from metafem.inversion.nearest import Quest, independent_law, nearest_law
+from metafem.inversion.nearest import MIXED_RESTARTS, Quest, independent_law, nearest_law
 from metafem.inversion.radii import Radii
 from metafem.inversion.refine import POINT_GOAL, Heights, descend
 from metafem.inversion.target import OperatingPoints, SampledLaw
@@ -95,8 +95,9 @@ def _freely(
     top, load = limits.offset + limits.max_height, wanted.load
     best: Blueprint | None = None
     misfit = NEARLY
+    restarts = FREE_RESTARTS if radii.single else FREE_RESTARTS // MIXED_RESTARTS
     for goal in FREE_GOALS:
-        quest = Quest(wanted, [wanted.base], count, limits.span, FREE_RESTARTS, rng, goal)
+        quest = Quest(wanted, [wanted.base], count, limits.span, restarts, rng, goal)
         height, radius = nearest_law(quest, radii)
 
         def evaluate(height: FloatArray, radius: FloatArray = radius) -> tuple[FloatArray, FloatArray]:
