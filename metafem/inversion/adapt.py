@@ -6,7 +6,7 @@ import numpy as np
 
 from metafem._validate import FloatArray, IntArray
 from metafem.inversion.blueprint import Blueprint
-from metafem.inversion.judge import UNCOUPLED
+from metafem.inversion.judge import MISSED, UNCOUPLED, branch_fits, independent_misfit, largest_misfit
 from metafem.inversion.nearest import GOAL, independent_law
 from metafem.inversion.refine import POINT_GOAL, Evaluate, Heights, Refined, descend, search
 from metafem.inversion.request import Request
@@ -48,9 +48,14 @@ def adapted(
     """Return the surface with heights refined under the model, its sites, and a note that says so.
 
     Heights that stand on steps already stay there, and models without sensitivities leave them as they are.
+    So do independent asperities, but where those of a density miss its law.
     """
     model, limits, wanted = request.model, request.limits, blueprint.wanted
-    if isinstance(model, UNCOUPLED) or not isinstance(model, Sensitive) or blueprint.stepped:
+    if not isinstance(model, Sensitive) or blueprint.stepped:
+        return surface, sites, ()
+    alone = isinstance(model, UNCOUPLED)
+    dealt = independent_misfit(blueprint) if alone and blueprint.density is not None else 0.0
+    if alone and dealt <= MISSED:
         return surface, sites, ()
     solver: Sensitive = model
     start, added = surface, ""
@@ -74,8 +79,11 @@ def adapted(
         found = search(evaluate, starts, wanted, space, ADAPTED_GOAL, RESTARTS, rng)
     height = limits.offset + limits.max_height - (found.unknowns.max() - found.unknowns)
     result = start.replaced(height=np.maximum(height, limits.foot))
+    if alone and largest_misfit(result, model, blueprint, branch_fits(result, model, blueprint)) >= dealt:
+        return surface, sites, ()
     change = 1e3 * float(np.abs(result.height - start.height).max())
-    note = f"heights were moved by at most {change:.3g} um for the interaction of the asperities{added}"
+    cause = "the scatter of so few asperities" if alone else "the interaction of the asperities"
+    note = f"heights were moved by at most {change:.3g} um for {cause}{added}"
     return result, sites, (note,)
 
 

@@ -274,3 +274,9 @@ def test_levels_are_not_told_where_interaction_moved_them(template):
     assert result.surface.count == 64
     assert "6 asperities were added" in result.notes[-1]
     assert "levels" not in result.parameters
+
+
+def test_a_density_whose_few_asperities_miss_its_law_is_refined(template):
+    result = mf.design(mf.BilinearLaw((7.15, 12.52), 0.038), template, limits=mf.Limits(0.27))
+    assert result.status is DesignStatus.REFINED
+    assert "for the scatter of so few asperities" in result.notes[-1]
