@@ -52,7 +52,8 @@ class Commands(click.Group):
         try:
             return super().invoke(ctx)
         except InvalidInput as error:
-            raise BadInput(str(error)) from None
+            # errors name the argument of Python's functions
+            raise BadInput(str(error).replace("force=True", "--force")) from None
         except MetafemError as error:
             raise NotAchieved(str(error)) from None
 

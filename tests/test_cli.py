@@ -97,6 +97,7 @@ def test_existing_files_are_kept_without_force(run):
     assert run("demo", "linear", "--force").exit_code == 0
     result = run("demo", "linear")
     assert (result.exit_code, "--force" in result.output) == (2, True)
+    assert "force=True" not in result.output
 
 
 def test_an_edited_specification_gives_another_design(run):

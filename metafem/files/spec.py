@@ -6,7 +6,7 @@ import hashlib
 import re
 import tomllib
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
@@ -63,6 +63,8 @@ class Specification:
         The file's text.
     sha256 : str
         Hexadecimal hash of the file's bytes.
+    tables : mapping of str to bytes
+        Files beside it that it names, kept with its result.
     """
 
     target: Target
@@ -77,6 +79,7 @@ class Specification:
     hardness: float | None
     text: str
     sha256: str
+    tables: Mapping[str, bytes] = field(default_factory=dict)
 
     def design(self, model: Model | None = None) -> Design:
         """Design what the file asks for, under its model unless another is given."""
@@ -122,7 +125,7 @@ def read_spec(path: str | Path) -> Specification:
     """
     raw = _bytes(Path(path))
     text = _decoded(path, raw)
-    table = with_samples(_table(path, text), Path(path).parent)
+    table, tables = with_samples(_table(path, text), Path(path).parent)
     from pydantic import ValidationError
 
     from metafem.files.sections import Sections
@@ -145,6 +148,7 @@ def read_spec(path: str | Path) -> Specification:
         hardness=sections.checks.hardness,
         text=text,
         sha256=hashlib.sha256(raw).hexdigest(),
+        tables=tables,
     )
 
 
