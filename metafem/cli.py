@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
@@ -15,11 +15,13 @@ import click
 from metafem.errors import InvalidInput, MetafemError
 
 if TYPE_CHECKING:
+    from rich.console import Console
     from xarray import Dataset
 
     from metafem.files import Specification
     from metafem.inversion import Design
     from metafem.law import FrictionLaw
+    from metafem.surface import Block
 
 DEMOS = ("operating-points", "linear", "bilinear")
 
@@ -27,6 +29,9 @@ DEMOS = ("operating-points", "linear", "bilinear")
 MODELS = ("independent", "mean-field", "half-space", "layer", "block", "resolved", "automatic")
 
 STUDIES = ("interaction", "fidelity")
+
+# Characters a line where there is no terminal: tables stay whole.
+WIDE = 160
 
 # Exit codes: a target that cannot be reached, and input that cannot be used.
 NOT_ACHIEVED, BAD_INPUT = 1, 2
@@ -152,6 +157,9 @@ def explain(as_json: bool) -> None:
 @click.option("--load", multiple=True, help='A load, such as "0.2 N"; may be repeated.')
 @click.option("--composite-modulus", help='E* for a table of heights, such as "1.36 MPa".')
 @click.option("--radius", help='Radius of all summits where the table has none, such as "526 um".')
+@click.option("--thickness", help='Of the block under a table of heights, such as "7.2 mm".')
+@click.option("--width", help='Of that block along x, such as "20 mm"; for --model block.')
+@click.option("--length", help='Of that block along y, such as "20 mm"; for --model block.')
 @model_option
 @click.option("-o", "--output", type=click.Path(path_type=Path), help="Write the law as CSV, too.")
 @force_option
@@ -161,6 +169,9 @@ def predict(
     load: tuple[str, ...],
     composite_modulus: str | None,
     radius: str | None,
+    thickness: str | None,
+    width: str | None,
+    length: str | None,
     model: str | None,
     output: Path | None,
     force: bool,
@@ -169,15 +180,19 @@ def predict(
     """Predict the friction law of a result folder or of a table of heights.
 
     SOURCE is a folder that `metafem design` made, or a CSV file with the columns x_mm, y_mm, height_um
-    and radius_um (or in other units). A table needs --composite-modulus.
+    and radius_um (or in other units). A table needs --composite-modulus, and a block for --model layer
+    (--thickness) or block (--thickness, --width and --length).
     """
     import metafem as mf
     from metafem.files import law_table, model_named, quantity, read_heights, write_text
 
+    sizes = {"thickness": thickness, "width": width, "length": length}
+    given = {name: quantity(f"--{name}", text, "mm") for name, text in sizes.items() if text is not None}
     if source.is_dir():
-        if composite_modulus is not None or radius is not None:
+        if composite_modulus is not None or radius is not None or given:
             raise InvalidInput(
-                "--composite-modulus and --radius are for tables of heights; a folder states its own"
+                "--composite-modulus, --radius and the sizes of a block are for tables of heights; "
+                "a folder states its own"
             )
         stored = mf.load(source)
         surface, used = stored.surface, stored.law.model
@@ -192,10 +207,12 @@ def predict(
         position, height, radii = read_heights(
             source, None if radius is None else quantity("--radius", radius, "mm")
         )
-        surface = mf.Surface(position, height, radii, mf.Material(modulus))
+        surface = mf.Surface(position, height, radii, mf.Material(modulus), block=_block(given, model))
         used = mf.Independent()
     newtons = [quantity("--load", text, "N") for text in load]
     chosen = model_named(model) if model else used
+    if model == "layer" and surface.block is None:
+        chosen = mf.Interacting(substrate=mf.BondedLayer(given["thickness"]))
     with _progress("predicting the law"):
         law = mf.friction_law(surface, chosen, load=newtons or None)
     if output is not None:
@@ -204,6 +221,21 @@ def predict(
         click.echo(json.dumps(_law_data(law)))
     else:
         _tell_law(law, whole=bool(load))
+
+
+def _block(given: dict[str, float], model: str | None) -> Block | None:
+    """Return the block of a table whose sizes are given; a layer needs its thickness alone."""
+    from metafem.surface import Block
+
+    names = ("width", "length", "thickness")
+    needed = {"layer": names[2:], "block": names}.get(model or "", names if given else ())
+    missing = [f'--{name} "{7.2 if name == "thickness" else 20} mm"' for name in needed if name not in given]
+    if missing:
+        what = f"--model {model}" if model in ("layer", "block") else "a block"
+        raise InvalidInput(
+            f"{what} needs the block's sizes, which a table does not hold: add {' '.join(missing)}"
+        )
+    return Block(*(given[name] for name in names)) if set(names) <= set(given) else None
 
 
 @main.command()
@@ -249,20 +281,11 @@ def study(name: str, folder: Path, force: bool, as_json: bool) -> None:
 
 
 def _tell_study(found: Dataset, path: Path) -> None:
-    from rich.console import Console
-    from rich.markup import escape
-    from rich.table import Table
-
     from metafem.studies import summary
 
     told = summary(found)
-    table = Table(title=escape(told.title), title_justify="left")
-    for i, column in enumerate(told.columns):
-        table.add_column(escape(column), justify="right" if i else "left", no_wrap=i == 0)
-    for row in told.rows:
-        table.add_row(*row)
-    console = Console()
-    console.print(table)
+    console = _console()
+    _tell_table(console, told.columns, told.rows, told.title)
     for text in told.notes:
         console.print(text, style="yellow", highlight=False, markup=False)
     console.print(f"wrote {path}", highlight=False, markup=False)
@@ -298,6 +321,32 @@ def _progress(first: str) -> Iterator[Callable[[str], None]]:
         return
     with console.status(first) as status:
         yield status.update
+
+
+def _console() -> Console:
+    """Return the terminal, or a wide one where the text goes elsewhere."""
+    from rich.console import Console
+
+    console = Console()
+    return console if console.is_terminal else Console(width=max(WIDE, console.width))
+
+
+def _tell_table(
+    console: Console, columns: Sequence[str], rows: Sequence[Sequence[str]], title: str | None = None
+) -> None:
+    """Print a table whose headings may wrap, but never its numbers."""
+    from rich.markup import escape
+    from rich.table import Table
+
+    table = Table(title=title and escape(title), title_justify="left")
+    for i, heading in enumerate(columns):
+        longest = max((len(row[i]) for row in rows), default=0)
+        table.add_column(
+            escape(heading), justify="right" if i else "left", min_width=longest, overflow="fold"
+        )
+    for row in rows:
+        table.add_row(*row)
+    console.print(table, crop=False)
 
 
 def _tell_design(
@@ -337,28 +386,21 @@ def _tell_design(
 
 
 def _tell_law(law: FrictionLaw, whole: bool) -> None:
-    from rich.console import Console
-    from rich.markup import escape
-    from rich.table import Table
-
     from metafem.report import model_name
 
-    table = Table()
     columns = ["load [N]", "area [mm²]", "separation [mm]", "stiffness [N/mm]"]
     if law.friction is not None:
         columns.append("friction [N]")
-    for column in columns:
-        table.add_column(escape(column))
     # Ten lines tell the shape of a curve; loads that were asked for are all shown.
     step = 1 if whole else max(1, len(law.load) // 10)
-    chosen = range(step - 1, len(law.load), step)
-    for i in chosen:
+    rows = []
+    for i in range(step - 1, len(law.load), step):
         numbers = [law.load[i], law.area[i], law.separation[i], law.stiffness[i]]
         if law.friction is not None:
             numbers.append(law.friction_force[i])
-        table.add_row(*(f"{number:.6g}" for number in numbers))
-    console = Console()
-    console.print(table)
+        rows.append(tuple(f"{number:.6g}" for number in numbers))
+    console = _console()
+    _tell_table(console, columns, rows)
     console.print(f"{model_name(law.model)}: {law.status.value}", highlight=False, markup=False)
     for note in law.notes:
         console.print(f"note: {note}", style="yellow", highlight=False, markup=False)

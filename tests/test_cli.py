@@ -1,5 +1,6 @@
 """The commands, as a person at a terminal uses them."""
 
+import io
 import json
 import re
 from pathlib import Path
@@ -7,6 +8,7 @@ from pathlib import Path
 import pytest
 import xarray as xr
 from click.testing import CliRunner
+from rich.console import Console
 
 import metafem as mf
 from metafem import cli
@@ -181,6 +183,7 @@ def test_study_prints_its_table_and_keeps_its_file(run):
     run("demo", "linear")
     result = run("study", "interaction", "linear")
     assert (result.exit_code, "half-space" in result.output) == (0, True), result.output
+    assert "…" not in result.output
     refused = run("study", "interaction", "linear")
     assert (refused.exit_code, "--force" in refused.output) == (2, True)
     told = json.loads(run("study", "interaction", "linear", "--force", "--json").stdout)
@@ -193,3 +196,49 @@ def test_doctor_finds_this_installation_well(run):
     result = run("doctor", "--json")
     assert result.exit_code == 0
     assert all(finding["well"] for finding in json.loads(result.stdout))
+
+
+@pytest.mark.parametrize("width", [40, 80, 200])
+def test_no_number_of_a_table_is_truncated(width):
+    console = Console(width=width, file=io.StringIO())
+    numbers = [f"{i}.{i}{i}{i}{i}{i}" for i in range(9)]
+    cli._tell_table(console, ["a long heading [mm]"] * 9, [numbers])
+    assert all(number in console.file.getvalue() for number in numbers)
+    assert "…" not in console.file.getvalue()
+
+
+TABLE = ("predict", "linear/heights.csv", "--composite-modulus", "1.36 MPa", "--load", "0.2 N", "--json")
+SIDES = ("--width", "20 mm", "--length", "20 mm")
+
+
+def test_a_table_is_predicted_on_a_layer_of_a_thickness(run):
+    run("demo", "linear")
+    folder = json.loads(run("predict", "linear", "--model", "layer", "--load", "0.2 N", "--json").stdout)
+    for sides in ((), SIDES):
+        result = run(*TABLE, "--model", "layer", "--thickness", "7.2 mm", *sides)
+        assert json.loads(result.stdout)["area_mm2"] == pytest.approx(folder["area_mm2"], rel=1e-11)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("--model", "layer"), '--model layer needs the block\'s sizes, .* add --thickness "7.2 mm"'),
+        (("--model", "block", *SIDES), 'add --thickness "7.2 mm"$'),
+        (("--thickness", "7.2 mm"), 'a block needs .* add --width "20 mm" --length "20 mm"'),
+        (("--thickness", "7.2"), "--thickness .* needs a unit"),
+    ],
+)
+def test_what_a_table_lacks_is_named(run, arguments, words):
+    run("demo", "linear")
+    result = run(*TABLE, *arguments)
+    assert result.exit_code == 2
+    assert re.search(words, " ".join(result.output.split()))
+
+
+@pytest.mark.parametrize("model", ["layer", "block"])
+def test_a_model_without_its_block_names_the_section(run, model):
+    text = demo_text("linear")
+    start, end = text.index("[block]"), text.index("[limits]")
+    Path("bare.toml").write_text(text[:start] + text[end:], "utf-8")
+    result = run("design", "bare.toml", "-o", "bare", "--model", model)
+    assert (result.exit_code, "add [block]" in result.output) == (2, True), result.output

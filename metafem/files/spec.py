@@ -25,6 +25,7 @@ from metafem.inversion import (
     design_radius,
 )
 from metafem.models import Model
+from metafem.substrate import Substrate
 from metafem.surface import Surface
 
 if TYPE_CHECKING:
@@ -84,12 +85,26 @@ class Specification:
     def design(self, model: Model | None = None) -> Design:
         """Design what the file asks for, under its model unless another is given."""
         chosen = self.model if model is None else model
+        self._refuse_missing_block(chosen)
         if self.radii is None:
             return design(self.target, self.template, chosen, self.limits, self.seed, layout=self.layout)
         search = SEARCHES[self.mixed]
         return search(
             self.target, self.template, self.radii, chosen, self.limits, self.seed, layout=self.layout
         )
+
+    def _refuse_missing_block(self, model: Model) -> None:
+        """Say in the words of the file that a model needs a block: the model's own speak of arguments."""
+        substrate = getattr(model, "substrate", None)
+        if self.template.block is not None or not isinstance(substrate, Substrate):
+            return
+        try:
+            substrate.for_surface(self.template)
+        except InvalidInput:
+            raise InvalidInput(
+                f"the model on {type(substrate).__name__} needs the block's sizes: add [block] with width, "
+                "length and thickness"
+            ) from None
 
 
 def read_spec(path: str | Path) -> Specification:

@@ -102,8 +102,11 @@ def read_heights(path: str | Path, radius: float | None = None) -> tuple[FloatAr
     ]
     if missing:
         wanted = ", ".join(f"{name}_um" if name in ("height", "radius") else f"{name}_mm" for name in missing)
+        instead = (
+            ', or say one radius for all: --radius "526 um" (radius=0.526)' if missing == ["radius"] else ""
+        )
         raise InvalidInput(
-            f"{path} lacks the columns {wanted} (or in another unit); it has {', '.join(header)}"
+            f"{path} lacks the columns {wanted} (or in another unit); it has {', '.join(header)}{instead}"
         )
     if len(rows) == 1:
         raise InvalidInput(f"{path} names columns but holds no summit")
