@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from metafem.errors import InvalidInput, MetafemError
+from metafem.terminal import tell_table, terminal
 
 if TYPE_CHECKING:
-    from rich.console import Console
     from xarray import Dataset
 
     from metafem.files import Specification
@@ -29,9 +29,6 @@ DEMOS = ("operating-points", "linear", "bilinear")
 MODELS = ("independent", "mean-field", "half-space", "layer", "block", "resolved", "automatic")
 
 STUDIES = ("interaction", "fidelity")
-
-# Characters a line where there is no terminal: tables stay whole.
-WIDE = 160
 
 # Exit codes: a target that cannot be reached, and input that cannot be used.
 NOT_ACHIEVED, BAD_INPUT = 1, 2
@@ -284,8 +281,8 @@ def _tell_study(found: Dataset, path: Path) -> None:
     from metafem.studies import summary
 
     told = summary(found)
-    console = _console()
-    _tell_table(console, told.columns, told.rows, told.title)
+    console = terminal()
+    tell_table(console, told.columns, told.rows, told.title)
     for text in told.notes:
         console.print(text, style="yellow", highlight=False, markup=False)
     console.print(f"wrote {path}", highlight=False, markup=False)
@@ -323,36 +320,10 @@ def _progress(first: str) -> Iterator[Callable[[str], None]]:
         yield status.update
 
 
-def _console() -> Console:
-    """Return the terminal, or a wide one where the text goes elsewhere."""
-    from rich.console import Console
-
-    console = Console()
-    return console if console.is_terminal else Console(width=max(WIDE, console.width))
-
-
-def _tell_table(
-    console: Console, columns: Sequence[str], rows: Sequence[Sequence[str]], title: str | None = None
-) -> None:
-    """Print a table whose headings may wrap, but never its numbers."""
-    from rich.markup import escape
-    from rich.table import Table
-
-    table = Table(title=title and escape(title), title_justify="left")
-    for i, heading in enumerate(columns):
-        longest = max((len(row[i]) for row in rows), default=0)
-        table.add_column(
-            escape(heading), justify="right" if i else "left", min_width=longest, overflow="fold"
-        )
-    for row in rows:
-        table.add_row(*row)
-    console.print(table, crop=False)
-
-
 def _tell_design(
     result: Design, specification: Specification, folder: Path, cautions: tuple[str, ...], as_json: bool
 ) -> None:
-    from metafem.report import model_name, parameter_rows, wanted
+    from metafem.report import misfit_words, model_name, parameter_rows, wanted
 
     if as_json:
         data = {
@@ -376,8 +347,7 @@ def _tell_design(
     table = Table(box=None, show_header=False)
     for name, value, unit in parameter_rows(result):
         table.add_row(name, value, unit)
-    misfit = "below 1e-9" if result.misfit <= 1e-9 else f"{100 * result.misfit:.2g} %"
-    table.add_row("largest deviation from the target", misfit, "")
+    table.add_row(*misfit_words(result), "")
     table.add_row("asperities", f"{result.surface.count} of {result.template.count} places", "")
     console.print(table, highlight=False)
     for text in cautions:
@@ -399,8 +369,8 @@ def _tell_law(law: FrictionLaw, whole: bool) -> None:
         if law.friction is not None:
             numbers.append(law.friction_force[i])
         rows.append(tuple(f"{number:.6g}" for number in numbers))
-    console = _console()
-    _tell_table(console, columns, rows)
+    console = terminal()
+    tell_table(console, columns, rows)
     console.print(f"{model_name(law.model)}: {law.status.value}", highlight=False, markup=False)
     for note in law.notes:
         console.print(f"note: {note}", style="yellow", highlight=False, markup=False)

@@ -1,6 +1,5 @@
 """The commands, as a person at a terminal uses them."""
 
-import io
 import json
 import re
 from pathlib import Path
@@ -8,7 +7,6 @@ from pathlib import Path
 import pytest
 import xarray as xr
 from click.testing import CliRunner
-from rich.console import Console
 
 import metafem as mf
 from metafem import cli
@@ -141,7 +139,7 @@ def test_predict_reads_a_folder_and_a_table(run):
     table = run(
         "predict", "linear/heights.csv", "--composite-modulus", "1.36 MPa", "--load", "200 mN", "--json"
     )
-    assert folder["area_mm2"] == json.loads(table.stdout)["area_mm2"]
+    assert folder["area_mm2"] == pytest.approx(json.loads(table.stdout)["area_mm2"], rel=1e-11)
     assert "friction_force_N" in folder
     assert "area [mm²]" in run("predict", "linear").output
     assert run("predict", "linear", "-o", "law.csv").exit_code == 0
@@ -196,15 +194,6 @@ def test_doctor_finds_this_installation_well(run):
     result = run("doctor", "--json")
     assert result.exit_code == 0
     assert all(finding["well"] for finding in json.loads(result.stdout))
-
-
-@pytest.mark.parametrize("width", [40, 80, 200])
-def test_no_number_of_a_table_is_truncated(width):
-    console = Console(width=width, file=io.StringIO())
-    numbers = [f"{i}.{i}{i}{i}{i}{i}" for i in range(9)]
-    cli._tell_table(console, ["a long heading [mm]"] * 9, [numbers])
-    assert all(number in console.file.getvalue() for number in numbers)
-    assert "…" not in console.file.getvalue()
 
 
 TABLE = ("predict", "linear/heights.csv", "--composite-modulus", "1.36 MPa", "--load", "0.2 N", "--json")
