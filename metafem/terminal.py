@@ -11,6 +11,9 @@ if TYPE_CHECKING:
 # Characters a line where there is no terminal: tables stay whole.
 WIDE = 160
 
+# Up to this width columns stand one blank apart, else two.
+NARROW = 80
+
 
 def terminal() -> Console:
     """Return the terminal, or a wide one where the text goes elsewhere."""
@@ -23,13 +26,21 @@ def terminal() -> Console:
 def tell_table(
     console: Console, columns: Sequence[str], rows: Sequence[Sequence[str]], title: str | None = None
 ) -> None:
-    """Print a table whose headings may wrap, but never its numbers."""
+    """Print a table whose headings may wrap between words, but never its numbers."""
+    from rich.box import SIMPLE_HEAD
     from rich.markup import escape
     from rich.table import Table
 
-    table = Table(title=title and escape(title), title_justify="left")
+    apart = 1 if console.width > NARROW else 0
+    table = Table(
+        title=title and escape(title),
+        title_justify="left",
+        box=SIMPLE_HEAD,
+        padding=(0, apart, 0, 0),
+        pad_edge=False,
+    )
     for i, heading in enumerate(columns):
-        longest = max((len(row[i]) for row in rows), default=0)
+        longest = max(len(text) for text in (*heading.split(), *(row[i] for row in rows)))
         table.add_column(
             escape(heading), justify="right" if i else "left", min_width=longest, overflow="fold"
         )

@@ -14,4 +14,5 @@ def test_no_number_of_a_table_is_truncated(width):
     numbers = [f"{i}.{i}{i}{i}{i}{i}" for i in range(9)]
     tell_table(console, ["a long heading [mm]"] * 9, [numbers])
     assert all(number in console.file.getvalue() for number in numbers)
+    assert "heading" in console.file.getvalue()
     assert "…" not in console.file.getvalue()

@@ -95,7 +95,7 @@ class LimitsSection(Section):
     height_step: Annotated[
         Length | None,
         says(
-            "distance of the levels, at the middles of the steps from the foot up; any height unless given",
+            "of the levels, at the middles of steps from the foot up; any height unless given",
             "6 um",
         ),
     ] = None

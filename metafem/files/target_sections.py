@@ -83,13 +83,11 @@ class SampledSection(CurveSection):
     """
 
     kind: Literal["sampled"]
-    weight: Annotated[
-        list[Number] | None, says("of each sample; equal unless given; a column of the file", [1.0, 2.0])
-    ] = None
+    weight: Annotated[list[Number] | None, says("of each sample; equal unless given", [1.0, 2.0])] = None
     file: Annotated[
         str | None,
         says(
-            "or: a table with columns load_N,friction_force_N or the like, and weight if wanted", "wanted.csv"
+            "or: a table load_N,friction_force_N or the like; its weights are a column weight", "wanted.csv"
         ),
     ] = None
 
