@@ -16,7 +16,8 @@ HEAD = """\
 # angles carry their unit. `metafem demo linear` writes a whole file to start from.
 # The misfit of a design is the rms of the relative difference of the law and what was asked for or, if
 # larger, the worst relative error of a fitted slope; for operating points the largest relative error. Above
-# 1 % the target is missed; above 10 % where it is bilinear, or linear with an intercept.
+# 1 % the target is missed. Bilinear laws, and linear ones with an intercept, are compared with the law of
+# their height density, and missed above 10 %.
 """
 
 # Column of the comments, past most examples.

@@ -98,8 +98,8 @@ def law_figure(design: Design) -> Figure:
 # Of what the law's difference is shown below it.
 DIFFERENCE = {
     OperatingPoints: "error at\nthe points",
-    **dict.fromkeys((LinearLaw, BilinearLaw), "A0 to the\ntarget line"),
-    **dict.fromkeys((SampledLaw, PowerLaw, MultilinearLaw), "A0 to the\ntarget"),
+    **dict.fromkeys((LinearLaw, BilinearLaw), "A0 against\ntarget line"),
+    **dict.fromkeys((SampledLaw, PowerLaw, MultilinearLaw), "A0 against\nthe target"),
 }
 
 

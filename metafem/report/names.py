@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import fields, is_dataclass
 
-from metafem.inversion import BilinearLaw, Design, LinearLaw, MultilinearLaw, OperatingPoints
+from metafem.inversion import Design, OperatingPoints
 
 # Misfits at or below this are not told apart from none: the promise of an exact design.
 EXACT = 1e-9
@@ -43,6 +43,8 @@ def misfit_words(design: Design) -> tuple[str, str]:
     value = "below 1e-9" if design.misfit <= EXACT else f"{100.0 * design.misfit:.2g} %"
     if isinstance(design.target, OperatingPoints):
         return "largest error at the points", value
-    if isinstance(design.target, (LinearLaw, BilinearLaw, MultilinearLaw)):
-        return "misfit (law's rms or worst slope)", value
+    if design.density is not None:
+        return "misfit (rms to the density's law, or worst slope)", value
+    if design.fits:
+        return "misfit (rms of the law, or worst slope)", value
     return "misfit (rms of the law)", value

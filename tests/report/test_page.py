@@ -103,8 +103,9 @@ def test_page_with_the_finite_element_checks(template):
     ("target", "words"),
     [
         (mf.OperatingPoints([0.144, 0.336], [0.84, 1.68]), "largest error at the points"),
-        (mf.LinearLaw(6.87), "misfit (law&#39;s rms or worst slope)"),
-        (mf.BilinearLaw((7.15, 12.52), 0.038), "misfit (law&#39;s rms or worst slope)"),
+        (mf.LinearLaw(6.87), "misfit (rms to the density&#39;s law, or worst slope)"),
+        (mf.BilinearLaw((7.15, 12.52), 0.038), "misfit (rms to the density&#39;s law, or worst slope)"),
+        (mf.LinearLaw(9.0, through_origin=True), "misfit (rms of the law, or worst slope)"),
         (mf.PowerLaw(1.2, (0.1, 0.2)), "misfit (rms of the law)"),
     ],
 )
