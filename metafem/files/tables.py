@@ -105,9 +105,7 @@ def read_heights(path: str | Path, radius: float | None = None) -> tuple[FloatAr
     ]
     if missing:
         wanted = ", ".join(f"{name}_um" if name in ("height", "radius") else f"{name}_mm" for name in missing)
-        instead = (
-            ', or say one radius for all: --radius "526 um" (radius=0.526)' if missing == ["radius"] else ""
-        )
+        instead = '; for one radius of all summits add --radius "526 um"' if missing == ["radius"] else ""
         raise InvalidInput(
             f"{path} lacks the columns {wanted} (or in another unit); it has {', '.join(header)}{instead}"
         )
