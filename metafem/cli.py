@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from metafem.errors import InvalidInput, MetafemError
+from metafem.terminal import tell_table, terminal
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from metafem.files import Specification
     from metafem.inversion import Design
     from metafem.law import FrictionLaw
+    from metafem.surface import Block
 
 DEMOS = ("operating-points", "linear", "bilinear")
 
@@ -52,7 +54,8 @@ class Commands(click.Group):
         try:
             return super().invoke(ctx)
         except InvalidInput as error:
-            raise BadInput(str(error)) from None
+            # errors name the argument of Python's functions
+            raise BadInput(str(error).replace("force=True", "--force")) from None
         except MetafemError as error:
             raise NotAchieved(str(error)) from None
 
@@ -151,6 +154,9 @@ def explain(as_json: bool) -> None:
 @click.option("--load", multiple=True, help='A load, such as "0.2 N"; may be repeated.')
 @click.option("--composite-modulus", help='E* for a table of heights, such as "1.36 MPa".')
 @click.option("--radius", help='Radius of all summits where the table has none, such as "526 um".')
+@click.option("--thickness", help='Of the block under a table of heights, such as "7.2 mm".')
+@click.option("--width", help='Of that block along x, such as "20 mm"; for --model block.')
+@click.option("--length", help='Of that block along y, such as "20 mm"; for --model block.')
 @model_option
 @click.option("-o", "--output", type=click.Path(path_type=Path), help="Write the law as CSV, too.")
 @force_option
@@ -160,6 +166,9 @@ def predict(
     load: tuple[str, ...],
     composite_modulus: str | None,
     radius: str | None,
+    thickness: str | None,
+    width: str | None,
+    length: str | None,
     model: str | None,
     output: Path | None,
     force: bool,
@@ -168,15 +177,19 @@ def predict(
     """Predict the friction law of a result folder or of a table of heights.
 
     SOURCE is a folder that `metafem design` made, or a CSV file with the columns x_mm, y_mm, height_um
-    and radius_um (or in other units). A table needs --composite-modulus.
+    and radius_um (or in other units). A table needs --composite-modulus, and a block for --model layer
+    (--thickness) or block (--thickness, --width and --length).
     """
     import metafem as mf
     from metafem.files import law_table, model_named, quantity, read_heights, write_text
 
+    sizes = {"thickness": thickness, "width": width, "length": length}
+    given = {name: quantity(f"--{name}", text, "mm") for name, text in sizes.items() if text is not None}
     if source.is_dir():
-        if composite_modulus is not None or radius is not None:
+        if composite_modulus is not None or radius is not None or given:
             raise InvalidInput(
-                "--composite-modulus and --radius are for tables of heights; a folder states its own"
+                "--composite-modulus, --radius and the sizes of a block are for tables of heights; "
+                "a folder states its own"
             )
         stored = mf.load(source)
         surface, used = stored.surface, stored.law.model
@@ -191,10 +204,12 @@ def predict(
         position, height, radii = read_heights(
             source, None if radius is None else quantity("--radius", radius, "mm")
         )
-        surface = mf.Surface(position, height, radii, mf.Material(modulus))
+        surface = mf.Surface(position, height, radii, mf.Material(modulus), block=_block(given, model))
         used = mf.Independent()
     newtons = [quantity("--load", text, "N") for text in load]
     chosen = model_named(model) if model else used
+    if model == "layer" and surface.block is None:
+        chosen = mf.Interacting(substrate=mf.BondedLayer(given["thickness"]))
     with _progress("predicting the law"):
         law = mf.friction_law(surface, chosen, load=newtons or None)
     if output is not None:
@@ -203,6 +218,21 @@ def predict(
         click.echo(json.dumps(_law_data(law)))
     else:
         _tell_law(law, whole=bool(load))
+
+
+def _block(given: dict[str, float], model: str | None) -> Block | None:
+    """Return the block of a table whose sizes are given; a layer needs its thickness alone."""
+    from metafem.surface import Block
+
+    names = ("width", "length", "thickness")
+    needed = {"layer": names[2:], "block": names}.get(model or "", names if given else ())
+    missing = [f'--{name} "{7.2 if name == "thickness" else 20} mm"' for name in needed if name not in given]
+    if missing:
+        what = f"--model {model}" if model in ("layer", "block") else "a block"
+        raise InvalidInput(
+            f"{what} needs the block's sizes, which a table does not hold: add {' '.join(missing)}"
+        )
+    return Block(*(given[name] for name in names)) if set(names) <= set(given) else None
 
 
 @main.command()
@@ -248,20 +278,11 @@ def study(name: str, folder: Path, force: bool, as_json: bool) -> None:
 
 
 def _tell_study(found: Dataset, path: Path) -> None:
-    from rich.console import Console
-    from rich.markup import escape
-    from rich.table import Table
-
     from metafem.studies import summary
 
     told = summary(found)
-    table = Table(title=escape(told.title), title_justify="left")
-    for i, column in enumerate(told.columns):
-        table.add_column(escape(column), justify="right" if i else "left", no_wrap=i == 0)
-    for row in told.rows:
-        table.add_row(*row)
-    console = Console()
-    console.print(table)
+    console = terminal()
+    tell_table(console, told.columns, told.rows, told.title)
     for text in told.notes:
         console.print(text, style="yellow", highlight=False, markup=False)
     console.print(f"wrote {path}", highlight=False, markup=False)
@@ -302,7 +323,7 @@ def _progress(first: str) -> Iterator[Callable[[str], None]]:
 def _tell_design(
     result: Design, specification: Specification, folder: Path, cautions: tuple[str, ...], as_json: bool
 ) -> None:
-    from metafem.report import model_name, parameter_rows, wanted
+    from metafem.report import misfit_words, model_name, parameter_rows, wanted
 
     if as_json:
         data = {
@@ -326,8 +347,7 @@ def _tell_design(
     table = Table(box=None, show_header=False)
     for name, value, unit in parameter_rows(result):
         table.add_row(name, value, unit)
-    misfit = "below 1e-9" if result.misfit <= 1e-9 else f"{100 * result.misfit:.2g} %"
-    table.add_row("largest deviation from the target", misfit, "")
+    table.add_row(*misfit_words(result), "")
     table.add_row("asperities", f"{result.surface.count} of {result.template.count} places", "")
     console.print(table, highlight=False)
     for text in cautions:
@@ -336,28 +356,21 @@ def _tell_design(
 
 
 def _tell_law(law: FrictionLaw, whole: bool) -> None:
-    from rich.console import Console
-    from rich.markup import escape
-    from rich.table import Table
-
     from metafem.report import model_name
 
-    table = Table()
     columns = ["load [N]", "area [mm²]", "separation [mm]", "stiffness [N/mm]"]
     if law.friction is not None:
         columns.append("friction [N]")
-    for column in columns:
-        table.add_column(escape(column))
     # Ten lines tell the shape of a curve; loads that were asked for are all shown.
     step = 1 if whole else max(1, len(law.load) // 10)
-    chosen = range(step - 1, len(law.load), step)
-    for i in chosen:
+    rows = []
+    for i in range(step - 1, len(law.load), step):
         numbers = [law.load[i], law.area[i], law.separation[i], law.stiffness[i]]
         if law.friction is not None:
             numbers.append(law.friction_force[i])
-        table.add_row(*(f"{number:.6g}" for number in numbers))
-    console = Console()
-    console.print(table)
+        rows.append(tuple(f"{number:.6g}" for number in numbers))
+    console = terminal()
+    tell_table(console, columns, rows)
     console.print(f"{model_name(law.model)}: {law.status.value}", highlight=False, markup=False)
     for note in law.notes:
         console.print(f"note: {note}", style="yellow", highlight=False, markup=False)

@@ -12,6 +12,7 @@ from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput, NotConverged
 from metafem.models import Curve, Independent, Model, Status
+from metafem.models.range_notes import WIDEST, wide_notes
 from metafem.surface import Friction, Material, Surface
 
 if TYPE_CHECKING:
@@ -256,21 +257,32 @@ def _law(surface: Surface, model: Model, curve: Curve, separation: FloatArray) -
         model=model,
         material=surface.material,
         friction=surface.friction,
-        notes=_notes(modulus * curve.load, separation),
+        notes=(*curve.notes, *_notes(surface, model, curve, separation)),
     )
     if status is not Status.CONVERGED:
         raise NotConverged(f"{status.value}: largest residual {worst:.2g}", law)
     return law
 
 
-def _notes(load: FloatArray, separation: FloatArray) -> tuple[str, ...]:
+def _notes(surface: Surface, model: Model, curve: Curve, separation: FloatArray) -> tuple[str, ...]:
+    """Say from which load on the plane reaches the base plane, and how wide the widest contact is."""
+    notes: list[str] = []
+    modulus = surface.material.composite_modulus
     touching = np.flatnonzero(separation <= 0.0)
-    if not touching.size:
-        return ()
-    return (
-        f"the base plane would touch from a load of {load[touching[0]]:.4g} N on (separation "
-        f"{separation[touching[0]]:.4g} mm); the load it would carry is not counted",
-    )
+    if touching.size:
+        first = touching[0]
+        onset = model.curve_at(surface, np.array([surface.height.max()])).load[0]
+        notes.append(
+            f"the base plane would touch from a load of {modulus * min(onset, curve.load[first]):.4g} N on: "
+            f"at {modulus * curve.load[first]:.4g} N the plane is at the separation "
+            f"{separation[first]:.4g} mm; the load the base would carry is not counted"
+        )
+    # neighbours only lessen an indentation, so that most laws are cleared without another state
+    deepest = float(((surface.height - separation[-1]) / surface.radius).max())
+    if deepest > WIDEST**2:
+        state = model.solve_load(surface, float(curve.load[-1]))
+        notes += wide_notes(surface, np.sqrt(state.asperity_area / np.pi), state.load)
+    return tuple(notes)
 
 
 def _grid_end(surface: Surface) -> float:

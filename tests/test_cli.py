@@ -97,6 +97,7 @@ def test_existing_files_are_kept_without_force(run):
     assert run("demo", "linear", "--force").exit_code == 0
     result = run("demo", "linear")
     assert (result.exit_code, "--force" in result.output) == (2, True)
+    assert "force=True" not in result.output
 
 
 def test_an_edited_specification_gives_another_design(run):
@@ -138,7 +139,7 @@ def test_predict_reads_a_folder_and_a_table(run):
     table = run(
         "predict", "linear/heights.csv", "--composite-modulus", "1.36 MPa", "--load", "200 mN", "--json"
     )
-    assert folder["area_mm2"] == json.loads(table.stdout)["area_mm2"]
+    assert folder["area_mm2"] == pytest.approx(json.loads(table.stdout)["area_mm2"], rel=1e-11)
     assert "friction_force_N" in folder
     assert "area [mm²]" in run("predict", "linear").output
     assert run("predict", "linear", "-o", "law.csv").exit_code == 0
@@ -180,6 +181,7 @@ def test_study_prints_its_table_and_keeps_its_file(run):
     run("demo", "linear")
     result = run("study", "interaction", "linear")
     assert (result.exit_code, "half-space" in result.output) == (0, True), result.output
+    assert "…" not in result.output
     refused = run("study", "interaction", "linear")
     assert (refused.exit_code, "--force" in refused.output) == (2, True)
     told = json.loads(run("study", "interaction", "linear", "--force", "--json").stdout)
@@ -192,3 +194,40 @@ def test_doctor_finds_this_installation_well(run):
     result = run("doctor", "--json")
     assert result.exit_code == 0
     assert all(finding["well"] for finding in json.loads(result.stdout))
+
+
+TABLE = ("predict", "linear/heights.csv", "--composite-modulus", "1.36 MPa", "--load", "0.2 N", "--json")
+SIDES = ("--width", "20 mm", "--length", "20 mm")
+
+
+def test_a_table_is_predicted_on_a_layer_of_a_thickness(run):
+    run("demo", "linear")
+    folder = json.loads(run("predict", "linear", "--model", "layer", "--load", "0.2 N", "--json").stdout)
+    for sides in ((), SIDES):
+        result = run(*TABLE, "--model", "layer", "--thickness", "7.2 mm", *sides)
+        assert json.loads(result.stdout)["area_mm2"] == pytest.approx(folder["area_mm2"], rel=1e-11)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("--model", "layer"), '--model layer needs the block\'s sizes, .* add --thickness "7.2 mm"'),
+        (("--model", "block", *SIDES), 'add --thickness "7.2 mm"$'),
+        (("--thickness", "7.2 mm"), 'a block needs .* add --width "20 mm" --length "20 mm"'),
+        (("--thickness", "7.2"), "--thickness .* needs a unit"),
+    ],
+)
+def test_what_a_table_lacks_is_named(run, arguments, words):
+    run("demo", "linear")
+    result = run(*TABLE, *arguments)
+    assert result.exit_code == 2
+    assert re.search(words, " ".join(result.output.split()))
+
+
+@pytest.mark.parametrize("model", ["layer", "block"])
+def test_a_model_without_its_block_names_the_section(run, model):
+    text = demo_text("linear")
+    start, end = text.index("[block]"), text.index("[limits]")
+    Path("bare.toml").write_text(text[:start] + text[end:], "utf-8")
+    result = run("design", "bare.toml", "-o", "bare", "--model", model)
+    assert (result.exit_code, "add [block]" in result.output) == (2, True), result.output

@@ -41,7 +41,8 @@ def save(
 
     ``design.json`` (everything that `load` needs, and the versions it was made with), ``heights.csv``,
     ``law.csv``, ``mould.csv``, ``surface.vtu``, with a block ``block.stl``, and ``spec.toml`` where a
-    specification is given. The folder appears when all of them are written.
+    specification is given, with the table of its wanted law beside it. The folder appears when all of
+    them are written.
 
     Parameters
     ----------
@@ -98,9 +99,12 @@ def write_all(
     }
     if specification is not None:
         texts["spec.toml"] = specification.text
+    contents = {name: text.encode("utf-8") for name, text in texts.items()}
+    if specification is not None:
+        contents |= specification.tables
     try:
-        for name, text in texts.items():
-            (folder / name).write_bytes(text.encode("utf-8"))
+        for name, content in contents.items():
+            (folder / name).write_bytes(content)
         if surface.block is not None:
             (folder / "block.stl").write_bytes(stl_bytes(block_mesh(surface, height, design.template)))
         write_surface(design, folder / "surface.vtu")

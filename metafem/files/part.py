@@ -54,23 +54,31 @@ def alignment_positions(template: Surface) -> FloatArray:
 def alignment_asperities(surface: Surface, template: Surface, height: float) -> Surface:
     """Return the four alignment asperities as a surface of their own.
 
-    Their radius is that of the nearest asperity, so that the part needs no further tool.
+    Their radius is the smallest in use that is no less than their height: the part needs no further tool,
+    and no other of its tools makes narrower caps of that height.
 
     Raises
     ------
     InvalidInput
-        If `height` [mm] does not exceed the tallest summit.
+        If `height` [mm] does not exceed the tallest summit, or exceeds the largest radius in use.
     """
     tallest = float(surface.height.max())
-    top = check.number("alignment_height", height)
+    top = check.number("part.alignment_height", height)
     if top <= tallest:
         raise InvalidInput(
-            f"alignment_height = {top:g} mm must exceed the tallest summit, {tallest:g} mm, "
+            f"part.alignment_height = {top:g} mm must exceed the tallest summit, {tallest:g} mm, "
             "so that the alignment asperities touch first"
         )
-    places = alignment_positions(template)
-    nearest = [int(((surface.position - place) ** 2).sum(axis=1).argmin()) for place in places]
-    return surface.replaced(position=places, height=np.full(4, top), radius=surface.radius[nearest])
+    largest = float(surface.radius.max())
+    if top > largest:
+        raise InvalidInput(
+            f"part.alignment_height = {top:g} mm exceeds the largest radius in use, {largest:g} mm; a cap is "
+            "at most as high as its radius"
+        )
+    radius = float(surface.radius[surface.radius >= top].min())
+    return surface.replaced(
+        position=alignment_positions(template), height=np.full(4, top), radius=np.full(4, radius)
+    )
 
 
 def block_mesh(
@@ -134,8 +142,10 @@ def _refuse_impossible(surface: Surface, block: Block, asperities: int) -> None:
 
     def name(i: int) -> str:
         x, y = surface.position[i]
-        kind = f"asperity {i}" if i < asperities else f"alignment asperity {i - asperities}"
-        return f"{kind} at ({x:g}, {y:g}) mm"
+        where = f"at ({x:g}, {y:g}) mm"
+        if i < asperities:
+            return f"asperity {i} {where}"
+        return f"alignment asperity {i - asperities} {where} (part.alignment_height)"
 
     h, R = surface.height, surface.radius
     for i in np.flatnonzero((h <= 0.0) | (h > R))[:1]:

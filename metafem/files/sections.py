@@ -92,9 +92,13 @@ class LimitsSection(Section):
     max_height: Annotated[Length, says("of the summits, above the offset", "120 um")]
     min_height: Annotated[Length, says("of the summits, above the offset", "10 um")] = 0.0
     offset: Annotated[Length, says("added to all heights", "84 um")] = 0.0
-    height_step: Annotated[Length | None, says("distance of the levels; any height unless given", "6 um")] = (
-        None
-    )
+    height_step: Annotated[
+        Length | None,
+        says(
+            "of the levels, at the middles of steps from the foot up; any height unless given",
+            "6 um",
+        ),
+    ] = None
     height_sd: Annotated[Length | None, says("standard deviation of the made heights", "0.9 um")] = None
 
 

@@ -6,7 +6,7 @@ import hashlib
 import re
 import tomllib
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
@@ -25,6 +25,7 @@ from metafem.inversion import (
     design_radius,
 )
 from metafem.models import Model
+from metafem.substrate import Substrate
 from metafem.surface import Surface
 
 if TYPE_CHECKING:
@@ -63,6 +64,8 @@ class Specification:
         The file's text.
     sha256 : str
         Hexadecimal hash of the file's bytes.
+    tables : mapping of str to bytes
+        Files beside it that it names, kept with its result.
     """
 
     target: Target
@@ -77,16 +80,31 @@ class Specification:
     hardness: float | None
     text: str
     sha256: str
+    tables: Mapping[str, bytes] = field(default_factory=dict)
 
     def design(self, model: Model | None = None) -> Design:
         """Design what the file asks for, under its model unless another is given."""
         chosen = self.model if model is None else model
+        self._refuse_missing_block(chosen)
         if self.radii is None:
             return design(self.target, self.template, chosen, self.limits, self.seed, layout=self.layout)
         search = SEARCHES[self.mixed]
         return search(
             self.target, self.template, self.radii, chosen, self.limits, self.seed, layout=self.layout
         )
+
+    def _refuse_missing_block(self, model: Model) -> None:
+        """Say in the words of the file that a model needs a block: the model's own speak of arguments."""
+        substrate = getattr(model, "substrate", None)
+        if self.template.block is not None or not isinstance(substrate, Substrate):
+            return
+        try:
+            substrate.for_surface(self.template)
+        except InvalidInput:
+            raise InvalidInput(
+                f"the model on {type(substrate).__name__} needs the block's sizes: add [block] with width, "
+                "length and thickness"
+            ) from None
 
 
 def read_spec(path: str | Path) -> Specification:
@@ -122,7 +140,7 @@ def read_spec(path: str | Path) -> Specification:
     """
     raw = _bytes(Path(path))
     text = _decoded(path, raw)
-    table = with_samples(_table(path, text), Path(path).parent)
+    table, tables = with_samples(_table(path, text), Path(path).parent)
     from pydantic import ValidationError
 
     from metafem.files.sections import Sections
@@ -145,6 +163,7 @@ def read_spec(path: str | Path) -> Specification:
         hardness=sections.checks.hardness,
         text=text,
         sha256=hashlib.sha256(raw).hexdigest(),
+        tables=tables,
     )
 
 

@@ -67,7 +67,7 @@ def _check(target: Path, force: bool) -> None:
     if target.is_symlink() or not target.is_dir():
         raise InvalidInput(f"{target} is in the way and is not a folder; choose another name")
     if not force:
-        raise InvalidInput(f"{target} exists; choose another folder, or replace it with --force (force=True)")
+        raise InvalidInput(f"{target} exists; choose another folder, or replace it with force=True")
     if not (is_result_folder(target) or not any(target.iterdir())):
         raise InvalidInput(
             f"{target} holds no design.json of metafem, so it is not replaced; choose another folder"

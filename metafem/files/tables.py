@@ -1,4 +1,4 @@
-"""Tables of a result folder as CSV; numbers are written so that they read back to the bit."""
+"""Tables of a result folder as CSV; design.json holds the same numbers to the bit."""
 
 from __future__ import annotations
 
@@ -20,6 +20,9 @@ from metafem.surface import Surface
 __all__ = ["heights_table", "law_table", "mould_table", "read_heights"]
 
 COLUMNS = ("x", "y", "height", "radius")
+
+# Digits of a number in a table: all that is meant, and not the rounding of sums in the sixteenth.
+DIGITS = 13
 
 
 def heights_table(design: Design) -> str:
@@ -102,8 +105,9 @@ def read_heights(path: str | Path, radius: float | None = None) -> tuple[FloatAr
     ]
     if missing:
         wanted = ", ".join(f"{name}_um" if name in ("height", "radius") else f"{name}_mm" for name in missing)
+        instead = '; for one radius of all summits add --radius "526 um"' if missing == ["radius"] else ""
         raise InvalidInput(
-            f"{path} lacks the columns {wanted} (or in another unit); it has {', '.join(header)}"
+            f"{path} lacks the columns {wanted} (or in another unit); it has {', '.join(header)}{instead}"
         )
     if len(rows) == 1:
         raise InvalidInput(f"{path} names columns but holds no summit")
@@ -172,6 +176,10 @@ def _columns(surface: Surface) -> list[list[float]]:
 
 
 def _csv(header: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
-    """Return a table; str() of a float is its shortest text that reads back the same."""
-    lines = [",".join(header), *(",".join(str(entry) for entry in row) for row in rows)]
+    lines = [",".join(header), *(",".join(_entry(value) for value in row) for row in rows)]
     return "\n".join(lines) + "\n"
+
+
+def _entry(value: object) -> str:
+    """Return the shortest text of a number of `DIGITS` digits, or what else stands in a table."""
+    return str(float(f"{value:.{DIGITS}g}")) if isinstance(value, float) else str(value)

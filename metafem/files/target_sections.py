@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import model_validator
+from pydantic import BeforeValidator, model_validator
 
 from metafem.errors import InvalidInput
 from metafem.files.section import Area, Force, Number, Section, Whether, says
+from metafem.files.units import converted
 from metafem.inversion import (
     BilinearLaw,
     LinearLaw,
@@ -21,6 +22,17 @@ from metafem.surface import Friction, Material
 
 LOADS, FRICTIONS = ["0.144 mm^2", "0.336 mm^2"], ["0.84 mm^2", "1.68 mm^2"]
 RANGE = ["0.1 mm^2", "0.4 mm^2"]
+
+
+def _crossover(given: Any) -> float | list[float]:
+    """Read a load, or a pair of them."""
+    if isinstance(given, list):
+        return [converted(load, "mm^2") for load in given]
+    return converted(given, "mm^2")
+
+
+# Read as a whole, so that an error tells of the entry and not of each way to read it.
+Crossover = Annotated[float | list[float], BeforeValidator(_crossover)]
 
 
 class CurveSection(Section):
@@ -73,7 +85,10 @@ class SampledSection(CurveSection):
     kind: Literal["sampled"]
     weight: Annotated[list[Number] | None, says("of each sample; equal unless given", [1.0, 2.0])] = None
     file: Annotated[
-        str | None, says("or: a table with the columns load_N,friction_force_N or the like", "wanted.csv")
+        str | None,
+        says(
+            "or: a table load_N,friction_force_N or the like; its weights are a column weight", "wanted.csv"
+        ),
     ] = None
 
     def target(self, material: Material, friction: Friction | None) -> Target:
@@ -101,7 +116,7 @@ class MultilinearSection(Section):
     kind: Literal["multilinear"]
     slopes: Annotated[list[Number], says("of F/(sigma B) over P/E*, one a branch", [9.5, 8.0, 7.0])]
     crossover_loads: Annotated[
-        list[Area | list[Area]],
+        list[Crossover],
         says(
             "P/E* of each: one load, or a pair with a free law between",
             ["0.07 mm^2", ["0.15 mm^2", "0.18 mm^2"]],

@@ -41,4 +41,4 @@ def refuse_existing(path: str | Path, force: bool) -> None:
     """Raise InvalidInput if the file exists: worth knowing before a long run."""
     target = Path(path).absolute()
     if target.exists() and not force:
-        raise InvalidInput(f"{target} exists; choose another name, or replace it with --force (force=True)")
+        raise InvalidInput(f"{target} exists; choose another name, or replace it with force=True")

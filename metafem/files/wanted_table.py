@@ -12,18 +12,30 @@ from metafem.files.units import quantity
 # Columns of a wanted law, their units, and the keys that they become.
 COLUMNS = {"rescaled_load": "mm^2", "rescaled_friction": "mm^2", "load": "N", "friction_force": "N"}
 
+# Those that make a law.
+PAIRS = ({"rescaled_load", "rescaled_friction"}, {"load", "friction_force"})
+
 EXAMPLE = "load_N,friction_force_N"
 
+# Files of a result folder, beside which the table is kept.
+RESERVED = frozenset(
+    {
+        *("design.json", "heights.csv", "law.csv", "mould.csv", "surface.vtu", "block.stl", "spec.toml"),
+        *("report.html", "fidelity.nc", "interaction.nc"),
+    }
+)
 
-def with_samples(table: dict[str, Any], folder: Path) -> dict[str, Any]:
-    """Return a specification with ``target.file`` replaced by the samples that the file holds.
+
+def with_samples(table: dict[str, Any], folder: Path) -> tuple[dict[str, Any], dict[str, bytes]]:
+    """Return a specification with ``target.file`` replaced by its samples, and what to keep beside it.
 
     The first line of the file names its columns as quantity_unit: rescaled_load_mm2 and
-    rescaled_friction_mm2, or load_N and friction_force_N (or in other units), and weight if wanted.
+    rescaled_friction_mm2, or load_N and friction_force_N (or in other units), and weight if wanted. A file
+    that stands beside the specification is kept by its name.
     """
     target = table.get("target")
     if not isinstance(target, dict) or target.get("kind") != "sampled" or "file" not in target:
-        return table
+        return table, {}
     name = target["file"]
     if not isinstance(name, str):
         raise InvalidInput(f'target.file = {name!r:.60} must be a text, for example file = "wanted.csv"')
@@ -31,7 +43,14 @@ def with_samples(table: dict[str, Any], folder: Path) -> dict[str, Any]:
     twice = sorted(set(rest) & {*COLUMNS, "weight"})
     if twice:
         raise InvalidInput(f"target.file and target.{twice[0]} both give the law; keep one")
-    return {**table, "target": {**rest, **_samples(folder / name)}}
+    if name.casefold() in RESERVED:
+        raise InvalidInput(
+            f'target.file = "{name}" has the name of a file of the result folder, where it is kept; rename it'
+        )
+    path = folder / name
+    samples = _samples(path)
+    kept = {name: path.read_bytes()} if Path(name).name == name else {}
+    return {**table, "target": {**rest, **samples}}, kept
 
 
 def _samples(path: Path) -> dict[str, list[Any]]:
@@ -39,20 +58,47 @@ def _samples(path: Path) -> dict[str, list[Any]]:
     if len(rows) < 2:
         raise InvalidInput(f"{path} holds no samples; its first line must name columns, as {EXAMPLE}")
     header = [title.strip() for title in rows[0][1]]
-    found: dict[str, list[Any]] = {}
+    columns = _columns(path, header)
+    found: dict[str, list[Any]] = {name: [] for name in columns}
+    before: dict[str, float] = {}
+    for line, row in rows[1:]:
+        if len(row) != len(header):
+            raise InvalidInput(f"{path}, line {line} has {len(row)} entries; the first names {len(header)}")
+        for name, (column, unit) in columns.items():
+            value, key = row[column].strip(), f"{path}, line {line}: {header[column]}"
+            if name == "weight":
+                found[name].append(quantity(key, value, "1"))
+                continue
+            # checked here, where the line is known; read again with the specification
+            number = quantity(key, f"{value} {unit}", COLUMNS[name])
+            if number <= 0.0:
+                raise InvalidInput(f"{key} = {value} must be greater than 0; leave the origin out")
+            if name in ("load", "rescaled_load"):
+                if number <= before.get(name, 0.0):
+                    raise InvalidInput(f"{key} = {value} must exceed the load of the line before it")
+                before[name] = number
+            found[name].append(f"{value} {unit}")
+    return found
+
+
+def _columns(path: Path, header: list[str]) -> dict[str, tuple[int, str]]:
+    """Return number and unit of each column that is read."""
+    wanted = f"name its columns {EXAMPLE}, or rescaled_load_mm2,rescaled_friction_mm2"
+    if len(header) == 1:
+        raise InvalidInput(
+            f"{path} has one column, {header[0]:.60}; {wanted} (or in other units), separated by commas"
+        )
+    found: dict[str, tuple[int, str]] = {}
     for column, title in enumerate(header):
-        name, _, unit = title.rpartition("_")
-        if name not in COLUMNS and title != "weight":
+        name, _, unit = ("weight", "", "") if title == "weight" else title.rpartition("_")
+        if name not in COLUMNS and name != "weight":
             continue
-        for line, row in rows[1:]:
-            if len(row) != len(header):
-                raise InvalidInput(
-                    f"{path}, line {line} has {len(row)} entries; the first names {len(header)}"
-                )
-            value, key = row[column].strip(), f"{path}, line {line}: {title}"
-            if title == "weight":
-                found.setdefault(title, []).append(quantity(key, value, "1"))
-            else:  # checked here, where the line is known; read again with the specification
-                quantity(key, f"{value} {unit}", COLUMNS[name])
-                found.setdefault(name, []).append(f"{value} {unit}")
+        if name in found:
+            raise InvalidInput(f"{path}: {name} stands in two columns; keep one")
+        found[name] = (column, unit)
+    if set(found) - {"weight"} not in PAIRS:
+        raise InvalidInput(
+            f"{path} has the columns {', '.join(header):.120}; {wanted} (or in other units), "
+            "and weight if wanted"
+        )
     return found

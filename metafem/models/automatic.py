@@ -34,6 +34,9 @@ ORDER_3 = 0.25
 CELL_ERROR = 0.37
 FEWEST_CELLS = 10.0
 
+# The asperity models in the notes.
+NAMES = ("independent", "order 1", "order 3")
+
 
 @dataclass(frozen=True)
 class Automatic:
@@ -80,25 +83,24 @@ class Automatic:
         load that interacting point loads carry there.
         """
         point = Interacting(order=1, substrate=self.substrate).curve_at(surface, np.array([approach]))
-        model, note = self._choice(surface, point.load)
+        model, notes = self._choice(surface, point.load)
         if isinstance(model, Independent):  # its load at this approach would be another
             model = Interacting(order=1, substrate=self.substrate)
         state = model.solve(surface, approach)
-        return replace(state, notes=(note, *state.notes))
+        return replace(state, notes=(*notes, *state.notes))
 
     def solve_load(self, surface: Surface, load: float) -> ContactState:
         """Equilibrium under a given rescaled load P/E* [mm^2] by the model that is chosen for it."""
-        model, note = self._choice(surface, np.array([load]))
+        model, notes = self._choice(surface, np.array([load]))
         state = model.solve_load(surface, load)
-        return replace(state, notes=(note, *state.notes))
+        return replace(state, notes=(*notes, *state.notes))
 
     def curve(self, surface: Surface, load: FloatArray) -> Curve:
         """Equilibria at increasing rescaled loads P/E* [mm^2], (k,); see `_parts`."""
         loads = np.asarray(load)
-        parts = [
-            _converged(model, model.curve(surface, loads[rows]))
-            for model, rows in self._parts(surface, loads)
-        ]
+        parts = []
+        for model, rows, notes in self._parts(surface, loads):
+            parts.append(replace(_converged(model, model.curve(surface, loads[rows])), notes=notes))
         return _joined(parts)
 
     def curve_at(self, surface: Surface, approach: FloatArray) -> Curve:
@@ -106,31 +108,43 @@ class Automatic:
         point = Interacting(order=1, substrate=self.substrate)
         values = np.asarray(approach)
         parts = []
-        for model, rows in self._parts(surface, point.curve_at(surface, values).load):
+        for model, rows, notes in self._parts(surface, point.curve_at(surface, values).load):
             chosen = point if isinstance(model, Independent) else model
-            parts.append(_converged(chosen, chosen.curve_at(surface, values[rows])))
+            curve = _converged(chosen, chosen.curve_at(surface, values[rows]))
+            parts.append(replace(curve, notes=notes))
         return _joined(parts)
 
-    def _parts(self, surface: Surface, load: FloatArray) -> list[tuple[Model, slice]]:
+    def _parts(self, surface: Surface, load: FloatArray) -> list[tuple[Model, slice, tuple[str, ...]]]:
         """Return a model for all loads, or one below the first load that needs resolved contacts."""
-        model, _ = self._choice(surface, load)
+        model, notes = self._choice(surface, load)
         if not isinstance(model, BoundaryElements):
-            return [(model, slice(0, len(load)))]
+            return [(model, slice(0, len(load)), notes)]
         low, high = 0, len(load) - 1  # the last one needs them: errors grow with the load
         while low < high:
             middle = (low + high) // 2
             held = load[middle] <= 0.0 or self._estimates(surface, float(load[middle]))[2] <= self.tolerance
             low, high = (middle + 1, high) if held else (low, middle)
-        parts: list[tuple[Model, slice]] = []
-        if low > 0:
-            parts.append((self._choice(surface, load[:low])[0], slice(0, low)))
-        return [*parts, (self._choice(surface, load[low:])[0], slice(low, len(load)))]
+        parts: list[tuple[Model, slice, tuple[str, ...]]] = []
+        for rows in (slice(0, low), slice(low, len(load))):
+            if rows.stop > rows.start:
+                model, (note, *rest) = self._choice(surface, load[rows])
+                end = surface.material.composite_modulus * load[rows][-1]
+                parts.append((model, rows, (f"up to {end:.4g} N: {note}", *rest)))
+        return parts
 
-    def _choice(self, surface: Surface, load: FloatArray) -> tuple[Model, str]:
-        """Return the model, and the estimates that chose it."""
+    def _choice(self, surface: Surface, load: FloatArray) -> tuple[Model, tuple[str, ...]]:
+        """Return the model, and what is to be said of it."""
+        model, name, why = self._chosen(surface, load)
+        notes = [f"chosen: {name}; {why}"]
+        if surface.block is not None and isinstance(self.substrate, HalfSpace):
+            notes.append("the surface's block is left aside: the contacts are coupled through a half-space")
+        return model, tuple(notes)
+
+    def _chosen(self, surface: Surface, load: FloatArray) -> tuple[Model, str, str]:
+        """Return the model, its name, and the estimates that chose it."""
         loads = load[load > 0.0]
         if loads.size == 0 or surface.count == 1:
-            return Independent(), "chosen without estimates: no neighbours in contact"
+            return Independent(), NAMES[0], "no neighbours in contact, so without estimates"
         probed = np.unique(loads[[0, loads.size // 2, -1]])
         alone, first, third = np.max([self._estimates(surface, float(p)) for p in probed], axis=0)
         candidates: tuple[tuple[Model, float], ...] = (
@@ -139,21 +153,21 @@ class Automatic:
             (Interacting(order=3, substrate=self.substrate), third),
         )
         said = "estimated errors of A0(P): " + ", ".join(
-            f"{name} {error:.1e}"
-            for name, (_, error) in zip(("independent", "order 1", "order 3"), candidates, strict=True)
+            f"{name} {error:.1e}" for name, (_, error) in zip(NAMES, candidates, strict=True)
         )
-        for model, error in candidates:
+        for name, (model, error) in zip(NAMES, candidates, strict=True):
             if error <= self.tolerance:
-                return model, said
+                return model, name, said
         said = f"{said}; all exceed {self.tolerance:g}"
         bound = self.substrate.for_surface(surface)
         if surface.count > DENSE_LIMIT or not isinstance(bound, Radial):
-            return candidates[-1][0], f"{said}: resolved contacts are needed"
+            return candidates[-1][0], NAMES[-1], f"{said}: resolved contacts are needed"
         largest = float(
             np.sqrt(Independent().solve_load(surface, float(probed[0])).asperity_area.max() / math.pi)
         )
         cells = max(FEWEST_CELLS, math.sqrt(CELL_ERROR / self.tolerance))
-        return BoundaryElements(largest / cells, bound), f"{said}: resolved by {cells:.0f} cells a radius"
+        model = BoundaryElements(largest / cells, bound)
+        return model, "resolved contacts", f"{said}: resolved by {cells:.0f} cells a radius"
 
     def _estimates(self, surface: Surface, load: float) -> tuple[float, float, float]:
         """Return what is neglected by independence, by order 1 and by order 3, relative to A0."""
@@ -200,7 +214,8 @@ def _joined(parts: list[Curve]) -> Curve:
     names = ("approach", "load", "area", "stiffness", "residual")
     arrays = (np.concatenate([getattr(part, name) for part in parts]) for name in names)
     approach, load, area, stiffness, residual = arrays
-    return Curve(approach, load, area, stiffness, residual, max(part.tolerance for part in parts))
+    notes = tuple(dict.fromkeys(note for part in parts for note in part.notes))
+    return Curve(approach, load, area, stiffness, residual, max(part.tolerance for part in parts), notes)
 
 
 def _converged(model: Model, curve: Curve) -> Curve:

@@ -13,6 +13,7 @@ from metafem._validate import FloatArray
 from metafem.asperity import Hertz
 from metafem.errors import InvalidInput
 from metafem.models.model import ContactState, Curve, Sensitivity, Status
+from metafem.models.range_notes import wide_notes
 from metafem.models.rows import run_rows
 from metafem.surface import Surface
 
@@ -80,7 +81,7 @@ class Independent:
             residual=0.0,
             status=Status.CONVERGED,
             model=self,
-            notes=range_notes(separation),
+            notes=range_notes(separation) + wide_notes(surface, np.sqrt(area / math.pi), total),
         )
 
     def curve(self, surface: Surface, load: FloatArray) -> Curve:

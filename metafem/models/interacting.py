@@ -18,7 +18,7 @@ from metafem.models.memory import require_memory
 from metafem.models.model import ContactState, Curve, Sensitivity, Status
 from metafem.models.newton_krylov import TOLERANCE as FAST_TOLERANCE
 from metafem.models.pedestal import pedestal_influence, pedestal_notes
-from metafem.models.range_notes import interaction_notes, refuse_thin_layer
+from metafem.models.range_notes import interaction_notes, refuse_thin_layer, wide_notes
 from metafem.models.rows import run_rows
 from metafem.substrate import HalfSpace, Radial, Substrate
 from metafem.surface import Surface
@@ -203,6 +203,7 @@ class Interacting:
                 *last.notes,
                 *(pedestal_notes(surface) if self.pedestal else ()),
                 *interaction_notes(surface, np.sqrt(last.square), last.indentation),
+                *wide_notes(surface, np.sqrt(last.square), modulus * float(results.load[0, 0])),
             ),
         )
 

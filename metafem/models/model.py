@@ -35,6 +35,8 @@ class Curve:
         Largest relative error of the equations (0: none) on what is returned.
     tolerance : float
         What was promised for this surface, where that is looser than the model's own tolerance.
+    notes : tuple of str
+        What a reader of the law must know of the solution.
     """
 
     approach: FloatArray
@@ -43,6 +45,7 @@ class Curve:
     stiffness: FloatArray
     residual: FloatArray
     tolerance: float = 0.0
+    notes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,6 +12,21 @@ from metafem.surface import Surface
 # Contact radius over distance of neighbours up to which order 3 was compared with resolved contacts.
 COMPARED = 0.32
 
+# Contact radius over radius of curvature up to which Hertz's law with a fitted modulus stays near the soft
+# cap at large strain, 2 % at this ratio.
+WIDEST = 0.5
+
+
+def wide_notes(surface: Surface, contact_radius: FloatArray, load: float) -> tuple[str, ...]:
+    """Say where contacts are wider than any model of small strain holds for; the load in N."""
+    ratio = float((contact_radius / surface.radius).max())
+    if ratio <= WIDEST:
+        return ()
+    return (
+        f"the widest contact has a/R = {ratio:.2f} at {load:.4g} N: Hertz's law "
+        f"holds up to about {WIDEST:g}, with a fitted modulus",
+    )
+
 
 def refuse_thin_layer(substrate: Substrate, contact_radius: float) -> None:
     """Raise InvalidInput where contacts are wider than the layer is thick: no expansion holds there."""

@@ -8,6 +8,20 @@ from metafem.errors import MetafemWarning
 from metafem.inversion import Design, plasticity_index
 from metafem.models import equilibrium
 
+# How the notes begin that tell what was done, and warn of nothing.
+CALM = (
+    "heights stand on steps",
+    "heights were moved",
+    "the places of the heights were chosen",
+    "the places were left as dealt",
+    "chosen: ",
+)
+
+
+def is_warning(text: str) -> bool:
+    """Whether a note warns of something, and does not only tell what was done."""
+    return not text.startswith(CALM)
+
 
 def cautions(design: Design, hardness: float | None = None) -> tuple[str, ...]:
     """Collect the warnings of a design: its notes, base contact and the plasticity index.

@@ -89,10 +89,18 @@ def law_figure(design: Design) -> Figure:
     below.axhline(0.0, color=QUIET, lw=0.8)
     below.set_xlabel(ax.get_xlabel())
     ax.set_xlabel("")
-    below.set_ylabel("difference [%]")
+    below.set_ylabel(DIFFERENCE[type(design.target)] + " [%]")
     ax.legend(frameon=False, loc="upper left")
     _force_axes(design, ax)
     return figure
+
+
+# Of what the law's difference is shown below it.
+DIFFERENCE = {
+    OperatingPoints: "error at\nthe points",
+    **dict.fromkeys((LinearLaw, BilinearLaw), "A0 against\ntarget line"),
+    **dict.fromkeys((SampledLaw, PowerLaw, MultilinearLaw), "A0 against\nthe target"),
+}
 
 
 @singledispatch

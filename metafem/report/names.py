@@ -4,6 +4,11 @@ from __future__ import annotations
 
 from dataclasses import fields, is_dataclass
 
+from metafem.inversion import Design, OperatingPoints
+
+# Misfits at or below this are not told apart from none: the promise of an exact design.
+EXACT = 1e-9
+
 
 def model_name(value: object) -> str:
     """Return a model as a user would type it, without what is left at its default.
@@ -23,3 +28,23 @@ def model_name(value: object) -> str:
         if member != default:
             given.append(f"{field.name}={model_name(member)}")
     return f"{type(value).__name__}({', '.join(given)})"
+
+
+def misfit_words(design: Design) -> tuple[str, str]:
+    """Return what a design's misfit is, by the kind of its target, and its value.
+
+    Examples
+    --------
+    >>> import metafem as mf
+    >>> template = mf.Surface.square_lattice(0.12, (2, 2), radius=0.526, material=mf.Material(1.36))
+    >>> misfit_words(mf.design(mf.OperatingPoints([0.01], [0.1]), template))
+    ('largest error at the points', 'below 1e-9')
+    """
+    value = "below 1e-9" if design.misfit <= EXACT else f"{100.0 * design.misfit:.2g} %"
+    if isinstance(design.target, OperatingPoints):
+        return "largest error at the points", value
+    if design.density is not None:
+        return "misfit (rms to the density's law, or worst slope)", value
+    if design.fits:
+        return "misfit (rms of the law, or worst slope)", value
+    return "misfit (rms of the law)", value

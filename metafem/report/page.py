@@ -19,7 +19,7 @@ from metafem.inversion import (
     SampledLaw,
 )
 from metafem.models import equilibrium
-from metafem.report.cautions import cautions
+from metafem.report.cautions import cautions, is_warning
 from metafem.report.comparison import MOST_COMPARED, Comparison, compared
 from metafem.report.elements import elements_section
 from metafem.report.figures import (
@@ -30,7 +30,7 @@ from metafem.report.figures import (
     sensitivity_figure,
     several_radii,
 )
-from metafem.report.names import model_name
+from metafem.report.names import misfit_words, model_name
 from metafem.report.svg import svg
 
 Row = tuple[str, str, str]
@@ -54,7 +54,7 @@ PARAMETERS = {
     "span": ("depth of the lowest summit below the tallest", "µm", 1e3),
     "radius": ("radius", "µm", 1e3),
     "tried_radii": ("radii tried", "µm", 1e3),
-    "radius_misfits": ("misfits with these radii", "", 1.0),
+    "radius_misfits": ("misfits with these radii", "%", 100.0),
     "lowest_coefficients": ("lowest friction coefficients of linear laws with them", "", 1.0),
     "highest_coefficients": ("highest friction coefficients of linear laws with them", "", 1.0),
     "used_radii": ("radii in use", "µm", 1e3),
@@ -64,11 +64,11 @@ PARAMETERS = {
     "level_radii": ("radii of the levels", "µm", 1e3),
     "adjustment_radii": ("radii of the adjustment asperities", "µm", 1e3),
     "reachable_coefficients": ("friction coefficients of linear laws within reach: from, to", "", 1.0),
-    "layout_before": ("misfit of the places as dealt", "", 1.0),
-    "layout_after": ("misfit of the places as arranged", "", 1.0),
+    "layout_before": ("misfit of the places as dealt", "%", 100.0),
+    "layout_after": ("misfit of the places as arranged", "%", 100.0),
     "step_levels": ("levels on the steps, above the base", "µm", 1e3),
     "step_counts": ("numbers of asperities on them", "", 1.0),
-    "step_loss": ("misfit that the steps add", "", 1.0),
+    "step_loss": ("misfit that the steps add", "%", 100.0),
 }
 
 
@@ -96,12 +96,15 @@ def page(design: Design, hardness: float | None = None, *, checks: bool = False)
     source = resources.files("metafem.report").joinpath("templates/page.html").read_text("utf-8")
     template = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True).from_string(source)
     comparisons, left_out = compared(design)
+    told, achieved = cautions(design, hardness), design.status.name != "MISSED"
     return template.render(
         title=wanted(design.target),
         status=design.status.value,
-        achieved=design.status.name != "MISSED",
+        achieved=achieved,
         tiles=_tiles(design),
-        cautions=cautions(design, hardness),
+        cautions=told,
+        warned=not achieved or any(is_warning(text) for text in told),
+        arranged=design.layout is not None,
         hardness=hardness,
         law=svg(law_figure(design), "Target and achieved friction law"),
         heights=svg(height_figure(design), "Summit heights at their places"),
@@ -179,9 +182,8 @@ def _(target: MultilinearLaw) -> str:
 
 def _tiles(design: Design) -> list[tuple[str, str]]:
     heights = design.surface.height * 1e3
-    exact = design.misfit <= 1e-9
     return [
-        ("largest deviation from the target", "below 1e-9" if exact else f"{100 * design.misfit:.2g} %"),
+        misfit_words(design),
         ("places with an asperity", f"{design.surface.count} of {design.template.count}"),
         ("heights", f"{heights.min():.1f} – {heights.max():.1f} µm"),
         ("largest load shown", f"{design.law.load[-1]:.3g} N"),

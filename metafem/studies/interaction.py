@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 
 IndexArray = NDArray[np.intp]
 
-# Loads of the study, evenly up to the largest of the design's law.
-LOADS = 20
+# Loads of the random placements, of which there are many: every so manieth of the design's law.
+DEALT_LOADS = 20
 
 
 def interaction(design: Design, *, placements: int = 1000, rng: Any = 0) -> xr.Dataset:
@@ -42,9 +42,9 @@ def interaction(design: Design, *, placements: int = 1000, rng: Any = 0) -> xr.D
     -------
     xarray.Dataset
         ``area_change`` [-] and ``sinking`` [mm] over ``substrate`` ("half-space", and "layer" where there
-        is a block), ``order`` (1, 3) and ``load`` [N]; ``centred_change`` [-] with the tallest in the
-        centre, order 3; ``placement_rms`` [-], the root mean square over the loads of each random
-        ``placement``, order 3.
+        is a block), ``order`` (1, 3) and ``load`` [N], those of the design's law; ``centred_change`` [-]
+        with the tallest in the centre, order 3; ``placement_rms`` [-], the root mean square of each random
+        ``placement`` over every fifth of a hundred loads, order 3.
 
     Examples
     --------
@@ -52,7 +52,7 @@ def interaction(design: Design, *, placements: int = 1000, rng: Any = 0) -> xr.D
     >>> template = mf.Surface.square_lattice(0.12, (2, 2), radius=0.526, material=mf.Material(1.36))
     >>> design = mf.design(mf.OperatingPoints([0.01], [0.1]), template)
     >>> dict(interaction(design, placements=5).sizes)
-    {'substrate': 1, 'order': 2, 'load': 20, 'placement': 5}
+    {'substrate': 1, 'order': 2, 'load': 100, 'placement': 5}
     """
     import xarray as xr
 
@@ -60,7 +60,8 @@ def interaction(design: Design, *, placements: int = 1000, rng: Any = 0) -> xr.D
     count = check.integer("placements", placements, at_least=1)
     random = check.generator(rng)
     surface = design.surface
-    rescaled = float(design.law.rescaled_load[-1]) * np.arange(1, LOADS + 1) / LOADS
+    rescaled = design.law.rescaled_load
+    few = np.arange(len(rescaled))[:: -max(1, len(rescaled) // DEALT_LOADS)][::-1]
     substrates: dict[str, Substrate] = {"half-space": HalfSpace()}
     if surface.block is not None:
         substrates["layer"] = BondedLayer()
@@ -77,9 +78,9 @@ def interaction(design: Design, *, placements: int = 1000, rng: Any = 0) -> xr.D
         change.append([curve.area / alone.area - 1.0 for curve in curves])
         sinking.append([curve.approach - alone.approach for curve in curves])
         model = Interacting(substrate=substrate)
-        first, *rest = _areas(model, surface, [centred, *dealt], rescaled) / alone.area - 1.0
-        centre.append(first)
-        spread.append(np.sqrt((np.array(rest) ** 2).mean(axis=1)))
+        centre.append(_areas(model, surface, [centred], rescaled)[0] / alone.area - 1.0)
+        moved = _areas(model, surface, dealt, rescaled[few]) / alone.area[few] - 1.0
+        spread.append(np.sqrt((moved**2).mean(axis=1)))
     axes = ("substrate", "order", "load")
     load = rescaled * surface.material.composite_modulus
     return xr.Dataset(

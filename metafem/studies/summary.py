@@ -41,8 +41,8 @@ def summary(study: Dataset) -> Summary:
 
 # What the last columns of the interaction's table hold.
 DEALT = (
-    "dealt: the asperities at random on their places; centred: the tallest together in the centre; rms over "
-    "the loads of the change of A0"
+    "dealt: the asperities at random on their places, at every fifth of a hundred loads; centred: the "
+    "tallest together in the centre; rms over the loads of the change of A0"
 )
 
 Table = tuple[str, tuple[str, ...], tuple[tuple[str, ...], ...]]

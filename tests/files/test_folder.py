@@ -7,6 +7,7 @@ import pytest
 import metafem as mf
 from metafem.files.demo import demo_text
 from metafem.files.folder import stored_hardness, write_all
+from metafem.files.wanted_table import RESERVED
 
 
 @pytest.fixture(scope="module")
@@ -25,6 +26,7 @@ def test_the_whole_folder(tmp_path, linear):
         "design.json", "heights.csv", "law.csv", "mould.csv", "block.stl", "surface.vtu", "spec.toml",
         "report.html",
     }  # fmt: skip
+    assert {path.name for path in (tmp_path / "out").iterdir()} <= RESERVED
     record = json.loads((tmp_path / "out" / "design.json").read_text())
     assert record["specification"]["sha256"] == spec.sha256
     assert record["specification"]["seed"] == 0

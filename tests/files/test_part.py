@@ -64,8 +64,11 @@ def test_each_cap_has_its_own_radius():
     inner = distance.min(axis=1) < 0.75  # not of the alignment
     to_centre = np.linalg.norm(caps - centre[own], axis=1)
     np.testing.assert_allclose(to_centre[inner], radius[own][inner], rtol=1e-12)
-    # the hole of an alignment asperity is made by the tool of the next one
-    assert alignment_asperities(part, surface(), 0.25).radius.tolist() == [0.3, 0.8, 0.8, 0.526]
+    # the holes of the alignment are made by the smallest tool that is large enough
+    for top, tool in ((0.25, 0.3), (0.4, 0.526), (0.6, 0.8)):
+        assert alignment_asperities(part, surface(), top).radius.tolist() == [tool] * 4
+    with pytest.raises(mf.InvalidInput, match=r"part\.alignment_height = 0\.9 mm exceeds the largest radius"):
+        alignment_asperities(part, surface(), 0.9)
 
 
 def test_the_stl_is_closed_after_rounding_and_deterministic():

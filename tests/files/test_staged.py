@@ -28,7 +28,7 @@ def test_a_failing_body_leaves_nothing(tmp_path, error):
 
 def test_an_existing_folder_is_refused_with_the_way_out(tmp_path):
     (tmp_path / "out").mkdir()
-    with pytest.raises(mf.InvalidInput, match="--force"), staged(tmp_path / "out"):
+    with pytest.raises(mf.InvalidInput, match="force=True"), staged(tmp_path / "out"):
         pass
 
 

@@ -12,7 +12,7 @@ def test_a_text_is_written_as_utf8(tmp_path):
 
 def test_only_force_replaces_a_text(tmp_path):
     write_text(tmp_path / "a.txt", "old")
-    with pytest.raises(mf.InvalidInput, match="--force"):
+    with pytest.raises(mf.InvalidInput, match="force=True"):
         write_text(tmp_path / "a.txt", "new")
     write_text(tmp_path / "a.txt", "new", force=True)
     assert (tmp_path / "a.txt").read_text() == "new"

@@ -42,13 +42,37 @@ def test_rescaled_columns_keep_their_digits(tmp_path):
             "line 2 has 3 entries; the first names 2",
         ),
         ('file = "wanted.csv"', "load_N,friction_force_N\n1,x\n", "line 2: friction_force_N"),
-        ('file = "wanted.csv"', "load_N,other\n1,2\n", "needs rescaled_load and rescaled_friction"),
+        (
+            'file = "wanted.csv"',
+            "load_N,other\n1,2\n",
+            "has the columns load_N, other; name its columns load_N,fric",
+        ),
+        ('file = "wanted.csv"', "load,friction\n1,2\n", "wanted.csv has the columns load, friction; name"),
+        ('file = "wanted.csv"', "P_N,F_N\n1,2\n", "the columns P_N, F_N; .* or rescaled_load_mm2"),
+        ('file = "wanted.csv"', "load_N;friction_force_N\n1;2\n", "has one column, .* separated by commas"),
+        ('file = "wanted.csv"', "load_N,load_mN,friction_force_N\n1,2,3\n", "load stands in two columns"),
+        (
+            'file = "wanted.csv"',
+            "load_N,friction_force_N\n0,0\n1,2\n",
+            "wanted.csv, line 2: load_N = 0 must be",
+        ),
+        ('file = "wanted.csv"', "load_N,friction_force_N\n1,2\n1,3\n", "line 3: load_N = 1 must exceed"),
+        ('file = "law.csv"', None, "the name of a file of the result folder"),
         ('file = "wanted.csv"\nload = ["1 N"]', "load_N\n1\n", "target.file and target.load both"),
     ],
 )
 def test_bad_tables_are_named(tmp_path, target, table, words):
     with pytest.raises(mf.InvalidInput, match=words):
         mf.read_spec(written(tmp_path, f'kind = "sampled"\n{target}', table))
+
+
+def test_the_table_is_kept_beside_the_specification_of_the_result(tmp_path):
+    table = "load_N,friction_force_N\n0.1,0.2\n0.2,0.36\n0.3,0.53\n"
+    spec = mf.read_spec(written(tmp_path, 'kind = "sampled"\nfile = "wanted.csv"', table))
+    result = spec.design()
+    mf.save(result, tmp_path / "out", specification=spec)
+    again = mf.read_spec(tmp_path / "out" / "spec.toml").design()
+    np.testing.assert_array_equal(again.surface.height, result.surface.height)
 
 
 def test_powers_and_branches_are_read(tmp_path):
@@ -60,3 +84,12 @@ def test_powers_and_branches_are_read(tmp_path):
     )
     target = mf.read_spec(written(tmp_path, many)).target
     assert target.crossover_loads == ((0.07, 0.18), (0.2, 0.2))
+
+
+def test_a_crossover_of_another_unit_is_named(tmp_path):
+    text = 'kind = "multilinear"\nslopes = [9.5, 7.0]\ncrossover_loads = ["0.07 mm"]\n'
+    with pytest.raises(mf.InvalidInput) as error:
+        mf.read_spec(written(tmp_path, text + 'load_range = ["0.03 mm^2", "0.26 mm^2"]'))
+    (line,) = str(error.value).splitlines()
+    assert 'target.crossover_loads[0] = "0.07 mm" has the unit "mm"' in line
+    assert "function" not in line

@@ -38,7 +38,11 @@ def test_independence_is_no_worse_than_estimated(substrate):
 def test_the_cheapest_model_within_the_tolerance_is_chosen(tolerance, model):
     state = mf.equilibrium(lattice(0.1 * np.ones(9)), mf.Automatic(tolerance), load=0.15)
     assert state.model == model
-    assert "estimated errors" in state.notes[0]
+    names = {mf.Independent(): "independent", mf.Interacting(order=1): "order 1"}
+    assert state.notes[0].startswith(f"chosen: {names.get(model, 'order 3')}; estimated errors")
+    assert (
+        mf.friction_law(lattice(0.1 * np.ones(9)), mf.Automatic(tolerance), load=[0.15]).notes == state.notes
+    )
 
 
 def test_what_no_asperity_model_holds_is_resolved():
@@ -49,6 +53,17 @@ def test_what_no_asperity_model_holds_is_resolved():
     law = mf.friction_law(surface, automatic, load=[0.01, 4.0])
     assert law.area[0] == pytest.approx(mf.equilibrium(surface, automatic, load=0.01).area, rel=1e-10)
     assert law.area[1] == pytest.approx(state.area, rel=1e-6)
+    assert [note.split(";")[0] for note in law.notes if "chosen" in note] == [
+        "up to 0.01 N: chosen: independent",
+        "up to 4 N: chosen: resolved contacts",
+    ]
+
+
+def test_a_block_that_is_left_aside_is_said():
+    surface = lattice(0.1 * np.ones(9)).replaced(block=mf.Block(20.0, 20.0, 7.2))
+    for model, said in ((mf.Automatic(), True), (mf.Automatic(substrate=mf.BondedLayer()), False)):
+        notes = mf.friction_law(surface, model, load=[0.1, 0.15]).notes
+        assert any("block is left aside" in note for note in notes) == said
 
 
 def test_what_cannot_be_resolved_is_said(monkeypatch):

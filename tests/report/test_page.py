@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import metafem as mf
+from metafem.report.cautions import cautions, is_warning
 from metafem.report.page import page
 
 TARGETS = {
@@ -66,7 +67,7 @@ def test_page_tells_of_radii_that_differ(template, radius, told):
     text = page(replace(design, surface=surface, law=mf.friction_law(surface, load=design.law.load)))
     assert f'summit radius R</td><td class="number">{told}</td>' in text
     assert text.count("<td>300</td>") == (radius == 0.3).sum()
-    assert text.count("R = ") == 3  # what the markers' sizes mean
+    assert len(re.findall(r"(?<!/)R = ", text)) == 3  # what the markers' sizes mean
 
 
 def test_page_warns_of_plastic_contacts_and_low_summits(template):
@@ -96,3 +97,37 @@ def test_page_with_the_finite_element_checks(template):
     text = page(design, checks=True)
     assert text.count("<svg") == 5 + 3
     assert re.search(r"(\d+) checks, \1 passed", text)
+
+
+@pytest.mark.parametrize(
+    ("target", "words"),
+    [
+        (mf.OperatingPoints([0.144, 0.336], [0.84, 1.68]), "largest error at the points"),
+        (mf.LinearLaw(6.87), "misfit (rms to the density&#39;s law, or worst slope)"),
+        (mf.BilinearLaw((7.15, 12.52), 0.038), "misfit (rms to the density&#39;s law, or worst slope)"),
+        (mf.LinearLaw(9.0, through_origin=True), "misfit (rms of the law, or worst slope)"),
+        (mf.PowerLaw(1.2, (0.1, 0.2)), "misfit (rms of the law)"),
+    ],
+)
+def test_the_misfit_is_called_what_it_is(template, target, words):
+    text = page(mf.design(target, template, limits=mf.Limits(0.27)))
+    assert words in text
+    assert "largest deviation" not in text
+
+
+def test_the_bar_is_red_for_warnings_alone(template):
+    small = template.replaced(height=np.full(64, 0.05))
+    stepped = mf.design(mf.PowerLaw(1.2, (0.01, 0.05)), small, limits=mf.Limits(0.12, height_step=0.001))
+    notes = cautions(stepped)
+    assert notes
+    assert not any(is_warning(note) for note in notes)
+    assert '<section class="told">' in page(stepped)
+    wide = mf.design(mf.LinearLaw(6.87), template, limits=mf.Limits(0.12, offset=0.084))
+    assert '<section class="caution">' in page(wide)
+
+
+def test_seeds_are_told_of_where_places_were_dealt(template):
+    limits = mf.Limits(0.12)
+    dealt = mf.design(mf.LinearLaw(6.87), template, limits=limits)
+    placed = mf.design(mf.LinearLaw(6.87), template, limits=limits, layout=mf.Layout(tilt=1e-3))
+    assert ("another seed" in page(dealt), "another seed" in page(placed)) == (True, False)

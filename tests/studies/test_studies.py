@@ -31,6 +31,14 @@ def test_interaction_as_placed_is_the_law_of_the_models(design, interaction):
             np.testing.assert_allclose(found.sinking, laws[1].approach - laws[0].approach, atol=1e-12)
 
 
+def test_interaction_tells_the_largest_change_over_the_loads_of_the_law(design, interaction):
+    np.testing.assert_array_equal(interaction["load"], design.law.load)
+    alone = mf.friction_law(design.surface, load=design.law.load)
+    coupled = mf.friction_law(design.surface, mf.Interacting(), load=design.law.load)
+    largest = np.abs(interaction.area_change.sel(substrate="half-space", order=3)).max()
+    assert largest == pytest.approx(np.abs(coupled.area / alone.area - 1.0).max(), rel=1e-9)
+
+
 def test_random_placements_repeat_and_differ(design, interaction):
     again = mf.studies.interaction(design, placements=7)
     other = mf.studies.interaction(design, placements=7, rng=1)

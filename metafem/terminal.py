@@ -1,0 +1,49 @@
+"""Where the command prints, and its tables."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+# Characters a line where there is no terminal: tables stay whole.
+WIDE = 160
+
+# Up to this width columns stand one blank apart, else two.
+NARROW = 80
+
+
+def terminal() -> Console:
+    """Return the terminal, or a wide one where the text goes elsewhere."""
+    from rich.console import Console
+
+    console = Console()
+    return console if console.is_terminal else Console(width=max(WIDE, console.width))
+
+
+def tell_table(
+    console: Console, columns: Sequence[str], rows: Sequence[Sequence[str]], title: str | None = None
+) -> None:
+    """Print a table whose headings may wrap between words, but never its numbers."""
+    from rich.box import SIMPLE_HEAD
+    from rich.markup import escape
+    from rich.table import Table
+
+    apart = 1 if console.width > NARROW else 0
+    table = Table(
+        title=title and escape(title),
+        title_justify="left",
+        box=SIMPLE_HEAD,
+        padding=(0, apart, 0, 0),
+        pad_edge=False,
+    )
+    for i, heading in enumerate(columns):
+        longest = max(len(text) for text in (*heading.split(), *(row[i] for row in rows)))
+        table.add_column(
+            escape(heading), justify="right" if i else "left", min_width=longest, overflow="fold"
+        )
+    for row in rows:
+        table.add_row(*row)
+    console.print(table, crop=False)
