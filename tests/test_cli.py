@@ -127,7 +127,7 @@ def test_bad_specifications_end_with_a_reason_and_no_folder(run, old, new, code,
 
 
 def test_a_missed_target_exits_with_one(run):
-    text = demo_text("bilinear").replace("12.52", "30.0")
+    text = demo_text("bilinear").replace("12.52", "60.0")
     Path("steep.toml").write_text(text, "utf-8")
     result = run("design", "steep.toml", "-o", "steep", "--json")
     assert (result.exit_code, json.loads(result.stdout)["status"]) == (1, "missed")
