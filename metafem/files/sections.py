@@ -199,6 +199,12 @@ class Sections(Section):
         template = made("lattice", Surface.square_lattice, {**self.lattice.model_dump(), **lattice})
         pair = friction or (Friction(1.0) if self.friction else None)
         target = made("target", self.target.target, {"material": stuff, "friction": pair})
+        largest = radius if radii is None else radii.high if isinstance(radii, RadiusRange) else max(radii)
+        if limits and block and top > largest:
+            problems.append(
+                f"limits.offset + limits.max_height = {top:g} mm exceed the radius of {largest:g} mm: no cap "
+                "is higher than its radius; lower them, or leave out [block] and with it the part's files"
+            )
         parts = {"target": target, "template": template, "limits": limits, "layout": layout, "radii": radii}
         return parts, problems
 

@@ -99,6 +99,16 @@ def test_radii_take_the_place_of_the_lattice_radius(read, keys, radii, least):
     assert (spec.radii, spec.mixed, set(spec.template.radius)) == (radii, False, {least})
 
 
+@pytest.mark.parametrize("radii", [RADIUS, '[radii]\ntools = ["200 um", "526 um"]\nmixed = true'])
+def test_caps_higher_than_every_radius_are_refused_before_the_design(read, radii):
+    tall = LINEAR.replace('max_height = "120 um"', 'max_height = "120 mm"').replace(RADIUS, "")
+    text = tall.replace("[lattice]", f"[lattice]\n{radii}") if radii == RADIUS else f"{tall}\n{radii}\n"
+    with pytest.raises(
+        mf.InvalidInput, match=r"limits\.max_height = 120\.084 mm exceed the radius of 0\.526 mm"
+    ):
+        read(text)
+
+
 def test_mixed_radii_may_differ_between_asperities(read):
     kind = '[target]\nkind = "power"\nexponent = 1.55\nload_range = ["0.1 mm^2", "0.3 mm^2"]\n'
     text = kind + LINEAR[LINEAR.index("[material]") :].replace(RADIUS, "")
