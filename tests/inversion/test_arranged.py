@@ -36,7 +36,13 @@ def test_heights_that_follow_the_law_need_less_refinement(template):
     assert (placed.layout, dealt.layout) == (mf.Layout(), None)
 
 
-@pytest.mark.parametrize("model", [mf.Independent(), LAYER], ids=["independent", "layer"])
+@pytest.mark.parametrize(
+    "model",
+    [
+        pytest.param(mf.Independent(), id="independent"),
+        pytest.param(LAYER, id="layer", marks=pytest.mark.slow),
+    ],
+)
 def test_a_tilt_changes_the_law_of_an_arranged_design_less(template, model):
     dealt = [tilting(mf.design(POWER, template, model, LIMITS, seed).surface, model) for seed in range(3)]
     placed = mf.design(POWER, template, model, LIMITS, layout=mf.Layout(False, TILT))
