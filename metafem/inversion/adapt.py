@@ -7,7 +7,7 @@ import numpy as np
 from metafem._validate import FloatArray, IntArray
 from metafem.inversion.blueprint import Blueprint
 from metafem.inversion.judge import MISSED, UNCOUPLED, branch_fits, independent_misfit, largest_misfit
-from metafem.inversion.nearest import GOAL, independent_law
+from metafem.inversion.nearest import GOAL, law_of_heights
 from metafem.inversion.refine import POINT_GOAL, Evaluate, Heights, Refined, descend, search
 from metafem.inversion.request import Request
 from metafem.inversion.wanted import Wanted
@@ -95,10 +95,7 @@ def _forestalled(
     Interaction changes a law by a smooth factor that hardly depends on small changes of the heights.
     """
 
-    def evaluate(height: FloatArray) -> tuple[FloatArray, FloatArray]:
-        found = independent_law(height, surface.radius, wanted.load)
-        return found.curve.area, found.gradient
-
+    evaluate = law_of_heights(surface.radius, wanted.load)
     area = model.curve(surface, wanted.load).area
     factor = area / evaluate(surface.height)[0]
     powers = np.vander(np.log(wanted.load / wanted.load[-1]), FACTOR_DEGREE + 1)

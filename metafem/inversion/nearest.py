@@ -63,6 +63,16 @@ def independent_law(height: FloatArray, radius: FloatArray, load: FloatArray) ->
     return Independent().sensitivity(surface, load)
 
 
+def law_of_heights(radius: float | FloatArray, load: FloatArray) -> Evaluate:
+    """Return the law of independent asperities of given radii as a function of their heights."""
+
+    def evaluate(height: FloatArray) -> tuple[FloatArray, FloatArray]:
+        found = independent_law(height, np.broadcast_to(radius, height.shape), load)
+        return found.curve.area, found.gradient
+
+    return evaluate
+
+
 @dataclass(frozen=True, eq=False)
 class _Found:
     height: FloatArray
@@ -72,14 +82,9 @@ class _Found:
 
 def _with_one(quest: Quest, radius: float, restarts: int) -> _Found:
     load = quest.wanted.load
-
-    def evaluate(height: FloatArray) -> tuple[FloatArray, FloatArray]:
-        found = independent_law(height, np.full(len(height), radius), load)
-        return found.curve.area, found.gradient
-
     starts = [march(load, law, np.full(len(law), radius), quest.count)[0] for law in quest.laws]
     space = Heights(quest.span, quest.count)
-    found = search(evaluate, starts, quest.wanted, space, quest.goal, restarts, quest.rng)
+    found = search(law_of_heights(radius, load), starts, quest.wanted, space, quest.goal, restarts, quest.rng)
     return _Found(found.unknowns, np.full(len(found.unknowns), radius), found.misfit)
 
 

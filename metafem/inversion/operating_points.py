@@ -9,13 +9,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from metafem._validate import FloatArray
 from metafem.errors import Infeasible
 from metafem.inversion.blueprint import Blueprint, Parameter
 from metafem.inversion.feasibility import refuse_sampled
 from metafem.inversion.level import Level, Step
 from metafem.inversion.limits import Limits
-from metafem.inversion.nearest import MIXED_RESTARTS, Quest, independent_law, nearest_law
+from metafem.inversion.nearest import MIXED_RESTARTS, Quest, law_of_heights, nearest_law
 from metafem.inversion.radii import Radii
 from metafem.inversion.refine import POINT_GOAL, Heights, descend
 from metafem.inversion.target import OperatingPoints, SampledLaw
@@ -99,11 +98,7 @@ def _freely(
     for goal in FREE_GOALS:
         quest = Quest(wanted, [wanted.base], count, limits.span, restarts, rng, goal)
         height, radius = nearest_law(quest, radii)
-
-        def evaluate(height: FloatArray, radius: FloatArray = radius) -> tuple[FloatArray, FloatArray]:
-            law = independent_law(height, radius, load)
-            return law.curve.area, law.gradient
-
+        evaluate = law_of_heights(radius, load)
         found = descend(evaluate, height, wanted, Heights(limits.span), POINT_GOAL, patient=True)
         height = found.unknowns - found.unknowns.max()
         approach = float(Independent().curves(height, radius, load[-1:])[0][0, 0])
