@@ -5,7 +5,7 @@ import io
 import pytest
 from rich.console import Console
 
-from metafem.terminal import tell_table
+from metafem.cli.terminal import tell_table
 
 
 @pytest.mark.parametrize("width", [40, 80, 200])

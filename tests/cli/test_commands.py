@@ -10,6 +10,8 @@ from click.testing import CliRunner
 
 import metafem as mf
 from metafem import cli
+from metafem.cli.group import DEMOS
+from metafem.cli.group import MODELS as COMMAND_MODELS
 from metafem.files import MODELS, all_keys, demo_text, manual
 
 
@@ -27,11 +29,11 @@ def run(tmp_path, monkeypatch):
 
 
 def test_models_of_the_command_are_those_of_the_files():
-    assert tuple(MODELS) == cli.MODELS
+    assert tuple(MODELS) == COMMAND_MODELS
 
 
 def test_help_and_readme_name_every_section_and_kind_of_target(run):
-    readme = (Path(__file__).parent.parent / "README.md").read_text("utf-8")
+    readme = (Path(__file__).parent.parent.parent / "README.md").read_text("utf-8")
     for text in (run("design", "--help").output, readme.split("## Commands")[1]):
         words = set(re.findall(r"[a-z-]+", " ".join(text.split())))
         assert {name for key in all_keys() for name in (key.section, key.kind) if name} <= words
@@ -77,7 +79,7 @@ def test_demo_takes_every_model(run, model):
     assert mf.load("linear").law.model == MODELS[model]()
 
 
-@pytest.mark.parametrize("name", cli.DEMOS)
+@pytest.mark.parametrize("name", DEMOS)
 def test_demo_writes_the_specification_and_the_whole_folder(run, name):
     result = run("demo", name, "--json")
     assert result.exit_code == 0, result.output

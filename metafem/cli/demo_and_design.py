@@ -1,0 +1,113 @@
+"""`metafem demo` and `metafem design`."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from metafem.cli.group import DEMOS, NOT_ACHIEVED, force_option, json_option, main, model_option
+from metafem.cli.progress import progress
+from metafem.errors import InvalidInput
+
+if TYPE_CHECKING:
+    from metafem.files import Specification
+    from metafem.inversion import Design
+
+
+@main.command()
+@click.argument("name", type=click.Choice(DEMOS))
+@model_option
+@force_option
+@json_option
+def demo(name: str, model: str | None, force: bool, as_json: bool) -> None:
+    """Write the paper's specification NAME.toml into this folder and run it into NAME/."""
+    from metafem.files import check_free, demo_text, write_text
+
+    path, folder = Path(f"{name}.toml"), Path(name)
+    check_free(folder, force)
+    if path.exists() and not force:
+        raise InvalidInput(
+            f"{path} exists; run it by `metafem design {path} -o FOLDER`, or replace it with --force"
+        )
+    write_text(path, demo_text(name), force=force)
+    _run(path, folder, model, force, as_json)
+
+
+@main.command()
+@click.argument("spec", type=click.Path(path_type=Path))
+@click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="Result folder to make.")
+@model_option
+@force_option
+@json_option
+def design(spec: Path, output: Path, model: str | None, force: bool, as_json: bool) -> None:
+    """Design a surface from the specification SPEC.toml and write all its files.
+
+    A specification has the sections target (of kind operating-points, linear, bilinear, sampled, power or
+    multilinear), material, lattice and limits and, where wanted, friction, radii, block, layout, model,
+    part and checks. `metafem spec` prints every key with an example; `metafem demo` writes whole files.
+    """
+    _run(spec, output, model, force, as_json)
+
+
+def _run(spec: Path, folder: Path, model: str | None, force: bool, as_json: bool) -> None:
+    import metafem as mf
+    from metafem.files import check_free, model_named
+    from metafem.inversion import DesignStatus
+    from metafem.report import cautions, page
+
+    check_free(folder, force)
+    with progress("reading the specification") as say:
+        specification = mf.read_spec(spec)
+        chosen = model_named(model) if model else specification.model
+        say("inverting the law")
+        result = specification.design(chosen)
+        say("drawing the report")
+        text = page(result, specification.hardness)
+        say("writing the files")
+        mf.save(result, folder, specification=specification, force=force, pages={"report.html": text})
+    _tell_design(result, specification, folder, cautions(result, specification.hardness), as_json)
+    if result.status is DesignStatus.MISSED:
+        sys.exit(NOT_ACHIEVED)
+
+
+def _tell_design(
+    result: Design, specification: Specification, folder: Path, cautions: tuple[str, ...], as_json: bool
+) -> None:
+    from metafem.report import misfit_words, model_name, parameter_rows, wanted
+
+    if as_json:
+        data = {
+            "folder": str(folder),
+            "status": result.status.name.lower(),
+            "misfit": result.misfit,
+            "asperities": result.surface.count,
+            "model": model_name(result.law.model),
+            "parameters": {name: _plain(value) for name, value in result.parameters.items()},
+            "slopes": [{"target": b.slope, "fitted": f.slope} for b, f in result.fits],
+            "cautions": list(cautions),
+        }
+        click.echo(json.dumps(data))
+        return
+    from rich.console import Console
+    from rich.table import Table
+
+    console = Console()
+    console.print(wanted(result.target), style="bold", highlight=False, markup=False)
+    console.print(result.status.value, highlight=False, markup=False)
+    table = Table(box=None, show_header=False)
+    for name, value, unit in parameter_rows(result):
+        table.add_row(name, value, unit)
+    table.add_row(*misfit_words(result), "")
+    table.add_row("asperities", f"{result.surface.count} of {result.template.count} places", "")
+    console.print(table, highlight=False)
+    for text in cautions:
+        console.print(f"note: {text}", style="yellow", highlight=False, markup=False)
+    console.print(f"wrote {folder}/: open {folder / 'report.html'}", highlight=False, markup=False)
+
+
+def _plain(value: Any) -> Any:
+    return value.tolist() if hasattr(value, "tolist") else value

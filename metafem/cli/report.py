@@ -1,0 +1,27 @@
+"""`metafem report`."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import click
+
+from metafem.cli.group import json_option, main
+from metafem.cli.progress import progress
+
+
+@main.command()
+@click.argument("folder", type=click.Path(path_type=Path))
+@click.option("--checks", is_flag=True, help="Add the finite-element checks; takes about a minute.")
+@json_option
+def report(folder: Path, checks: bool, as_json: bool) -> None:
+    """Write report.html of a result folder anew."""
+    import metafem as mf
+    from metafem.files import stored_hardness, write_text
+    from metafem.report import page
+
+    with progress("drawing the report"):
+        path = folder / "report.html"
+        write_text(path, page(mf.load(folder), stored_hardness(folder), checks=checks), force=True)
+    click.echo(json.dumps({"report": str(path)}) if as_json else f"wrote {path}")

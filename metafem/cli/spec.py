@@ -1,0 +1,22 @@
+"""`metafem spec`."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+
+import click
+
+from metafem.cli.group import json_option, main
+
+
+@main.command("spec")
+@json_option
+def explain(as_json: bool) -> None:
+    """Print every section and key of a specification, each with its meaning and an example."""
+    from metafem.files import all_keys, manual
+
+    if as_json:
+        click.echo(json.dumps([asdict(key) for key in all_keys()]))
+    else:
+        click.echo(manual(), nl=False)

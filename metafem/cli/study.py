@@ -1,0 +1,55 @@
+"""`metafem study`."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from metafem.cli.group import force_option, json_option, main
+from metafem.cli.progress import progress
+from metafem.cli.terminal import tell_table, terminal
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+
+STUDIES = ("interaction", "fidelity")
+
+
+@main.command()
+@click.argument("name", type=click.Choice(STUDIES))
+@click.argument("folder", type=click.Path(path_type=Path))
+@force_option
+@json_option
+def study(name: str, folder: Path, force: bool, as_json: bool) -> None:
+    """Study the design of a result folder and write NAME.nc into it.
+
+    interaction: how coupling changes the law, as placed and in 1,000 random placements. fidelity: the law
+    by every theory, from independent asperities to the true block and finite elements; a minute or two
+    the first time.
+    """
+    import metafem as mf
+    from metafem.files import study_data, study_path, write_study
+
+    path = study_path(folder, name, force)
+    design = mf.load(folder)
+    with progress(f"studying {name}"):
+        found = getattr(mf.studies, name)(design)
+    write_study(found, path, force=force)
+    if as_json:
+        click.echo(json.dumps({"file": str(path), **study_data(found)}))
+    else:
+        _tell_study(found, path)
+
+
+def _tell_study(found: Dataset, path: Path) -> None:
+    from metafem.studies import summary
+
+    told = summary(found)
+    console = terminal()
+    tell_table(console, told.columns, told.rows, told.title)
+    for text in told.notes:
+        console.print(text, style="yellow", highlight=False, markup=False)
+    console.print(f"wrote {path}", highlight=False, markup=False)
