@@ -57,6 +57,7 @@ if TYPE_CHECKING:
     from metafem.models import MeanField as MeanField
     from metafem.models import Status as Status
     from metafem.models.equilibrium import equilibrium as equilibrium
+    from metafem.notes import Note as Note
     from metafem.substrate import BondedLayer as BondedLayer
     from metafem.substrate import HalfSpace as HalfSpace
     from metafem.surface import Block as Block
@@ -109,6 +110,7 @@ _HOME = {
         "Status",
         "equilibrium",
     ),
+    "metafem.notes": ("Note",),
     "metafem.substrate": ("BondedLayer", "HalfSpace"),
     "metafem.surface": ("Block", "Friction", "Material", "Surface"),
 }

@@ -13,6 +13,7 @@ from metafem._validate import FloatArray
 from metafem.errors import InvalidInput, NotConverged
 from metafem.models import Curve, Independent, Model, Status
 from metafem.models.range_notes import WIDEST, wide_notes
+from metafem.notes import Note
 from metafem.surface import Friction, Material, Surface
 
 if TYPE_CHECKING:
@@ -76,7 +77,7 @@ class FrictionLaw:
     model : Model
     material : Material
     friction : Friction or None
-    notes : tuple of str
+    notes : tuple of Note
         Where the law leaves its range.
 
     Examples
@@ -97,7 +98,7 @@ class FrictionLaw:
     model: Model
     material: Material
     friction: Friction | None = None
-    notes: tuple[str, ...] = ()
+    notes: tuple[Note, ...] = ()
 
     def __post_init__(self) -> None:
         for name in ("load", "area", "separation", "approach", "stiffness", "residual"):
@@ -264,18 +265,20 @@ def _law(surface: Surface, model: Model, curve: Curve, separation: FloatArray) -
     return law
 
 
-def _notes(surface: Surface, model: Model, curve: Curve, separation: FloatArray) -> tuple[str, ...]:
+def _notes(surface: Surface, model: Model, curve: Curve, separation: FloatArray) -> tuple[Note, ...]:
     """Say from which load on the plane reaches the base plane, and how wide the widest contact is."""
-    notes: list[str] = []
+    notes: list[Note] = []
     modulus = surface.material.composite_modulus
     touching = np.flatnonzero(separation <= 0.0)
     if touching.size:
         first = touching[0]
         onset = model.curve_at(surface, np.array([surface.height.max()])).load[0]
         notes.append(
-            f"the base plane would touch from a load of {modulus * min(onset, curve.load[first]):.4g} N on: "
-            f"at {modulus * curve.load[first]:.4g} N the plane is at the separation "
-            f"{separation[first]:.4g} mm; the load the base would carry is not counted"
+            Note(
+                f"the base plane would touch from a load of {modulus * min(onset, curve.load[first]):.4g} N "
+                f"on: at {modulus * curve.load[first]:.4g} N the plane is at the separation "
+                f"{separation[first]:.4g} mm; the load the base would carry is not counted"
+            )
         )
     # neighbours only lessen an indentation, so that most laws are cleared without another state
     deepest = float(((surface.height - separation[-1]) / surface.radius).max())

@@ -86,8 +86,8 @@ def test_the_load_at_which_the_plane_reaches_the_base_is_told(rough, model):
     onset = mf.equilibrium(rough, model, separation=0.0).load
     for load in ([1.5 * onset, 2.0 * onset], [0.5 * onset, 2.0 * onset]):
         notes = mf.friction_law(rough, model, load=load).notes
-        assert f"would touch from a load of {onset:.4g} N on" in notes[0]
-    assert "base plane" not in " ".join(mf.friction_law(rough, model, load=[0.9 * onset]).notes)
+        assert f"would touch from a load of {onset:.4g} N on" in notes[0].text
+    assert "base plane" not in " ".join(map(str, mf.friction_law(rough, model, load=[0.9 * onset]).notes))
 
 
 @pytest.mark.parametrize("model", [mf.Independent(), mf.MeanField(), mf.Interacting()])
@@ -96,6 +96,6 @@ def test_contacts_too_wide_for_the_models_are_told(rough, model):
     state = mf.equilibrium(high, model, separation=0.25)
     ratio = np.sqrt(state.asperity_area.max() / np.pi) / 0.526
     told = f"the widest contact has a/R = {ratio:.2f} at {state.load:.4g} N"
-    assert told in mf.friction_law(high, model, load=[0.1, state.load]).notes[0]
-    assert any(told in note for note in state.notes)
+    assert told in mf.friction_law(high, model, load=[0.1, state.load]).notes[0].text
+    assert any(told in note.text for note in state.notes)
     assert not mf.friction_law(high, model, load=[0.01]).notes

@@ -11,11 +11,13 @@ import click
 
 from metafem.cli.group import DEMOS, NOT_ACHIEVED, force_option, json_option, main, model_option
 from metafem.cli.progress import progress
+from metafem.cli.terminal import notes_data, tell_notes
 from metafem.errors import InvalidInput
 
 if TYPE_CHECKING:
     from metafem.files import Specification
     from metafem.inversion import Design
+    from metafem.notes import Note
 
 
 @main.command()
@@ -57,7 +59,7 @@ def _run(spec: Path, folder: Path, model: str | None, force: bool, as_json: bool
     import metafem as mf
     from metafem.files import check_free, model_named
     from metafem.inversion import DesignStatus
-    from metafem.report import cautions, page
+    from metafem.report import all_notes, page
 
     check_free(folder, force)
     with progress("reading the specification") as say:
@@ -69,13 +71,13 @@ def _run(spec: Path, folder: Path, model: str | None, force: bool, as_json: bool
         text = page(result, specification.hardness)
         say("writing the files")
         mf.save(result, folder, specification=specification, force=force, pages={"report.html": text})
-    _tell_design(result, specification, folder, cautions(result, specification.hardness), as_json)
+    _tell_design(result, specification, folder, all_notes(result, specification.hardness), as_json)
     if result.status is DesignStatus.MISSED:
         sys.exit(NOT_ACHIEVED)
 
 
 def _tell_design(
-    result: Design, specification: Specification, folder: Path, cautions: tuple[str, ...], as_json: bool
+    result: Design, specification: Specification, folder: Path, notes: tuple[Note, ...], as_json: bool
 ) -> None:
     from metafem.report import misfit_words, model_name, parameter_rows, wanted
 
@@ -88,7 +90,7 @@ def _tell_design(
             "model": model_name(result.law.model),
             "parameters": {name: _plain(value) for name, value in result.parameters.items()},
             "slopes": [{"target": b.slope, "fitted": f.slope} for b, f in result.fits],
-            "cautions": list(cautions),
+            "notes": notes_data(notes),
         }
         click.echo(json.dumps(data))
         return
@@ -104,8 +106,7 @@ def _tell_design(
     table.add_row(*misfit_words(result), "")
     table.add_row("asperities", f"{result.surface.count} of {result.template.count} places", "")
     console.print(table, highlight=False)
-    for text in cautions:
-        console.print(f"note: {text}", style="yellow", highlight=False, markup=False)
+    tell_notes(console, notes)
     console.print(f"wrote {folder}/: open {folder / 'report.html'}", highlight=False, markup=False)
 
 

@@ -10,7 +10,7 @@ import click
 
 from metafem.cli.group import force_option, json_option, main, model_option
 from metafem.cli.progress import progress
-from metafem.cli.terminal import tell_table, terminal
+from metafem.cli.terminal import notes_data, tell_notes, tell_table, terminal
 from metafem.errors import InvalidInput
 
 if TYPE_CHECKING:
@@ -121,8 +121,7 @@ def _tell_law(law: FrictionLaw, whole: bool) -> None:
     console = terminal()
     tell_table(console, columns, rows)
     console.print(f"{model_name(law.model)}: {law.status.value}", highlight=False, markup=False)
-    for note in law.notes:
-        console.print(f"note: {note}", style="yellow", highlight=False, markup=False)
+    tell_notes(console, law.notes)
 
 
 def _law_data(law: FrictionLaw) -> dict[str, Any]:
@@ -137,7 +136,7 @@ def _law_data(law: FrictionLaw) -> dict[str, Any]:
         "rescaled_load_mm2": law.rescaled_load.tolist(),
         "stiffness_N_per_mm": law.stiffness.tolist(),
         "residual": law.residual.tolist(),
-        "notes": list(law.notes),
+        "notes": notes_data(law.notes),
     }
     if law.friction is not None:
         data["friction_force_N"] = law.friction_force.tolist()

@@ -10,7 +10,7 @@ import click
 
 from metafem.cli.group import force_option, json_option, main
 from metafem.cli.progress import progress
-from metafem.cli.terminal import tell_table, terminal
+from metafem.cli.terminal import tell_notes, tell_table, terminal
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -50,6 +50,5 @@ def _tell_study(found: Dataset, path: Path) -> None:
     told = summary(found)
     console = terminal()
     tell_table(console, told.columns, told.rows, told.title)
-    for text in told.notes:
-        console.print(text, style="yellow", highlight=False, markup=False)
+    tell_notes(console, told.notes)
     console.print(f"wrote {path}", highlight=False, markup=False)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from rich.console import Console
+
+    from metafem.notes import Note
 
 # Characters a line where there is no terminal: tables stay whole.
 WIDE = 160
@@ -47,3 +49,15 @@ def tell_table(
     for row in rows:
         table.add_row(*row)
     console.print(table, crop=False)
+
+
+def tell_notes(console: Console, notes: Iterable[Note]) -> None:
+    """Print notes, a line for each; warnings are yellow."""
+    for note in notes:
+        word, style = ("warning", "yellow") if note.warns else ("note", None)
+        console.print(f"{word}: {note}", style=style, highlight=False, markup=False)
+
+
+def notes_data(notes: Iterable[Note]) -> list[dict[str, str]]:
+    """Return notes for JSON."""
+    return [{"level": note.level.value, "text": note.text} for note in notes]

@@ -29,6 +29,7 @@ from metafem.inversion import (
 from metafem.inversion.blueprint import Branch
 from metafem.law import BranchFit, FrictionLaw
 from metafem.models import Automatic, BoundaryElements, Independent, Interacting, MeanField, Status
+from metafem.notes import Level, Note
 from metafem.substrate import BondedLayer, HalfSpace
 from metafem.surface import Block, Friction, Material, Surface
 
@@ -40,13 +41,26 @@ VALUES: Mapping[str, type] = {
         *(Independent, MeanField, Interacting, BoundaryElements, Automatic),
         *(OperatingPoints, LinearLaw, BilinearLaw, SampledLaw, PowerLaw, MultilinearLaw),
         *(Limits, Layout, RadiusRange, Design, FrictionLaw),
-        *(Branch, BranchFit, TruncatedExponential, TwoBranchExponential),
+        *(Note, Branch, BranchFit, TruncatedExponential, TwoBranchExponential),
     )
 }
 # Those whose modules are read when a record holds one.
 LATE: Mapping[str, str] = {"Block3D": "metafem.fe"}
-ENUMS: Mapping[str, type[Enum]] = {kind.__name__: kind for kind in (Status, DesignStatus)}
+ENUMS: Mapping[str, type[Enum]] = {kind.__name__: kind for kind in (Status, DesignStatus, Level)}
 ARRAYS = ("float64", "int64")
+# Before notes had levels they were texts; those that began like this warned of nothing.
+INFORMATION = (
+    "heights stand on steps",
+    "heights were moved",
+    "the places of the heights were chosen",
+    "the places were left as dealt",
+    "chosen: ",
+    "the surface's block is left aside",
+    "up to ",
+    "proportional within",
+    "no levels lead through the points",
+    "radii that cannot reach the target",
+)
 
 
 def to_record(value: Any) -> Any:
@@ -101,6 +115,8 @@ def from_record(record: Any) -> Any:
         except KeyError:
             raise InvalidInput(f"{record.get('name')!r:.60} is not a {name}") from None
     members = {key: from_record(member) for key, member in record.items() if key != "type"}
+    if isinstance(members.get("notes"), tuple):
+        members["notes"] = tuple(map(_note, members["notes"]))
     kind = VALUES[name] if name in VALUES else getattr(import_module(LATE[name]), name)
     known = {field.name: field.default is MISSING for field in fields(kind)}
     needed = {member for member, required in known.items() if required}
@@ -108,6 +124,15 @@ def from_record(record: Any) -> Any:
         differing = ", ".join(sorted((members.keys() - known.keys()) | (needed - members.keys())))
         raise InvalidInput(f"a record of {name} has missing or unknown members: {differing}")
     return kind(**members)
+
+
+def _note(value: Any) -> Note:
+    """Return a note of a record, or of the text that stood in its place before notes had levels."""
+    if isinstance(value, Note) and isinstance(value.text, str) and isinstance(value.level, Level):
+        return value
+    if isinstance(value, str):
+        return Note(value, Level.INFORMATION if value.startswith(INFORMATION) else Level.WARNING)
+    raise InvalidInput(f"{value!r:.60} is not a note")
 
 
 def _array(record: dict[str, Any]) -> Any:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from metafem.errors import InvalidInput
 from metafem.files.staged import is_result_folder
 from metafem.files.text import refuse_existing, write_file
+from metafem.notes import from_lines
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -38,7 +39,8 @@ def study_data(study: Dataset) -> dict[str, Any]:
         }
         for name, array in study.variables.items()
     }
-    return {**study.attrs, "notes": str(study.attrs["notes"]).splitlines(), "data": arrays}
+    notes = [{"level": note.level.value, "text": note.text} for note in from_lines(str(study.attrs["notes"]))]
+    return {**study.attrs, "notes": notes, "data": arrays}
 
 
 def _plain(value: Any) -> Any:

@@ -12,6 +12,7 @@ from metafem.inversion.refine import POINT_GOAL, Evaluate, Heights, Refined, des
 from metafem.inversion.request import Request
 from metafem.inversion.wanted import Wanted
 from metafem.models import Independent, Model, Sensitive
+from metafem.notes import Note, information
 from metafem.surface import Surface
 
 # Depths below the tallest are stretched, so that no level touches just at a point: interaction lowers
@@ -44,7 +45,7 @@ MARGIN_SHARES = np.array([0.25, 0.5, 1.0])
 
 def adapted(
     request: Request, surface: Surface, sites: IntArray, blueprint: Blueprint, rng: np.random.Generator
-) -> tuple[Surface, IntArray, tuple[str, ...]]:
+) -> tuple[Surface, IntArray, tuple[Note, ...]]:
     """Return the surface with heights refined under the model, its sites, and a note that says so.
 
     Heights that stand on steps already stay there, and models without sensitivities leave them as they are.
@@ -84,7 +85,7 @@ def adapted(
     change = 1e3 * float(np.abs(result.height - start.height).max())
     cause = "the scatter of so few asperities" if alone else "the interaction of the asperities"
     note = f"heights were moved by at most {change:.3g} um for {cause}{added}"
-    return result, sites, (note,)
+    return result, sites, (information(note),)
 
 
 def _forestalled(

@@ -16,6 +16,7 @@ from metafem.inversion.layout import arrange
 from metafem.inversion.objectives import FollowLaw, InsensitiveToTilt, Objective, Together
 from metafem.inversion.wanted import Wanted
 from metafem.models import Automatic, BoundaryElements, Independent, Interacting, Model
+from metafem.notes import Note, information
 from metafem.surface import STEEPEST, Surface
 
 # Loads at which the law, and its change by tilts, are asked for. `FollowLaw` says why the first are enough;
@@ -68,7 +69,7 @@ class Layout:
 
 def arranged(
     surface: Surface, layout: Layout | None, model: Model, wanted: Wanted, rng: np.random.Generator
-) -> tuple[Surface, dict[str, Parameter], tuple[str, ...]]:
+) -> tuple[Surface, dict[str, Parameter], tuple[Note, ...]]:
     """Return the surface with its heights arranged, the misfits before and after, and a note.
 
     Models that take too long are replaced by the interacting one on their substrate.
@@ -80,7 +81,7 @@ def arranged(
         solver, under = Interacting(substrate=model.substrate), " under Interacting() in the model's stead"
     asked = asked_for(layout, surface, solver, wanted)
     if not asked:
-        return surface, {}, (NO_EFFECT,)
+        return surface, {}, (information(NO_EFFECT),)
     objective = Together([part for _, part, _ in asked], [weight for _, _, weight in asked])
     found = arrange(surface, objective, solver, rng)
     changes = [
@@ -89,7 +90,7 @@ def arranged(
     ]
     won = " and ".join(changes)
     note = f"the places of the heights were chosen{under}, before any refinement: that took {won} (rms)"
-    return found.surface, {"layout_before": found.before, "layout_after": found.after}, (note,)
+    return found.surface, {"layout_before": found.before, "layout_after": found.after}, (information(note),)
 
 
 def asked_for(

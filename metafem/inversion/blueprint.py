@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from metafem._validate import FloatArray, IntArray
 from metafem.distributions import PiecewiseExponential
 from metafem.inversion.wanted import Wanted
+from metafem.notes import Note
 
 Parameter = float | int | FloatArray | IntArray
 
@@ -39,7 +40,7 @@ class Blueprint:
     wanted: Wanted
     branches: tuple[Branch, ...] = ()
     density: PiecewiseExponential | None = None
-    notes: tuple[str, ...] = field(default=())
+    notes: tuple[Note, ...] = field(default=())
     stepped: bool = False
     spare_height: float | None = None
 

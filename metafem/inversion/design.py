@@ -39,6 +39,7 @@ from metafem.inversion.target import (
 )
 from metafem.law import BranchFit, FrictionLaw, friction_law
 from metafem.models import Model
+from metafem.notes import Note
 from metafem.surface import Surface
 
 # Heights should be this many times larger than the errors with which they are made.
@@ -76,7 +77,7 @@ class Design:
         What each asperity's radius could be [mm], where it was chosen for each.
     density : PiecewiseExponential or None
         The height density behind the heights, measured from `limits.foot`.
-    notes : tuple of str
+    notes : tuple of Note
         What a user should know before making the part.
     layout : Layout or None
         What the places were chosen for.
@@ -93,7 +94,7 @@ class Design:
     limits: Limits
     fits: tuple[tuple[Branch, BranchFit], ...] = ()
     density: PiecewiseExponential | None = None
-    notes: tuple[str, ...] = ()
+    notes: tuple[Note, ...] = ()
     radii: RadiusRange | tuple[float, ...] | None = None
     layout: Layout | None = None
 
@@ -245,23 +246,28 @@ def _drawn_law(surface: Surface, request: Request) -> FrictionLaw:
     return friction_law(surface, request.model, load=end * np.arange(1, 101) / 100)
 
 
-def _notes(surface: Surface, limits: Limits, status: DesignStatus) -> tuple[str, ...]:
-    notes = []
+def _notes(surface: Surface, limits: Limits, status: DesignStatus) -> tuple[Note, ...]:
+    notes: list[Note] = []
     used, step = float(np.ptp(surface.height)), limits.height_step or 0.0
     if status is DesignStatus.MISSED and used >= limits.span * (1.0 - ALL_OF_IT) - step:
         notes.append(
-            f"the heights use all of the {limits.span:g} mm that they may differ by: raise max_height"
+            Note(f"the heights use all of the {limits.span:g} mm that they may differ by: raise max_height")
         )
     low = 0 if limits.height_sd is None else int((surface.height < HEIGHT_TO_ERROR * limits.height_sd).sum())
     if low:
         notes.append(
-            f"{low} of {surface.count} summits stand lower than {HEIGHT_TO_ERROR:g} times height_sd = "
-            f"{limits.height_sd:g} mm: raise the offset"
+            Note(
+                f"{low} of {surface.count} summits stand lower than {HEIGHT_TO_ERROR:g} times height_sd = "
+                f"{limits.height_sd:g} mm: raise the offset"
+            )
         )
     high = int((surface.height > surface.radius).sum())
     if high:
         notes.append(
-            f"{high} of {surface.count} summits stand higher than their radius and cannot be made as caps: "
-            f"lower max_height and offset to {float(surface.radius.min()):g} mm together, or use larger radii"
+            Note(
+                f"{high} of {surface.count} summits stand higher than their radius and cannot be made as "
+                f"caps: lower max_height and offset to {float(surface.radius.min()):g} mm together, or use "
+                "larger radii"
+            )
         )
     return tuple(notes)

@@ -24,6 +24,7 @@ from metafem.inversion.mixture import Mixture, best_mixture
 from metafem.inversion.radii import Radii
 from metafem.inversion.target import BilinearLaw, LinearLaw
 from metafem.inversion.wanted import Wanted
+from metafem.notes import Note
 
 # A straight branch is judged over its last three quarters: below, the law still bends towards its
 # asymptote. Over this range the paper's surfaces give its target slopes and its scatter.
@@ -240,12 +241,14 @@ def _two_branches(
     return density(float(depth))
 
 
-def _notes(scale: float, mixture: Mixture, limits: Limits) -> tuple[str, ...]:
+def _notes(scale: float, mixture: Mixture, limits: Limits) -> tuple[Note, ...]:
     if limits.height_sd is None or scale >= FINEST_SCALE_IN_SD * limits.height_sd:
         return ()
     finest = FINEST_SCALE_IN_SD * limits.height_sd
     steepest = TruncatedExponential(finest, limits.span).asymptotic_slope(mixture.radius)
     return (
-        f"the scale {scale:.4g} mm is below {FINEST_SCALE_IN_SD:g} times height_sd, {finest:.4g} mm: errors "
-        f"of made heights will shape the law; slopes up to {steepest:.4g} are free of that",
+        Note(
+            f"the scale {scale:.4g} mm is below {FINEST_SCALE_IN_SD:g} times height_sd, {finest:.4g} mm: "
+            f"errors of made heights will shape the law; slopes up to {steepest:.4g} are free of that"
+        ),
     )

@@ -12,6 +12,7 @@ from metafem.inversion.judge import branch_fits, largest_misfit
 from metafem.inversion.limits import Limits
 from metafem.inversion.wanted import Wanted
 from metafem.models import Independent, Model, Sensitive
+from metafem.notes import Note, information
 from metafem.surface import Surface
 
 # Shares of a step by which all heights are shifted before they are rounded: only differences matter.
@@ -29,7 +30,7 @@ Evaluate = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 
 def gridded(
     surface: Surface, model: Model, blueprint: Blueprint, limits: Limits
-) -> tuple[Surface, dict[str, Parameter], tuple[str, ...]]:
+) -> tuple[Surface, dict[str, Parameter], tuple[Note, ...]]:
     """Return the surface with heights on the steps of the limits, the loss, and a note that states it.
 
     Each asperity is rounded to the nearest level; then one asperity, or two, are moved up or down by one
@@ -61,7 +62,7 @@ def gridded(
         f"heights stand on steps of {1e3 * (limits.height_step or 0.0):.4g} um: the misfit is "
         f"{100.0 * after:.3g} %, against {100.0 * before:.3g} % before the steps"
     )
-    return result, parameters, (note,)
+    return result, parameters, (information(note),)
 
 
 def _squares(index: IntArray, levels: FloatArray, evaluate: Evaluate, wanted: Wanted) -> float:

@@ -74,7 +74,7 @@ class Mixture:
 def best_mixture(invert: Callable[[Mixture], Blueprint], radii: Radii, count: int) -> Blueprint:
     """Return the blueprint of the single radius with the least misfit, or of two tools that win by far.
 
-    A blueprint with notes, on heights too fine to be made, comes after those without.
+    A blueprint with warnings, on heights too fine to be made, comes after those without.
     """
     singles = [Mixture((radius,), (count,)) for radius in radii.tried.tolist()]
     if radii.single:
@@ -90,7 +90,7 @@ def best_mixture(invert: Callable[[Mixture], Blueprint], radii: Radii, count: in
                 refused.setdefault(mixture.radius, reason)
             else:
                 misfit = independent_misfit(blueprint)
-                unsound = bool(blueprint.notes) or misfit > MISSED
+                unsound = any(note.warns for note in blueprint.notes) or misfit > MISSED
                 found.append((unsound, misfit / (1.0 if len(mixture.radii) == 1 else WORTH), blueprint))
 
     attempt(singles)

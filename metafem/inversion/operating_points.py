@@ -20,6 +20,7 @@ from metafem.inversion.refine import POINT_GOAL, Heights, descend
 from metafem.inversion.target import OperatingPoints, SampledLaw
 from metafem.inversion.wanted import Wanted
 from metafem.models import Independent
+from metafem.notes import information
 
 # Ways to meet a point that are tried in all, of some 0.2 ms each.
 MOST_TRIED = 5_000
@@ -107,7 +108,7 @@ def _freely(
             parameters: dict[str, Parameter] = {"span": float(np.ptp(height))}
             note = "no levels lead through the points: the heights were found by a search"
             best = Blueprint(
-                top + height[order], radius[order], parameters, wanted, notes=(note,),
+                top + height[order], radius[order], parameters, wanted, notes=(information(note),),
                 spare_height=top + float(height.min()),
             )  # fmt: skip
         if misfit <= POINT_GOAL:

@@ -23,6 +23,7 @@ from metafem.inversion.radii import Radii
 from metafem.inversion.sampled import POINTS, RESTARTS
 from metafem.inversion.target import LinearLaw
 from metafem.inversion.wanted import Wanted
+from metafem.notes import information
 
 # Halvings of the logarithm of the range: to a sixtieth of it.
 HALVINGS = 6
@@ -79,7 +80,7 @@ def invert(
         f"proportional within {100 * REACHED:g} % from {low:.4g} to {last:.4g} mm^2 under the independent "
         f"model; no surface of {count} such asperities can be beyond {high:.4g} mm^2, or below {low:.4g} mm^2"
     )
-    return replace(best, notes=(note,))
+    return replace(best, notes=(information(note),))
 
 
 def proportional_range(slope: float, radii: Radii, count: int) -> tuple[float, float]:

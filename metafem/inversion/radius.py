@@ -21,6 +21,7 @@ from metafem.inversion.radii import Radii, RadiusRange
 from metafem.inversion.request import Request
 from metafem.inversion.target import Target
 from metafem.models import Model
+from metafem.notes import Note, information
 from metafem.surface import Surface
 
 # Radii of a range that are tried between the best one's neighbours.
@@ -203,8 +204,8 @@ def _reach(template: Surface, limits: Limits, radii: FloatArray) -> dict[str, Pa
     return reach
 
 
-def _notes(refused: dict[float, Infeasible]) -> tuple[str, ...]:
+def _notes(refused: dict[float, Infeasible]) -> tuple[Note, ...]:
     if not refused:
         return ()
     which = ", ".join(f"{radius:.4g}" for radius in sorted(refused))
-    return (f"radii that cannot reach the target [mm]: {which}; {refused[min(refused)]}",)
+    return (information(f"radii that cannot reach the target [mm]: {which}; {refused[min(refused)]}"),)

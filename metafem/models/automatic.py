@@ -14,6 +14,7 @@ from metafem.models.boundary_elements import BoundaryElements
 from metafem.models.independent import Independent
 from metafem.models.interacting import DENSE_LIMIT, Interacting
 from metafem.models.model import ContactState, Curve, Model
+from metafem.notes import Note, information
 from metafem.substrate import HalfSpace, Radial, Substrate
 from metafem.surface import Surface
 
@@ -114,7 +115,7 @@ class Automatic:
             parts.append(replace(curve, notes=notes))
         return _joined(parts)
 
-    def _parts(self, surface: Surface, load: FloatArray) -> list[tuple[Model, slice, tuple[str, ...]]]:
+    def _parts(self, surface: Surface, load: FloatArray) -> list[tuple[Model, slice, tuple[Note, ...]]]:
         """Return a model for all loads, or one below the first load that needs resolved contacts."""
         model, notes = self._choice(surface, load)
         if not isinstance(model, BoundaryElements):
@@ -124,20 +125,24 @@ class Automatic:
             middle = (low + high) // 2
             held = load[middle] <= 0.0 or self._estimates(surface, float(load[middle]))[2] <= self.tolerance
             low, high = (middle + 1, high) if held else (low, middle)
-        parts: list[tuple[Model, slice, tuple[str, ...]]] = []
+        parts: list[tuple[Model, slice, tuple[Note, ...]]] = []
         for rows in (slice(0, low), slice(low, len(load))):
             if rows.stop > rows.start:
                 model, (note, *rest) = self._choice(surface, load[rows])
                 end = surface.material.composite_modulus * load[rows][-1]
-                parts.append((model, rows, (f"up to {end:.4g} N: {note}", *rest)))
+                parts.append((model, rows, (information(f"up to {end:.4g} N: {note}"), *rest)))
         return parts
 
-    def _choice(self, surface: Surface, load: FloatArray) -> tuple[Model, tuple[str, ...]]:
+    def _choice(self, surface: Surface, load: FloatArray) -> tuple[Model, tuple[Note, ...]]:
         """Return the model, and what is to be said of it."""
         model, name, why = self._chosen(surface, load)
-        notes = [f"chosen: {name}; {why}"]
+        notes = [information(f"chosen: {name}; {why}")]
         if surface.block is not None and isinstance(self.substrate, HalfSpace):
-            notes.append("the surface's block is left aside: the contacts are coupled through a half-space")
+            notes.append(
+                information(
+                    "the surface's block is left aside: the contacts are coupled through a half-space"
+                )
+            )
         return model, tuple(notes)
 
     def _chosen(self, surface: Surface, load: FloatArray) -> tuple[Model, str, str]:

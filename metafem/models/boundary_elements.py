@@ -16,6 +16,7 @@ from metafem.models.interacting import Interacting
 from metafem.models.model import ContactState, Curve, Sensitivity, Status
 from metafem.models.resolved_scene import COARSEST, TOLERANCE, Scene, Solution
 from metafem.models.resolved_start import Start
+from metafem.notes import Note, information
 from metafem.substrate import HalfSpace, Radial
 from metafem.surface import Surface
 
@@ -178,36 +179,44 @@ def _curve(surface: Surface, states: list[ContactState]) -> Curve:
     return Curve(approach, load / modulus, area, stiffness / modulus, residual)
 
 
-def _notes(scene: Scene, solution: Solution) -> tuple[str, ...]:
+def _notes(scene: Scene, solution: Solution) -> tuple[Note, ...]:
     """Say what was covered and skipped, and where the areas or the cells leave their range."""
     patches, contacts = solution.patches, solution.contacts
     cells = sum(p.gap.size for p in patches)
     corner = np.array([p.corner for p in patches])
     extent = (corner + [p.shape for p in patches]).max(axis=0) - corner.min(axis=0)
     notes = [
-        f"{cells} cells cover the contacts; a grid over all of them would have {extent.prod()}",
+        information(f"{cells} cells cover the contacts; a grid over all of them would have {extent.prod()}"),
     ]
     if len(patches) > 1:
         notes.append(
-            f"displacements between {len(patches)} patches by expansions within {far_field.TOLERANCE:g}"
+            information(
+                f"displacements between {len(patches)} patches by expansions within {far_field.TOLERANCE:g}"
+            )
         )
     if contacts.counted.any():
         notes.append(
-            f"the pressure of {contacts.counted.sum()} contacts is not that of a Hertzian ellipse: their "
-            "areas are counted cells, within about a tenth of the cell over the contact's radius"
+            information(
+                f"the pressure of {contacts.counted.sum()} contacts is not that of a Hertzian ellipse: their "
+                "areas are counted cells, within about a tenth of the cell over the contact's radius"
+            )
         )
     if len(contacts.merged):
         shown = ", ".join(f"{i} and {j}" for i, j in contacts.merged[:5].tolist())
         notes.append(
-            f"{len(contacts.merged)} pairs of contacts have merged, among them {shown}: their loads and "
-            "areas are split where the summits' paraboloids cross"
+            information(
+                f"{len(contacts.merged)} pairs of contacts have merged, among them {shown}: their loads and "
+                "areas are split where the summits' paraboloids cross"
+            )
         )
     radius = np.sqrt(contacts.area / math.pi)
     coarse = (contacts.load > 0.0) & (radius < COARSEST)
     if coarse.any():
         share = contacts.load[coarse].sum() / contacts.load.sum()
         notes.append(
-            f"{coarse.sum()} contacts span fewer than {COARSEST:g} cells a radius and carry "
-            f"{share:.2g} of the load; their areas err by 2 % and more"
+            Note(
+                f"{coarse.sum()} contacts span fewer than {COARSEST:g} cells a radius and carry "
+                f"{share:.2g} of the load; their areas err by 2 % and more"
+            )
         )
     return tuple(notes)

@@ -70,6 +70,6 @@ def equilibrium(
         distance = check.number("separation", separation)
         state = replace(solver.solve(surface, float(surface.height.max()) - distance), separation=distance)
     if state.status is not Status.CONVERGED:
-        reason = "; ".join([f"residual {state.residual:.2g}", *state.notes])
+        reason = "; ".join([f"residual {state.residual:.2g}", *map(str, state.notes)])
         raise NotConverged(f"{state.status.value}: {reason}", state)
     return state

@@ -15,6 +15,7 @@ from metafem.errors import InvalidInput
 from metafem.models.model import ContactState, Curve, Sensitivity, Status
 from metafem.models.range_notes import wide_notes
 from metafem.models.rows import run_rows
+from metafem.notes import Note
 from metafem.surface import Surface
 
 # The load is solved for by the indentation of the shallowest contact, which keeps its digits.
@@ -164,12 +165,14 @@ class Independent:
         return approach, carried, area, slope
 
 
-def range_notes(separation: float) -> tuple[str, ...]:
+def range_notes(separation: float) -> tuple[Note, ...]:
     """Say where the plane would reach the base plane, which no model lets carry load."""
     if separation <= 0.0:
         return (
-            f"the base plane would touch: separation {separation:.4g} mm; "
-            "the load it would carry is not counted",
+            Note(
+                f"the base plane would touch: separation {separation:.4g} mm; "
+                "the load it would carry is not counted",
+            ),
         )
     return ()
 

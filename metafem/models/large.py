@@ -14,6 +14,7 @@ from metafem.models.lattice import LatticeSums, find_lattice
 from metafem.models.memory import require_memory
 from metafem.models.newton_krylov import TOLERANCE, Contacts, Iterate, Sums
 from metafem.models.scattered import ScatteredSums
+from metafem.notes import Note, information
 from metafem.substrate import Radial
 from metafem.surface import Surface
 
@@ -28,7 +29,7 @@ class Last:
     load: FloatArray
     square: FloatArray
     indentation: FloatArray
-    notes: tuple[str, ...] = ()
+    notes: tuple[Note, ...] = ()
 
 
 class LargeScene:
@@ -84,7 +85,7 @@ class LargeScene:
                 trail[j] = z
             if gradients is not None:
                 gradients[j] = contacts.area_gradient(state)
-            last = Last(state.load, state.square, state.indentation, (self.sums.note,))
+            last = Last(state.load, state.square, state.indentation, (information(self.sums.note),))
         return last
 
     @staticmethod

@@ -10,6 +10,7 @@ import numpy as np
 from metafem._validate import FloatArray
 from metafem.models.independent import TOLERANCE, Independent
 from metafem.models.model import ContactState, Curve, Sensitivity
+from metafem.notes import information
 from metafem.surface import Surface
 
 # Mean of 1/(pi r) over all pairs of points of a unit square: 4/pi [ln(1 + sqrt 2) - (sqrt 2 - 1)/3].
@@ -80,7 +81,11 @@ class MeanField:
         sunk = local + compliance * state.load
         residual = state.residual if approach is None or local <= 0.0 else abs(sunk - approach) / local
         reached = sunk if approach is None else approach
-        note = () if surface.count > 1 else ("one asperity has no neighbours: the mean field is zero",)
+        note = (
+            ()
+            if surface.count > 1
+            else (information("one asperity has no neighbours: the mean field is zero"),)
+        )
         return replace(
             state,
             approach=reached,

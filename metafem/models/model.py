@@ -7,6 +7,7 @@ from enum import Enum
 from typing import Protocol, runtime_checkable
 
 from metafem._validate import FloatArray
+from metafem.notes import Note
 from metafem.surface import Surface
 
 
@@ -35,7 +36,7 @@ class Curve:
         Largest relative error of the equations (0: none) on what is returned.
     tolerance : float
         What was promised for this surface, where that is looser than the model's own tolerance.
-    notes : tuple of str
+    notes : tuple of Note
         What a reader of the law must know of the solution.
     """
 
@@ -45,7 +46,7 @@ class Curve:
     stiffness: FloatArray
     residual: FloatArray
     tolerance: float = 0.0
-    notes: tuple[str, ...] = ()
+    notes: tuple[Note, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +72,7 @@ class ContactState:
     status : Status
     model : object
         The model that was solved.
-    notes : tuple of str
+    notes : tuple of Note
         What was skipped and by which bound, and where the model leaves its range.
     """
 
@@ -85,7 +86,7 @@ class ContactState:
     residual: float
     status: Status
     model: Model
-    notes: tuple[str, ...] = ()
+    notes: tuple[Note, ...] = ()
 
 
 @runtime_checkable

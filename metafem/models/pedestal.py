@@ -8,6 +8,7 @@ import numpy as np
 
 from metafem._validate import FloatArray
 from metafem.asperity.pedestal import COEFFICIENTS, POWERS, TABLE
+from metafem.notes import Note
 from metafem.surface import Surface
 
 # The part of the fit to finite elements that light contacts have: coefficients of theta^2, theta^3, ...
@@ -38,9 +39,11 @@ def pedestal_influence(height: FloatArray, radius: FloatArray) -> tuple[FloatArr
     return np.asarray(value), np.where(within, slope / (math.pi * radius**2), 0.0)
 
 
-def pedestal_notes(surface: Surface) -> tuple[str, ...]:
+def pedestal_notes(surface: Surface) -> tuple[Note, ...]:
     """Say how many summits are taller than what the table knows."""
     tall = int((surface.height > TABLE[-1][0] * surface.radius).sum())
     if not tall:
         return ()
-    return (f"{tall} summits stand higher than {TABLE[-1][0]:g} R; their pedestals are taken as that high",)
+    return (
+        Note(f"{tall} summits stand higher than {TABLE[-1][0]:g} R; their pedestals are taken as that high"),
+    )

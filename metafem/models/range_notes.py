@@ -6,6 +6,7 @@ import numpy as np
 
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
+from metafem.notes import Note
 from metafem.substrate import BondedLayer, Substrate
 from metafem.surface import Surface
 
@@ -17,14 +18,16 @@ COMPARED = 0.32
 WIDEST = 0.55
 
 
-def wide_notes(surface: Surface, contact_radius: FloatArray, load: float) -> tuple[str, ...]:
+def wide_notes(surface: Surface, contact_radius: FloatArray, load: float) -> tuple[Note, ...]:
     """Say where contacts are wider than any model of small strain holds for; the load in N."""
     ratio = float((contact_radius / surface.radius).max())
     if ratio <= WIDEST:
         return ()
     return (
-        f"the widest contact has a/R = {ratio:.2f} at {load:.4g} N: Hertz's law "
-        f"holds up to about {WIDEST:g}, with a fitted modulus",
+        Note(
+            f"the widest contact has a/R = {ratio:.2f} at {load:.4g} N: Hertz's law "
+            f"holds up to about {WIDEST:g}, with a fitted modulus"
+        ),
     )
 
 
@@ -40,11 +43,11 @@ def refuse_thin_layer(substrate: Substrate, contact_radius: float) -> None:
 
 def interaction_notes(
     surface: Surface, contact_radius: FloatArray, indentation: FloatArray
-) -> tuple[str, ...]:
+) -> tuple[Note, ...]:
     """Return what a reader of the state must know: overlap, wide contacts, the base plane."""
     from scipy.spatial import cKDTree
 
-    notes = []
+    notes: list[Note] = []
     closed = np.flatnonzero(contact_radius > 0.0)
     if closed.size > 1:
         a = contact_radius[closed]
@@ -62,19 +65,25 @@ def interaction_notes(
             ratio = float((np.maximum(np.maximum(a[i], a[j]), bending) / r).max())
             if overlaps:
                 notes.append(
-                    f"contacts overlap: {overlaps} pairs of them reach into each other; resolved "
-                    "contacts would merge"
+                    Note(
+                        f"contacts overlap: {overlaps} pairs of them reach into each other; resolved "
+                        "contacts would merge"
+                    )
                 )
             elif ratio > COMPARED:
                 notes.append(
-                    f"a/r = {ratio:.2f} exceeds {COMPARED}, up to which order 3 was compared with "
-                    "resolved contacts"
+                    Note(
+                        f"a/r = {ratio:.2f} exceeds {COMPARED}, up to which order 3 was compared with "
+                        "resolved contacts"
+                    )
                 )
     # the base under a contact has come nearer to the plane by its displacement: h - d is left
     left = float((surface.height - indentation).min())
     if left <= 0.0:
         notes.append(
-            f"the base plane would touch: {left:.4g} mm are left beside an asperity; "
-            "the load it would carry is not counted"
+            Note(
+                f"the base plane would touch: {left:.4g} mm are left beside an asperity; "
+                "the load it would carry is not counted"
+            )
         )
     return tuple(notes)

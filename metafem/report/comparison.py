@@ -10,6 +10,7 @@ from metafem._validate import FloatArray
 from metafem.inversion import Design
 from metafem.law import FrictionLaw
 from metafem.models import Independent
+from metafem.notes import Note
 from metafem.report.names import model_name
 from metafem.studies.substrates import laws_on_substrates
 
@@ -39,7 +40,7 @@ class Comparison:
     sinking: FloatArray
 
 
-def compared(design: Design) -> tuple[tuple[Comparison, ...], tuple[str, ...]]:
+def compared(design: Design) -> tuple[tuple[Comparison, ...], tuple[Note, ...]]:
     """Predict a design's law under the common models, at the loads of its own law.
 
     The half-space, the bonded layer and the true block where there is a block, and the model of the

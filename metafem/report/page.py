@@ -19,7 +19,6 @@ from metafem.inversion import (
     SampledLaw,
 )
 from metafem.models import equilibrium
-from metafem.report.cautions import cautions, is_warning
 from metafem.report.comparison import MOST_COMPARED, Comparison, compared
 from metafem.report.elements import elements_section
 from metafem.report.figures import (
@@ -31,6 +30,7 @@ from metafem.report.figures import (
     several_radii,
 )
 from metafem.report.names import misfit_words, model_name
+from metafem.report.notes import all_notes
 from metafem.report.svg import svg
 
 Row = tuple[str, str, str]
@@ -96,14 +96,14 @@ def page(design: Design, hardness: float | None = None, *, checks: bool = False)
     source = resources.files("metafem.report").joinpath("templates/page.html").read_text("utf-8")
     template = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True).from_string(source)
     comparisons, left_out = compared(design)
-    told, achieved = cautions(design, hardness), design.status.name != "MISSED"
+    notes, achieved = all_notes(design, hardness), design.status.name != "MISSED"
     return template.render(
         title=wanted(design.target),
         status=design.status.value,
         achieved=achieved,
         tiles=_tiles(design),
-        cautions=told,
-        warned=not achieved or any(is_warning(text) for text in told),
+        notes=notes,
+        warned=not achieved or any(note.warns for note in notes),
         arranged=design.layout is not None,
         hardness=hardness,
         law=svg(law_figure(design), "Target and achieved friction law"),

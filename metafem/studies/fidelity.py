@@ -10,6 +10,7 @@ from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.inversion import Design
+from metafem.notes import information, to_lines
 from metafem.studies.cap_contact import Caps, caps_of
 from metafem.studies.substrates import laws_on_substrates
 
@@ -52,7 +53,7 @@ def fidelity(design: Design, *, elements: bool = True) -> xr.Dataset:
         ``area`` [mm^2], ``separation`` [mm], ``area_change`` [-] (relative to independent asperities) and
         ``sinking`` [mm] (how much nearer the plane stands), over ``model`` and ``load`` [N];
         ``elements_error``, of load and indentation in the table of caps [-]. Attribute ``notes``: what
-        was left out and why.
+        was left out and why, a line for each.
 
     Examples
     --------
@@ -76,9 +77,9 @@ def fidelity(design: Design, *, elements: bool = True) -> xr.Dataset:
             caps = caps_of(surface, 1.2 * (surface.height - separation["independent"][-1]))
             area["fe"], separation["fe"] = _law_of_caps(caps, load)
             error = caps.error
-            notes.append(ELEMENTS)
+            notes.append(information(ELEMENTS))
         except InvalidInput as reason:
-            notes.append(f"fe is left out: {reason}")
+            notes.append(information(f"fe is left out: {reason}"))
     names = list(area)
     areas, separations = (np.array([part[name] for name in names]) for part in (area, separation))
     axes = ("model", "load")
@@ -95,7 +96,7 @@ def fidelity(design: Design, *, elements: bool = True) -> xr.Dataset:
         "load": ("load", load, {"units": "N", "long_name": "normal load"}),
         "rescaled_load": ("load", design.law.rescaled_load, rescaled),
     }
-    return xr.Dataset(variables, coordinates, {"study": "fidelity", "notes": "\n".join(notes)})
+    return xr.Dataset(variables, coordinates, {"study": "fidelity", "notes": to_lines(notes)})
 
 
 def _law_of_caps(caps: Caps, load: FloatArray) -> tuple[FloatArray, FloatArray]:

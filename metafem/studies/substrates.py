@@ -8,6 +8,7 @@ from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.law import FrictionLaw, friction_law
 from metafem.models import Independent, Interacting, Model
+from metafem.notes import Note, information
 from metafem.substrate import BondedLayer
 from metafem.surface import Surface
 
@@ -20,12 +21,12 @@ class Laws:
     ----------
     law : dict of str to FrictionLaw
         By the models' names on the command line; "independent" is the first.
-    notes : tuple of str
+    notes : tuple of Note
         What was left out, and why.
     """
 
     law: dict[str, FrictionLaw]
-    notes: tuple[str, ...]
+    notes: tuple[Note, ...]
 
 
 def laws_on_substrates(surface: Surface, load: FloatArray, *, wait: bool) -> Laws:
@@ -41,14 +42,14 @@ def laws_on_substrates(surface: Surface, load: FloatArray, *, wait: bool) -> Law
         Compute the true block's influence where it is not on disk yet.
     """
     models: dict[str, Model] = {"independent": Independent(), "half-space": Interacting()}
-    notes = []
+    notes: list[Note] = []
     if surface.block is None:
-        notes.append("the layer and the true block are left out: the surface has no block")
+        notes.append(information("the layer and the true block are left out: the surface has no block"))
     else:
         models["layer"] = Interacting(substrate=BondedLayer())
         model, reason = _true_block(surface, wait)
         if model is None:
-            notes.append(reason)
+            notes.append(information(reason))
         else:
             models["block"] = model
     return Laws(

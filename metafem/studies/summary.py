@@ -9,6 +9,7 @@ import numpy as np
 
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
+from metafem.notes import Note, from_lines, information
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -26,7 +27,7 @@ class Summary:
     title: str
     columns: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
-    notes: tuple[str, ...]
+    notes: tuple[Note, ...]
 
 
 def summary(study: Dataset) -> Summary:
@@ -35,8 +36,8 @@ def summary(study: Dataset) -> Summary:
     if name not in _SUMMARIES:
         raise InvalidInput(f"there is no summary of a study {name!r}")
     title, columns, rows = _SUMMARIES[name](study)
-    words = (DEALT,) if name == "interaction" else ()
-    return Summary(title, columns, rows, (*words, *str(study.attrs["notes"]).splitlines()))
+    words = (information(DEALT),) if name == "interaction" else ()
+    return Summary(title, columns, rows, (*words, *from_lines(str(study.attrs["notes"]))))
 
 
 # What the last columns of the interaction's table hold.

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 import metafem as mf
 from metafem.files.model_names import MODELS
 from metafem.files.records import from_record, to_record
+from metafem.notes import Level
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
 positive = st.floats(min_value=1e-300, max_value=1e300)
@@ -91,3 +92,15 @@ def test_a_foreign_record_is_refused(record, message):
 @pytest.mark.parametrize("name", MODELS)
 def test_every_named_model_reads_back(name):
     assert through_json(MODELS[name]()) == MODELS[name]()
+
+
+def test_notes_read_back_and_texts_of_before_become_notes():
+    design = mf.design(mf.LinearLaw(6.87), TEMPLATE, limits=mf.Limits(0.12, height_sd=0.01))
+    assert {note.level for note in design.notes} == {Level.WARNING}
+    record = json.loads(json.dumps(to_record(design)))
+    assert from_record(record).notes == design.notes
+    record["notes"] = ["heights were moved by at most 1 um", "raise the offset"]
+    assert [note.level for note in from_record(record).notes] == [Level.INFORMATION, Level.WARNING]
+    record["notes"] = [3]
+    with pytest.raises(mf.InvalidInput, match="3 is not a note"):
+        from_record(record)

@@ -9,6 +9,7 @@ import metafem as mf
 from metafem.inversion import DesignStatus
 from metafem.inversion.arranged import LAW_LOADS, NO_EFFECT, TILT_LOADS, arranged, asked_for
 from metafem.inversion.wanted import Wanted
+from metafem.notes import information
 
 LAYER = mf.Interacting(substrate=mf.BondedLayer())
 POWER, LIMITS = mf.PowerLaw(1.2, (0.1, 0.4)), mf.Limits(0.27)
@@ -47,7 +48,7 @@ def test_a_tilt_changes_the_law_of_an_arranged_design_less(template, model):
     dealt = [tilting(mf.design(POWER, template, model, LIMITS, seed).surface, model) for seed in range(3)]
     placed = mf.design(POWER, template, model, LIMITS, layout=mf.Layout(False, TILT))
     assert tilting(placed.surface, model) < 0.4 * np.mean(dealt)
-    assert "the change by a tilt of 0.1 deg from" in " ".join(placed.notes)
+    assert "the change by a tilt of 0.1 deg from" in " ".join(map(str, placed.notes))
 
 
 def test_sites_are_those_of_the_places(template):
@@ -69,7 +70,7 @@ def test_a_layout_is_the_same_for_the_same_seed():
 
 def test_following_the_law_means_nothing_without_interaction(template):
     placed = mf.design(POWER, template, limits=LIMITS, layout=mf.Layout())
-    assert NO_EFFECT in placed.notes
+    assert information(NO_EFFECT) in placed.notes
     np.testing.assert_array_equal(
         placed.surface.height, mf.design(POWER, template, limits=LIMITS).surface.height
     )
@@ -79,7 +80,7 @@ def test_slow_models_are_arranged_under_the_interacting_one(rough):
     wanted = Wanted.exactly(LOAD, mf.Independent().curve(rough, LOAD).area)
     model = mf.BoundaryElements(0.01, substrate=mf.BondedLayer())
     surface, told, notes = arranged(rough, mf.Layout(), model, wanted, np.random.default_rng(0))
-    assert "Interacting() in the model's stead" in notes[0]
+    assert "Interacting() in the model's stead" in notes[0].text
     assert rms(surface, LAYER, wanted.base) == pytest.approx(told["layout_after"], rel=1e-9)
 
 

@@ -178,8 +178,8 @@ def test_heights_stay_within_the_limits(template):
 def test_heights_too_fine_for_the_workshop_are_noted(template):
     limits = mf.Limits(max_height=0.12, height_sd=0.003)
     notes = mf.design(mf.LinearLaw(9.0), template, limits=limits).notes
-    assert "below 10 times height_sd" in notes[0]
-    assert "stand lower than 10 times height_sd" in notes[1]
+    assert "below 10 times height_sd" in notes[0].text
+    assert "stand lower than 10 times height_sd" in notes[1].text
 
 
 def test_a_missed_target_is_called_so(template):
@@ -247,7 +247,9 @@ def test_a_law_missed_for_want_of_height_says_so(template):
     target = mf.PowerLaw(1.35, (0.1, 0.4))
     result = mf.design(target, template, limits=mf.Limits(0.1, offset=0.1))
     assert result.status is DesignStatus.MISSED
-    assert "the heights use all of the 0.1 mm that they may differ by: raise max_height" in result.notes
+    assert "the heights use all of the 0.1 mm that they may differ by: raise max_height" in " ".join(
+        map(str, result.notes)
+    )
 
 
 @pytest.mark.parametrize(("count", "points"), [(3, 2), (8, 3), (64, 5)])
@@ -272,11 +274,11 @@ def test_no_summit_stands_below_the_foot(template):
 def test_levels_are_not_told_where_interaction_moved_them(template):
     result = mf.design(POINTS, template, mf.Interacting(order=1), mf.Limits(0.27))
     assert result.surface.count == 64
-    assert "6 asperities were added" in result.notes[-1]
+    assert "6 asperities were added" in result.notes[-1].text
     assert "levels" not in result.parameters
 
 
 def test_a_density_whose_few_asperities_miss_its_law_is_refined(template):
     result = mf.design(mf.BilinearLaw((7.15, 12.52), 0.038), template, limits=mf.Limits(0.27))
     assert result.status is DesignStatus.REFINED
-    assert "for the scatter of so few asperities" in result.notes[-1]
+    assert "for the scatter of so few asperities" in result.notes[-1].text

@@ -31,7 +31,7 @@ def test_friction_is_proportional_over_most_of_the_range(template, slope, model)
     assert np.sqrt(((ratio - 1.0) ** 2).mean()) < 0.01
     assert result.misfit < 0.01
     assert abs(result.fits[0][1].intercept) < 0.01 * slope * last
-    assert f"from {low:.4g} to {last:.4g} mm^2" in result.notes[0]
+    assert f"from {low:.4g} to {last:.4g} mm^2" in result.notes[0].text
 
 
 def test_little_height_shortens_the_range(template):

@@ -105,7 +105,7 @@ def test_a_mixture_reaches_between_the_tools(template):
     result = mf.design_radii(mf.LinearLaw(slope), template, [0.2, 1.6], limits=limits)
     assert result.parameters["used_radii"].tolist() == [0.2, 1.6]
     assert result.status is DesignStatus.APPROXIMATE
-    assert not [note for note in result.notes if "height_sd" in note]
+    assert not [note for note in result.notes if "height_sd" in note.text]
     reach = result.parameters["reachable_coefficients"] / per_slope
     np.testing.assert_allclose(reach, [low[0], high[1]])
 

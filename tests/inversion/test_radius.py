@@ -36,7 +36,9 @@ def test_tools_out_of_reach_are_noted(template):
     """A slope below 3 pi/4 sqrt(R/h) asks for a smaller radius."""
     result = mf.design_radius(mf.LinearLaw(4.5), template, TOOLS, limits=LIMITS)
     assert result.parameters["radius"] == 0.2
-    assert "radii that cannot reach the target [mm]: 0.526, 0.8; slope 4.5 is not above" in result.notes[-1]
+    assert (
+        "radii that cannot reach the target [mm]: 0.526, 0.8; slope 4.5 is not above" in result.notes[-1].text
+    )
 
 
 def test_a_range_is_searched_around_its_best(template):

@@ -39,7 +39,7 @@ def test_the_cheapest_model_within_the_tolerance_is_chosen(tolerance, model):
     state = mf.equilibrium(lattice(0.1 * np.ones(9)), mf.Automatic(tolerance), load=0.15)
     assert state.model == model
     names = {mf.Independent(): "independent", mf.Interacting(order=1): "order 1"}
-    assert state.notes[0].startswith(f"chosen: {names.get(model, 'order 3')}; estimated errors")
+    assert state.notes[0].text.startswith(f"chosen: {names.get(model, 'order 3')}; estimated errors")
     assert (
         mf.friction_law(lattice(0.1 * np.ones(9)), mf.Automatic(tolerance), load=[0.15]).notes == state.notes
     )
@@ -49,11 +49,11 @@ def test_what_no_asperity_model_holds_is_resolved():
     surface, automatic = lattice(0.5 * np.ones(4)), mf.Automatic(3e-3)
     state = mf.equilibrium(surface, automatic, load=4.0)
     assert isinstance(state.model, mf.BoundaryElements)
-    assert "resolved by 11 cells" in state.notes[0]
+    assert "resolved by 11 cells" in state.notes[0].text
     law = mf.friction_law(surface, automatic, load=[0.01, 4.0])
     assert law.area[0] == pytest.approx(mf.equilibrium(surface, automatic, load=0.01).area, rel=1e-10)
     assert law.area[1] == pytest.approx(state.area, rel=1e-6)
-    assert [note.split(";")[0] for note in law.notes if "chosen" in note] == [
+    assert [note.text.split(";")[0] for note in law.notes if "chosen" in note.text] == [
         "up to 0.01 N: chosen: independent",
         "up to 4 N: chosen: resolved contacts",
     ]
@@ -63,13 +63,13 @@ def test_a_block_that_is_left_aside_is_said():
     surface = lattice(0.1 * np.ones(9)).replaced(block=mf.Block(20.0, 20.0, 7.2))
     for model, said in ((mf.Automatic(), True), (mf.Automatic(substrate=mf.BondedLayer()), False)):
         notes = mf.friction_law(surface, model, load=[0.1, 0.15]).notes
-        assert any("block is left aside" in note for note in notes) == said
+        assert any("block is left aside" in note.text for note in notes) == said
 
 
 def test_what_cannot_be_resolved_is_said(monkeypatch):
     monkeypatch.setattr(automatic_module, "DENSE_LIMIT", 1)
     state = mf.equilibrium(lattice(0.5 * np.ones(9)), mf.Automatic(1e-6), load=1.0)
-    assert "resolved contacts are needed" in state.notes[0]
+    assert "resolved contacts are needed" in state.notes[0].text
 
 
 def test_laws_and_approaches_follow_the_chosen_model():

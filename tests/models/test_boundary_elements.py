@@ -133,7 +133,7 @@ def test_a_layer_bends_the_contact_by_its_self_curvature():
 def test_thin_layers_are_resolved_and_their_shape_is_said():
     surface = PAIR.replaced(height=[0.3, 0.31])
     state = on_layer(surface, 0.1, load=0.05)
-    assert any("not that of a Hertzian ellipse" in note for note in state.notes)
+    assert any("not that of a Hertzian ellipse" in note.text for note in state.notes)
     # an incompressible layer squeezed thin: stiffer than any half-space
     assert state.stiffness > 2.0 * mf.equilibrium(surface, COARSE, load=0.05).stiffness
 
@@ -210,7 +210,7 @@ def test_merged_contacts_are_said_and_counted():
     areas = []
     for cell in (0.004, 0.002):
         state = mf.equilibrium(surface, mf.BoundaryElements(cell), approach=0.06)
-        assert any("merged" in note for note in state.notes)
+        assert any("merged" in note.text for note in state.notes)
         areas.append(state.area)
     # a tenth of the cell over the radius
     assert areas[0] == pytest.approx(areas[1], rel=3e-3)
@@ -226,7 +226,7 @@ def test_contacts_that_nearly_touch_are_resolved():
 def test_small_contacts_are_said():
     surface = PAIR.replaced(height=[0.1, 0.2018])
     state = mf.equilibrium(surface, COARSE, load=0.05)
-    assert any("fewer than 4 cells" in note for note in state.notes)
+    assert any("fewer than 4 cells" in note.text for note in state.notes)
 
 
 def test_radii_may_differ_a_thousandfold():
@@ -321,7 +321,7 @@ def test_stopping_early_raises_with_the_state(monkeypatch):
 def test_patches_give_what_one_grid_gives(monkeypatch):
     surface = mf.Surface.square_lattice([0.1, 0.11, 0.12, 0.1], (2, 2), 0.9, radius=RADIUS, material=MATERIAL)
     apart = mf.equilibrium(surface, COARSE, load=0.1)
-    assert "4 patches" in apart.notes[1]
+    assert "4 patches" in apart.notes[1].text
     monkeypatch.setattr(resolved_grid, "SLOWEST_RATE", math.inf)
     whole = mf.equilibrium(surface, COARSE, load=0.1)
     assert len(whole.notes) == 1

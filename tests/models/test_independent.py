@@ -48,8 +48,8 @@ def test_open_contact_carries_nothing(rough):
 
 
 def test_base_contact_is_said(rough):
-    assert "base plane" not in " ".join(mf.equilibrium(rough, separation=0.01).notes)
-    assert "base plane would touch" in mf.equilibrium(rough, separation=-0.001).notes[0]
+    assert "base plane" not in " ".join(map(str, mf.equilibrium(rough, separation=0.01).notes))
+    assert "base plane would touch" in mf.equilibrium(rough, separation=-0.001).notes[0].text
 
 
 @given(st.integers(0, 10**6), st.floats(0.01, 3.0))

@@ -118,7 +118,7 @@ def test_load_and_approach_are_inverse_for_large_scenes():
     surface = lattice(rough(100))
     for model in (mf.Interacting(), mf.Interacting(pedestal=True, substrate=mf.BondedLayer())):
         state = mf.equilibrium(surface, model, load=0.5)
-        assert "FFT" in state.notes[0]
+        assert "FFT" in state.notes[0].text
         again = mf.equilibrium(surface, model, approach=state.approach)
         assert again.load == pytest.approx(0.5, rel=1e-8)
         step = 1e-4 * state.approach
@@ -130,7 +130,7 @@ def test_load_and_approach_are_inverse_for_large_scenes():
 @pytest.mark.usefixtures("large")
 def test_the_way_of_summing_is_noted():
     for surface, word in ((lattice(rough(100)), "FFT"), (loose(100), "scattered")):
-        assert word in mf.equilibrium(surface, mf.Interacting(order=1), load=0.5).notes[0]
+        assert word in mf.equilibrium(surface, mf.Interacting(order=1), load=0.5).notes[0].text
 
 
 @pytest.mark.usefixtures("large")

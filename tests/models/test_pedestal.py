@@ -34,4 +34,4 @@ def test_summits_beyond_the_table_keep_its_last_row_and_say_so():
     assert rate[1] == 0.0
     surface = mf.Surface([[0.0, 0.0]], [0.4], 0.526, mf.Material(1.36))
     state = mf.equilibrium(surface, mf.Interacting(pedestal=True), load=0.02)
-    assert "higher than 0.6 R" in state.notes[0]
+    assert "higher than 0.6 R" in state.notes[0].text

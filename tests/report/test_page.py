@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.report.cautions import cautions, is_warning
+from metafem.report import all_notes
 from metafem.report.page import page
 
 TARGETS = {
@@ -118,12 +118,12 @@ def test_the_misfit_is_called_what_it_is(template, target, words):
 def test_the_bar_is_red_for_warnings_alone(template):
     small = template.replaced(height=np.full(64, 0.05))
     stepped = mf.design(mf.PowerLaw(1.2, (0.01, 0.05)), small, limits=mf.Limits(0.12, height_step=0.001))
-    notes = cautions(stepped)
+    notes = all_notes(stepped)
     assert notes
-    assert not any(is_warning(note) for note in notes)
-    assert '<section class="told">' in page(stepped)
+    assert not any(note.warns for note in notes)
+    assert '<section class="informed">' in page(stepped)
     fine = mf.design(mf.LinearLaw(6.87), template, limits=mf.Limits(0.12, offset=0.084, height_sd=0.01))
-    assert '<section class="caution">' in page(fine)
+    assert '<section class="warned">' in page(fine)
 
 
 def test_seeds_are_told_of_where_places_were_dealt(template):

@@ -7,24 +7,11 @@ import warnings
 from metafem.errors import MetafemWarning
 from metafem.inversion import Design, plasticity_index
 from metafem.models import equilibrium
-
-# How the notes begin that tell what was done, and warn of nothing.
-CALM = (
-    "heights stand on steps",
-    "heights were moved",
-    "the places of the heights were chosen",
-    "the places were left as dealt",
-    "chosen: ",
-)
+from metafem.notes import Note
 
 
-def is_warning(text: str) -> bool:
-    """Whether a note warns of something, and does not only tell what was done."""
-    return not text.startswith(CALM)
-
-
-def cautions(design: Design, hardness: float | None = None) -> tuple[str, ...]:
-    """Collect the warnings of a design: its notes, base contact and the plasticity index.
+def all_notes(design: Design, hardness: float | None = None) -> tuple[Note, ...]:
+    """Return what is to be said of a design, warnings first: its notes, its law's, the plasticity index.
 
     Parameters
     ----------
@@ -32,11 +19,11 @@ def cautions(design: Design, hardness: float | None = None) -> tuple[str, ...]:
     hardness : float, optional
         H of the softer material [MPa]; without it the plasticity index is not evaluated.
     """
-    found = list(design.notes)
+    found = [*design.notes]
     found += equilibrium(design.surface, design.law.model, load=float(design.law.load[-1])).notes
     if hardness is not None:
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always", MetafemWarning)
             plasticity_index(design.surface, hardness)
-        found += [str(warning.message) for warning in caught]
-    return tuple(found)
+        found += [Note(str(warning.message)) for warning in caught]
+    return tuple(sorted(found, key=lambda note: not note.warns))
