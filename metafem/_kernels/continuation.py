@@ -10,9 +10,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from metafem._kernels import projected_cg
+from metafem._kernels.compiled import compiled
 from metafem._kernels.coupling import State, empty_state, quadratic_form
 from metafem._kernels.interacting import TOLERANCE, Scratch, empty_scratch, newton, rates, refresh, settle
 
@@ -63,7 +63,7 @@ def empty_workplace(count: int, order: int) -> tuple[State, Memory, Scratch]:
     return empty_state(count), empty_memory(count), empty_scratch(count, order)
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def uniform_approach(gap, radius, load):
     """Return the approach [mm] at which independent asperities carry `load`, to a few percent."""
     x = math.inf
@@ -83,7 +83,7 @@ def uniform_approach(gap, radius, load):
     return x
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def extrapolate(memory, points, width, ahead, radius, z):
     """Fill z at a distance `ahead` beyond the last equilibrium; return the load and its slope there."""
     cubic = points > 1 and ahead <= REACH * width
@@ -99,7 +99,7 @@ def extrapolate(memory, points, width, ahead, radius, z):
     return load, slope
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def predict(memory, points, width, ahead, target, radius, z):
     """Fill z for an approach `ahead` of the last, or for a target load > 0; return the way ahead."""
     if points > 1:
@@ -119,7 +119,7 @@ def predict(memory, points, width, ahead, target, radius, z):
     return ahead
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def tangent(field, order, radius, own, state, count, points, memory, scratch):
     """Fill memory.last_rate = dz/dx and return dP/dx [mm]; dp/dP is kept in scratch.loads."""
     matrix = refresh(field, order, radius, own, state, count, scratch, False)
@@ -147,7 +147,7 @@ def tangent(field, order, radius, own, state, count, points, memory, scratch):
     return 1.0 / form if good and form > 0.0 else math.inf
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def afresh(gap, radius, control, by_load, z):
     """Fill z with that of independent asperities, and return its approach."""
     start = uniform_approach(gap, radius, control) if by_load else control
@@ -156,7 +156,7 @@ def afresh(gap, radius, control, by_load, z):
     return start
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def solved(field, order, radius, own, gap, approach, target, state, scratch):
     """Solve under a target load, or at the approach where the target is 0."""
     if target > 0.0:
@@ -164,7 +164,7 @@ def solved(field, order, radius, own, gap, approach, target, state, scratch):
     return newton(field, order, radius, own, gap, approach, 0.0, state, scratch)
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def curve(field, order, radius, own, gap, control, by_load, row, results, state, memory, scratch, trail):
     """Fill one row of results at increasing loads, or approaches; and z (k, n) where `trail` has room."""
     n = radius.size
@@ -216,7 +216,7 @@ def curve(field, order, radius, own, gap, control, by_load, row, results, state,
         points = min(2, points + 1) if width > 0.0 else 1
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def curves(field, order, radius, own, gap, control, by_load, results, state, memory, scratch, trail):
     """Fill the results (m, k) of m surfaces: radius, own and gap are (m, n), control (k,) increasing."""
     for row in range(gap.shape[0]):

@@ -19,7 +19,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
+
+from metafem._kernels.compiled import compiled
 
 # Neighbours that flatten a summit to a tenth of its curvature are outside any expansion.
 LEAST_CURVATURE = 0.1
@@ -63,7 +64,7 @@ def empty_state(count: int) -> State:
     return State._make([*np.zeros((len(State._fields) - 1, count)), np.zeros(count, dtype=np.int64)])
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def add_rows(matrix, closed, count, weight, out):
     """Add sum_j weight[j] matrix[j] over the closed j to `out`: rows stream, no reduction is needed."""
     n = out.size
@@ -83,7 +84,7 @@ def add_rows(matrix, closed, count, weight, out):
         k += 1
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def respond(field, order, radius, own, state):
     """Fill the state that follows from its z; return the number of contacts."""
     z, load, closed = state.z, state.load, state.closed
@@ -136,7 +137,7 @@ def respond(field, order, radius, own, state):
     return count
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def assemble(field, radius, state, count, matrix):
     """Fill the rows of contacts of dF/dp but for the diagonal of Hertz and `own`.
 
@@ -163,7 +164,7 @@ def assemble(field, radius, state, count, matrix):
             )
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def quadratic_form(field, order, radius, own, state, count, y, out, rate):
     """Return y.(d2W/dp2) y with every term; y vanishes on open asperities. out, rate: scratch."""
     closed = state.closed
@@ -195,7 +196,7 @@ def quadratic_form(field, order, radius, own, state, count, y, out, rate):
     return total
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def energy(order, radius, gap, approach, state, count):
     """Return the complementary energy W [mm^3] of the state."""
     total = 0.0
@@ -209,7 +210,7 @@ def energy(order, radius, gap, approach, state, count):
     return total
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def measure(order, radius, gap, approach, target, state, count):
     """Return the residual of the equations, and the load.
 

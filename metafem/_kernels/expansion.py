@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from metafem._kernels.compiled import compiled
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def apply_pairs(first, second, order, start, table, moments, result):
     """Add each pair's block times the second's moments to its first patch, and the transpose's back.
 

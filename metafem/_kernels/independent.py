@@ -9,7 +9,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
+
+from metafem._kernels.compiled import compiled
 
 # Newton from the right loses two thirds of the distance at first and then converges quadratically;
 # 200 steps shrink any double to nothing.
@@ -20,7 +21,7 @@ MAX_REFINEMENTS = 3
 ROUNDING = 4.0 * np.finfo(np.float64).eps
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def load_and_slope(gap, root_radius, approach):
     """Return P/E* [mm^2] and its derivative by the approach [mm]."""
     load = 0.0
@@ -35,7 +36,7 @@ def load_and_slope(gap, root_radius, approach):
     return 4.0 / 3.0 * load, 2.0 * slope
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def sums(gap, root_radius, base, depth):
     """Return P/E* [mm^2], A0 [mm^2] and slope [mm] at the approach base + depth, summed after Neumaier."""
     load = area = slope = 0.0
@@ -66,7 +67,7 @@ def sums(gap, root_radius, base, depth):
     return 4.0 / 3.0 * (load + load_rest), math.pi * (area + area_rest), 2.0 * (slope + slope_rest)
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def approach_at_load(gap, root_radius, load, below):
     """Return the approach [mm] that carries `load`; `below` is one that carries less (0 will do)."""
     if load <= 0.0:
@@ -91,7 +92,7 @@ def approach_at_load(gap, root_radius, load, below):
     return x
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def refine(gap, root_radius, load, approach):
     """Split an approach into the gap of the last contact and its indentation, and solve for that.
 
@@ -113,7 +114,7 @@ def refine(gap, root_radius, load, approach):
     return base, depth
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def curves(gap, root_radius, load, approach, carried, area, slope):
     """Fill (m, k) results for m surfaces of n asperities and k increasing loads.
 
@@ -128,7 +129,7 @@ def curves(gap, root_radius, load, approach, carried, area, slope):
             carried[i, j], area[i, j], slope[i, j] = sums(gap[i], root_radius[i], base, depth)
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def curve_at_approach(gap, root_radius, approach, load, area, slope):
     """Fill load, area and slope (k,) of one surface at given approaches (k,)."""
     for j in range(approach.size):

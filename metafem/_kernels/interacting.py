@@ -6,9 +6,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from metafem._kernels import projected_cg
+from metafem._kernels.compiled import compiled
 from metafem._kernels.coupling import assemble, energy, measure, respond
 
 # The residual that is promised, and the one Newton aims at, which leaves room for rounding.
@@ -57,7 +57,7 @@ def empty_scratch(count: int, order: int) -> Scratch:
     return Scratch(np.zeros((size, size)), np.zeros(count, np.bool_), projected_cg.empty_work(count), *rows)
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def refresh(field, order, radius, own, state, count, scratch, always):
     """Fill the diagonal, and the matrix where it must be; return the matrix."""
     for k in range(count):
@@ -74,7 +74,7 @@ def refresh(field, order, radius, own, state, count, scratch, always):
     return scratch.matrix
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def rates(own, state, count, shift, scratch, out):
     """Fill the change of z on all rows that goes with the loads and the approach just solved for."""
     for i in range(out.size):
@@ -84,7 +84,7 @@ def rates(own, state, count, shift, scratch, out):
         out[i] = (out[i] + (scratch.diagonal[i] - own[i]) * scratch.loads[i]) / state.bend[i]
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def newton(field, order, radius, own, gap, approach, target, state, scratch):
     """Solve from state.z and the approach; a target load > 0 makes the approach an unknown.
 
@@ -137,7 +137,7 @@ def newton(field, order, radius, own, gap, approach, target, state, scratch):
     return x, count, load, residual
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def downhill(own, matrix, state, count, leave, scratch):
     """Solve for a step at a given approach with contacts made compliant until the matrix is positive."""
     raised = 1.0
@@ -162,7 +162,7 @@ def downhill(own, matrix, state, count, leave, scratch):
     return shift, good
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def line_search(field, order, radius, own, gap, approach, shift, target, residual, count, state, scratch):
     """Move z along the step until the energy, or the residual, falls enough; a full step is tried first.
 
@@ -194,7 +194,7 @@ def line_search(field, order, radius, own, gap, approach, shift, target, residua
     return x, count, load, new, length == 1.0
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def settle(field, order, radius, own, gap, approach, target, state, scratch):
     """Solve at a given load by Newton, and where that stalls from equilibria that bracket the load.
 

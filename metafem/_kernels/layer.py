@@ -9,14 +9,15 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
+
+from metafem._kernels.compiled import compiled
 
 # g is analytic in |Im s| < 2, so a piece of half-width 1/16 gains a factor 64 a degree: 64^-10 = 1e-18.
 WIDTH = 0.125
 DEGREE = 9
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def regular(s, table):
     """Return g, g' and g'' at one distance s [-]."""
     piece = int(s / WIDTH)
@@ -32,7 +33,7 @@ def regular(s, table):
     return value, first, second
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def fill_regular(distance, thickness, table, value, first, second):
     """Fill the regular part of G [1/mm], G' and G'' at distances r [mm], all (n,)."""
     unit = 1.0 / (math.pi * thickness)

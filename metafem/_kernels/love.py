@@ -10,7 +10,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
+
+from metafem._kernels.compiled import compiled
 
 # The closed form is a second difference of terms of size r: it loses (r/cell)^2 units in the last
 # place, so it serves up to this distance only. Beyond it, five Gauss points a side err by about
@@ -23,7 +24,7 @@ NODES = 0.5 * _NODES
 WEIGHTS = 0.5 * _WEIGHTS
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def asinh_difference(b, a, s):
     """Return asinh(b/s) - asinh(a/s) for b >= a and s >= 0, without cancellation."""
     if s == 0.0 and a <= 0.0 <= b:
@@ -38,7 +39,7 @@ def asinh_difference(b, a, s):
     return math.log((b + rb) / s) + math.log((ra - a) / s)
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def displacement(x, y):
     """Return the displacement, in cells, of unit pressure p/E* on the unit square about the origin."""
     x = abs(x)
@@ -58,7 +59,7 @@ def displacement(x, y):
     ) / math.pi
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def table(rows, columns):
     """Return displacements at whole-cell distances, (rows, columns); symmetric, so only once each."""
     result = np.empty((rows, columns))

@@ -9,21 +9,22 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
+
+from metafem._kernels.compiled import compiled
 
 # Width of the window, and its shape for a grid twice as fine as the field needs: 1e-11 (same source).
 POINTS = 13
 SHAPE = 2.30 * POINTS
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def window(x):
     """Return w at a distance x [grid steps]."""
     square = 1.0 - (2.0 * x / POINTS) ** 2
     return math.exp(SHAPE * (math.sqrt(square) - 1.0)) if square > 0.0 else 0.0
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def weights(place, out):
     """Fill the window (POINTS,) around a place [grid steps]; return the first grid point."""
     first = math.ceil(place - 0.5 * POINTS)
@@ -32,7 +33,7 @@ def weights(place, out):
     return first
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def spread(place, source, grid):
     """Add sources (n,) at places (n, 2) [grid steps: row, column] to the grid."""
     wy, wx = np.empty(POINTS), np.empty(POINTS)
@@ -46,7 +47,7 @@ def spread(place, source, grid):
                 grid[row + k, column + j] += amount * wx[j]
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def gather(place, grid, out):
     """Fill the sums (n,) of the grid under the windows at places (n, 2)."""
     wy, wx = np.empty(POINTS), np.empty(POINTS)

@@ -9,15 +9,15 @@ stiff long waves that only shift the approach are projected out. Without the con
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from metafem._kernels.compiled import compiled
 from metafem._kernels.coupling import add_rows
 
 # Enough for any well-posed dense system; a step left inexact is corrected by the next.
 MAX_STEPS = 400
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def solve(matrix, diagonal, closed, count, free, total, rhs, tolerance, warm, y, work):
     """Fill y; return the approach and whether the matrix was positive along the way.
 

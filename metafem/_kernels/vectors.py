@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from numba import njit
+from metafem._kernels.compiled import compiled
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def dot(a, b):
     """Return the inner product, four partial sums at a time."""
     s0 = s1 = s2 = s3 = 0.0
@@ -20,7 +20,7 @@ def dot(a, b):
     return (s0 + s1) + (s2 + s3)
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def violations(w, face):
     """Return the largest |w| on the face, and the largest overlap -w elsewhere."""
     inside = 0.0

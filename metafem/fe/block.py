@@ -31,8 +31,8 @@ class Block3D:
     ``G(x, x') = 1/(pi r) + w(x, x')``: the half-space's part in closed form; the smooth remainder w from
     hexahedra with quadratic displacements and linear pressure (Taylor-Hood), for any Poisson ratio up to
     and including 1/2. Symmetry makes it a few problems on a quarter of the block, and Betti's theorem
-    evaluates it. The block is solved without its asperities. Each result is kept on disk, under
-    ``$XDG_CACHE_HOME/metafem`` or ``~/.cache/metafem``.
+    evaluates it. The block is solved without its asperities. Each result is kept on disk,
+    where ``metafem doctor`` says; ``METAFEM_CACHE_DIR`` names another folder.
 
     Holds for loads within the block; those nearer to a side than `cell` times the thickness need smaller
     cells, and say so. With the default cells, entries for the 8 x 8 lattice on the block of Aymard et

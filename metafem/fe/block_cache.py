@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
+from metafem._caches import cache_folder
 from metafem._validate import FloatArray
 
 
@@ -54,12 +55,6 @@ _ARRAYS = ("matrix", "gradient_x", "gradient_y", "laplacian")
 _NUMBERS = ("asymmetry", "error_estimate", "residual")
 
 
-def cache_folder() -> Path:
-    """Return ``$XDG_CACHE_HOME/metafem``, or ``~/.cache/metafem``."""
-    base = os.environ.get("XDG_CACHE_HOME")
-    return (Path(base) if base else Path("~/.cache").expanduser()) / "metafem"
-
-
 def cached(
     shape: tuple[float, ...], position: FloatArray, compute: Callable[[], BlockInfluence]
 ) -> BlockInfluence:
@@ -70,7 +65,7 @@ def cached(
     """
     try:
         path = _path(shape, position)
-    except RuntimeError as error:  # no home folder
+    except OSError as error:  # no home folder
         return _noted(compute(), f"not kept on disk: {error}")
     try:
         return _read(path, len(position))
@@ -89,7 +84,7 @@ def is_cached(shape: tuple[float, ...], position: FloatArray) -> bool:
     """Return whether there is a file for a block and its sites."""
     try:
         return _path(shape, position).is_file()
-    except (RuntimeError, OSError):  # no home folder, or one that cannot be read
+    except OSError:  # no home folder, or one that cannot be read
         return False
 
 

@@ -29,7 +29,8 @@ SITES = np.array([[0.75, 2.25], [-0.75, 2.25], [3.1, -0.4], [0.0, -2.0]])
 def cache(tmp_path_factory):
     """A cache folder of the tests' own, so that nothing is read that they did not compute."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("cache")))
+        folder = tmp_path_factory.mktemp("cache")
+        patch.setattr(block_cache, "cache_folder", lambda: folder)
         _solution.cache_clear()
         yield patch
     _solution.cache_clear()
@@ -231,7 +232,7 @@ def test_result_is_read_back(coarse, monkeypatch):
 @pytest.fixture
 def stored(coarse, tmp_path, monkeypatch):
     """What is kept, with a folder of its own and without the cost of computing it."""
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.setattr(block_cache, "cache_folder", lambda: tmp_path)
     return lambda shape=(1.0,): block_cache.cached(shape, SITES, lambda: coarse)
 
 
@@ -247,7 +248,7 @@ def test_changed_code_computes_anew(stored, monkeypatch):
 
 def test_broken_file_is_computed_anew(stored, tmp_path):
     stored()
-    (path,) = (tmp_path / "metafem").iterdir()
+    (path,) = tmp_path.iterdir()
     path.write_bytes(path.read_bytes()[:100])
     assert "could not be read" in stored().notes[-2]
     assert stored().notes[-1].startswith("read from")
@@ -260,12 +261,12 @@ def test_interrupted_write_leaves_nothing(stored, tmp_path, monkeypatch):
     monkeypatch.setattr(np, "savez", interrupted)
     with pytest.raises(KeyboardInterrupt):
         stored()
-    assert not list((tmp_path / "metafem").iterdir())
+    assert not list(tmp_path.iterdir())
 
 
 def test_unwritable_folder_is_a_note(stored, tmp_path, monkeypatch):
     (tmp_path / "file").touch()
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))
+    monkeypatch.setattr(block_cache, "cache_folder", lambda: tmp_path / "file" / "metafem")
     assert "not kept on disk" in stored().notes[-1]
 
 

@@ -18,7 +18,8 @@ LOADS = np.array([0.01, 0.05, 0.1])
 def cache_folder(tmp_path_factory):
     """A cache folder of the tests' own."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("cache")))
+        folder = tmp_path_factory.mktemp("cache")
+        patch.setattr("metafem.fe.block_cache.cache_folder", lambda: folder)
         yield
 
 

@@ -10,6 +10,7 @@ import time
 import numpy as np
 
 import metafem as mf
+from metafem import _caches
 from metafem.fe.block import _solution
 from metafem.reference import bonded_layer
 from validation.benchmark.timing import Row, best
@@ -43,9 +44,9 @@ def layer_matrix(position: np.ndarray) -> np.ndarray:
 def rows() -> list[Row]:
     """Measure every row of the table that concerns the block."""
     surface = lattice()
-    before = os.environ.get("XDG_CACHE_HOME")
+    before = os.environ.get(_caches.VARIABLE)
     with tempfile.TemporaryDirectory() as folder:
-        os.environ["XDG_CACHE_HOME"] = folder
+        os.environ[_caches.VARIABLE] = folder
         try:
             start = time.perf_counter()
             found = mf.fe.Block3D().solution(surface)
@@ -60,9 +61,9 @@ def rows() -> list[Row]:
             refined = mf.fe.Block3D(**REFINED).influence_matrix(surface)
             wide = mf.fe.Block3D(**WIDE).influence_matrix(lattice(90.0))
         finally:
-            os.environ.pop("XDG_CACHE_HOME")
+            os.environ.pop(_caches.VARIABLE)
             if before is not None:
-                os.environ["XDG_CACHE_HOME"] = before
+                os.environ[_caches.VARIABLE] = before
             _solution.cache_clear()
     error = float(np.abs(found.matrix - refined).max())
     return [

@@ -1,0 +1,93 @@
+"""Where metafem keeps what it need not compute twice: compiled kernels and the influence of blocks."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
+
+# Names a folder for all caches, in place of the user's own.
+VARIABLE = "METAFEM_CACHE_DIR"
+
+# Everything metafem writes there; whatever else lies there is not touched.
+_KERNELS = re.compile(r"[0-9a-f]{32}")
+_BLOCK = re.compile(r"\.?block-.*\.npz")
+
+
+def cache_folder() -> Path:
+    """Return ``$METAFEM_CACHE_DIR``, or metafem's folder among the user's caches.
+
+    Raises
+    ------
+    OSError
+        Where the user has no home folder and the variable is not set.
+    """
+    wanted = os.environ.get(VARIABLE)
+    if wanted:
+        return Path(wanted).absolute()
+    from platformdirs import user_cache_path
+
+    folder = user_cache_path("metafem")
+    if not folder.is_absolute():
+        raise OSError(f"no home folder for a cache; {VARIABLE} can name another")
+    return folder
+
+
+def kernel_folder() -> Path:
+    """Return the folder with one folder of compiled kernels for each version of their sources."""
+    return cache_folder() / "kernels"
+
+
+def kept_kernels() -> list[Path]:
+    """Return the folders of compiled kernels, the last used first."""
+    return sorted(_children(kernel_folder(), _KERNELS), key=_time, reverse=True)
+
+
+def kept_blocks() -> list[Path]:
+    """Return the files with the influence of a block."""
+    return sorted(_children(cache_folder(), _BLOCK))
+
+
+def size(paths: list[Path]) -> int:
+    """Return the size of files and of all files in folders [bytes]."""
+    return sum(_size(path) for path in paths) + sum(
+        _size(Path(folder, file)) for path in paths for folder, _, files in os.walk(path) for file in files
+    )
+
+
+def remove(paths: list[Path]) -> int:
+    """Remove files and folders, and return how much was freed [bytes].
+
+    Other processes may read, write or remove the same at any time: each file is whole, and is made anew
+    where it is missing.
+    """
+    before = size(paths)
+    for path in paths:
+        if path.is_dir():
+            shutil.rmtree(path, ignore_errors=True)
+        else:
+            with suppress(OSError):
+                path.unlink()
+    return before - size(paths)
+
+
+def _children(folder: Path, name: re.Pattern[str]) -> Iterator[Path]:
+    with suppress(FileNotFoundError, NotADirectoryError):
+        yield from (path for path in folder.iterdir() if name.fullmatch(path.name))
+
+
+def _time(path: Path) -> float:
+    try:
+        return path.stat().st_mtime
+    except OSError:  # removed meanwhile by another process
+        return 0.0
+
+
+def _size(path: Path) -> int:
+    try:
+        return path.stat().st_size if path.is_file() else 0
+    except OSError:
+        return 0

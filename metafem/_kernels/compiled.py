@@ -1,0 +1,116 @@
+"""Compilation of kernels, kept outside the package for the next process.
+
+The files that numba itself writes lie in the package, are found by the function's own source alone, and
+are written in two parts that two processes can mix up. Here each compiled function is one file, whole or
+not there, in a folder named after all that its machine code depends on.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import pickle
+import platform
+import tempfile
+from contextlib import suppress
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import llvmlite
+import numba
+import numpy as np
+from numba import njit
+from numba.core.caching import NullCache
+from numba.core.compiler import CompileResult
+from numba.core.serialize import dumps
+
+from metafem import _caches
+
+# Versions of the kernels that are kept; one takes about 3 MB, and each Python or edit needs its own.
+MOST_VERSIONS = 8
+
+# Bytes of the hash that a kept file begins with.
+DIGEST = 32
+
+
+def compiled(function):
+    """Compile a kernel for each signature that it is called with, once for this installation."""
+    dispatcher: Any = njit(nogil=True)(function)
+    dispatcher._cache = _Kept(function)
+    return dispatcher
+
+
+def version(package: Path) -> str:
+    """Return a hash of what compiled kernels depend on: all sources, since kernels call each other."""
+    sources = sorted(package.glob("*.py"))
+    if not sources:
+        raise FileNotFoundError(f"no sources in {package}")
+    total = hashlib.sha256()
+    for used in (platform.python_version(), numba.__version__, llvmlite.__version__, np.__version__):
+        total.update(f"{used}\n".encode())
+    for source in sources:
+        total.update(f"{source.name} {source.stat().st_size}\n".encode())
+        total.update(source.read_bytes())
+    return total.hexdigest()[:32]
+
+
+@lru_cache
+def _version() -> str:
+    return version(Path(__file__).parent)
+
+
+def folder() -> Path:
+    """Return where this version of the kernels is kept."""
+    return _caches.kernel_folder() / _version()
+
+
+class _Kept(NullCache):
+    """The compiled signatures of one function, on disk. What cannot be read or kept is compiled."""
+
+    def __init__(self, function):
+        self._name = f"{function.__module__.rpartition('.')[2]}.{function.__qualname__}"
+
+    def load_overload(self, signature, target_context):
+        """Return what was compiled for a signature, or None."""
+        target_context.refresh()
+        try:
+            path = self._path(signature, target_context.codegen())
+            content = path.read_bytes()
+        except OSError:
+            return None
+        digest, data = content[:DIGEST], content[DIGEST:]
+        if hashlib.sha256(data).digest() != digest:  # damaged
+            return None
+        _used(path.parent)
+        return CompileResult._rebuild(target_context, *pickle.loads(data))
+
+    def save_overload(self, signature, result):
+        """Keep what was compiled: write beside and rename, so that no half-written file is ever found."""
+        if result.library.has_dynamic_globals:  # holds addresses of this process
+            return
+        data = dumps(result._reduce())
+        with suppress(OSError):
+            path = self._path(signature, result.library.codegen)
+            if not path.parent.is_dir():
+                path.parent.mkdir(parents=True, exist_ok=True)
+                _caches.remove(_caches.kept_kernels()[MOST_VERSIONS:])
+            handle, name = tempfile.mkstemp(dir=path.parent)
+            try:
+                with os.fdopen(handle, "wb") as file:
+                    file.write(hashlib.sha256(data).digest() + data)
+                Path(name).replace(path)
+            except BaseException:
+                Path(name).unlink(missing_ok=True)
+                raise
+
+    def _path(self, signature, codegen):
+        depends = f"{signature} {codegen.magic_tuple()}"  # with the processor and its features
+        return folder() / f"{self._name}-{hashlib.sha256(depends.encode()).hexdigest()[:32]}"
+
+
+@lru_cache
+def _used(path: Path) -> None:
+    """Date the folder of kernels, so that those last used are kept longest."""
+    with suppress(OSError):
+        os.utime(path)

@@ -1,0 +1,106 @@
+"""Compiled kernels outlive the process, outside the package, and never their sources."""
+
+import os
+import shutil
+from pathlib import Path
+
+import pytest
+from numba.core import event
+
+import metafem
+from metafem import _caches
+from metafem._kernels import compiled as module
+from metafem._kernels.compiled import compiled, version
+
+KERNELS = Path(metafem.__file__).parent / "_kernels"
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.setenv(_caches.VARIABLE, str(tmp_path))
+    return tmp_path
+
+
+def twice(x):
+    return 2.0 * x
+
+
+def compilations(call):
+    """Return how often `call` has numba compile."""
+    with event.install_recorder("numba:compile") as recorder:
+        call()
+    return sum(1 for _, each in recorder.buffer if each.is_start)
+
+
+def test_a_signature_is_compiled_once_for_all_processes(folder):
+    assert compilations(lambda: compiled(twice)(1.0)) == 1
+    assert compilations(lambda: compiled(twice)(1.0)) == 0
+    assert compilations(lambda: compiled(twice)(1)) == 1
+    assert compiled(twice)(3.0) == 6.0
+    (version_folder,) = (folder / "kernels").iterdir()
+    assert (
+        sorted(path.name.partition("-")[0] for path in version_folder.iterdir())
+        == ["test_compiled.twice"] * 2
+    )
+
+
+def test_damaged_files_are_compiled_anew(folder):
+    compiled(twice)(1.0)
+    (path,) = (folder / "kernels").rglob("test_compiled*")
+    whole = path.read_bytes()
+    for damaged in (b"", whole[:100], whole[:-1], whole[:-1] + bytes([whole[-1] ^ 1])):
+        path.write_bytes(damaged)
+        assert compilations(lambda: compiled(twice)(1.0)) == 1
+        assert compilations(lambda: compiled(twice)(1.0)) == 0
+
+
+def test_a_cache_that_cannot_be_written_breaks_nothing(tmp_path, monkeypatch):
+    (tmp_path / "file").touch()
+    monkeypatch.setenv(_caches.VARIABLE, str(tmp_path / "file"))
+    assert compiled(twice)(2.0) == 4.0
+
+
+def test_no_home_folder_breaks_nothing(monkeypatch):
+    monkeypatch.delenv(_caches.VARIABLE, raising=False)
+    monkeypatch.setattr("platformdirs.user_cache_path", lambda _: Path("~/.cache/metafem"))
+    assert compiled(twice)(2.0) == 4.0
+
+
+def test_interrupted_write_leaves_nothing(folder, monkeypatch):
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(Path, "replace", full)
+    assert compiled(twice)(2.0) == 4.0
+    assert not [path for path in folder.rglob("*") if path.is_file()]
+
+
+@pytest.mark.parametrize("source", sorted(path.name for path in KERNELS.glob("*.py")))
+def test_an_edit_of_any_kernel_is_another_version(source, tmp_path):
+    copy = shutil.copytree(KERNELS, tmp_path / "_kernels", ignore=shutil.ignore_patterns("__pycache__"))
+    assert version(copy) == version(KERNELS)
+    with (copy / source).open("a") as file:
+        file.write("\n")
+    assert version(copy) != version(KERNELS)
+
+
+def test_only_the_last_used_versions_are_kept(folder):
+    foreign = folder / "kernels" / "mine"
+    foreign.mkdir(parents=True)
+    for i in range(12):
+        other = folder / "kernels" / f"{i:032x}"
+        other.mkdir()
+        (other / "kernel").write_bytes(b"x")
+        os.utime(other, (i, i))
+    compiled(twice)(1.0)
+    kept = {path.name for path in _caches.kept_kernels()}
+    assert kept == {module.folder().name, *(f"{i:032x}" for i in range(5, 12))}
+    assert foreign.is_dir()
+
+
+def test_no_compiled_file_lies_in_the_package():
+    assert not [path for path in KERNELS.parent.rglob("*") if path.suffix in (".nbi", ".nbc")]
+
+
+def test_no_kernel_is_cached_by_numba_itself():
+    assert not [path.name for path in KERNELS.glob("*.py") if "cache=True" in path.read_text()]
