@@ -6,12 +6,12 @@ import numpy as np
 
 from metafem._validate import FloatArray, IntArray
 from metafem.inversion.blueprint import Blueprint
-from metafem.inversion.judge import MISSED, UNCOUPLED, branch_fits, independent_misfit, largest_misfit
+from metafem.inversion.judge import MISSED, branch_fits, independent_misfit, largest_misfit
 from metafem.inversion.nearest import GOAL, law_of_heights
 from metafem.inversion.refine import POINT_GOAL, Evaluate, Heights, Refined, descend, search
 from metafem.inversion.request import Request
 from metafem.inversion.wanted import Wanted
-from metafem.models import Independent, Model, Sensitive
+from metafem.models import Independent
 from metafem.notes import Note, information
 from metafem.surface import Surface
 
@@ -48,17 +48,18 @@ def adapted(
 ) -> tuple[Surface, IntArray, tuple[Note, ...]]:
     """Return the surface with heights refined under the model, its sites, and a note that says so.
 
-    Heights that stand on steps already stay there, and models without sensitivities leave them as they are.
-    So do independent asperities, but where those of a density miss its law.
+    Heights that stand on steps already stay there, and so do those of independent asperities unless those
+    of a density miss its law. A model without gradients uses those of its `gradient_model`: the heights are
+    refined under that one, and in the last steps under the model itself.
     """
     model, limits, wanted = request.model, request.limits, blueprint.wanted
-    if not isinstance(model, Sensitive) or blueprint.stepped:
+    if blueprint.stepped:
         return surface, sites, ()
-    alone = isinstance(model, UNCOUPLED)
+    alone = not model.couples
     dealt = independent_misfit(blueprint) if alone and blueprint.density is not None else 0.0
     if alone and dealt <= MISSED:
         return surface, sites, ()
-    solver: Sensitive = model
+    solver = model.gradient_model
     start, added = surface, ""
     if blueprint.spare_height is not None:
         start, sites = _filled(surface, sites, request.template, blueprint.spare_height)
@@ -69,27 +70,37 @@ def adapted(
         found = solver.sensitivity(start.replaced(height=height), wanted.load)
         return found.curve.area, found.gradient
 
+    def evaluate_model(height: FloatArray) -> tuple[FloatArray, FloatArray]:
+        area = model.curve(start.replaced(height=height), wanted.load).area
+        return area, evaluate(height)[1]
+
     if blueprint.exact:
         found = _through_points(evaluate, start.height, wanted, limits.span)
     else:
         space = Heights(limits.span)
         starts = [start.height]
-        if wanted.misfit(model.curve(start, wanted.load).area) > CLOSE:
+        if wanted.misfit(evaluate(start.height)[0]) > CLOSE:
             # heights whose places were chosen for this model are moved as little as can be
-            starts.insert(0 if request.layout is None else 1, _forestalled(start, model, wanted, space, rng))
+            starts.insert(
+                0 if request.layout is None else 1, _forestalled(start, evaluate, wanted, space, rng)
+            )
         found = search(evaluate, starts, wanted, space, ADAPTED_GOAL, RESTARTS, rng)
+    if solver != model:
+        goal = POINT_GOAL if blueprint.exact else ADAPTED_GOAL
+        found = descend(evaluate_model, found.unknowns, wanted, Heights(limits.span), goal)
     height = limits.offset + limits.max_height - (found.unknowns.max() - found.unknowns)
     result = start.replaced(height=np.maximum(height, limits.foot))
     if alone and largest_misfit(result, model, blueprint, branch_fits(result, model, blueprint)) >= dealt:
         return surface, sites, ()
     change = 1e3 * float(np.abs(result.height - start.height).max())
     cause = "the scatter of so few asperities" if alone else "the interaction of the asperities"
-    note = f"heights were moved by at most {change:.3g} um for {cause}{added}"
+    under = "" if solver == model else f"; the gradients were those of {solver}"
+    note = f"heights were moved by at most {change:.3g} um for {cause}{added}{under}"
     return result, sites, (information(note),)
 
 
 def _forestalled(
-    surface: Surface, model: Model, wanted: Wanted, space: Heights, rng: np.random.Generator
+    surface: Surface, coupled: Evaluate, wanted: Wanted, space: Heights, rng: np.random.Generator
 ) -> FloatArray:
     """Return heights whose independent law has more where interaction takes, and less where it gives.
 
@@ -97,7 +108,7 @@ def _forestalled(
     """
 
     evaluate = law_of_heights(surface.radius, wanted.load)
-    area = model.curve(surface, wanted.load).area
+    area = coupled(surface.height)[0]
     factor = area / evaluate(surface.height)[0]
     powers = np.vander(np.log(wanted.load / wanted.load[-1]), FACTOR_DEGREE + 1)
     smooth = powers @ np.linalg.lstsq(powers, factor, rcond=None)[0]
@@ -137,7 +148,7 @@ def interaction_margin(request: Request) -> float:
     Bounds that are proven for independent asperities are enforced only beyond twice that.
     """
     template, model = request.template.replaced(radius=request.radii.high), request.model
-    if isinstance(model, UNCOUPLED) or template.count == 1 or request.last_load is None:
+    if not model.couples or template.count == 1 or request.last_load is None:
         return 0.0
     equal = template.replaced(height=np.zeros(template.count))
     load = request.last_load * MARGIN_SHARES

@@ -11,11 +11,10 @@ from metafem import _validate as check
 from metafem._validate import FloatArray, IntArray
 from metafem.errors import InvalidInput
 from metafem.inversion.blueprint import Parameter
-from metafem.inversion.judge import UNCOUPLED
 from metafem.inversion.layout import arrange
 from metafem.inversion.objectives import FollowLaw, InsensitiveToTilt, Objective, Together
 from metafem.inversion.wanted import Wanted
-from metafem.models import Automatic, BoundaryElements, Independent, Interacting, Model
+from metafem.models import Independent, Model
 from metafem.notes import Note, information
 from metafem.surface import STEEPEST, Surface
 
@@ -76,9 +75,8 @@ def arranged(
     """
     if layout is None:
         return surface, {}, ()
-    solver, under = model, ""
-    if isinstance(model, (Automatic, BoundaryElements)):
-        solver, under = Interacting(substrate=model.substrate), " under Interacting() in the model's stead"
+    solver = model.gradient_model
+    under = "" if solver == model else f" under {solver}"
     asked = asked_for(layout, surface, solver, wanted)
     if not asked:
         return surface, {}, (information(NO_EFFECT),)
@@ -98,7 +96,7 @@ def asked_for(
 ) -> list[tuple[str, Objective, float]]:
     """Return what is asked for, in words and as an objective with its weight."""
     asked: list[tuple[str, Objective, float]] = []
-    if not isinstance(model, UNCOUPLED):  # for a tilt too: refining the heights would undo what is won
+    if model.couples:  # for a tilt too: refining the heights would undo what is won
         asked.append(("the deviation from the law", _law(surface, wanted), 1.0))
     if layout.tilt is not None:
         words = f"the change by a tilt of {math.degrees(layout.tilt):.3g} deg"

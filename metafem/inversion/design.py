@@ -18,7 +18,6 @@ from metafem.inversion.arranged import Layout, arranged
 from metafem.inversion.blueprint import Blueprint, Branch, Parameter
 from metafem.inversion.gridded import gridded
 from metafem.inversion.judge import (
-    UNCOUPLED,
     DesignStatus,
     branch_fits,
     found_parameters,
@@ -197,7 +196,7 @@ def designed(request: Request, generator: np.random.Generator) -> Design:
     surface, placed, placing = arranged(surface, request.layout, solver, blueprint.wanted, generator)
     surface, sites, moved = adapted(request, surface, sites, blueprint, generator)
     stepped: dict[str, Parameter] = {}
-    coupled = not isinstance(solver, UNCOUPLED)
+    coupled = solver.couples
     if limits.height_step is not None and (coupled or not blueprint.stepped):
         surface, stepped, lost = gridded(surface, solver, blueprint, limits)
         moved += lost

@@ -11,7 +11,7 @@ from metafem.inversion.blueprint import Blueprint, Parameter
 from metafem.inversion.judge import branch_fits, largest_misfit
 from metafem.inversion.limits import Limits
 from metafem.inversion.wanted import Wanted
-from metafem.models import Independent, Model, Sensitive
+from metafem.models import Model
 from metafem.notes import Note, information
 from metafem.surface import Surface
 
@@ -37,7 +37,7 @@ def gridded(
     step as long as that lowers the misfit under the model (that of independent asperities where it knows
     no sensitivities). Many asperities are rounded alone.
     """
-    solver: Sensitive = model if isinstance(model, Sensitive) else Independent()
+    solver = model.gradient_model
     levels, wanted = limits.levels, blueprint.wanted
 
     def evaluate(height: FloatArray) -> tuple[FloatArray, FloatArray]:

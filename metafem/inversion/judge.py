@@ -9,7 +9,7 @@ import numpy as np
 from metafem.inversion.blueprint import Blueprint, Branch, Parameter
 from metafem.inversion.sampled import open_parameters
 from metafem.law import BranchFit, friction_law
-from metafem.models import Independent, MeanField, Model
+from metafem.models import Independent, Model
 from metafem.surface import Material, Surface
 
 # Promise of an exact design: relative error of the friction at each load asked for.
@@ -25,14 +25,12 @@ MISSED = 0.1
 # Points on a straight branch when its slope is judged.
 BRANCH_POINTS = 76
 
-# Models whose A0(P) is that of independent asperities.
-UNCOUPLED = (Independent, MeanField)
-
 
 class DesignStatus(Enum):
     """How a design ended; the value is the message."""
 
     EXACT = "exact: the law meets the target to 1e-9"
+    REACHED = "reached: the law meets the target within the misfit"
     REFINED = "refined: the heights were adjusted until the law met the target within the misfit"
     APPROXIMATE = "approximate: the density has the target's slopes at large loads; the law has the misfit"
     UNCORRECTED = "uncorrected: designed for independent asperities; this model's law has the misfit"
@@ -98,9 +96,11 @@ def status_of(model: Model, blueprint: Blueprint, misfit: float, moved: bool) ->
     if blueprint.density is None:
         if not misfit <= REACHED:
             return DesignStatus.MISSED
-        return DesignStatus.EXACT if misfit <= EXACT else DesignStatus.REFINED
+        if misfit <= EXACT:
+            return DesignStatus.EXACT
+        return DesignStatus.REFINED if moved else DesignStatus.REACHED
     if not misfit <= MISSED:
         return DesignStatus.MISSED
     if moved:
         return DesignStatus.REFINED
-    return DesignStatus.APPROXIMATE if isinstance(model, UNCOUPLED) else DesignStatus.UNCORRECTED
+    return DesignStatus.APPROXIMATE if not model.couples else DesignStatus.UNCORRECTED

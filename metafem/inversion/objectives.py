@@ -15,7 +15,7 @@ from metafem._validate import FloatArray, IntArray
 from metafem.errors import InvalidInput
 from metafem.inversion.exchange import Coupled, Forecast, Joined, Tilted
 from metafem.inversion.places import Places
-from metafem.models import Independent, Model, Sensitive, Sensitivity
+from metafem.models import Independent, Model, Sensitivity
 from metafem.surface import STEEPEST, Surface
 
 # The misalignment for which the source paper states the change of its laws, doi:10.1126/science.adk4234.
@@ -211,8 +211,8 @@ class Together:
 
 
 def _sensitivity(surface: Surface, model: Model, load: FloatArray) -> Sensitivity:
-    """Return how the law changes with the heights, of independent asperities where a model cannot tell."""
-    return (model if isinstance(model, Sensitive) else Independent()).sensitivity(surface, load)
+    """Return how the law changes with the heights."""
+    return model.gradient_model.sensitivity(surface, load)
 
 
 def _spread(values: FloatArray, sites: IntArray, places: Places, vacant: float) -> FloatArray:

@@ -10,7 +10,6 @@ from numpy.typing import ArrayLike
 from metafem import _validate as check
 from metafem._validate import FloatArray, IntArray
 from metafem.errors import InvalidInput
-from metafem.inversion.judge import UNCOUPLED
 from metafem.models import Interacting, Model
 from metafem.models.memory import require_memory
 from metafem.substrate import HalfSpace, Radial
@@ -51,7 +50,7 @@ def places_for(surface: Surface, model: Model, places: ArrayLike | None) -> tupl
     require_memory(MATRICES * 8 * count**2, f"the influence between {count} places")
     number = {(x, y): i for i, (x, y) in enumerate(position.tolist())}
     everywhere = surface.replaced(position=position, height=np.zeros(count), radius=1.0)
-    if isinstance(model, UNCOUPLED):
+    if not model.couples:
         return Places(position, np.zeros((count, count)), number), model
     substrate = model.substrate if isinstance(model, Interacting) else HalfSpace()
     influence = np.asarray(substrate.influence_matrix(everywhere))

@@ -77,7 +77,17 @@ class Automatic:
         object.__setattr__(self, "tolerance", value)
         Interacting(substrate=self.substrate)  # refuses what is no substrate
 
-    def solve(self, surface: Surface, approach: float, guess: ContactState | None = None) -> ContactState:
+    @property
+    def couples(self) -> bool:
+        """Whether contacts change one another's load: yes."""
+        return True
+
+    @property
+    def gradient_model(self) -> Interacting:
+        """`Interacting` on the same substrate."""
+        return Interacting(substrate=self.substrate)
+
+    def solve(self, surface: Surface, approach: float) -> ContactState:
         """Equilibrium at a given approach [mm] by the model that is chosen for it.
 
         At a given approach even a uniform sinking changes the load: the choice is made by A0(P) at the
@@ -102,7 +112,7 @@ class Automatic:
         parts = []
         for model, rows, notes in self._parts(surface, loads):
             parts.append(replace(_converged(model, model.curve(surface, loads[rows])), notes=notes))
-        return _joined(parts)
+        return Curve.joined(parts)
 
     def curve_at(self, surface: Surface, approach: FloatArray) -> Curve:
         """Equilibria at increasing approaches [mm], (k,); see `_parts`."""
@@ -113,7 +123,7 @@ class Automatic:
             chosen = point if isinstance(model, Independent) else model
             curve = _converged(chosen, chosen.curve_at(surface, values[rows]))
             parts.append(replace(curve, notes=notes))
-        return _joined(parts)
+        return Curve.joined(parts)
 
     def _parts(self, surface: Surface, load: FloatArray) -> list[tuple[Model, slice, tuple[Note, ...]]]:
         """Return a model for all loads, or one below the first load that needs resolved contacts."""
@@ -212,15 +222,6 @@ class Automatic:
             product = fast_sums(surface, bound, 1).displacement(load)
             return np.asarray(product + bound.self_influence * load)
         return np.asarray(bound.influence_matrix(surface) @ load)
-
-
-def _joined(parts: list[Curve]) -> Curve:
-    """Return one curve from consecutive ones."""
-    names = ("approach", "load", "area", "stiffness", "residual")
-    arrays = (np.concatenate([getattr(part, name) for part in parts]) for name in names)
-    approach, load, area, stiffness, residual = arrays
-    notes = tuple(dict.fromkeys(note for part in parts for note in part.notes))
-    return Curve(approach, load, area, stiffness, residual, max(part.tolerance for part in parts), notes)
 
 
 def _converged(model: Model, curve: Curve) -> Curve:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -13,7 +14,7 @@ from metafem.errors import InvalidInput
 from metafem.models import far_field
 from metafem.models.independent import range_notes
 from metafem.models.interacting import Interacting
-from metafem.models.model import ContactState, Curve, Sensitivity, Status
+from metafem.models.model import ContactState, Curve, Status
 from metafem.models.resolved_scene import COARSEST, TOLERANCE, Scene, Solution
 from metafem.models.resolved_start import Start
 from metafem.notes import Note, information
@@ -74,37 +75,65 @@ class BoundaryElements:
         """Largest residual of a converged state: gap or overlap over the largest indentation."""
         return TOLERANCE
 
-    def solve(self, surface: Surface, approach: float, guess: ContactState | None = None) -> ContactState:
-        """Equilibrium at a given approach [mm]; `guess` is a neighbouring state, if there is one."""
-        scene = Scene(surface, self.cell, self.substrate)
-        return self._at(scene, approach, None if guess is None else _start_from(scene, guess))[0]
+    @property
+    def couples(self) -> bool:
+        """Whether contacts change one another's load: yes."""
+        return True
+
+    @property
+    def gradient_model(self) -> Interacting:
+        """`Interacting` on the same substrate."""
+        return Interacting(substrate=self.substrate)
+
+    def solve(self, surface: Surface, approach: float) -> ContactState:
+        """Equilibrium at a given approach [mm]."""
+        return self._at(Scene(surface, self.cell, self.substrate), approach, None)[0]
 
     def solve_load(self, surface: Surface, load: float) -> ContactState:
         """Equilibrium under a given rescaled load P/E* [mm^2]."""
         return self._under(Scene(surface, self.cell, self.substrate), load, None)[0]
 
-    def sensitivity(self, surface: Surface, load: FloatArray) -> Sensitivity:
-        """Resolved law at increasing rescaled loads (k,), and dA0/dh (k, n) of the third order."""
-        third = Interacting(order=3, substrate=self.substrate).sensitivity(surface, load)
-        return replace(third, curve=self.curve(surface, load))
-
     def curve(self, surface: Surface, load: FloatArray) -> Curve:
-        """Equilibria at increasing rescaled loads P/E* [mm^2], (k,)."""
+        """Equilibria at increasing rescaled loads P/E* [mm^2], (k,); see `_joined`."""
         scene = Scene(surface, self.cell, self.substrate)
+        light = _unresolved(load, lambda value: scene.resolves(scene.start(load=value)))
         states, last = [], None
-        for value in load:
+        for value in load[light:]:
             state, last = self._under(scene, float(value), last)
             states.append(state)
-        return _curve(surface, states)
+        return self._joined(surface, load[:light], self.gradient_model.curve, states)
 
     def curve_at(self, surface: Surface, approach: FloatArray) -> Curve:
-        """Equilibria at increasing approaches [mm], (k,)."""
+        """Equilibria at increasing approaches [mm], (k,); see `_joined`."""
         scene = Scene(surface, self.cell, self.substrate)
+        light = _unresolved(approach, lambda value: scene.resolves(scene.start(approach=value)))
         states, last = [], None
-        for value in approach:
+        for value in approach[light:]:
             state, last = self._at(scene, float(value), last)
             states.append(state)
-        return _curve(surface, states)
+        return self._joined(surface, approach[:light], self.gradient_model.curve_at, states)
+
+    def _joined(
+        self,
+        surface: Surface,
+        light: FloatArray,
+        predict: Callable[[Surface, FloatArray], Curve],
+        states: list[ContactState],
+    ) -> Curve:
+        """Return the curve, its first part by order 3 while the cells are too coarse for the contacts.
+
+        There the contacts are far smaller than their distances, and order 3 is the more accurate model.
+        """
+        resolved = _curve(surface, states)
+        if not light.size:
+            return resolved
+        first = predict(surface, light)
+        end = surface.material.composite_modulus * first.load[-1]
+        note = information(
+            f"up to {end:.4g} N the law is that of {self.gradient_model}: the largest contact spans fewer "
+            f"than {COARSEST:g} cells of {self.cell:g} mm a radius"
+        )
+        return Curve.joined([replace(first, notes=(*first.notes, note)), resolved])
 
     def _at(self, scene: Scene, approach: float, guess: Start | None) -> tuple[ContactState, Start | None]:
         if approach <= 0.0:
@@ -161,13 +190,10 @@ class BoundaryElements:
         )
 
 
-def _start_from(scene: Scene, state: ContactState) -> Start:
-    """Read the indentations off a state."""
-    surface = scene.surface
-    d = state.asperity_area / (math.pi * surface.radius)
-    load = state.asperity_load / surface.material.composite_modulus
-    opening = state.approach - surface.gap - scene.coupling @ load
-    return Start(np.where(d > 0.0, d, np.minimum(opening, 0.0)), state.approach)
+def _unresolved(values: FloatArray, resolves: Callable[[float], bool]) -> int:
+    """Return how many of increasing loads or approaches are too light to be resolved; 0 where all are."""
+    light = next((k for k, value in enumerate(values.tolist()) if value > 0.0 and resolves(value)), 0)
+    return light if (values[:light] > 0.0).any() else 0
 
 
 def _curve(surface: Surface, states: list[ContactState]) -> Curve:

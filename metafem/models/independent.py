@@ -47,8 +47,18 @@ class Independent:
         """Largest relative error of the load of a converged state."""
         return TOLERANCE
 
-    def solve(self, surface: Surface, approach: float, guess: ContactState | None = None) -> ContactState:
-        """Equilibrium at a given approach [mm]; the closed form needs no guess."""
+    @property
+    def couples(self) -> bool:
+        """Whether contacts change one another's load: no."""
+        return False
+
+    @property
+    def gradient_model(self) -> Independent:
+        """The model itself."""
+        return self
+
+    def solve(self, surface: Surface, approach: float) -> ContactState:
+        """Equilibrium at a given approach [mm]."""
         return self._state(surface, approach, approach - surface.gap)
 
     def solve_load(self, surface: Surface, load: float) -> ContactState:

@@ -106,8 +106,18 @@ class Interacting:
         """Largest residual of a converged state of up to 2000 asperities; 1e-9 above."""
         return TOLERANCE
 
-    def solve(self, surface: Surface, approach: float, guess: ContactState | None = None) -> ContactState:
-        """Equilibrium at a given approach [mm]; the dense solver needs no guess."""
+    @property
+    def couples(self) -> bool:
+        """Whether contacts change one another's load: yes."""
+        return True
+
+    @property
+    def gradient_model(self) -> Interacting:
+        """The model itself."""
+        return self
+
+    def solve(self, surface: Surface, approach: float) -> ContactState:
+        """Equilibrium at a given approach [mm]."""
         return self._state(surface, approach, by_load=False)
 
     def solve_load(self, surface: Surface, load: float) -> ContactState:

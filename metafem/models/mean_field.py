@@ -43,8 +43,18 @@ class MeanField:
         """Largest relative error of a converged state."""
         return TOLERANCE
 
-    def solve(self, surface: Surface, approach: float, guess: ContactState | None = None) -> ContactState:
-        """Equilibrium at a given approach [mm]; needs no guess."""
+    @property
+    def couples(self) -> bool:
+        """Whether contacts change one another's load: no, all sink alike."""
+        return False
+
+    @property
+    def gradient_model(self) -> MeanField:
+        """The model itself."""
+        return self
+
+    def solve(self, surface: Surface, approach: float) -> ContactState:
+        """Equilibrium at a given approach [mm]."""
         local = float(self._local(surface, np.array([approach]))[0])
         return self._state(surface, Independent().solve(surface, local), approach)
 

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Protocol, runtime_checkable
 
+import numpy as np
+
 from metafem._validate import FloatArray
 from metafem.notes import Note
 from metafem.surface import Surface
@@ -47,6 +49,23 @@ class Curve:
     residual: FloatArray
     tolerance: float = 0.0
     notes: tuple[Note, ...] = ()
+
+    @classmethod
+    def joined(cls, parts: list[Curve]) -> Curve:
+        """Return one curve from consecutive ones."""
+
+        def whole(name: str) -> FloatArray:
+            return np.concatenate([getattr(part, name) for part in parts])
+
+        return cls(
+            whole("approach"),
+            whole("load"),
+            whole("area"),
+            whole("stiffness"),
+            whole("residual"),
+            max(part.tolerance for part in parts),
+            tuple(dict.fromkeys(note for part in parts for note in part.notes)),
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +117,17 @@ class Model(Protocol):
         """Largest residual of a converged state."""
         ...
 
-    def solve(self, surface: Surface, approach: float, guess: ContactState | None = None) -> ContactState:
+    @property
+    def couples(self) -> bool:
+        """Whether contacts change one another's load, so that A0(P) depends on the sites."""
+        ...
+
+    @property
+    def gradient_model(self) -> Sensitive:
+        """Model whose sensitivities an inversion under this one uses: itself where it has its own."""
+        ...
+
+    def solve(self, surface: Surface, approach: float) -> ContactState:
         """Equilibrium at a given approach [mm]."""
         ...
 
@@ -133,9 +162,8 @@ class Sensitivity:
     indentation: FloatArray
 
 
-@runtime_checkable
-class Sensitive(Protocol):
-    """A model that knows how its law changes with the heights; every inversion needs that."""
+class Sensitive(Model, Protocol):
+    """A model with the derivatives of its law by the heights."""
 
     def sensitivity(self, surface: Surface, load: FloatArray) -> Sensitivity:
         """Law at increasing rescaled loads P/E* (k,), and how it changes with each height at fixed load."""

@@ -100,17 +100,24 @@ class Scene:
     ) -> Start:
         """Return what coupled point loads expect at an approach [mm] or a load P/E* [mm^2]."""
         gap, radius = self.surface.gap, self.surface.radius
-        first = start(self.coupling, gap, radius, approach=approach, load=load, guess=guess)
-        largest = math.sqrt(float((radius * np.maximum(first.indentation, 0.0)).max()))
-        if largest < COARSEST * self.cell:
+        return start(self.coupling, gap, radius, approach=approach, load=load, guess=guess)
+
+    def largest(self, first: Start) -> float:
+        """Return the radius of the largest contact that a start expects [mm]."""
+        return math.sqrt(float((self.surface.radius * np.maximum(first.indentation, 0.0)).max()))
+
+    def resolves(self, first: Start) -> bool:
+        """Whether the cells are fine enough for the largest contact that a start expects."""
+        return self.largest(first) >= COARSEST * self.cell
+
+    def solve(self, first: Start, load: float | None = None) -> Solution:
+        """Solve from a start, at its approach or under a load, on patches that hold every contact."""
+        if not self.resolves(first):
+            largest = self.largest(first)
             raise InvalidInput(
                 f"cell = {self.cell:g} mm is too coarse for the largest contact, whose radius is about "
                 f"{largest:.3g} mm; {COARSEST:g} cells a radius need at most {largest / COARSEST:.3g} mm"
             )
-        return first
-
-    def solve(self, first: Start, load: float | None = None) -> Solution:
-        """Solve from a start, at its approach or under a load, on patches that hold every contact."""
         d = first.indentation
         half_width = np.where(d > -NEARLY_CLOSED * d.max(), self._reach(d, 1.0 + MARGIN_SHARE), 0.0)
         patches = self._patches(half_width)

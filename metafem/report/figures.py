@@ -23,7 +23,7 @@ from metafem.inversion import (
 from metafem.inversion.mixture import Mixture
 from metafem.inversion.sampled import wanted_law
 from metafem.law import friction_law
-from metafem.models import Independent, Sensitive, equilibrium
+from metafem.models import equilibrium
 from metafem.report.comparison import Comparison
 from metafem.report.names import model_name
 from metafem.report.svg import new_figure
@@ -175,7 +175,7 @@ def comparison_figure(comparisons: tuple[Comparison, ...]) -> Figure:
 
 def sensitivity_figure(design: Design) -> Figure:
     """Change of A0 per height of each asperity, tallest first, over the load."""
-    model = design.law.model if isinstance(design.law.model, Sensitive) else Independent()
+    model = design.law.model.gradient_model
     load = design.law.rescaled_load[:: max(1, len(design.law.load) // SENSITIVITY_LOADS)]
     gradient = model.sensitivity(design.surface, load).gradient[:, np.argsort(-design.surface.height)]
     largest = float(np.abs(gradient).max())

@@ -46,7 +46,7 @@ def test_a_range_is_searched_around_its_best(template):
     result = mf.design_radius(target, template, mf.RadiusRange(0.3, 0.8), limits=mf.Limits(0.27))
     assert len(result.parameters["tried_radii"]) > 7
     assert 0.3 <= result.parameters["radius"] <= 0.8
-    assert result.status is DesignStatus.REFINED
+    assert result.status is DesignStatus.REACHED
 
 
 def test_a_target_beyond_all_radii_says_why(template):
