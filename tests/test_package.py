@@ -13,13 +13,19 @@ def test_every_public_name_resolves_and_has_a_docstring(name):
     assert getattr(mf, name).__doc__
 
 
+def test_only_public_names_are_listed():
+    assert dir(mf) == sorted(mf.__all__)
+    assert {"files", "report", "studies", "fe", "DesignStatus"} <= set(dir(mf))
+    assert not {"annotations", "import_module", "lazy_loader", "Any", "_HOME"} & set(dir(mf))
+
+
 def test_unknown_name_is_an_attribute_error():
-    with pytest.raises(AttributeError, match="no attribute 'nothing'"):
+    with pytest.raises(AttributeError, match="metafem attribute nothing"):
         _ = mf.nothing
 
 
 def test_importing_the_package_loads_nothing_heavy():
-    heavy = "{'numpy', 'numba', 'scipy', 'matplotlib', 'pydantic', 'pint', 'skfem'}"
+    heavy = "{'numpy', 'numba', 'scipy', 'matplotlib', 'pydantic', 'pint', 'skfem', 'platformdirs'}"
     code = f"import metafem.cli, sys; print(sorted({heavy} & set(sys.modules)))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
