@@ -3,15 +3,23 @@
 from __future__ import annotations
 
 import math
+import sys
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from metafem._given import entry, plain, shown, told, unit_of
 from metafem.errors import InvalidInput
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+
+# Products of up to five lengths, loads or moduli occur; each must be a normal number of double precision.
+SMALLEST, LARGEST = sys.float_info.min**0.2, sys.float_info.max**0.2
+
+# Beside a length that is larger by more than this, another is lost when the two are added.
+PROPORTION = 1.0 / sys.float_info.epsilon
 
 
 def number(
@@ -22,37 +30,56 @@ def number(
     at_least: float | None = None,
     at_most: float | None = None,
 ) -> float:
-    """Return `value` as a finite float within the bounds."""
+    """Return `value` as a finite float within the bounds, in the unit of the name."""
     try:
-        if isinstance(value, (str, bytes, bool)):
-            raise TypeError
-        result = float(value)
-    except (TypeError, ValueError, OverflowError):
-        raise InvalidInput(f"{name} = {value!r:.60} is not a number of double precision") from None
+        result = float(_one(plain(name, value)))
+    except InvalidInput:
+        raise
+    except (TypeError, ValueError, OverflowError, Warning):
+        raise InvalidInput(f"{name} = {shown(value)} is not a number of double precision") from None
     if not math.isfinite(result):
         raise InvalidInput(f"{name} = {result} must be finite")
+    given = f"{name} = {told(name, result)}"
     if above is not None and not result > above:
-        raise InvalidInput(f"{name} = {result:g} must be greater than {above:g}")
+        raise InvalidInput(f"{given} must be greater than {told(name, above)}")
     if at_least is not None and result < at_least:
-        raise InvalidInput(f"{name} = {result:g} must be at least {at_least:g}")
+        raise InvalidInput(f"{given} must be at least {told(name, at_least)}")
     if at_most is not None and result > at_most:
-        raise InvalidInput(f"{name} = {result:g} must be at most {at_most:g}")
+        raise InvalidInput(f"{given} must be at most {told(name, at_most)}")
+    if result and not SMALLEST <= abs(result) <= LARGEST and unit_of(name) != "1":
+        raise _beyond(name, given)
     return result
+
+
+def _one(value: Any) -> Any:
+    if np.ndim(value):
+        raise TypeError
+    return value
+
+
+def _beyond(name: str, given: str) -> InvalidInput:
+    return InvalidInput(
+        f"{given} is beyond the numbers whose products double precision can hold: 0, or {SMALLEST:.0e} to "
+        f"{LARGEST:.0e} {unit_of(name)} in magnitude"
+    )
 
 
 def integer(name: str, value: Any, *, at_least: int) -> int:
     """Return `value` as an int that is not below `at_least`."""
-    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < at_least:
-        raise InvalidInput(f"{name} = {value!r} must be a whole number of at least {at_least}")
+    whole = isinstance(value, (int, np.integer)) and not isinstance(value, (bool, np.timedelta64))
+    if not whole or value < at_least:
+        raise InvalidInput(f"{name} = {shown(value)} must be a whole number of at least {at_least}")
     return int(value)
 
 
 def array(name: str, value: Any, *, shape: tuple[int | None, ...]) -> FloatArray:
     """Return `value` as a new, read-only, finite float array; None in `shape` is any length > 0."""
     try:
-        result = np.array(value, dtype=np.float64, order="C")
-    except (TypeError, ValueError, OverflowError):
-        raise InvalidInput(f"{name} is not an array of numbers: {value!r:.80}") from None
+        result = np.array(plain(name, value), dtype=np.float64, order="C")
+    except InvalidInput:
+        raise
+    except (TypeError, ValueError, OverflowError, Warning):
+        raise InvalidInput(f"{name} is not an array of numbers: {shown(value, 80)}") from None
     wanted = "(" + ", ".join("n" if length is None else str(length) for length in shape) + ")"
     if result.ndim != len(shape) or any(
         length not in (None, have) for length, have in zip(shape, result.shape, strict=True)
@@ -60,19 +87,40 @@ def array(name: str, value: Any, *, shape: tuple[int | None, ...]) -> FloatArray
         raise InvalidInput(f"{name} has shape {result.shape}; it must have shape {wanted}")
     if result.size == 0:
         raise InvalidInput(f"{name} is empty; it must have shape {wanted} with n > 0")
-    bad = np.flatnonzero(~np.isfinite(result))
+    bad = np.argwhere(~np.isfinite(result))
     if bad.size:
-        raise InvalidInput(f"{name} holds {result.flat[bad[0]]} at entry {bad[0]}; all must be finite")
+        first = tuple(bad[0].tolist())
+        where = first[0] if len(first) == 1 else first
+        raise InvalidInput(f"{name} holds {result[first]} at entry {where}; all must be finite")
+    if unit_of(name) != "1":
+        size = np.abs(result)
+        beyond = np.argwhere((result != 0.0) & ((size < SMALLEST) | (size > LARGEST)))
+        if beyond.size:
+            first = tuple(beyond[0].tolist())
+            called = entry(name, first[0]) if len(first) == 1 else f"{name}{list(first)}"
+            raise _beyond(name, f"{called} = {told(name, result[first])}")
     result.flags.writeable = False
     return result
+
+
+def proportion(name: str, value: float, other: str, beside: float) -> None:
+    """Refuse two lengths of which one is lost beside the other."""
+    small, large = sorted((abs(value), abs(beside)))
+    if large > PROPORTION * small:
+        raise InvalidInput(
+            f"{name} = {told(name, value)} and {other} = {told(other, beside)} differ by a factor of "
+            f"{large / small:.1g}; beyond {PROPORTION:.1g} one is lost beside the other in double precision"
+        )
 
 
 def lists(name: str, value: Any, length: int | None) -> FloatArray:
     """Return one list of numbers or several as a new, read-only, finite array (m, length)."""
     try:
-        table = np.atleast_2d(np.asarray(value, dtype=np.float64))
-    except (TypeError, ValueError, OverflowError):
-        raise InvalidInput(f"{name} is not lists of numbers of one length: {value!r:.80}") from None
+        table = np.atleast_2d(np.asarray(plain(name, value), dtype=np.float64))
+    except InvalidInput:
+        raise
+    except (TypeError, ValueError, OverflowError, Warning):
+        raise InvalidInput(f"{name} is not lists of numbers of one length: {shown(value, 80)}") from None
     return array(name, table, shape=(None, length))
 
 
@@ -80,31 +128,38 @@ def loads(name: str, value: Any) -> FloatArray:
     """Return loads, none of them negative, (k,)."""
     result = array(name, value, shape=(None,))
     if result.min() < 0.0:
-        raise InvalidInput(f"{name} holds {result.min():g}; loads cannot be negative")
+        raise InvalidInput(f"{name} holds {told(name, result.min())}; loads cannot be negative")
     return result
 
 
 def instance(name: str, value: Any, kind: type, wanted: str) -> None:
     """Refuse a value that is not of a kind, or is a class where an object is due."""
     if isinstance(value, type) or not isinstance(value, kind):
-        raise InvalidInput(f"{name} = {value!r:.60} must be {wanted}")
+        raise InvalidInput(f"{name} = {shown(value)} must be {wanted}")
 
 
 def scalar(value: Any) -> bool:
-    """Whether a value is one number rather than a list of them."""
-    return np.isscalar(value) or (isinstance(value, np.ndarray) and value.ndim == 0)
+    """Whether a value is one thing, a number or a quantity perhaps, rather than a list of them."""
+    return not isinstance(value, range) and depth(value) == 0
+
+
+def depth(value: Any) -> int:
+    """Return how deeply lists, or the axes of an array, are nested: 0 for one thing."""
+    if isinstance(value, (list, tuple)):
+        return 1 + (depth(value[0]) if value else 0)
+    return int(getattr(value, "ndim", 0))
 
 
 def increasing(name: str, value: FloatArray) -> FloatArray:
     """Return `value`, all of it positive and strictly increasing."""
     if value[0] <= 0.0:
-        raise InvalidInput(f"{name}[0] = {value[0]:g} must be greater than 0")
+        raise InvalidInput(f"{entry(name, 0)} = {told(name, value[0])} must be greater than 0")
     bad = np.flatnonzero(np.diff(value) <= 0.0)
     if bad.size:
         i = int(bad[0]) + 1
         raise InvalidInput(
-            f"{name}[{i}] = {value[i]:g} does not exceed {name}[{i - 1}] = {value[i - 1]:g}; "
-            "the values must increase"
+            f"{entry(name, i)} = {told(name, value[i])} does not exceed {entry(name, i - 1)} = "
+            f"{told(name, value[i - 1])}; the values must increase"
         )
     return value
 
@@ -114,4 +169,4 @@ def generator(rng: Any) -> np.random.Generator:
     try:
         return np.random.default_rng(rng)
     except (TypeError, ValueError):
-        raise InvalidInput(f"rng = {rng!r} must be a non-negative seed or a numpy Generator") from None
+        raise InvalidInput(f"rng = {shown(rng)} must be a non-negative seed or a numpy Generator") from None

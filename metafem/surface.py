@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from metafem import _validate as check
+from metafem._given import entry, told
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 
@@ -168,13 +169,16 @@ class Surface:
         radii = check.array("radius", radius, shape=(n,))
         if radii.min() <= 0.0:
             i = int(radii.argmin())
-            raise InvalidInput(f"radius[{i}] = {radii[i]:g} must be greater than 0")
+            raise InvalidInput(f"{entry('radius', i)} = {told('radius', radii[i])} must be greater than 0")
         _refuse_coincident(places)
+        _refuse_disproportion(radii, {"radius": radii, "height": heights, "position": places})
         check.instance("material", material, Material, "a metafem.Material")
         if friction is not None:
             check.instance("friction", friction, Friction, "a metafem.Friction")
         if block is not None:
             check.instance("block", block, Block, "a metafem.Block")
+            for name in ("width", "length", "thickness"):
+                check.proportion(f"block.{name}", getattr(block, name), "radius", float(radii.min()))
         values = {"position": places, "height": heights, "radius": radii}
         for name, given in {**values, "material": material, "friction": friction, "block": block}.items():
             object.__setattr__(self, name, given)
@@ -221,16 +225,20 @@ class Surface:
                 f"shape = {shape!r} has {rows * columns:.3g} sites; at most {MOST_SITES:.0g} fit"
             )
         step = check.number("pitch", pitch, above=0.0)
+        if check.scalar(radius):
+            radius = np.full(rows * columns, check.number("radius", radius, above=0.0))
+        radii = check.array("radius", radius, shape=(rows * columns,))
+        if radii.min() > 0.0:
+            for beside in (radii.min(), radii.max()):
+                check.proportion("pitch", step, "radius", float(beside))
         x = step * (np.arange(columns) - 0.5 * (columns - 1))
         y = step * (np.arange(rows) - 0.5 * (rows - 1))
         position = np.column_stack([np.tile(x, rows), np.repeat(y, columns)])
         if check.scalar(height):
             height = np.full(rows * columns, check.number("height", height))
-        elif isinstance(height, Sequence) and isinstance(height[0], Sequence):
+        elif check.depth(height) > 1:
             height = check.array("height", height, shape=(rows, columns)).ravel()
-        elif isinstance(height, np.ndarray) and height.shape == (rows, columns):
-            height = height.ravel()
-        return cls(position, height, radius, material, friction, block)
+        return cls(position, height, radii, material, friction, block)
 
     @property
     def count(self) -> int:
@@ -287,7 +295,17 @@ def _refuse_coincident(position: FloatArray) -> None:
     same = np.flatnonzero((position[order[1:]] == position[order[:-1]]).all(axis=1))
     if same.size:
         i, j = sorted(order[same[0] : same[0] + 2].tolist())
-        x, y = position[i]
-        raise InvalidInput(
-            f"position[{i}] and position[{j}] coincide at ({x:g}, {y:g}); asperities must be apart"
-        )
+        x, y = (told("position", float(value)) for value in position[i])
+        both = f"{entry('position', i)} and {entry('position', j)}"
+        raise InvalidInput(f"{both} coincide at ({x}, {y}); asperities must be apart")
+
+
+def _refuse_disproportion(radius: FloatArray, lengths: Mapping[str, FloatArray]) -> None:
+    """Refuse lengths beside which the smallest radius is lost."""
+    i = int(radius.argmin())
+    for name, values in lengths.items():
+        largest = int(np.abs(values).argmax())
+        value = float(values.flat[largest])
+        if abs(value) > radius[i]:
+            j = largest // values[0].size
+            check.proportion(entry(name, j), value, entry("radius", i), float(radius[i]))

@@ -11,7 +11,9 @@ from metafem.files.model_names import MODELS
 from metafem.files.records import from_record, to_record
 from metafem.notes import Level
 
-finite = st.floats(allow_nan=False, allow_infinity=False)
+# lengths of one surface may differ by fifteen orders of magnitude, and heights may vanish
+size = st.floats(min_value=1e-7, max_value=1e7)
+finite = st.just(0.0) | size | size.map(lambda x: -x)
 positive = st.floats(min_value=1e-300, max_value=1e300)
 
 
@@ -54,9 +56,7 @@ def test_a_layout_reads_back_with_its_design():
     assert same(through_json(result), result)
 
 
-@given(
-    st.lists(st.tuples(finite, finite, finite, positive), min_size=1, max_size=6, unique_by=lambda t: t[:2])
-)
+@given(st.lists(st.tuples(finite, finite, finite, size), min_size=1, max_size=6, unique_by=lambda t: t[:2]))
 def test_any_surface_reads_back_to_the_bit(rows):
     x, y, height, radius = (np.array(column) for column in zip(*rows, strict=True))
     surface = mf.Surface(np.column_stack([x, y]), height, radius, mf.Material(1.0))

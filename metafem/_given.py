@@ -1,0 +1,189 @@
+"""What a user passed in: its numbers without their units, and the words in which errors answer."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from metafem.errors import InvalidInput
+
+# The unit of each argument that has one. A name means the same in the whole package.
+UNITS: Mapping[str, str] = {
+    name: unit
+    for unit, names in {
+        "mm": (
+            *("position", "height", "radius", "pitch", "width", "length", "thickness", "max_height"),
+            *("min_height", "offset", "height_step", "height_sd", "low", "high", "radii", "places"),
+            *("separation", "approach", "cell", "contact_radius", "block_radius", "cell_radius"),
+            *("alignment_height", "indentation", "r"),
+        ),
+        "mm^2": ("rescaled_load", "rescaled_friction", "crossover_load", "crossover_loads", "load_range"),
+        "N": ("load", "friction_force"),
+        "MPa": ("composite_modulus", "young_modulus", "shear_strength", "hardness"),
+        "rad": ("angle", "angle_x", "angle_y", "tilt"),
+    }.items()
+    for name in names
+}
+
+# What an array must not hold, by numpy's letter of its kind.
+FOREIGN = {
+    "b": "a truth value",
+    "c": "complex",
+    "M": "a date",
+    "m": "a duration",
+    "S": "bytes",
+    "U": "a text",
+}
+
+
+def unit_of(name: str) -> str:
+    """Return the unit of an argument, such as "mm" of ``radius[3]``, or "1"."""
+    return UNITS.get(name.rpartition(".")[2].partition("[")[0], "1")
+
+
+@dataclass(frozen=True)
+class Words:
+    """How errors call arguments, entries and numbers: as in Python, or as in the file they came from.
+
+    `units` holds the unit in which a quantity was written and its size in the package's own; `lines` the
+    line of a file on which each entry stands, `titles` its columns and `file` its name.
+    """
+
+    section: str = ""
+    units: Mapping[str, tuple[str, float]] = field(default_factory=dict)
+    file: str = ""
+    lines: tuple[int, ...] = ()
+    titles: Mapping[str, str] = field(default_factory=dict)
+
+    def number(self, name: str, value: float) -> str:
+        """Return a number in the unit in which its quantity was written."""
+        name = name.partition("[")[0]
+        written = self.units.get(f"{self.section}.{name}") or self.units.get(name)
+        if written is None:
+            return f"{value:g}"
+        unit, size = written
+        return f"{value / size:g} {unit}".rstrip()
+
+    def entry(self, name: str, i: int) -> str:
+        """Return the name of an entry of an array."""
+        if not self.lines:
+            return f"{name}[{i}]"
+        return f"{self.file}, line {self.lines[i]}: {self.titles.get(name, name)}"
+
+
+_WORDS: ContextVar[Words] = ContextVar("_WORDS", default=Words())  # noqa: B039 - frozen
+
+
+@contextmanager
+def speaking(words: Words) -> Iterator[None]:
+    """Let errors within the body answer in these words."""
+    token = _WORDS.set(words)
+    try:
+        yield
+    finally:
+        _WORDS.reset(token)
+
+
+def told(name: str, value: float) -> str:
+    """Return a number for an error about an argument."""
+    return _WORDS.get().number(name, value)
+
+
+def entry(name: str, i: int) -> str:
+    """Return the name of an entry for an error."""
+    return _WORDS.get().entry(name, i)
+
+
+def shown(value: Any, most: int = 60) -> str:
+    """Return a value on one line for an error, whatever it is.
+
+    Examples
+    --------
+    >>> shown("two\\nlines"), shown(10**5000)
+    ("'two\\\\nlines'", 'an int')
+    """
+    if isinstance(value, (str, bytes)):
+        value = value[: 2 * most]
+    try:
+        text = repr(value)
+    except Exception:  # an object of somebody else's, or an integer of too many digits
+        text = f"{'an' if type(value).__name__[0] in 'aeiou' else 'a'} {type(value).__name__}"
+    return printable(" ".join(text.split()), most)
+
+
+def printable(text: str, most: int = 200) -> str:
+    """Return a text on one line: what cannot be printed as its number, and the end left out if long."""
+    cut = text if len(text) <= most else text[: most - 1] + "…"
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in cut)
+
+
+def plain(name: str, value: Any) -> Any:
+    """Return what was given as numbers in the unit of its name.
+
+    A quantity of pint, astropy or the like is converted by its own method; what has a unit and no such
+    method is refused, and so are masked entries.
+
+    Raises
+    ------
+    InvalidInput
+        For a unit of another dimension, and a masked entry.
+    TypeError
+        For anything else that is no number; says what it is.
+    """
+    if isinstance(value, (int, float)) and not isinstance(value, bool):
+        return value
+    if isinstance(value, (list, tuple, range)):
+        return [v if type(v) in (float, int) else plain(f"{name}[{i}]", v) for i, v in enumerate(value)]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")  # a conversion that loses something says so by a warning
+        return _plain(name, value)
+
+
+def _plain(name: str, value: Any) -> Any:
+    if type(value) is not np.ndarray and not isinstance(value, np.generic):
+        value = _without_unit(name, value)
+    if isinstance(value, np.ma.MaskedArray):
+        masked = np.flatnonzero(np.ma.getmaskarray(value))
+        if masked.size:
+            raise InvalidInput(f"{name} is masked at entry {masked[0]}; leave out or fill masked entries")
+        value = np.ma.getdata(value)
+    if value is None or isinstance(value, (str, bytes, bool, complex)):
+        raise TypeError(f"{name} is {shown(value)}")
+    found = np.asarray(value)
+    if found.dtype.kind in FOREIGN:
+        raise TypeError(f"{name} is {FOREIGN[found.dtype.kind]}")
+    if found.dtype.kind != "O":
+        return found if found.ndim else found[()]
+    if found.ndim == 0:
+        return float(value)
+    entries = [plain(f"{name}[{i}]", member) for i, member in enumerate(found.flat)]
+    return np.array(entries, dtype=np.float64).reshape(found.shape)
+
+
+def _without_unit(name: str, value: Any) -> Any:
+    """Return the numbers of a quantity, recognised by its attributes, in the unit of the name."""
+    wanted = unit_of(name)
+    inner = getattr(value, "data", None)
+    if hasattr(inner, "to") and hasattr(inner, "units"):  # a labelled array around a quantity
+        value = inner
+    for numbers, unit in (("magnitude", "units"), ("value", "unit")):
+        if hasattr(value, unit) and hasattr(value, numbers) and hasattr(value, "to"):
+            try:
+                return getattr(value.to("" if wanted == "1" else wanted), numbers)
+            except Exception:  # each library has its own errors
+                raise _wrong_unit(name, getattr(value, unit), wanted) from None
+    label = getattr(value, "units", None) or getattr(value, "unit", None)
+    if isinstance(label, str) and label != wanted:
+        raise _wrong_unit(name, label, wanted)
+    return value
+
+
+def _wrong_unit(name: str, unit: Any, wanted: str) -> InvalidInput:
+    due = "a number without unit" if wanted == "1" else f"{wanted}, or a plain number in {wanted}"
+    return InvalidInput(f"{name} is given in {shown(str(unit))}; it must be {due}")
