@@ -1,14 +1,14 @@
 """Specifications in, parts and result folders out: the border where units and file formats are known."""
 
+from metafem.files.atomic.staged import check_free
+from metafem.files.atomic.text import write_text
 from metafem.files.demo import demo_text
 from metafem.files.folder import load, save, stored_hardness
 from metafem.files.manual import all_keys, manual
 from metafem.files.model_names import MODELS, model_named
 from metafem.files.spec import Specification, read_spec
-from metafem.files.staged import check_free
 from metafem.files.study import study_data, study_path, write_study
 from metafem.files.tables import law_table, read_heights
-from metafem.files.text import write_text
 from metafem.files.units import quantity
 
 __all__ = [

@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 
 from metafem.errors import InvalidInput
+from metafem.files.atomic.staged import FORMAT, staged
 from metafem.files.part import alignment_asperities, block_mesh, stl_bytes
 from metafem.files.records import from_record, to_record
 from metafem.files.spec import Specification
-from metafem.files.staged import FORMAT, staged
 from metafem.files.tables import heights_table, law_table, mould_table
 from metafem.files.vtu import write_surface
 from metafem.inversion import Design, DesignStatus, Layout, Limits, Target

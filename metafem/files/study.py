@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from metafem.errors import InvalidInput
-from metafem.files.staged import is_result_folder
-from metafem.files.text import refuse_existing, write_file
+from metafem.files.atomic.staged import is_result_folder
+from metafem.files.atomic.text import refuse_existing, write_file
 from metafem.notes import from_lines
 
 if TYPE_CHECKING:

@@ -1,7 +1,7 @@
 import pytest
 
 import metafem as mf
-from metafem.files.staged import FORMAT, check_free, staged
+from metafem.files.atomic.staged import FORMAT, check_free, staged
 
 OURS = f'{{"format": "{FORMAT}"}}'
 

@@ -1,7 +1,7 @@
 import pytest
 
 import metafem as mf
-from metafem.files.text import write_text
+from metafem.files.atomic.text import write_text
 
 
 def test_a_text_is_written_as_utf8(tmp_path):
