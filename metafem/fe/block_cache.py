@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import hashlib
 import os
 import tempfile
@@ -9,12 +10,21 @@ import zipfile
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from importlib.metadata import version
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
 
 from metafem._caches import cache_folder
 from metafem._validate import FloatArray
+
+# Modules that compute an influence, and the libraries they rely on.
+SOURCES = tuple(
+    f"metafem.fe.block_{name}"
+    for name in ("boundary", "elasticity", "lines", "mesh", "point_load", "sites", "solver")
+)
+LIBRARIES = ("numpy", "scipy", "scikit-fem")
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,11 +107,28 @@ def _path(shape: tuple[float, ...], position: FloatArray) -> Path:
 
 @lru_cache
 def code_version() -> bytes:
-    """Return a hash of the sources that the numbers depend on."""
+    """Return a hash of the statements and the libraries that the numbers depend on."""
     total = hashlib.sha256()
-    for source in sorted(Path(__file__).parent.glob("block_*.py")):
-        total.update(source.read_bytes())
+    for name in SOURCES:
+        spec = find_spec(name)
+        if spec is None or spec.origin is None:
+            raise ImportError(f"{name} has moved; name it anew in {__name__}.SOURCES")
+        total.update(statements(Path(spec.origin).read_text(encoding="utf-8")).encode())
+    for library in LIBRARIES:
+        total.update(f"{library} {version(library)}".encode())
     return total.digest()
+
+
+def statements(source: str) -> str:
+    """Return what a source does: its syntax tree without comments, docstrings and line numbers."""
+    tree = ast.parse(source)
+    for node in ast.walk(tree):
+        if (
+            isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef))
+            and ast.get_docstring(node) is not None
+        ):
+            del node.body[0]
+    return ast.dump(tree)
 
 
 def _noted(found: BlockInfluence, note: str) -> BlockInfluence:

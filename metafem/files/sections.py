@@ -106,7 +106,9 @@ class LayoutSection(Section):
     """``[layout]``."""
 
     seed: Annotated[int, Field(strict=True, ge=0), says("of the deal of heights to the sites", 0)] = 0
-    follow_law: Annotated[Whether, says("choose the sites against interaction", True)] = False
+    follow_law: Annotated[
+        Whether | None, says("choose the sites against interaction; true with a tilt", True)
+    ] = None
     tilt: Annotated[Angle | None, says("choose the sites against a tilt by this angle", "0.1 deg")] = None
     tilt_weight: Annotated[Number | None, says("of the tilt beside interaction; 1 unless given", 2.0)] = None
 
@@ -116,7 +118,9 @@ class LayoutSection(Section):
             raise InvalidInput('tilt_weight needs tilt; write for example tilt = "0.1 deg"')
         if self.tilt is None and not self.follow_law:
             return None
-        return Layout(self.follow_law, self.tilt, 1.0 if self.tilt_weight is None else self.tilt_weight)
+        return Layout(
+            self.follow_law is not False, self.tilt, 1.0 if self.tilt_weight is None else self.tilt_weight
+        )
 
 
 class ModelSection(Section):

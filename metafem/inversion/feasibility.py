@@ -65,12 +65,6 @@ def relative_depth(radii: Radii) -> float:
     return float(brentq(slope, 1.0, math.sqrt(2.0 / k) + 1.0))
 
 
-def slope_bounds(load: float, friction: float, radii: Radii, count: int) -> tuple[float, float]:
-    """Return bounds on the slope at a point of a law [-]: of two kinds, and of N contacts at once."""
-    steepest = 0.5 * math.pi * count * radii.high**2 * 0.75 * load / (friction / math.pi) ** 2
-    return least_exponent(radii) * friction / load, steepest
-
-
 def largest_exponent(load_range: tuple[float, float], radii: Radii, count: int) -> float:
     """Return the largest exponent over a range, ``2/3 + ln(N^(1/3) (R2/R1)^(2/3)) / ln(P2/P1)``."""
     low, high = load_range

@@ -1,6 +1,9 @@
 """The true block against skfem's own hexahedra, the bonded layer, its symmetries, and itself refined."""
 
+import ast
+import importlib.util
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,8 +14,9 @@ from hypothesis import strategies as st
 from skfem.helpers import ddot, div, sym_grad
 
 import metafem as mf
-from metafem.fe import Block3D, block_cache, block_solver
+from metafem.fe import Block3D, block_cache, block_sites, block_solver
 from metafem.fe.block import _solution
+from metafem.fe.block_cache import statements
 from metafem.fe.block_elasticity import Quarter
 from metafem.fe.block_mesh import MOST_CELLS, Grading, Lines, quarter_lines
 from metafem.fe.block_point_load import displacement, traction
@@ -363,3 +367,21 @@ def test_wide_block_under_the_lattice_is_the_layer():
     layer = [bonded_layer.influence(each, 7.2, 0.5) for each in distinct[1:]]
     expected = np.array([bonded_layer.regular_influence(0.0, 7.2, 0.5), *layer])[which]
     np.testing.assert_allclose(found, expected.reshape(r.shape), rtol=0.0, atol=1e-5)
+
+
+def test_only_what_changes_the_numbers_discards_kept_influences():
+    source = Path(block_sites.__file__).read_text("utf-8")
+    assert statements(source) == statements("# a comment\n" + source.replace('"""', '"""Another text. ', 1))
+    assert statements(source) != statements(source + "\nMORE = 1\n")
+
+
+def test_the_kept_influences_name_every_source_that_computes_them():
+    """Follow the imports of the module that computes, within `metafem.fe`."""
+    found, left = set(), ["metafem.fe.block_sites"]
+    while left:
+        name = left.pop()
+        found.add(name)
+        tree = ast.parse(Path(importlib.util.find_spec(name).origin).read_text("utf-8"))
+        imported = {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
+        left += [each for each in imported - found if each and each.startswith("metafem.fe.")]
+    assert found - {"metafem.fe.block_cache"} == set(block_cache.SOURCES)

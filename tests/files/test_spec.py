@@ -84,7 +84,9 @@ def test_a_layout_is_read_with_its_angle(read):
     assert read(LINEAR).layout is None
     assert read(LINEAR.replace("seed = 0", "follow_law = true")).layout == mf.Layout()
     tilt = 'tilt = "0.1 deg"\ntilt_weight = 2'
-    assert read(LINEAR.replace("seed = 0", tilt)).layout == mf.Layout(False, math.radians(0.1), 2.0)
+    assert read(LINEAR.replace("seed = 0", tilt)).layout == mf.Layout(tilt=math.radians(0.1), tilt_weight=2.0)
+    alone = tilt + "\nfollow_law = false"
+    assert read(LINEAR.replace("seed = 0", alone)).layout == mf.Layout(False, math.radians(0.1), 2.0)
 
 
 @pytest.mark.parametrize(
@@ -122,7 +124,7 @@ def test_a_specification_is_designed_with_all_it_asks_for(read):
     spec = read(text + '[radii]\ntools = ["526 um", "300 um"]\n')
     result = spec.design()
     assert result.parameters["radius"] == 0.3
-    assert result.layout == mf.Layout(False, math.radians(0.1))
+    assert result.layout == mf.Layout(tilt=math.radians(0.1))
     same = mf.design_radius(spec.target, spec.template, [0.3, 0.526], None, spec.limits, 3, spec.layout)
     np.testing.assert_array_equal(result.surface.height, same.surface.height)
 
