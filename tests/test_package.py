@@ -2,6 +2,9 @@
 
 import subprocess
 import sys
+import tomllib
+from importlib.machinery import PathFinder
+from pathlib import Path
 
 import pytest
 
@@ -22,6 +25,17 @@ def test_only_public_names_are_listed():
 def test_unknown_name_is_an_attribute_error():
     with pytest.raises(AttributeError, match="metafem attribute nothing"):
         _ = mf.nothing
+
+
+def test_a_folder_left_by_another_installation_does_not_shadow_the_package(tmp_path):
+    (tmp_path / "metafem" / "_kernels" / "__pycache__").mkdir(parents=True)
+    root = Path(mf.__file__).parents[1]
+    found = PathFinder.find_spec("metafem", [str(tmp_path), str(root)])
+    assert found.origin == mf.__file__
+    # which holds for an entry of the path, not for the finder of an editable installation
+    setup = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text())["tool"]
+    assert setup["setuptools"]["package-dir"] == {"": "."}
+    assert "pythonpath" not in setup["pytest"]["ini_options"]
 
 
 def test_importing_the_package_loads_nothing_heavy():
