@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 from skfem import MeshQuad
 
+from metafem.fe.axisymmetric.geometry import Cap
+from metafem.fe.axisymmetric.mesh import graded_mesh, half_space_mesh
 from metafem.fe.checks import BLOCK_RADIUS, PITCH, RADIUS, THICKNESS
-from metafem.fe.geometry import Cap
-from metafem.fe.mesh import graded_mesh, half_space_mesh
 
 FOLDER = Path(__file__).parent.parent / "meshes"
 

@@ -1,13 +1,13 @@
 """Finite elements: a second theory of the same contact, and the checks it makes."""
 
-from metafem.fe.block import Block3D
+from metafem.fe.axisymmetric.active_set import FoundContact, search_contact
+from metafem.fe.axisymmetric.cap_compliance import measure_pedestal
+from metafem.fe.axisymmetric.mesh import read_mesh
+from metafem.fe.axisymmetric.press import PressedContact, Status, press
+from metafem.fe.block3d.substrate import Block3D
 from metafem.fe.checks import Check, Convergence, cap_check, cell_check, hertz_check, layer_check
-from metafem.fe.finite_body import Equilibrium
-from metafem.fe.finite_strain import FiniteContact, press_finite
-from metafem.fe.mesh import read_mesh
-from metafem.fe.pedestal import measure_pedestal
-from metafem.fe.press import PressedContact, Status, press
-from metafem.fe.search import FoundContact, search_contact
+from metafem.fe.large_strain.body import Equilibrium
+from metafem.fe.large_strain.press import FiniteContact, press_finite
 
 __all__ = [
     "Block3D",

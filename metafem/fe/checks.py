@@ -9,11 +9,11 @@ import numpy as np
 from skfem import MeshQuad
 
 from metafem._validate import FloatArray
-from metafem.fe.contact import Pressed, graded, spectral
-from metafem.fe.geometry import Cap, Oblate
-from metafem.fe.mesh import graded_mesh, half_space_mesh
-from metafem.fe.press import press
-from metafem.fe.search import search_contact
+from metafem.fe.axisymmetric.active_set import search_contact
+from metafem.fe.axisymmetric.geometry import Cap, Oblate
+from metafem.fe.axisymmetric.mesh import graded_mesh, half_space_mesh
+from metafem.fe.axisymmetric.prescribed_radius import Pressed, graded, spectral
+from metafem.fe.axisymmetric.press import press
 from metafem.reference import bonded_layer, single_contacts
 
 # The asperities, the lattice and the block of Aymard et al., Science 383, 200 (2024).

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from metafem.fe import PressedContact
-    from metafem.fe.geometry import Cap
+    from metafem.fe.axisymmetric.geometry import Cap
 
 # Half-width of the view of the contact's edge, in contact radii.
 EDGE_VIEW = 0.3
@@ -58,8 +58,8 @@ def elements_section(design: Design) -> dict[str, Any]:
 
 def _cap_figures(design: Design, a: float, tallest: int) -> list[str]:
     from metafem import fe
-    from metafem.fe.geometry import Cap
-    from metafem.fe.mesh import graded_mesh
+    from metafem.fe.axisymmetric.geometry import Cap
+    from metafem.fe.axisymmetric.mesh import graded_mesh
 
     surface, block = design.surface, design.surface.block
     if block is None:

@@ -19,7 +19,7 @@ def cache_folder(tmp_path_factory):
     """A cache folder of the tests' own."""
     with pytest.MonkeyPatch.context() as patch:
         folder = tmp_path_factory.mktemp("cache")
-        patch.setattr("metafem.fe.block_cache.cache_folder", lambda: folder)
+        patch.setattr("metafem.fe.block3d.cache.cache_folder", lambda: folder)
         yield
 
 

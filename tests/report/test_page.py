@@ -85,7 +85,7 @@ def test_page_warns_where_the_plane_would_reach_the_base(template):
 
 
 def test_page_does_not_wait_for_the_true_block(template, tmp_path, monkeypatch):
-    monkeypatch.setattr("metafem.fe.block_cache.cache_folder", lambda: tmp_path)
+    monkeypatch.setattr("metafem.fe.block3d.cache.cache_folder", lambda: tmp_path)
     text = page(mf.design(mf.LinearLaw(6.87), template))
     assert "the true block is left out" in text
     assert "metafem study fidelity" in text

@@ -131,7 +131,7 @@ def test_tabulated_caps_are_those_of_the_finite_elements(contact):
 
 @pytest.mark.slow
 def test_fidelity_holds_all_models(design, tmp_path, monkeypatch):
-    monkeypatch.setattr("metafem.fe.block_cache.cache_folder", lambda: tmp_path)
+    monkeypatch.setattr("metafem.fe.block3d.cache.cache_folder", lambda: tmp_path)
     found = mf.studies.fidelity(design)
     assert list(found.model.values) == ["independent", "half-space", "layer", "block", "fe"]
     # the block lies between layer and half-space; each model sinks less than the half-space does

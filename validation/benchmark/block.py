@@ -11,7 +11,7 @@ import numpy as np
 
 import metafem as mf
 from metafem import _caches
-from metafem.fe.block import _solution
+from metafem.fe.block3d.substrate import _solution
 from metafem.reference import bonded_layer
 from validation.benchmark.timing import Row, best
 

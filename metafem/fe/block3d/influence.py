@@ -7,9 +7,9 @@ import math
 import numpy as np
 
 from metafem._validate import FloatArray, IntArray
-from metafem.fe.block_cache import BlockInfluence
-from metafem.fe.block_elasticity import Quarter
-from metafem.fe.block_mesh import Lines, quarter_lines
+from metafem.fe.block3d.cache import BlockInfluence
+from metafem.fe.block3d.elasticity import Quarter
+from metafem.fe.block3d.grading import Lines, quarter_lines
 from metafem.surface import Block
 
 # Cells of the second mesh, by which the error is judged, over those of the first.

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.fe.contact import graded, spectral
-from metafem.fe.geometry import Flat, Oblate
-from metafem.fe.mesh import graded_mesh
+from metafem.fe.axisymmetric.geometry import Flat, Oblate
+from metafem.fe.axisymmetric.mesh import graded_mesh
+from metafem.fe.axisymmetric.prescribed_radius import graded, spectral
 from validation.frozen_meshes import FOLDER, recipes
 
 

@@ -21,8 +21,8 @@ from metafem._validate import FloatArray
 
 # Modules that compute an influence, and the libraries they rely on.
 SOURCES = tuple(
-    f"metafem.fe.block_{name}"
-    for name in ("boundary", "elasticity", "lines", "mesh", "point_load", "sites", "solver")
+    f"metafem.fe.block3d.{name}"
+    for name in ("boussinesq", "elasticity", "faces", "grading", "influence", "line_elements", "solver")
 )
 LIBRARIES = ("numpy", "scipy", "scikit-fem")
 

@@ -5,10 +5,10 @@ import pytest
 from scipy.sparse import csc_matrix
 from skfem import MeshQuad
 
-from metafem.fe import linear
-from metafem.fe.elasticity import Body
-from metafem.fe.geometry import Cap, Flat, Oblate
-from metafem.fe.mesh import named
+from metafem.fe import linear_solve
+from metafem.fe.axisymmetric.elasticity import Body
+from metafem.fe.axisymmetric.geometry import Cap, Flat, Oblate
+from metafem.fe.axisymmetric.mesh import named
 
 
 @pytest.mark.parametrize("poisson_ratio", [0.0, 0.3, 0.5])
@@ -52,6 +52,6 @@ def test_surface_points_are_where_they_should_be():
 
 def test_a_small_pivot_is_repaired_by_pivoting():
     matrix = csc_matrix(np.array([[1e-20, 1.0, 0.0], [1.0, 1e-20, 1.0], [0.0, 1.0, 1.0]]))
-    solved = linear.solve(matrix, np.array([[1.0], [2.0], [3.0]]))
-    assert solved.residual < linear.RESIDUAL
+    solved = linear_solve.solve(matrix, np.array([[1.0], [2.0], [3.0]]))
+    assert solved.residual < linear_solve.RESIDUAL
     np.testing.assert_allclose(matrix @ solved.value, [[1.0], [2.0], [3.0]], rtol=1e-12)

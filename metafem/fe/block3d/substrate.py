@@ -13,7 +13,7 @@ import numpy as np
 from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput, MetafemWarning, NotConverged
-from metafem.fe.block_cache import BlockInfluence, cached, is_cached
+from metafem.fe.block3d.cache import BlockInfluence, cached, is_cached
 from metafem.surface import Block, Surface
 
 # Relative residual above which a linear solution is refused; the elements' own error is larger.
@@ -164,7 +164,7 @@ def _solution(bound: Block3D, position: bytes) -> BlockInfluence:
 
     def compute() -> BlockInfluence:
         # scikit-fem is loaded only where there is something to solve
-        from metafem.fe.block_sites import site_influence
+        from metafem.fe.block3d.influence import site_influence
 
         found = site_influence(block, ratio, place, bound.cell, bound.edge_cell)
         if found.residual > RESIDUAL_LIMIT:

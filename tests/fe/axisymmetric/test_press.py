@@ -143,7 +143,7 @@ def test_bad_input_is_refused_with_its_reason(arguments, reason):
 
 
 def test_a_residual_that_stays_is_reported_with_the_state(monkeypatch):
-    monkeypatch.setattr("metafem.fe.linear.RESIDUAL", 0.0)
+    monkeypatch.setattr("metafem.fe.linear_solve.RESIDUAL", 0.0)
     with pytest.raises(mf.NotConverged, match="residual") as caught:
         mf.fe.press(0.2, R)
     assert caught.value.state.status is mf.fe.Status.NOT_CONVERGED
@@ -157,9 +157,9 @@ def test_a_radius_outside_the_body_is_refused():
 @pytest.mark.slow
 @pytest.mark.parametrize(("height", "contact_radius"), [(0.12, 0.10), (0.20, 0.26)])
 def test_estimate_bounds_the_distance_to_a_finer_solution(height, contact_radius):
-    from metafem.fe.contact import graded
-    from metafem.fe.geometry import Cap
-    from metafem.fe.mesh import graded_mesh
+    from metafem.fe.axisymmetric.geometry import Cap
+    from metafem.fe.axisymmetric.mesh import graded_mesh
+    from metafem.fe.axisymmetric.prescribed_radius import graded
 
     cap = Cap(R, height, 10.0, 7.2)
     edge = float(cap.surface(np.array(contact_radius))[0])

@@ -13,8 +13,8 @@ import numpy as np
 import scipy.sparse as sp
 
 from metafem._validate import FloatArray
-from metafem.fe.block_lines import LineElements
-from metafem.fe.block_point_load import Vector, displacement, traction
+from metafem.fe.block3d.boussinesq import Vector, displacement, traction
+from metafem.fe.block3d.line_elements import LineElements
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.fe import finite_body, finite_strain
-from metafem.fe.geometry import Cap
-from metafem.fe.mesh import graded_mesh
+from metafem.fe.axisymmetric.geometry import Cap
+from metafem.fe.axisymmetric.mesh import graded_mesh
+from metafem.fe.large_strain import body as soft_body
+from metafem.fe.large_strain import press
 
 R = 0.526
 CAP = Cap(R, 0.2, 10.0, 7.2)
@@ -23,7 +24,7 @@ def over_hertz(contact):
 def coarse(stick):
     """Five contacts on the coarsest mesh."""
     radii = R * np.array([0.1, 0.2, 0.3, 0.4, 0.5])
-    return finite_strain.press_in_turn(radii, CAP, stick, (0, 0))
+    return press.press_in_turn(radii, CAP, stick, (0, 0))
 
 
 def sphere(r):
@@ -36,24 +37,24 @@ def flattened(place, degree, refinement=0):
     mesh = graded_mesh(
         float(CAP.surface(np.array(place))[0]), 10.0, 7.2, CAP.foot, contact_edge=1e-4, foot_edge=0.05
     )
-    body = finite_body.SoftBody(mesh.refined(refinement) if refinement else mesh, CAP, degree, 0.5)
+    body = soft_body.SoftBody(mesh.refined(refinement) if refinement else mesh, CAP, degree, 0.5)
     return body, body.flatten(sphere)
 
 
 def test_small_strain_limit():
     a = 0.002 * R
-    contact = finite_strain.press_in_turn(np.array([a]), CAP, False, (0, 0))[0]
+    contact = press.press_in_turn(np.array([a]), CAP, False, (0, 0))[0]
     small = mf.fe.press(a, **BODY)
     # The coarse mesh's own error is 1.5e-3.
     assert contact.rescaled_load == pytest.approx(small.rescaled_load, rel=2e-3)
     assert contact.indentation == pytest.approx(small.indentation, rel=2e-3)
     assert contact.status is mf.fe.Equilibrium.CONVERGED
-    assert contact.residual <= finite_body.RESIDUAL
+    assert contact.residual <= soft_body.RESIDUAL
 
 
 def test_lengths_of_any_unit():
     big, one = (
-        finite_strain.press_in_turn(
+        press.press_in_turn(
             np.array([0.3 * unit]), Cap(unit, 0.4 * unit, 20.0 * unit, 10.0 * unit), False, (0, 0)
         )[0]
         for unit in (1e6, 1.0)
@@ -98,7 +99,7 @@ def test_the_public_history_agrees_with_another():
 @pytest.mark.slow
 def test_stuck_points_keep_their_place():
     early, late = (coarse(True)[i] for i in (2, 4))
-    history = finite_strain._Stuck(R)
+    history = press._Stuck(R)
     for contact in coarse(True):
         history.add(contact.material_radius, contact.state.shift)
     for contact in (early, late):
@@ -118,7 +119,7 @@ def test_the_plane_presses_inside_and_nothing_crosses_it_outside():
 
 
 def test_a_newton_that_does_not_end_is_reported(monkeypatch):
-    monkeypatch.setattr(finite_body, "NEWTON", 2)
+    monkeypatch.setattr(soft_body, "NEWTON", 2)
     with pytest.raises(mf.NotConverged, match="plane's way") as caught:
         mf.fe.press_finite(0.2, **BODY)
     assert caught.value.state.status is mf.fe.Equilibrium.NOT_CONVERGED

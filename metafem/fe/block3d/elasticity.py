@@ -13,11 +13,11 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from metafem._validate import FloatArray, IntArray
-from metafem.fe.block_boundary import Face, mirrored
-from metafem.fe.block_lines import LineElements
-from metafem.fe.block_mesh import Lines
-from metafem.fe.block_point_load import displacement
-from metafem.fe.block_solver import solve
+from metafem.fe.block3d.boussinesq import displacement
+from metafem.fe.block3d.faces import Face, mirrored
+from metafem.fe.block3d.grading import Lines
+from metafem.fe.block3d.line_elements import LineElements
+from metafem.fe.block3d.solver import solve
 
 BoolArray = NDArray[np.bool_]
 

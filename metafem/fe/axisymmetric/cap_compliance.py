@@ -9,9 +9,9 @@ import numpy as np
 from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
-from metafem.fe.contact import graded
-from metafem.fe.geometry import Cap
-from metafem.fe.mesh import graded_mesh
+from metafem.fe.axisymmetric.geometry import Cap
+from metafem.fe.axisymmetric.mesh import graded_mesh
+from metafem.fe.axisymmetric.prescribed_radius import graded
 
 # Thickness and radius of the block, in summit radii, and what this block lacks of a half-space's
 # compliance, in units of 1/(pi EXTENT): tests/fe/test_pedestal.py finds it without a cap.

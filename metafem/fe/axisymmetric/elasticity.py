@@ -13,8 +13,8 @@ from skfem import ElementQuadP, MeshQuad
 from skfem.assembly.dofs import Dofs
 
 from metafem._validate import FloatArray, IntArray
-from metafem.fe import linear
-from metafem.fe.geometry import Geometry
+from metafem.fe import linear_solve
+from metafem.fe.axisymmetric.geometry import Geometry
 
 # Gauss points per direction beyond the degree: the elements' own polynomials need one, the analytic
 # maps and 1/r are resolved by the others.
@@ -209,7 +209,7 @@ class Body:
         rows = self.matrix[free]
         skeleton = np.zeros((self.matrix.shape[0], value.shape[1]))
         skeleton[fixed] = value[fixed]
-        solved = linear.solve(rows[:, free].tocsc(), -(rows @ skeleton))
+        solved = linear_solve.solve(rows[:, free].tocsc(), -(rows @ skeleton))
         skeleton[free] = solved.value
         return Solution(skeleton, self.matrix @ skeleton, solved.residual, solved.pivoted)
 

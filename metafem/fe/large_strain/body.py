@@ -12,9 +12,10 @@ from scipy.sparse import coo_matrix, csc_matrix
 
 from metafem._validate import FloatArray, IntArray
 from metafem.errors import NotConverged
-from metafem.fe import linear, neo_hookean
-from metafem.fe.contact import Profile, contact_data
-from metafem.fe.elasticity import EXTRA_POINTS, Body
+from metafem.fe import linear_solve
+from metafem.fe.axisymmetric.elasticity import EXTRA_POINTS, Body
+from metafem.fe.axisymmetric.prescribed_radius import Profile, contact_data
+from metafem.fe.large_strain import neo_hookean
 
 # Newton doubles its digits: a step that has not ended after so many starts too far away and is halved.
 NEWTON = 12
@@ -247,7 +248,7 @@ class SoftBody(Body):
             right = np.column_stack([force + matrix @ jump, matrix @ plane.modes])
             full = np.zeros(right.shape)
             try:
-                full[free] = -linear.solve(matrix[free][:, free].tocsc(), right[free], THRESHOLD).value
+                full[free] = -linear_solve.solve(matrix[free][:, free].tocsc(), right[free], THRESHOLD).value
                 at_edge = (right + matrix @ full)[plane.edge]
                 step = np.linalg.solve(at_edge[:, 1:], -at_edge[:, 0])
             except (RuntimeError, np.linalg.LinAlgError):  # a singular tangent: too far from the solution

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.fe.search import _active_set
+from metafem.fe.axisymmetric.active_set import _active_set
 
 
 def test_hertz_on_a_coarse_mesh_and_in_other_units():

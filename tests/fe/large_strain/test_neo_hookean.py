@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from metafem.fe import neo_hookean
+from metafem.fe.large_strain import neo_hookean
 
 MU = 0.25
 RNG = np.random.default_rng(3)

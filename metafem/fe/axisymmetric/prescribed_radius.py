@@ -10,9 +10,9 @@ import numpy as np
 from skfem import ElementLinePp, MeshQuad
 
 from metafem._validate import FloatArray
-from metafem.fe.elasticity import Body, Solution, hierarchical
-from metafem.fe.geometry import Geometry, Oblate
-from metafem.fe.surface_values import locate
+from metafem.fe.axisymmetric.elasticity import Body, Solution, hierarchical
+from metafem.fe.axisymmetric.geometry import Geometry, Oblate
+from metafem.fe.axisymmetric.surface_values import locate
 
 Profile = Callable[[FloatArray], FloatArray]
 

@@ -14,11 +14,11 @@ from numpy.typing import ArrayLike
 from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput, NotConverged
-from metafem.fe import linear
-from metafem.fe.contact import Pressed, graded, spectral
-from metafem.fe.geometry import Cap, Flat, Oblate
-from metafem.fe.mesh import graded_mesh, half_space_mesh
-from metafem.fe.surface_values import contact_pressure, surface_displacement
+from metafem.fe import linear_solve
+from metafem.fe.axisymmetric.geometry import Cap, Flat, Oblate
+from metafem.fe.axisymmetric.mesh import graded_mesh, half_space_mesh
+from metafem.fe.axisymmetric.prescribed_radius import Pressed, graded, spectral
+from metafem.fe.axisymmetric.surface_values import contact_pressure, surface_displacement
 
 # A layer without a side ends at this many thicknesses. Its field decays as exp(-0.739 r/t) at nu = 0.5 (the
 # root of cos y = y) and faster below, so what the side sends back to the contact is below 1e-7 of it.
@@ -180,7 +180,7 @@ def _result(a: float, fine: Pressed, coarse: Pressed) -> PressedContact:
     if not (fine.load > 0.0 and fine.indentation > 0.0):
         raise InvalidInput("the profile carries no load: it must fall away from the axis")
     steps = [abs(getattr(coarse, what) / getattr(fine, what) - 1.0) for what in ("load", "indentation")]
-    settled = fine.residual <= linear.RESIDUAL
+    settled = fine.residual <= linear_solve.RESIDUAL
     status = Status.PIVOTED if fine.pivoted else Status.CONVERGED
     contact = PressedContact(
         contact_radius=a,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from metafem._validate import FloatArray, IntArray
-from metafem.fe.elasticity import Body
+from metafem.fe.axisymmetric.elasticity import Body
 
 
 def locate(body: Body, name: str, plane: FloatArray) -> tuple[IntArray, FloatArray]:

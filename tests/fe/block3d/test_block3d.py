@@ -14,12 +14,14 @@ from hypothesis import strategies as st
 from skfem.helpers import ddot, div, sym_grad
 
 import metafem as mf
-from metafem.fe import Block3D, block_cache, block_sites, block_solver
-from metafem.fe.block import _solution
-from metafem.fe.block_cache import statements
-from metafem.fe.block_elasticity import Quarter
-from metafem.fe.block_mesh import MOST_CELLS, Grading, Lines, quarter_lines
-from metafem.fe.block_point_load import displacement, traction
+from metafem.fe import Block3D
+from metafem.fe.block3d import cache as cache_module
+from metafem.fe.block3d import influence, solver
+from metafem.fe.block3d.boussinesq import displacement, traction
+from metafem.fe.block3d.cache import statements
+from metafem.fe.block3d.elasticity import Quarter
+from metafem.fe.block3d.grading import MOST_CELLS, Grading, Lines, quarter_lines
+from metafem.fe.block3d.substrate import _solution
 from metafem.reference import bonded_layer
 
 BLOCK = mf.Block(20.0, 20.0, 7.2)
@@ -34,7 +36,7 @@ def cache(tmp_path_factory):
     """A cache folder of the tests' own, so that nothing is read that they did not compute."""
     with pytest.MonkeyPatch.context() as patch:
         folder = tmp_path_factory.mktemp("cache")
-        patch.setattr(block_cache, "cache_folder", lambda: folder)
+        patch.setattr(cache_module, "cache_folder", lambda: folder)
         _solution.cache_clear()
         yield patch
     _solution.cache_clear()
@@ -225,7 +227,7 @@ def test_loads_beside_a_side_warn():
 
 def test_result_is_read_back(coarse, monkeypatch):
     _solution.cache_clear()
-    monkeypatch.setattr("metafem.fe.block_sites.site_influence", None)
+    monkeypatch.setattr("metafem.fe.block3d.influence.site_influence", None)
     again = Block3D(**COARSE).solution(scene(SITES))
     assert again.notes[-1].startswith("read from")
     for name in ("matrix", "gradient_x", "gradient_y", "laplacian"):
@@ -236,8 +238,8 @@ def test_result_is_read_back(coarse, monkeypatch):
 @pytest.fixture
 def stored(coarse, tmp_path, monkeypatch):
     """What is kept, with a folder of its own and without the cost of computing it."""
-    monkeypatch.setattr(block_cache, "cache_folder", lambda: tmp_path)
-    return lambda shape=(1.0,): block_cache.cached(shape, SITES, lambda: coarse)
+    monkeypatch.setattr(cache_module, "cache_folder", lambda: tmp_path)
+    return lambda shape=(1.0,): cache_module.cached(shape, SITES, lambda: coarse)
 
 
 def test_each_block_has_a_file_of_its_own(stored):
@@ -246,7 +248,7 @@ def test_each_block_has_a_file_of_its_own(stored):
 
 def test_changed_code_computes_anew(stored, monkeypatch):
     stored()
-    monkeypatch.setattr(block_cache, "code_version", lambda: b"another")
+    monkeypatch.setattr(cache_module, "code_version", lambda: b"another")
     assert stored().notes[-1].startswith("kept in")
 
 
@@ -270,19 +272,19 @@ def test_interrupted_write_leaves_nothing(stored, tmp_path, monkeypatch):
 
 def test_unwritable_folder_is_a_note(stored, tmp_path, monkeypatch):
     (tmp_path / "file").touch()
-    monkeypatch.setattr(block_cache, "cache_folder", lambda: tmp_path / "file" / "metafem")
+    monkeypatch.setattr(cache_module, "cache_folder", lambda: tmp_path / "file" / "metafem")
     assert "not kept on disk" in stored().notes[-1]
 
 
 def test_vanishing_pivots_are_solved_with_pivoting():
     matrix = sp.csc_array(np.array([[0.0, 1.0], [1.0, 0.0]]))
-    solution, residual = block_solver.solve(matrix, np.array([[1.0], [2.0]]))
+    solution, residual = solver.solve(matrix, np.array([[1.0], [2.0]]))
     np.testing.assert_allclose(solution, [[2.0], [1.0]])
     assert residual < 1e-15
 
 
 def test_singular_matrix_is_reported():
-    assert block_solver.solve(sp.csc_array((2, 2)), np.ones((2, 1)))[1] == math.inf
+    assert solver.solve(sp.csc_array((2, 2)), np.ones((2, 1)))[1] == math.inf
 
 
 class _Useless:
@@ -291,7 +293,7 @@ class _Useless:
 
 
 def test_failed_factorisation_raises(monkeypatch):
-    monkeypatch.setattr("metafem.fe.block_solver.splu", lambda *_, **__: _Useless())
+    monkeypatch.setattr("metafem.fe.block3d.solver.splu", lambda *_, **__: _Useless())
     with pytest.raises(mf.NotConverged, match="residual") as raised:
         Block3D(cell=1.0, edge_cell=0.5).influence_matrix(scene(SITES[:1]))
     assert raised.value.state.residual > 1e-8
@@ -370,18 +372,18 @@ def test_wide_block_under_the_lattice_is_the_layer():
 
 
 def test_only_what_changes_the_numbers_discards_kept_influences():
-    source = Path(block_sites.__file__).read_text("utf-8")
+    source = Path(influence.__file__).read_text("utf-8")
     assert statements(source) == statements("# a comment\n" + source.replace('"""', '"""Another text. ', 1))
     assert statements(source) != statements(source + "\nMORE = 1\n")
 
 
 def test_the_kept_influences_name_every_source_that_computes_them():
     """Follow the imports of the module that computes, within `metafem.fe`."""
-    found, left = set(), ["metafem.fe.block_sites"]
+    found, left = set(), ["metafem.fe.block3d.influence"]
     while left:
         name = left.pop()
         found.add(name)
         tree = ast.parse(Path(importlib.util.find_spec(name).origin).read_text("utf-8"))
         imported = {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
         left += [each for each in imported - found if each and each.startswith("metafem.fe.")]
-    assert found - {"metafem.fe.block_cache"} == set(block_cache.SOURCES)
+    assert found - {"metafem.fe.block3d.cache"} == set(cache_module.SOURCES)

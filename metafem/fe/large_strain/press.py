@@ -11,9 +11,9 @@ import numpy as np
 from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput, NotConverged
-from metafem.fe.finite_body import Equilibrium, Flattened, SoftBody
-from metafem.fe.geometry import Cap
-from metafem.fe.mesh import graded_mesh
+from metafem.fe.axisymmetric.geometry import Cap
+from metafem.fe.axisymmetric.mesh import graded_mesh
+from metafem.fe.large_strain.body import Equilibrium, Flattened, SoftBody
 
 # Size of the last elements at the edge, relative to the contact's radius: the edge's bracket is of this
 # order, small beside the error of quadratic elements.

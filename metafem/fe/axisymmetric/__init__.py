@@ -1,0 +1,1 @@
+"""One axisymmetric contact at small strain, against which the models' laws are checked."""

@@ -1,0 +1,1 @@
+"""The true block with its free sides, as a substrate."""
