@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from metafem import _validate as check
+from metafem import drawing
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput, NotConverged
 from metafem.models import Curve, Independent, Model, Status
@@ -173,11 +174,42 @@ class FrictionLaw:
             count,
         )
 
-    def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw rescaled friction over rescaled load and return the axes."""
-        from metafem.report.figures import plot_law
+    def plot(
+        self, ax: Axes | None = None, units: Literal["mm^2", "N"] = "mm^2", label: str | None = None
+    ) -> Axes:
+        """Draw the law and return the axes.
 
-        return plot_law(self, ax)
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            Where to draw; without it in a new figure of ``matplotlib.pyplot``.
+        units : {"mm^2", "N"}
+            Rescaled friction over rescaled load [mm^2], or friction force over load [N].
+        label : str, optional
+            Name in a legend.
+
+        Raises
+        ------
+        InvalidInput
+            For other units, an `ax` that is none, and for forces of a surface without a Friction.
+
+        Examples
+        --------
+        >>> surface = Surface.square_lattice(0.1, (2, 2), radius=0.526, material=Material(1.36))
+        >>> ax = friction_law(surface).plot(label="four asperities")
+        >>> ax.get_xlabel()
+        'rescaled load  P/E* [mm²]'
+        """
+        if units not in ("mm^2", "N"):
+            raise InvalidInput(f'units = {units!r:.40} must be "mm^2" (rescaled) or "N" (forces)')
+        forces = units == "N"
+        if forces:
+            x, y = self.load, self.friction_force
+        else:
+            x, y = self.rescaled_load, self.rescaled_friction
+        ax = drawing.axes(ax)
+        drawing.law(ax, x, y, forces=forces, label=label)
+        return ax
 
 
 def friction_law(

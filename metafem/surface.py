@@ -5,15 +5,19 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from metafem import _validate as check
+from metafem import drawing
 from metafem._given import entry, told
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 __all__ = ["Block", "Friction", "Material", "Surface"]
 
@@ -288,6 +292,31 @@ class Surface:
         """Return the surface with its asperities (height and radius) dealt anew to its places."""
         order = check.generator(rng).permutation(self.count)
         return self.replaced(height=self.height[order], radius=self.radius[order])
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draw the heights at their places, the markers in proportion to radii that differ.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            Where to draw; without it in a new figure of ``matplotlib.pyplot``.
+
+        Returns
+        -------
+        matplotlib Axes
+
+        Examples
+        --------
+        >>> lattice = Surface.square_lattice([0.1, 0.12], (1, 2), radius=0.526, material=Material(1.36))
+        >>> lattice.plot().get_xlabel()
+        'x [mm]'
+        """
+        ax = drawing.axes(ax, 5.0, 4.2)
+        if self.block is not None:
+            drawing.outline(ax, self.block.width, self.block.length)
+        drawing.summits(ax, self.position, self.height, self.radius)
+        drawing.plan(ax)
+        return ax
 
 
 def _refuse_coincident(position: FloatArray) -> None:

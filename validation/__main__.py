@@ -15,8 +15,8 @@ import click
 
 import metafem as mf
 import validation
+from metafem.drawing import svg
 from metafem.report.figures import law_figure
-from metafem.report.svg import svg
 from validation.check import Check, Claim
 from validation.page import page, readme_table
 from validation.paper_surfaces import fig4

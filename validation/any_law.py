@@ -7,9 +7,9 @@ from functools import cache
 import numpy as np
 
 import metafem as mf
+from metafem.drawing import new_figure
 from metafem.inversion.proportional import proportional_range
 from metafem.inversion.radii import Radii
-from metafem.report.svg import new_figure
 from validation.check import Check, Claim, below
 from validation.paper_surfaces import template
 

@@ -7,10 +7,10 @@ import math
 import numpy as np
 
 from metafem import fe
+from metafem.drawing import new_figure
 from metafem.fe.checks import PITCH, RADIUS, THICKNESS
 from metafem.reference import bonded_layer
 from metafem.reference import single_contacts as exact
-from metafem.report.svg import new_figure
 from validation.check import Claim, from_elements
 
 # Several seconds of finite elements: the test suite runs it with the slow ones.

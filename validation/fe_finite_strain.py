@@ -7,10 +7,10 @@ from functools import cache
 import numpy as np
 
 from metafem import fe
+from metafem.drawing import new_figure
 from metafem.fe.axisymmetric.geometry import Cap
 from metafem.fe.large_strain.press import FiniteContact, press_in_turn
 from metafem.reference import single_contacts as exact
-from metafem.report.svg import new_figure
 from validation.check import Check, Claim, below, near
 
 # Ten contacts on two meshes take a minute.

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from metafem import fe
+from metafem.drawing import new_figure
 from metafem.fe.checks import search_convergence, spectral_convergence
 from metafem.report.elements import hertz_figure
-from metafem.report.svg import new_figure
 from validation.check import Claim, from_elements
 
 A, R = 0.2, 0.526

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from metafem import fe
+from metafem.drawing import new_figure
 from metafem.fe.checks import RADIUS, THICKNESS
 from metafem.reference import bonded_layer
-from metafem.report.svg import new_figure
 from validation.check import Claim, from_elements
 
 # Several seconds of finite elements: the test suite runs it with the slow ones.

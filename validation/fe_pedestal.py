@@ -8,7 +8,7 @@ import numpy as np
 
 from metafem import fe
 from metafem.asperity.pedestal import SHARES, TABLE, pedestal_compliance
-from metafem.report.svg import new_figure
+from metafem.drawing import new_figure
 from validation.check import Claim, below
 
 # Between the rows and columns of the table.

@@ -11,7 +11,7 @@ from functools import cache
 import numpy as np
 
 import metafem as mf
-from metafem.report.svg import new_figure
+from metafem.drawing import new_figure
 from validation.check import Check, Claim, below, near
 from validation.paper_surfaces import fig3, fig4, template
 from validation.published import PAPER, paper, table

@@ -12,7 +12,7 @@ from functools import cache
 import numpy as np
 
 import metafem as mf
-from metafem.report.svg import new_figure
+from metafem.drawing import new_figure
 from validation.check import Check, Claim, below
 from validation.interaction_error import surfaces
 from validation.paper_surfaces import fig3

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from metafem.report.svg import svg
+from metafem.drawing import svg
 from validation.check import Claim
 
 TEMPLATE = """<!doctype html>

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 import metafem as mf
-from metafem.report.svg import new_figure
+from metafem.drawing import new_figure
 from validation.check import Check, Claim, below
 from validation.interaction_error import LOADS, surfaces
 

@@ -7,10 +7,10 @@ from functools import cache
 import numpy as np
 
 import metafem as mf
+from metafem.drawing import new_figure
 from metafem.inversion.feasibility import largest_exponent, least_exponent
 from metafem.inversion.radii import Radii
 from metafem.inversion.sampled import wanted_law
-from metafem.report.svg import new_figure
 from validation.check import Check, Claim, below, near
 from validation.paper_surfaces import template
 

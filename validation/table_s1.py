@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from metafem.report.svg import new_figure
+from metafem.drawing import new_figure
 from validation.check import Claim, near
 from validation.paper_surfaces import fig4
 from validation.published import PAPER, paper, table

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from metafem.drawing import new_figure, svg
 from metafem.errors import InvalidInput
 from metafem.inversion import Design
 from metafem.models import Independent
 from metafem.reference import single_contacts as exact
-from metafem.report.svg import new_figure, svg
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

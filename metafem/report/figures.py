@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from metafem import drawing
+from metafem.drawing import ACHIEVED, QUIET, TARGET, new_figure
 from metafem.inversion import (
     BilinearLaw,
     Design,
@@ -26,52 +28,24 @@ from metafem.law import friction_law
 from metafem.models import equilibrium
 from metafem.report.comparison import Comparison
 from metafem.report.names import model_name
-from metafem.report.svg import new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from metafem.law import FrictionLaw
-
-# One colour for what is wanted, one for what is achieved, greys for the rest.
-WANTED, ACHIEVED, QUIET = "#c8553d", "#1b6f8a", "#8a8f98"
 
 # The three loads of the contact views, as shares of the largest load of the law.
 VIEWED_LOADS = (0.1, 0.4, 1.0)
 
-MICROMETRES = 1e3
-
-# Area of the marker of the largest radius [points^2], and the most radii whose markers are explained.
-LARGEST_DOT, MOST_DOTS = 110.0, 3
-
 # Loads at which sensitivities are drawn, of a law's hundred.
 SENSITIVITY_LOADS = 33
-
-
-def plot_law(law: FrictionLaw, ax: Axes | None = None, label: str | None = None) -> Axes:
-    """Draw rescaled friction over rescaled load and return the axes."""
-    if ax is None:
-        ax = new_figure(5.0, 3.6).add_subplot()
-    ax.plot(
-        np.append(0.0, law.rescaled_load),
-        np.append(0.0, law.rescaled_friction),
-        color=ACHIEVED,
-        lw=1.8,
-        label=label,
-    )
-    ax.set_xlabel("rescaled load  P/E* [mm²]")
-    ax.set_ylabel("rescaled friction  F/(σB) [mm²]")
-    ax.set_xlim(left=0.0)
-    ax.set_ylim(bottom=0.0)
-    return ax
 
 
 def law_figure(design: Design) -> Figure:
     """Target and achieved law, and below it their relative difference."""
     figure = new_figure(7.0, 5.6)
     ax, below = figure.subplots(2, 1, sharex=True, height_ratios=[3, 1])
-    plot_law(design.law, ax, "achieved: " + model_name(design.law.model))
+    design.law.plot(ax, label="achieved: " + model_name(design.law.model))
     if design.density is not None:
         mixture = Mixture.of(design.surface.radius)
         count, radius = mixture.carrying, mixture.radius
@@ -111,7 +85,7 @@ def draw_target(target: object, design: Design, ax: Axes, below: Axes) -> None:
 
 @draw_target.register(OperatingPoints)
 def _(target: OperatingPoints, design: Design, ax: Axes, below: Axes) -> None:
-    ax.plot(target.rescaled_load, target.rescaled_friction, "o", color=WANTED, ms=7, label="target")
+    ax.plot(target.rescaled_load, target.rescaled_friction, "o", color=TARGET, ms=7, label="target")
     load = target.rescaled_load * design.surface.material.composite_modulus
     area = [equilibrium(design.surface, design.law.model, load=float(p)).area for p in load]
     error = np.array(area) / target.rescaled_friction - 1.0
@@ -131,14 +105,14 @@ def _(target: LinearLaw | BilinearLaw, design: Design, ax: Axes, below: Axes) ->
         through = middle - branch.slope * centre if branch.intercept is None else branch.intercept
         label = "target slope" + (", asymptote" if branch.intercept is not None else "") if i == 0 else None
         wide = np.array([0.0 if branch.intercept is not None else load[0], load[1]])
-        ax.plot(wide, through + branch.slope * wide, color=WANTED, lw=1.4, label=label)
-        ax.axvspan(*load, color=WANTED, alpha=0.06, lw=0)
-        below.axvspan(*load, color=WANTED, alpha=0.06, lw=0)
+        ax.plot(wide, through + branch.slope * wide, color=TARGET, lw=1.4, label=label)
+        ax.axvspan(*load, color=TARGET, alpha=0.06, lw=0)
+        below.axvspan(*load, color=TARGET, alpha=0.06, lw=0)
         inside = (design.law.rescaled_load >= load[0]) & (design.law.rescaled_load <= load[1])
         x, y = design.law.rescaled_load[inside], design.law.rescaled_friction[inside]
         below.plot(x, 100.0 * (y / (through + branch.slope * x) - 1.0), color=ACHIEVED)
     if isinstance(target, BilinearLaw):
-        ax.axvline(target.crossover_load, color=WANTED, ls=":", lw=1.2, label="target crossover")
+        ax.axvline(target.crossover_load, color=TARGET, ls=":", lw=1.2, label="target crossover")
 
 
 @draw_target.register(SampledLaw)
@@ -149,7 +123,7 @@ def _(target: SampledLaw | PowerLaw | MultilinearLaw, design: Design, ax: Axes, 
     load = wanted.load * design.surface.material.composite_modulus
     area = friction_law(design.surface, design.law.model, load=load).area
     law = wanted.law(area)
-    ax.plot(wanted.load, law, "o", ms=3, color=WANTED, label="target", zorder=3)
+    ax.plot(wanted.load, law, "o", ms=3, color=TARGET, label="target", zorder=3)
     below.plot(wanted.load, 100.0 * (area / law - 1.0), color=ACHIEVED)
     bounds = np.linspace(0.0, float(wanted.load[-1]), 200)[1:]
     low, high = feasible_region(design.template, bounds, design.limits, design.radii)
@@ -200,23 +174,9 @@ def height_figure(design: Design) -> Figure:
     """Heights at their places, the diameters in proportion to radii that differ; empty places as rings."""
     figure = new_figure(5.0, 4.2)
     ax = figure.add_subplot()
-    _draw_block(design, ax)
     empty = np.setdiff1d(np.arange(design.template.count), design.sites)
-    x, y = design.template.position[empty].T
-    ax.scatter(x, y, s=60, facecolors="none", edgecolors=QUIET, lw=0.8)
-    x, y = design.surface.position.T
-    radius = design.surface.radius
-    size = LARGEST_DOT * (radius / radius.max()) ** 2
-    dots = ax.scatter(x, y, c=design.surface.height * MICROMETRES, s=size, cmap="viridis")
-    _frame(ax)
-    if several_radii(design):
-        told = np.unique(radius)
-        told = told if len(told) <= MOST_DOTS else np.linspace(told[0], told[-1], MOST_DOTS)
-        for each in told:
-            area = LARGEST_DOT * (each / radius.max()) ** 2
-            ax.scatter([], [], s=area, color=QUIET, label=f"R = {each * MICROMETRES:.4g} µm")
-        figure.legend(loc="outside lower center", ncols=MOST_DOTS, frameon=False)
-    figure.colorbar(dots, label="summit height [µm]", shrink=0.85)
+    drawing.empty_places(ax, design.template.position[empty])
+    design.surface.plot(ax)
     if empty.size:
         ax.set_title(f"{empty.size} places stay empty (rings)", fontsize=10, color=QUIET)
     return figure
@@ -224,8 +184,6 @@ def height_figure(design: Design) -> Figure:
 
 def contact_figure(design: Design) -> Figure:
     """Top views of the real contacts, to scale, at three loads."""
-    from matplotlib.collections import EllipseCollection
-
     figure = new_figure(9.6, 3.6)
     axes = figure.subplots(1, len(VIEWED_LOADS), sharex=True, sharey=True)
     for ax, share in zip(axes, VIEWED_LOADS, strict=True):
@@ -235,38 +193,11 @@ def contact_figure(design: Design) -> Figure:
         diameter = 2.0 * np.sqrt(state.asperity_area[closed] / np.pi)
         x, y = design.surface.position[~closed].T
         ax.scatter(x, y, s=2, color=QUIET)
-        ax.add_collection(
-            EllipseCollection(
-                diameter,
-                diameter,
-                np.zeros_like(diameter),
-                units="xy",
-                offsets=design.surface.position[closed],
-                offset_transform=ax.transData,
-                facecolors=ACHIEVED,
-            )
-        )
-        _frame(ax)
+        drawing.circles(ax, design.surface.position[closed], diameter)
+        drawing.plan(ax)
         ax.set_title(f"P = {load:.3g} N: {closed.sum()} contacts, {state.area:.3g} mm²", fontsize=10)
         ax.label_outer()
     return figure
-
-
-def _draw_block(design: Design, ax: Axes) -> None:
-    from matplotlib.patches import Rectangle
-
-    block = design.template.block
-    if block is not None:
-        corner = (-0.5 * block.width, -0.5 * block.length)
-        ax.add_patch(Rectangle(corner, block.width, block.length, fill=False, ec=QUIET, lw=0.8))
-
-
-def _frame(ax: Axes) -> None:
-    ax.set_aspect("equal")
-    ax.autoscale_view()
-    ax.margins(0.08)
-    ax.set_xlabel("x [mm]")
-    ax.set_ylabel("y [mm]")
 
 
 def _force_axes(design: Design, ax: Axes) -> None:

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from metafem.drawing import svg
 from metafem.inversion import (
     BilinearLaw,
     Design,
@@ -31,7 +32,6 @@ from metafem.report.figures import (
 )
 from metafem.report.names import misfit_words, model_name
 from metafem.report.notes import all_notes
-from metafem.report.svg import svg
 
 Row = tuple[str, str, str]
 

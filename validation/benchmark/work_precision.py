@@ -18,8 +18,8 @@ import click
 import numpy as np
 
 import metafem as mf
+from metafem.drawing import new_figure, svg
 from metafem.models.model import Model
-from metafem.report.svg import new_figure, svg
 from validation.benchmark.resolved import solve_with_tamaas
 from validation.benchmark.timing import Row, best
 from validation.paper_surfaces import fig4

@@ -1,0 +1,150 @@
+"""What every picture shares: figures, axes, colours and marks of plain arrays; matplotlib stays here."""
+
+from __future__ import annotations
+
+from html import escape
+from io import StringIO
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from metafem.errors import InvalidInput
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.collections import EllipseCollection
+    from matplotlib.figure import Figure
+
+FloatArray = NDArray[np.float64]
+
+# One colour for the target, one for what is achieved, grey for the rest.
+TARGET, ACHIEVED, QUIET = "#c8553d", "#1b6f8a", "#8a8f98"
+
+MICROMETRES = 1e3
+
+# Diameter of the largest marker over the mean distance of summits; the same in a legend [points], and the
+# most radii that it explains.
+LARGEST_DOT, LEGEND_DOT, MOST_DOTS = 0.8, 11.0, 3
+
+# Fixed salt: the names of an SVG's elements must not change from run to run.
+SALT = "metafem"
+
+
+def new_figure(width: float, height: float) -> Figure:
+    """Return an empty figure of a size [inch] that shares no global state."""
+    from matplotlib.figure import Figure
+
+    return Figure(figsize=(width, height), layout="constrained")
+
+
+def axes(ax: Axes | None, width: float = 5.0, height: float = 3.6) -> Axes:
+    """Return given axes, or without them those of a new pyplot figure, which notebooks and scripts show."""
+    if ax is None:
+        from matplotlib import pyplot
+
+        return pyplot.figure(figsize=(width, height), layout="constrained").add_subplot()
+    from matplotlib.axes import Axes
+
+    if not isinstance(ax, Axes):
+        raise InvalidInput(f"ax = {ax!r:.60} must be the axes of a matplotlib figure")
+    return ax
+
+
+def svg(figure: Figure, title: str) -> str:
+    """Return a figure as an inline SVG element, with a title for readers that do not see it.
+
+    The text is the same, to the byte, for the same data.
+    """
+    from matplotlib import rc_context
+
+    buffer = StringIO()
+    style: dict[Any, Any] = {
+        "svg.hashsalt": SALT + title,
+        "svg.fonttype": "none",
+        "font.family": "sans-serif",
+    }
+    with rc_context(style):
+        figure.savefig(buffer, format="svg", metadata=dict.fromkeys(("Date", "Creator", "Format", "Type")))
+    text = buffer.getvalue()
+    start = text.index(">", text.index("<svg")) + 1
+    return f"{text[text.index('<svg') : start]}<title>{escape(title)}</title>{text[start:]}"
+
+
+def law(ax: Axes, load: FloatArray, friction: FloatArray, *, forces: bool, label: str | None = None) -> None:
+    """Draw a friction law from the origin on: forces [N], or rescaled load and friction [mm^2]."""
+    ax.plot(np.append(0.0, load), np.append(0.0, friction), color=ACHIEVED, lw=1.8, label=label)
+    ax.set_xlabel("load  P [N]" if forces else "rescaled load  P/E* [mm²]")
+    ax.set_ylabel("friction force  F [N]" if forces else "rescaled friction  F/(σB) [mm²]")
+    ax.set_xlim(left=0.0)
+    ax.set_ylim(bottom=0.0)
+
+
+def summits(ax: Axes, position: FloatArray, height: FloatArray, radius: FloatArray) -> None:
+    """Draw summits at their places (n, 2) [mm] as circles, coloured by height [mm].
+
+    The diameters are in proportion to radii [mm] that differ, and are explained below.
+    """
+    extent = np.ptp(position, axis=0)
+    apart = max(float(np.sqrt(extent.prod() / len(height))), float(extent.max()) / len(height))
+    share = radius / radius.max()
+    dots = circles(ax, position, LARGEST_DOT * (apart or 1.0) * share, height * MICROMETRES)
+    ax.figure.colorbar(dots, ax=ax, label="summit height [µm]", shrink=0.85)
+    if np.ptp(radius) > 0.0:
+        shown = np.unique(radius)
+        shown = shown if len(shown) <= MOST_DOTS else np.linspace(shown[0], shown[-1], MOST_DOTS)
+        for each in shown:
+            size = LEGEND_DOT * each / radius.max()
+            ax.plot([], [], "o", color=QUIET, ms=size, label=f"R = {each * MICROMETRES:.4g} µm")
+        # below the label of the axis, which is some three lines high
+        ax.legend(
+            loc="upper center", bbox_to_anchor=(0.5, 0.0), borderaxespad=3.5,
+            ncols=MOST_DOTS, columnspacing=1.0, handletextpad=0.0, frameon=False,
+        )  # fmt: skip
+
+
+def empty_places(ax: Axes, position: FloatArray) -> None:
+    """Draw places (m, 2) [mm] without an asperity as rings."""
+    x, y = position.T
+    ax.scatter(x, y, s=60, facecolors="none", edgecolors=QUIET, lw=0.8)
+
+
+def circles(
+    ax: Axes, position: FloatArray, diameter: FloatArray, value: FloatArray | None = None
+) -> EllipseCollection:
+    """Draw filled circles to scale: centres (n, 2) and diameters (n,) [mm], coloured by values (n,)."""
+    from matplotlib.collections import EllipseCollection
+
+    dots = EllipseCollection(
+        diameter,
+        diameter,
+        np.zeros_like(diameter),
+        units="xy",
+        offsets=position,
+        offset_transform=ax.transData,
+        facecolors=ACHIEVED,
+    )
+    if value is not None:
+        dots.set_array(value)
+    ax.add_collection(dots)
+    ax.update_datalim(
+        np.concatenate([position - 0.5 * diameter[:, None], position + 0.5 * diameter[:, None]])
+    )
+    return dots
+
+
+def outline(ax: Axes, width: float, length: float) -> None:
+    """Draw the edges [mm] of a block about the origin, seen from above."""
+    from matplotlib.patches import Rectangle
+
+    corner = (-0.5 * width, -0.5 * length)
+    ax.add_patch(Rectangle(corner, width, length, fill=False, ec=QUIET, lw=0.8))
+
+
+def plan(ax: Axes) -> None:
+    """Make the axes a plan view: x and y [mm] to one scale."""
+    ax.set_aspect("equal")
+    ax.autoscale_view()
+    ax.margins(0.08)
+    ax.set_xlabel("x [mm]")
+    ax.set_ylabel("y [mm]")
