@@ -6,7 +6,7 @@ import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -21,7 +21,7 @@ UNITS: Mapping[str, str] = {
             *("position", "height", "radius", "pitch", "width", "length", "thickness", "max_height"),
             *("min_height", "offset", "height_step", "height_sd", "low", "high", "radii", "places"),
             *("separation", "approach", "cell", "contact_radius", "block_radius", "cell_radius"),
-            *("alignment_height", "indentation", "r"),
+            *("alignment_height", "indentation", "r", "tools", "range"),
         ),
         "mm^2": ("rescaled_load", "rescaled_friction", "crossover_load", "crossover_loads", "load_range"),
         "N": ("load", "friction_force"),
@@ -52,32 +52,41 @@ class Words:
     """How errors call arguments, entries and numbers: as in Python, or as in the file they came from.
 
     `units` holds the unit in which a quantity was written and its size in the package's own; `lines` the
-    line of a file on which each entry stands, `titles` its columns and `file` its name.
+    line of a file on which each entry stands, `names` what the file calls an argument and `file` its name.
     """
 
     section: str = ""
     units: Mapping[str, tuple[str, float]] = field(default_factory=dict)
     file: str = ""
     lines: tuple[int, ...] = ()
-    titles: Mapping[str, str] = field(default_factory=dict)
+    names: Mapping[str, str] = field(default_factory=dict)
 
     def number(self, name: str, value: float) -> str:
         """Return a number in the unit in which its quantity was written."""
-        name = name.partition("[")[0]
-        written = self.units.get(f"{self.section}.{name}") or self.units.get(name)
-        if written is None:
+        if not self.units:
             return f"{value:g}"
-        unit, size = written
-        return f"{value / size:g} {unit}".rstrip()
+        name = name.partition("[")[0]
+        own = unit_of(name), 1.0
+        unit, size = self.units.get(f"{self.section}.{name}") or self.units.get(name, own)
+        return f"{value / size:g} {unit}".removesuffix(" 1").rstrip()
 
-    def entry(self, name: str, i: int) -> str:
-        """Return the name of an entry of an array."""
-        if not self.lines:
-            return f"{name}[{i}]"
-        return f"{self.file}, line {self.lines[i]}: {self.titles.get(name, name)}"
+    def called(self, name: str) -> str:
+        """Return what the file calls an argument or an entry of it, such as ``radius[3]``."""
+        base, bracket, index = name.partition("[")
+        if self.lines and bracket:
+            line = self.lines[int(index.rstrip("]").partition(",")[0])]
+            return f"{self.file}, line {line}: {self.names.get(base, base)}"
+        return self.names.get(name, name)
 
 
 _WORDS: ContextVar[Words] = ContextVar("_WORDS", default=Words())  # noqa: B039 - frozen
+
+
+@contextmanager
+def about(section: str) -> Iterator[None]:
+    """Let errors within the body answer about a section of the file."""
+    with speaking(replace(_WORDS.get(), section=section)):
+        yield
 
 
 @contextmanager
@@ -95,9 +104,9 @@ def told(name: str, value: float) -> str:
     return _WORDS.get().number(name, value)
 
 
-def entry(name: str, i: int) -> str:
-    """Return the name of an entry for an error."""
-    return _WORDS.get().entry(name, i)
+def called(name: str) -> str:
+    """Return what an argument, or an entry such as ``radius[3]``, is called in an error."""
+    return _WORDS.get().called(name)
 
 
 def shown(value: Any, most: int = 60) -> str:

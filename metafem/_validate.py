@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from metafem._given import entry, plain, shown, told, unit_of
+from metafem._given import called, plain, shown, told, unit_of
 from metafem.errors import InvalidInput
 
 FloatArray = NDArray[np.float64]
@@ -39,7 +39,7 @@ def number(
         raise InvalidInput(f"{name} = {shown(value)} is not a number of double precision") from None
     if not math.isfinite(result):
         raise InvalidInput(f"{name} = {result} must be finite")
-    given = f"{name} = {told(name, result)}"
+    given = f"{called(name)} = {told(name, result)}"
     if above is not None and not result > above:
         raise InvalidInput(f"{given} must be greater than {told(name, above)}")
     if at_least is not None and result < at_least:
@@ -97,8 +97,7 @@ def array(name: str, value: Any, *, shape: tuple[int | None, ...]) -> FloatArray
         beyond = np.argwhere((result != 0.0) & ((size < SMALLEST) | (size > LARGEST)))
         if beyond.size:
             first = tuple(beyond[0].tolist())
-            called = entry(name, first[0]) if len(first) == 1 else f"{name}{list(first)}"
-            raise _beyond(name, f"{called} = {told(name, result[first])}")
+            raise _beyond(name, f"{called(f'{name}{list(first)}')} = {told(name, result[first])}")
     result.flags.writeable = False
     return result
 
@@ -107,9 +106,10 @@ def proportion(name: str, value: float, other: str, beside: float) -> None:
     """Refuse two lengths of which one is lost beside the other."""
     small, large = sorted((abs(value), abs(beside)))
     if large > PROPORTION * small:
+        both = f"{called(name)} = {told(name, value)} and {called(other)} = {told(other, beside)}"
         raise InvalidInput(
-            f"{name} = {told(name, value)} and {other} = {told(other, beside)} differ by a factor of "
-            f"{large / small:.1g}; beyond {PROPORTION:.1g} one is lost beside the other in double precision"
+            f"{both} differ by a factor of {large / small:.1g}; beyond {PROPORTION:.1g} one is lost beside "
+            "the other in double precision"
         )
 
 
@@ -153,13 +153,13 @@ def depth(value: Any) -> int:
 def increasing(name: str, value: FloatArray) -> FloatArray:
     """Return `value`, all of it positive and strictly increasing."""
     if value[0] <= 0.0:
-        raise InvalidInput(f"{entry(name, 0)} = {told(name, value[0])} must be greater than 0")
+        raise InvalidInput(f"{called(f'{name}[0]')} = {told(name, value[0])} must be greater than 0")
     bad = np.flatnonzero(np.diff(value) <= 0.0)
     if bad.size:
         i = int(bad[0]) + 1
         raise InvalidInput(
-            f"{entry(name, i)} = {told(name, value[i])} does not exceed {entry(name, i - 1)} = "
-            f"{told(name, value[i - 1])}; the values must increase"
+            f"{called(f'{name}[{i}]')} = {told(name, value[i])} does not exceed "
+            f"{called(f'{name}[{i - 1}]')} = {told(name, value[i - 1])}; the values must increase"
         )
     return value
 

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from metafem import _validate as check
 from metafem import drawing
-from metafem._given import entry, told
+from metafem._given import called, told
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 
@@ -173,7 +173,9 @@ class Surface:
         radii = check.array("radius", radius, shape=(n,))
         if radii.min() <= 0.0:
             i = int(radii.argmin())
-            raise InvalidInput(f"{entry('radius', i)} = {told('radius', radii[i])} must be greater than 0")
+            raise InvalidInput(
+                f"{called(f'radius[{i}]')} = {told('radius', radii[i])} must be greater than 0"
+            )
         _refuse_coincident(places)
         _refuse_disproportion(radii, {"radius": radii, "height": heights, "position": places})
         check.instance("material", material, Material, "a metafem.Material")
@@ -325,7 +327,7 @@ def _refuse_coincident(position: FloatArray) -> None:
     if same.size:
         i, j = sorted(order[same[0] : same[0] + 2].tolist())
         x, y = (told("position", float(value)) for value in position[i])
-        both = f"{entry('position', i)} and {entry('position', j)}"
+        both = " and ".join(called(f"position[{k}]") for k in (i, j))
         raise InvalidInput(f"{both} coincide at ({x}, {y}); asperities must be apart")
 
 
@@ -337,4 +339,4 @@ def _refuse_disproportion(radius: FloatArray, lengths: Mapping[str, FloatArray])
         value = float(values.flat[largest])
         if abs(value) > radius[i]:
             j = largest // values[0].size
-            check.proportion(entry(name, j), value, entry("radius", i), float(radius[i]))
+            check.proportion(f"{name}[{j}]", value, f"radius[{i}]", float(radius[i]))

@@ -50,7 +50,7 @@ def predict(
     (--thickness) or block (--thickness, --width and --length).
     """
     import metafem as mf
-    from metafem.files import law_table, model_named, quantity, read_heights, write_text
+    from metafem.files import law_table, model_named, quantity, read_surface, write_text
 
     sizes = {"thickness": thickness, "width": width, "length": length}
     given = {name: quantity(f"--{name}", text, "mm") for name, text in sizes.items() if text is not None}
@@ -70,10 +70,8 @@ def predict(
                 f'a table of heights such as {source} needs --composite-modulus, for example "1.36 MPa"'
             )
         modulus = quantity("--composite-modulus", composite_modulus, "MPa")
-        position, height, radii = read_heights(
-            source, None if radius is None else quantity("--radius", radius, "mm")
-        )
-        surface = mf.Surface(position, height, radii, mf.Material(modulus), block=_block(given, model))
+        common = None if radius is None else quantity("--radius", radius, "mm")
+        surface = read_surface(source, mf.Material(modulus), common, block=_block(given, model))
         used = mf.Independent()
     newtons = [quantity("--load", text, "N") for text in load]
     chosen = model_named(model) if model else used

@@ -8,7 +8,7 @@ from metafem.files.manual import all_keys, manual
 from metafem.files.model_names import MODELS, model_named
 from metafem.files.spec import Specification, read_spec
 from metafem.files.study import study_data, study_path, write_study
-from metafem.files.tables import law_table, read_heights
+from metafem.files.tables import law_table, read_heights, read_surface
 from metafem.files.units import quantity
 
 __all__ = [
@@ -24,6 +24,7 @@ __all__ = [
     "quantity",
     "read_heights",
     "read_spec",
+    "read_surface",
     "save",
     "stored_hardness",
     "study_data",

@@ -15,6 +15,7 @@ import numpy as np
 from metafem.errors import InvalidInput
 from metafem.files.atomic.staged import FORMAT, staged
 from metafem.files.part import alignment_asperities, block_mesh, stl_bytes
+from metafem.files.reading import read_record
 from metafem.files.records import from_record, to_record
 from metafem.files.spec import Specification
 from metafem.files.tables import heights_table, law_table, mould_table
@@ -172,14 +173,7 @@ def stored_hardness(folder: str | Path) -> float | None:
 def _read(folder: str | Path) -> tuple[Path, dict[str, Any]]:
     """Return the path and the record of a result folder's design.json."""
     path = Path(folder) / "design.json"
-    try:
-        record = json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise InvalidInput(f"{path}: no such file; name a result folder of metafem") from None
-    except OSError as error:
-        raise InvalidInput(f"{path}: cannot be read: {error.strerror}") from None
-    except ValueError as error:
-        raise InvalidInput(f"{path} is damaged: {error}") from None
+    record = read_record(path, "no such file; name a result folder of metafem")
     if not isinstance(record, dict) or record.get("format") != FORMAT:
         raise InvalidInput(f"{path} is not a design of this version of metafem ({FORMAT})")
     return path, record

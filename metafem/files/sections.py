@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from typing import Annotated, Any
 
 from pydantic import Field, field_validator, model_validator
 
+from metafem import _validate as check
+from metafem._given import about, told
 from metafem.errors import InvalidInput
 from metafem.files.model_names import MODELS, suggestion
 from metafem.files.section import Angle, Length, Number, Section, Stress, Whether, measured, says
@@ -64,7 +67,8 @@ class RadiiSection(Section):
     @classmethod
     def _increasing(cls, given: tuple[float, float] | None) -> tuple[float, float] | None:
         if given is not None and not given[0] < given[1]:
-            raise InvalidInput(f"= [{given[0]:g} mm, {given[1]:g} mm] must increase")
+            low, high = (told("radii.range", radius) for radius in given)
+            raise InvalidInput(f"= [{low}, {high}] must increase")
         return given
 
     @model_validator(mode="after")
@@ -184,41 +188,74 @@ class Sections(Section):
 
         def made(section: str, kind: Any, values: dict[str, Any]) -> Any:
             try:
-                return kind(**values)
+                with about(section):
+                    return kind(**values)
             except InvalidInput as error:
                 problems.append(f"{section}.{error}")
                 return None
 
         material = made("material", Material, self.material.model_dump())
         friction = self.friction and made("friction", Friction, self.friction.model_dump())
-        block = self.block and made("block", Block, self.block.model_dump())
+        block = None if self.block is None else made("block", Block, self.block.model_dump())
         limits = made("limits", Limits, self.limits.model_dump())
         layout = made("layout", self.layout.layout, {})
         # Stand-ins let the other sections be judged when one of these is wrong.
         top = limits.offset + limits.max_height if limits else 1.0
         stuff = material or Material(1.0)
-        radius, radii, problem = self._radius()
-        problems += problem
-        lattice = {"height": top, "radius": radius, "material": stuff, "friction": friction, "block": block}
-        template = made("lattice", Surface.square_lattice, {**self.lattice.model_dump(), **lattice})
+        radius, radii, source = self._radius(problems)
+        if self._lost_beside(radius, source, limits, block, problems):
+            template = None
+        else:
+            others = {"material": stuff, "friction": friction, "block": block}
+            lattice = {**self.lattice.model_dump(), "height": top, "radius": radius, **others}
+            template = made("lattice", Surface.square_lattice, lattice)
         pair = friction or (Friction(1.0) if self.friction else None)
         target = made("target", self.target.target, {"material": stuff, "friction": pair})
         largest = radius if radii is None else radii.high if isinstance(radii, RadiusRange) else max(radii)
         if limits and block and top > largest:
+            heights = f"limits.offset + limits.max_height = {told('limits.max_height', top)}"
             problems.append(
-                f"limits.offset + limits.max_height = {top:g} mm exceed the radius of {largest:g} mm: no cap "
-                "is higher than its radius; lower them, or leave out [block] and with it the part's files"
+                f"{heights} exceed the radius of {told(source, largest)}: no cap is higher than its radius; "
+                "lower them, or leave out [block] and with it the part's files"
             )
         parts = {"target": target, "template": template, "limits": limits, "layout": layout, "radii": radii}
         return parts, problems
 
-    def _radius(self) -> tuple[float, RadiusRange | tuple[float, ...] | None, list[str]]:
-        """Return the template's radius, the radii to choose from, and what is wrong with them."""
+    def _radius(self, problems: list[str]) -> tuple[float, RadiusRange | tuple[float, ...] | None, str]:
+        """Return the template's radius, the radii to choose from and their key; add what is wrong."""
         one = self.lattice.radius
         if self.radii is None:
-            missing = 'lattice.radius is missing; write for example radius = "526 um", or a section [radii]'
-            return (1.0, None, [missing]) if one is None else (one, None, [])
-        radii = self.radii.radii()
-        least = radii.low if isinstance(radii, RadiusRange) else min(radii)
-        twice = "lattice.radius and [radii] both give radii; keep one"
-        return least, radii, [] if one is None else [twice]
+            if one is None:
+                missing = 'write for example radius = "526 um", or a section [radii]'
+                problems.append(f"lattice.radius is missing; {missing}")
+            return 1.0 if one is None else one, None, "lattice.radius"
+        source = "radii.tools" if self.radii.range is None else "radii.range"
+        if one is not None:
+            problems.append("lattice.radius and [radii] both give radii; keep one")
+        try:
+            values = self.radii.range or self.radii.tools or ()
+            for radius in values:
+                check.number(source, radius, above=0.0)
+            check.proportion(source, max(values), source, min(values))
+            given = self.radii.radii()
+        except InvalidInput as error:
+            problems.append(str(error))
+            return 1.0, None, source
+        return min(values), given, source
+
+    def _lost_beside(
+        self, radius: float, source: str, limits: Limits | None, block: Block | None, problems: list[str]
+    ) -> bool:
+        """Add lengths that differ too much from the radius; return whether there is one."""
+        before = len(problems)
+        heights = (
+            {} if limits is None else {"limits.max_height": limits.max_height, "limits.offset": limits.offset}
+        )
+        sizes = {} if block is None else {f"block.{name}": size for name, size in asdict(block).items()}
+        for name, size in {**heights, **sizes}.items():
+            try:
+                if radius > 0.0 and (size > radius or name in sizes):
+                    check.proportion(name, size, source, radius)
+            except InvalidInput as error:
+                problems.append(str(error))
+        return len(problems) > before

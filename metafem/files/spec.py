@@ -5,14 +5,16 @@ from __future__ import annotations
 import hashlib
 import re
 import tomllib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, get_args
+from typing import Any
 
+from metafem._given import Words, printable, speaking
 from metafem.errors import InvalidInput
-from metafem.files.manual import all_keys, as_toml
-from metafem.files.model_names import suggestion
+from metafem.files.reading import SPECIFICATION, called, decoded, read_bytes
+from metafem.files.spec_words import worded
+from metafem.files.units import written_units
 from metafem.files.wanted_table import with_samples
 from metafem.inversion import (
     Design,
@@ -28,10 +30,10 @@ from metafem.models import Model
 from metafem.substrate import Substrate
 from metafem.surface import Surface
 
-if TYPE_CHECKING:
-    from pydantic import BaseModel
-
 __all__ = ["Specification", "read_spec"]
+
+# A dotted key takes the parser a time that grows with the square of its parts; a specification needs two.
+NESTED = re.compile(r"""(?:(?:(?<![\w-])[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){32}""")
 
 # How radii are chosen: one for all asperities, or each its own.
 SEARCHES: Mapping[bool, Callable[..., Design]] = {False: design_radius, True: design_radii}
@@ -138,22 +140,23 @@ def read_spec(path: str | Path) -> Specification:
     >>> spec.target, spec.limits.max_height
     (LinearLaw(slope=6.87, through_origin=False), 0.12)
     """
-    raw = _bytes(Path(path))
-    text = _decoded(path, raw)
-    table, tables = with_samples(_table(path, text), Path(path).parent)
+    raw = read_bytes(path, SPECIFICATION, "no such file; `metafem demo linear` writes one to start from")
+    name = called(path)
+    table, tables = with_samples(_table(name, decoded(path, raw)), Path(path).parent)
     from pydantic import ValidationError
 
     from metafem.files.sections import Sections
 
-    try:
-        sections = Sections.model_validate(table)
-    except ValidationError as error:
-        problems = [_worded(detail, Sections) for detail in error.errors(include_url=False)]
-        raise _refused(path, problems) from None
-    parts, problems = sections.build()
+    with speaking(Words(units=written_units(table))):
+        try:
+            sections = Sections.model_validate(table)
+        except ValidationError as error:
+            problems = [worded(detail, Sections) for detail in error.errors(include_url=False)]
+            raise _refused(name, problems) from None
+        parts, problems = sections.build()
     mixed = sections.radii is not None and sections.radii.mixed
     if problems:
-        raise _refused(path, problems)
+        raise _refused(name, problems)
     return Specification(
         **parts,
         model=sections.model.model(),
@@ -161,90 +164,24 @@ def read_spec(path: str | Path) -> Specification:
         mixed=mixed,
         alignment_height=sections.part.alignment_height,
         hardness=sections.checks.hardness,
-        text=text,
+        text=raw.decode("utf-8"),
         sha256=hashlib.sha256(raw).hexdigest(),
         tables=tables,
     )
 
 
-def _bytes(path: Path) -> bytes:
+def _table(name: str, text: str) -> dict[str, Any]:
+    if NESTED.search(text):
+        raise InvalidInput(f"{name} nests its values too deeply to be a specification")
     try:
-        return path.read_bytes()
-    except FileNotFoundError:
-        raise InvalidInput(f"{path}: no such file; `metafem demo linear` writes one to start from") from None
-    except OSError as error:
-        raise InvalidInput(f"{path}: cannot be read: {error.strerror}") from None
-
-
-def _decoded(path: str | Path, raw: bytes) -> str:
-    try:
-        return raw.decode("utf-8")
-    except UnicodeDecodeError as error:
-        line = raw.count(b"\n", 0, error.start) + 1
-        raise InvalidInput(f"{path}: line {line} is not UTF-8; save the file with that encoding") from None
-
-
-def _table(path: str | Path, text: str) -> dict[str, Any]:
-    try:
-        return tomllib.loads(text.removeprefix("\ufeff"))
+        return tomllib.loads(text)
     except RecursionError:
-        raise InvalidInput(f"{path} nests its values too deeply to be a specification") from None
-    except tomllib.TOMLDecodeError as error:
+        raise InvalidInput(f"{name} nests its values too deeply to be a specification") from None
+    except ValueError as error:  # among them numbers of thousands of digits
         end = f"at line {len(text.splitlines())}, the end of the file"
-        cause = str(error).replace("at end of document", end)
-        raise InvalidInput(f"{path}: not valid TOML: {cause}") from None
+        cause = printable(str(error).replace("at end of document", end))
+        raise InvalidInput(f"{name}: not valid TOML: {cause}") from None
 
 
-def _refused(path: str | Path, problems: list[str]) -> InvalidInput:
-    return InvalidInput("\n".join(f"{path}: {problem}" for problem in problems))
-
-
-def _worded(detail: Any, sections: type[BaseModel]) -> str:
-    """Return one of pydantic's findings in the package's words."""
-    place, kind, given = [str(part) for part in detail["loc"]], detail["type"], detail["input"]
-    if place[0] == "target" and len(place) > 1 and kind != "union_tag_not_found":
-        del place[1]  # the kind of target, which pydantic counts as a place
-    name = next(part for part in reversed(place) if not part.isdigit())
-    key = re.sub(r"\.(\d+)", r"[\1]", ".".join(place))
-    example = _example(place, name)
-    if kind == "extra_forbidden":
-        what = "section" if len(place) == 1 else "key"
-        return f"{key} is an unknown {what}{suggestion(name, tuple(_known(detail['loc'], sections)))}"
-    if kind == "missing":
-        return f"section [{key}] is missing" if len(place) == 1 else f"{key} is missing{example}"
-    if kind == "union_tag_not_found":
-        return 'target.kind is missing; write for example kind = "linear"'
-    if kind == "union_tag_invalid":
-        tag = str(detail["ctx"]["tag"])
-        return f'target.kind = "{tag:.60}" is unknown{suggestion(tag, tuple(_target_kinds(sections)))}'
-    if kind == "value_error":
-        return f"{key} {detail['ctx']['error']}"
-    if kind in ("model_type", "model_attributes_type"):
-        return f"{key} = {given!r:.60} must be a section: write [{key}] on a line of its own"
-    message = detail["msg"].replace("Input should", "should")
-    return f"{key} = {given!r:.60}: {message}{example}"
-
-
-def _example(place: list[str], name: str) -> str:
-    """Return how a key would look, for the end of an error."""
-    for key in all_keys():
-        if (key.section, key.name) == (place[0], name):
-            return f"; write for example {name} = {as_toml(key.example)}"
-    return ""
-
-
-def _known(place: tuple[Any, ...], sections: type[BaseModel]) -> Iterator[str]:
-    """Yield the names that are known where an unknown one stands."""
-    if len(place) == 1:
-        yield from sections.model_fields
-        return
-    annotation = sections.model_fields[place[0]].annotation
-    for kind in get_args(annotation) or (annotation,):
-        fields = getattr(kind, "model_fields", {})
-        if place[0] != "target" or place[1] in get_args(fields["kind"].annotation):
-            yield from fields
-
-
-def _target_kinds(sections: type[BaseModel]) -> Iterator[str]:
-    for kind in get_args(sections.model_fields["target"].annotation):
-        yield from get_args(kind.model_fields["kind"].annotation)
+def _refused(name: str, problems: list[str]) -> InvalidInput:
+    return InvalidInput("\n".join(f"{name}: {problem}" for problem in problems))

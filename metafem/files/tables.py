@@ -2,22 +2,23 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
 
+from metafem._given import Words, printable, speaking
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
-from metafem.files.units import decimal, factor
+from metafem.files.csv_rows import Table, read_table
+from metafem.files.units import factor
 from metafem.inversion import Design
 from metafem.law import FrictionLaw
-from metafem.surface import Surface
+from metafem.surface import Block, Friction, Material, Surface
 
-__all__ = ["heights_table", "law_table", "mould_table", "read_heights"]
+__all__ = ["heights_table", "law_table", "mould_table", "read_heights", "read_surface"]
 
 COLUMNS = ("x", "y", "height", "radius")
 
@@ -68,9 +69,10 @@ def read_heights(path: str | Path, radius: float | None = None) -> tuple[FloatAr
     ----------
     path : str or Path
         CSV whose first line names its columns as quantity_unit: x, y, height and radius in any order
-        and any unit of length, as ``x_mm,y_mm,height_um``; other columns are left aside.
+        and any unit of length, as ``x_mm,y_mm,height_um``; other columns are left aside, and so are lines
+        that begin with ``#``. In a table separated by semicolons or tabulators commas are decimals.
     radius : float, optional
-        Radius [mm] of all summits where the table has no such column.
+        Radius [mm] of all summits; for a table without such a column.
 
     Returns
     -------
@@ -93,80 +95,89 @@ def read_heights(path: str | Path, radius: float | None = None) -> tuple[FloatAr
     >>> height
     array([0.12  , 0.0943])
     """
-    rows = read_rows(Path(path))
-    if not rows:
-        raise InvalidInput(f"{path} is empty; its first line must name columns, as x_mm,y_mm,height_um")
-    header = [name.strip() for name in rows[0][1]]
-    if len(header) == 1:
-        raise InvalidInput(f"{path} has one column, {header[0]:.60}; separate its columns by commas")
-    found = _found(path, header)
-    missing = [
-        name for name in COLUMNS if name not in found and not (name == "radius" and radius is not None)
-    ]
+    found = _read(path, radius)
+    fixed = np.full(len(found.lines), radius or 0.0)
+    return found.position, found.values["height"], found.values.get("radius", fixed)
+
+
+def read_surface(
+    path: str | Path,
+    material: Material,
+    radius: float | None = None,
+    friction: Friction | None = None,
+    block: Block | None = None,
+) -> Surface:
+    """Read a surface from a table as `read_heights` does; errors name lines and columns of the file."""
+    found = _read(path, radius)
+    with speaking(found.words):
+        radii = found.values.get("radius", radius or 0.0)
+        return Surface(found.position, found.values["height"], radii, material, friction, block)
+
+
+@dataclass(frozen=True)
+class _Summits:
+    """What a table of heights holds, and how errors call it."""
+
+    values: dict[str, FloatArray]
+    lines: tuple[int, ...]
+    words: Words
+
+    @property
+    def position(self) -> FloatArray:
+        return np.column_stack([self.values["x"], self.values["y"]])
+
+
+def _read(path: str | Path, radius: float | None) -> _Summits:
+    table = read_table(path, "x_mm,y_mm,height_um")
+    found = _found(table)
+    if "radius" in found and radius is not None:
+        title = table.header[found["radius"][0]]
+        raise InvalidInput(f"{table.name} has the column {title}, and --radius is given too; leave one out")
+    missing = [name for name in COLUMNS if name not in found and (name != "radius" or radius is None)]
     if missing:
         wanted = ", ".join(f"{name}_um" if name in ("height", "radius") else f"{name}_mm" for name in missing)
         instead = '; for one radius of all summits add --radius "526 um"' if missing == ["radius"] else ""
+        has = printable(", ".join(table.header))
         raise InvalidInput(
-            f"{path} lacks the columns {wanted} (or in another unit); it has {', '.join(header)}{instead}"
+            f"{table.name} lacks the columns {wanted} (or in another unit); it has {has}{instead}"
         )
-    if len(rows) == 1:
-        raise InvalidInput(f"{path} names columns but holds no summit")
-    values: dict[str, list[float]] = {name: [] for name in found}
-    for line, row in rows[1:]:
-        if len(row) != len(header):
-            raise InvalidInput(
-                f"{path}, line {line} has {len(row)} entries; the first line names {len(header)}"
-            )
-        for name, (column, per_unit) in found.items():
-            try:
-                values[name].append(float(decimal(row[column].strip()) * per_unit))
-            except (ValueError, OverflowError):
-                raise InvalidInput(
-                    f"{path}, line {line}: {header[column]} = {row[column]!r:.40} is not a finite number"
-                ) from None
-    if "radius" not in found:
-        values["radius"] = [float(radius or 0.0)] * len(values["height"])
-    return (
-        np.column_stack([values["x"], values["y"]]),
-        np.array(values["height"]),
-        np.array(values["radius"]),
+    entries = table.entries()
+    if not entries:
+        raise InvalidInput(f"{table.name} names columns but holds no summit")
+    values = {
+        name: np.array([float(table.number(line, i, row[i]) * size) for line, row in entries])
+        for name, (i, size) in found.items()
+    }
+    titles = {name: table.header[i] for name, (i, _) in found.items()}
+    words = Words(
+        file=table.name,
+        lines=tuple(line for line, _ in entries),
+        names={**titles, "position": f"{titles['x']}, {titles['y']}"},
+        units={name: ("", float(size)) for name, (_, size) in found.items()},
     )
+    return _Summits(values, words.lines, words)
 
 
-def read_rows(path: Path) -> list[tuple[int, list[str]]]:
-    """Return the lines of a CSV file that hold something, each with its number."""
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except FileNotFoundError:
-        raise InvalidInput(f"{path}: no such file") from None
-    except OSError as error:
-        raise InvalidInput(f"{path}: cannot be read: {error.strerror}") from None
-    except UnicodeDecodeError:
-        raise InvalidInput(f"{path} is not a text in UTF-8") from None
-    reader = csv.reader(io.StringIO(text))
-    try:
-        return [(reader.line_num, row) for row in reader if any(entry.strip() for entry in row)]
-    except csv.Error as error:
-        raise InvalidInput(f"{path}, line {reader.line_num}: {error}") from None
-
-
-def _found(path: str | Path, header: list[str]) -> dict[str, tuple[int, Fraction]]:
+def _found(table: Table) -> dict[str, tuple[int, Fraction]]:
     """Return column number and millimetres per unit of each known quantity."""
     found: dict[str, tuple[int, Fraction]] = {}
-    for column, title in enumerate(header):
+    for column, title in enumerate(table.header):
         name, _, unit = title.partition("_")
         if name not in COLUMNS:
             continue
         if not unit:
             raise InvalidInput(
-                f"{path}: column {title} needs a unit in its name; write {title}_mm or {title}_um"
+                f"{table.name}: column {title} needs a unit in its name; write {title}_mm or {title}_um"
             )
         if name in found:
-            raise InvalidInput(f"{path}: {name} stands in two columns; keep one")
+            raise InvalidInput(f"{table.name}: {name} stands in two columns; keep one")
         try:
             found[name] = (column, factor(unit, "mm"))
         except InvalidInput as error:
-            raise InvalidInput(f"{path}: column {title} {error}; write {name}_mm or {name}_um") from None
+            called = printable(title, 40)
+            raise InvalidInput(
+                f"{table.name}: column {called} {error}; write {name}_mm or {name}_um"
+            ) from None
     return found
 
 

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
+from contextlib import suppress
 from fractions import Fraction
 from functools import cache
 from typing import Any
 
+from metafem._given import printable, shown
 from metafem.errors import InvalidInput
 
 # A decimal number, then a product of units with exponents of one digit. Nothing else reaches pint,
@@ -66,19 +69,20 @@ def converted(given: Any, unit: str, example: str | None = None) -> float:
     valid = f'; write for example "{example or EXAMPLES[unit]}"'
     if not isinstance(given, str):
         cause = "needs a unit" if isinstance(given, (int, float)) else f"must be a text in {unit}"
-        raise InvalidInput(f"= {given!r:.60} {cause}{valid}")
+        raise InvalidInput(f"= {shown(given)} {cause}{valid}")
+    told = f'= "{printable(given, 60)}"'
     match = _QUANTITY.fullmatch(given)
     if match is None:
-        raise InvalidInput(f'= "{given:.60}" does not begin with a number{valid}')
+        raise InvalidInput(f"{told} does not begin with a number{valid}")
     number, name = match.groups()
     if not name and unit != "1":
-        raise InvalidInput(f'= "{given:.60}" needs a unit{valid}')
+        raise InvalidInput(f"{told} needs a unit{valid}")
     try:
         return float(Fraction(number) * factor(name, unit))
     except InvalidInput as error:
-        raise InvalidInput(f'= "{given:.60}" {error}{valid}') from None
+        raise InvalidInput(f"{told} {error}{valid}") from None
     except OverflowError:
-        raise InvalidInput(f'= "{given:.60}" is too large a number{valid}') from None
+        raise InvalidInput(f"{told} is too large a number{valid}") from None
 
 
 def decimal(text: str) -> Fraction:
@@ -88,12 +92,34 @@ def decimal(text: str) -> Fraction:
     return Fraction(text)
 
 
+def written_units(table: Mapping[str, Any]) -> dict[str, tuple[str, float]]:
+    """Return the unit in which each quantity of a file's sections was written, and its size in our own.
+
+    Examples
+    --------
+    >>> written_units({"limits": {"max_height": "120 um"}})
+    {'limits.max_height': ('um', 0.001)}
+    """
+    found = {}
+    for section, keys in table.items():
+        for key, value in keys.items() if isinstance(keys, dict) else ():
+            while isinstance(value, list) and value:
+                value = value[0]
+            match = _QUANTITY.fullmatch(value) if isinstance(value, str) else None
+            name = match[2] if match else ""
+            for unit in EXAMPLES if name else ():
+                with suppress(InvalidInput, OverflowError):
+                    found[f"{section}.{key}"] = (name, float(factor(name, unit)))
+    return found
+
+
 @cache
 def factor(name: str, unit: str) -> Fraction:
     """Return the number of wanted units in one unit of this name, exactly where it is rational."""
     if name == unit or (not name and unit == "1"):
         return Fraction(1)
-    unknown = InvalidInput(f'has the unknown unit "{name:.40}"')
+    comma = "; write decimals with a point" if name.startswith(",") else ""
+    unknown = InvalidInput(f'has the unknown unit "{printable(name, 40)}"{comma}')
     plain = name.translate(_SUPERSCRIPT)
     if not _UNIT.fullmatch(plain):
         raise unknown
@@ -108,7 +134,9 @@ def factor(name: str, unit: str) -> Fraction:
     try:
         return Fraction(registry.Quantity(Fraction(1), given).to(wanted).magnitude)
     except (pint.errors.PintError, OverflowError):
-        raise InvalidInput(f'has the unit "{name:.40}", which does not measure in {unit}') from None
+        raise InvalidInput(
+            f'has the unit "{printable(name, 40)}", which does not measure in {unit}'
+        ) from None
 
 
 @cache

@@ -5,9 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from metafem._given import printable, shown
 from metafem.errors import InvalidInput
-from metafem.files.tables import read_rows
-from metafem.files.units import quantity
+from metafem.files.csv_rows import Table, read_table
+from metafem.files.units import factor
 
 # Columns of a wanted law, their units, and the keys that they become.
 COLUMNS = {"rescaled_load": "mm^2", "rescaled_friction": "mm^2", "load": "N", "friction_force": "N"}
@@ -38,7 +39,7 @@ def with_samples(table: dict[str, Any], folder: Path) -> tuple[dict[str, Any], d
         return table, {}
     name = target["file"]
     if not isinstance(name, str):
-        raise InvalidInput(f'target.file = {name!r:.60} must be a text, for example file = "wanted.csv"')
+        raise InvalidInput(f'target.file = {shown(name)} must be a text, for example file = "wanted.csv"')
     rest = {key: value for key, value in target.items() if key != "file"}
     twice = sorted(set(rest) & {*COLUMNS, "weight"})
     if twice:
@@ -47,30 +48,28 @@ def with_samples(table: dict[str, Any], folder: Path) -> tuple[dict[str, Any], d
         raise InvalidInput(
             f'target.file = "{name}" has the name of a file of the result folder, where it is kept; rename it'
         )
-    path = folder / name
-    samples = _samples(path)
-    kept = {name: path.read_bytes()} if Path(name).name == name else {}
+    samples, content = _samples(folder / name)
+    kept = {name: content} if Path(name).name == name else {}
     return {**table, "target": {**rest, **samples}}, kept
 
 
-def _samples(path: Path) -> dict[str, list[Any]]:
-    rows = read_rows(path)
-    if len(rows) < 2:
-        raise InvalidInput(f"{path} holds no samples; its first line must name columns, as {EXAMPLE}")
-    header = [title.strip() for title in rows[0][1]]
-    columns = _columns(path, header)
+def _samples(path: Path) -> tuple[dict[str, list[Any]], bytes]:
+    """Return the samples of a table by key, as a specification would hold them, and the file's bytes."""
+    table = read_table(path, EXAMPLE)
+    columns = _columns(table)
+    if not table.rows:
+        raise InvalidInput(f"{table.name} holds no samples below the names of its columns, as {EXAMPLE}")
     found: dict[str, list[Any]] = {name: [] for name in columns}
     before: dict[str, float] = {}
-    for line, row in rows[1:]:
-        if len(row) != len(header):
-            raise InvalidInput(f"{path}, line {line} has {len(row)} entries; the first names {len(header)}")
+    for line, row in table.entries():
         for name, (column, unit) in columns.items():
-            value, key = row[column].strip(), f"{path}, line {line}: {header[column]}"
+            value = table.plain(row[column])
+            number = float(table.number(line, column, row[column]))
             if name == "weight":
-                found[name].append(quantity(key, value, "1"))
+                found[name].append(number)
                 continue
+            key = f"{table.name}, line {line}: {table.header[column]}"
             # checked here, where the line is known; read again with the specification
-            number = quantity(key, f"{value} {unit}", COLUMNS[name])
             if number <= 0.0:
                 raise InvalidInput(f"{key} = {value} must be greater than 0; leave the origin out")
             if name in ("load", "rescaled_load"):
@@ -78,27 +77,28 @@ def _samples(path: Path) -> dict[str, list[Any]]:
                     raise InvalidInput(f"{key} = {value} must exceed the load of the line before it")
                 before[name] = number
             found[name].append(f"{value} {unit}")
-    return found
+    return found, table.content
 
 
-def _columns(path: Path, header: list[str]) -> dict[str, tuple[int, str]]:
+def _columns(table: Table) -> dict[str, tuple[int, str]]:
     """Return number and unit of each column that is read."""
     wanted = f"name its columns {EXAMPLE}, or rescaled_load_mm2,rescaled_friction_mm2"
-    if len(header) == 1:
-        raise InvalidInput(
-            f"{path} has one column, {header[0]:.60}; {wanted} (or in other units), separated by commas"
-        )
     found: dict[str, tuple[int, str]] = {}
-    for column, title in enumerate(header):
+    for column, title in enumerate(table.header):
         name, _, unit = ("weight", "", "") if title == "weight" else title.rpartition("_")
         if name not in COLUMNS and name != "weight":
             continue
         if name in found:
-            raise InvalidInput(f"{path}: {name} stands in two columns; keep one")
+            raise InvalidInput(f"{table.name}: {name} stands in two columns; keep one")
+        if name != "weight":
+            try:
+                factor(unit, COLUMNS[name])
+            except InvalidInput as error:
+                raise InvalidInput(f"{table.name}: column {printable(title, 40)} {error}") from None
         found[name] = (column, unit)
     if set(found) - {"weight"} not in PAIRS:
+        titles = printable(", ".join(table.header), 120)
         raise InvalidInput(
-            f"{path} has the columns {', '.join(header):.120}; {wanted} (or in other units), "
-            "and weight if wanted"
+            f"{table.name} has the columns {titles}; {wanted} (or in other units), and weight if wanted"
         )
     return found

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 import metafem as mf
 from metafem.files.part import alignment_asperities
-from metafem.files.tables import heights_table, law_table, mould_table, read_heights
+from metafem.files.tables import heights_table, law_table, mould_table, read_heights, read_surface
 
 TEMPLATE = mf.Surface.square_lattice(
     0.12, (3, 3), radius=0.526, material=mf.Material(1.36), friction=mf.Friction(0.358, 0.85)
@@ -104,7 +104,11 @@ def test_units_of_the_header_are_applied(tmp_path_factory, nanometres):
     ("x_mm,y_mm,height_um,radius_um\n0,0,nan,5\n", "line 2: height_um = 'nan'"),
     ("x_mm,y_mm,height_um,radius_um\n0,0,1e999,5\n", "line 2: height_um = '1e999'"),
     ("x_mm,y_mm,height_um,radius_um\n0,0,5\n", "line 2 has 3 entries"),
-    ("x_mm;y_mm;height_um;radius_um\n0;0;5;5\n", "separate its columns by commas"),
+    ("x_mm:y_mm:height_um:radius_um\n0:0:5:5\n", "has one column, .* separated by commas or semicolons"),
+    ("x_mm,y_mm,height_um,radius_um\n0,0,0,5,5\n", "line 2 has 5 entries; .* where commas are decimals"),
+    ('x_mm,y_mm,height_um,radius_um\n0,0,"0,5",5\n', "'0,5' is not a finite number; where commas are dec"),
+    ("x_mm;y_mm;height_um;radius_um\n0;0;1.234,5;5\n", "line 2: height_um = '1.234,5' is not a finite"),
+    ("# only a remark\n", "is empty"),
     (b"x_mm,\xff\n", "UTF-8"),
 ])  # fmt: skip
 def test_a_wrong_table_is_refused(tmp_path, text, message):
@@ -112,6 +116,48 @@ def test_a_wrong_table_is_refused(tmp_path, text, message):
     path.write_bytes(text if isinstance(text, bytes) else text.encode())
     with pytest.raises(mf.InvalidInput, match=message):
         read_heights(path)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "x_mm;y_mm;height_um;radius_mm\n0;0;120,5;0,5\n1,5;0;94.3;0,5\n",
+        "x_mm\ty_mm\theight_um\tradius_mm\n0\t0\t120,5\t0.5\n1,5\t0\t94,3\t0,5\n",
+        "# cold; dry\nx_mm,y_mm,height_um,radius_mm\n  # first row\n0,0,120.5,0.5\r\n1.5,0,94.3,.5",
+    ],
+)
+def test_tables_of_every_country_are_read(tmp_path, text):
+    path = tmp_path / "heights.csv"
+    path.write_bytes(text.encode("utf-8-sig"))
+    position, height, radius = read_heights(path)
+    assert (position.tolist(), height.tolist(), radius.tolist()) == (
+        [[0.0, 0.0], [1.5, 0.0]],
+        [0.1205, 0.0943],
+        [0.5, 0.5],
+    )
+
+
+@pytest.mark.parametrize(
+    ("rows", "message"),
+    [
+        ("0,0,5,5\n\n# remark\n1,0,5,-5", "csv, line 5: radius_um = -5 must be greater than 0$"),
+        ("0,0,5,5\n1,0,5,5\n0,0,6,5", "csv, line 2: x_mm, y_mm and .*csv, line 4: x_mm, y_mm coincide at"),
+        ("0,0,5,5\n1e70,0,5,5", r"csv, line 3: x_mm, y_mm = 1e\+70 mm is beyond"),
+        ("0,0,1e30,5\n", r"csv, line 2: height_um = 1e\+30 and .*csv, line 2: radius_um = 5 differ"),
+    ],
+)
+def test_errors_of_a_table_name_line_and_column(tmp_path, rows, message):
+    path = tmp_path / "heights.csv"
+    path.write_text(f"x_mm,y_mm,height_um,radius_um\n{rows}\n")
+    with pytest.raises(mf.InvalidInput, match=message):
+        read_surface(path, mf.Material(1.36))
+
+
+def test_a_radius_beside_a_column_of_radii_is_refused(tmp_path):
+    path = tmp_path / "heights.csv"
+    path.write_text(heights_table(DESIGN))
+    with pytest.raises(mf.InvalidInput, match="has the column radius_mm, and --radius is given too"):
+        read_heights(path, radius=0.5)
 
 
 def test_a_missing_table_is_refused(tmp_path):

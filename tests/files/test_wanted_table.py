@@ -24,6 +24,12 @@ def test_forces_of_a_table_are_rescaled(tmp_path):
     np.testing.assert_array_equal(target.weight, [1.0, 2.0])
 
 
+def test_decimal_commas_and_remarks_are_understood(tmp_path):
+    table = "# a remark\nload_N;friction_force_N\n0,136;0,24\n0,272;0,41\n"
+    target = mf.read_spec(written(tmp_path, 'kind = "sampled"\nfile = "wanted.csv"', table)).target
+    np.testing.assert_allclose(target.rescaled_load, [0.1, 0.2], rtol=1e-14)
+
+
 def test_rescaled_columns_keep_their_digits(tmp_path):
     table = "rescaled_load_mm2,rescaled_friction_mm2\n0.1,0.84\n0.3,1.68\n"
     target = mf.read_spec(written(tmp_path, 'kind = "sampled"\nfile = "wanted.csv"', table)).target
@@ -35,7 +41,8 @@ def test_rescaled_columns_keep_their_digits(tmp_path):
     [
         ('file = "none.csv"', None, "none.csv: no such file"),
         ("file = 3", None, "target.file = 3 must be a text"),
-        ('file = "wanted.csv"', "", "holds no samples"),
+        ('file = "wanted.csv"', "", "is empty"),
+        ('file = "wanted.csv"', "load_N,friction_force_N\n", "holds no samples"),
         (
             'file = "wanted.csv"',
             "load_N,friction_force_N\n1,2,3\n",
@@ -49,7 +56,7 @@ def test_rescaled_columns_keep_their_digits(tmp_path):
         ),
         ('file = "wanted.csv"', "load,friction\n1,2\n", "wanted.csv has the columns load, friction; name"),
         ('file = "wanted.csv"', "P_N,F_N\n1,2\n", "the columns P_N, F_N; .* or rescaled_load_mm2"),
-        ('file = "wanted.csv"', "load_N;friction_force_N\n1;2\n", "has one column, .* separated by commas"),
+        ('file = "wanted.csv"', "load_N\n1\n", "has one column, .* separated by commas"),
         ('file = "wanted.csv"', "load_N,load_mN,friction_force_N\n1,2,3\n", "load stands in two columns"),
         (
             'file = "wanted.csv"',

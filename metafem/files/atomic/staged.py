@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import json
 import secrets
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 from metafem.errors import InvalidInput
+from metafem.files.reading import read_record
 
 # First member of a design.json, by which a folder is known as one of ours.
 FORMAT = "metafem design 1"
@@ -77,8 +76,8 @@ def _check(target: Path, force: bool) -> None:
 def is_result_folder(folder: Path) -> bool:
     """Whether the folder holds a design.json of ours."""
     try:
-        record: Any = json.loads((folder / "design.json").read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+        record = read_record(folder / "design.json")
+    except InvalidInput:
         return False
     return isinstance(record, dict) and record.get("format") == FORMAT
 

@@ -1,0 +1,85 @@
+"""Files that people name: what they are and how large is looked at before they are read."""
+
+from __future__ import annotations
+
+import json
+import os
+import stat
+from pathlib import Path
+from typing import Any
+
+from metafem._given import printable, shown
+from metafem.errors import InvalidInput
+
+# Largest files that are read [bytes]. A specification of a thousand points has 30 kB; a line of a table of
+# summits 60 bytes and a place of a record 300, so that a million of either fits.
+SPECIFICATION, TABLE, RECORD = 2**18, 2**26, 2**29
+
+
+def read_bytes(path: str | Path, most: int, missing: str = "no such file") -> bytes:
+    """Return the content of a regular file of at most so many bytes.
+
+    Raises
+    ------
+    InvalidInput
+        For anything else: a folder, a device, a pipe, a file that is too large, missing or unreadable.
+    """
+    name = called(path)
+    try:
+        kind = _kind(path)
+        if not stat.S_ISREG(kind.st_mode):
+            what = "a folder" if stat.S_ISDIR(kind.st_mode) else "a device or a pipe"
+            raise InvalidInput(f"{name}: cannot be read: it is {what}, not a file")
+        with open(path, "rb") as file:
+            content = file.read(most + 1)
+    except FileNotFoundError:
+        raise InvalidInput(f"{name}: {missing}") from None
+    except OSError as error:
+        raise InvalidInput(f"{name}: cannot be read: {error.strerror}") from None
+    if len(content) > most:
+        raise InvalidInput(f"{name}: is larger than {most / 2**20:g} MiB, the most that is read of its kind")
+    return content
+
+
+def _kind(path: str | Path) -> os.stat_result:
+    try:
+        return os.stat(path)
+    except (TypeError, ValueError):  # a null character, or none of a file's characters
+        raise InvalidInput(f"{shown(path)} is not the name of a file") from None
+
+
+def called(path: object) -> str:
+    """Return the name of a file for an error, on one line."""
+    return printable(str(path), 300)
+
+
+def decoded(path: str | Path, raw: bytes) -> str:
+    """Return the text of a file in UTF-8, with or without its mark."""
+    try:
+        return raw.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = raw.count(b"\n", 0, error.start) + 1
+        raise InvalidInput(
+            f"{called(path)}: line {line} is not UTF-8; save the file with that encoding"
+        ) from None
+
+
+def read_record(path: str | Path, missing: str = "no such file") -> Any:
+    """Return what a JSON file holds.
+
+    Raises
+    ------
+    InvalidInput
+        If it cannot be read, is no JSON, or nests or counts too deeply to be one of metafem's.
+    """
+    text = decoded(path, read_bytes(path, RECORD, missing))
+    try:
+        return json.loads(text, parse_constant=_refused)
+    except RecursionError:
+        raise InvalidInput(f"{called(path)} is damaged: it nests its values too deeply") from None
+    except ValueError as error:
+        raise InvalidInput(f"{called(path)} is damaged: {printable(str(error))}") from None
+
+
+def _refused(constant: str) -> float:
+    raise ValueError(f"it holds {constant}, which is no number")
