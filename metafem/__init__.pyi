@@ -1,5 +1,6 @@
 from . import fe as fe
 from . import files as files
+from . import progress as progress
 from . import report as report
 from . import studies as studies
 from .asperity import Hertz as Hertz

@@ -62,14 +62,11 @@ def _run(spec: Path, folder: Path, model: str | None, force: bool, as_json: bool
     from metafem.report import all_notes, page
 
     check_free(folder, force)
-    with progress("reading the specification") as say:
+    with progress():
         specification = mf.read_spec(spec)
         chosen = model_named(model) if model else specification.model
-        say("inverting the law")
         result = specification.design(chosen)
-        say("drawing the report")
         text = page(result, specification.hardness)
-        say("writing the files")
         mf.save(result, folder, specification=specification, force=force, pages={"report.html": text})
     _tell_design(result, specification, folder, all_notes(result, specification.hardness), as_json)
     if result.status is DesignStatus.MISSED:

@@ -12,6 +12,7 @@ from metafem.cli.group import force_option, json_option, main, model_option
 from metafem.cli.progress import progress
 from metafem.cli.terminal import notes_data, tell_notes, tell_table, terminal
 from metafem.errors import InvalidInput
+from metafem.progress import doing
 
 if TYPE_CHECKING:
     from metafem.law import FrictionLaw
@@ -77,7 +78,7 @@ def predict(
     chosen = model_named(model) if model else used
     if model == "layer" and surface.block is None:
         chosen = mf.Interacting(substrate=mf.BondedLayer(given["thickness"]))
-    with progress("predicting the law"):
+    with progress(), doing("predicting the law"):
         law = mf.friction_law(surface, chosen, load=newtons or None)
     if output is not None:
         write_text(output, law_table(law), force=force)

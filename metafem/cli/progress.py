@@ -1,22 +1,96 @@
-"""What is being done, shown while it is done."""
+"""What is being done, how far it is and for how long, on a terminal and in lines elsewhere."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+import threading
+import time
+from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from metafem.progress import OnStep
+
+# Seconds of work after which there is a line where there is no terminal, and between two of them.
+FIRST_LINE, NEXT_LINE = 5.0, 10.0
+
+# How often it is looked whether a line is due [s].
+LOOK = 0.5
 
 
 @contextmanager
-def progress(first: str) -> Iterator[Callable[[str], None]]:
-    """Show what is being done on a terminal, and say once when kernels are compiled."""
+def progress() -> Iterator[None]:
+    """Show on stderr what is being computed and for how long; say once when kernels are compiled."""
     from rich.console import Console
 
     from metafem._kernels.notice import on_first_compilation
+    from metafem.progress import listening
 
     console = Console(stderr=True)
-    on_first_compilation(lambda: console.print("compiling kernels, once for this installation …"))
-    if not console.is_terminal:
-        yield lambda text: None
-        return
-    with console.status(first) as status:
-        yield status.update
+
+    def say(text: str) -> None:
+        console.print(text, highlight=False, markup=False, soft_wrap=True)
+
+    on_first_compilation(lambda: say("compiling kernels, once for this installation …"))
+    shown = _status if console.is_terminal else _lines
+    with shown(console) as on_step, listening(on_step, say):
+        yield
+
+
+@contextmanager
+def _status(console: Console) -> Iterator[OnStep]:
+    """Show the step, its share and the elapsed time in a line that moves."""
+    from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+    columns = (SpinnerColumn(), TextColumn("{task.description}", markup=False), TimeElapsedColumn())
+    with Progress(*columns, console=console, transient=True) as bar:
+        task = bar.add_task("starting")
+        yield lambda step, done: bar.update(task, description=worded(step, done))
+
+
+@contextmanager
+def _lines(console: Console) -> Iterator[OnStep]:
+    """Print a line for work that lasts, at most one in `NEXT_LINE` seconds."""
+    lines = Lines(time.monotonic())
+    ended = threading.Event()
+
+    def look() -> None:
+        while not ended.wait(LOOK):
+            text = lines.due(time.monotonic())
+            if text is not None:
+                console.print(text, highlight=False, markup=False, soft_wrap=True)
+
+    # solvers report when a step begins, and a step may last: another thread tells of it
+    thread = threading.Thread(target=look, daemon=True)
+    thread.start()
+    try:
+        yield lines.step
+    finally:
+        ended.set()
+        thread.join()
+
+
+class Lines:
+    """When there is something to say about work that began at a time [s], and what."""
+
+    def __init__(self, start: float) -> None:
+        self.start, self.next = start, start + FIRST_LINE
+        self.text = ""
+
+    def step(self, step: str, done: float | None) -> None:
+        """Note the step that is under way."""
+        self.text = worded(step, done)
+
+    def due(self, now: float) -> str | None:
+        """Return the line that is due at a time, if one is."""
+        if now < self.next or not self.text:
+            return None
+        self.next = now + NEXT_LINE
+        return f"{self.text} ({now - self.start:.0f} s)"
+
+
+def worded(step: str, done: float | None) -> str:
+    """Return a step with its share."""
+    return step if done is None else f"{step}, {100.0 * done:.0f} %"

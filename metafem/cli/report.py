@@ -21,7 +21,7 @@ def report(folder: Path, checks: bool, as_json: bool) -> None:
     from metafem.files import stored_hardness, write_text
     from metafem.report import page
 
-    with progress("drawing the report"):
+    with progress():
         path = folder / "report.html"
         write_text(path, page(mf.load(folder), stored_hardness(folder), checks=checks), force=True)
     click.echo(json.dumps({"report": str(path)}) if as_json else f"wrote {path}")

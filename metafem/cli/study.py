@@ -35,7 +35,7 @@ def study(name: str, folder: Path, force: bool, as_json: bool) -> None:
 
     path = study_path(folder, name, force)
     design = mf.load(folder)
-    with progress(f"studying {name}"):
+    with progress():
         found = getattr(mf.studies, name)(design)
     write_study(found, path, force=force)
     if as_json:

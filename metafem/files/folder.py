@@ -23,6 +23,7 @@ from metafem.files.vtu import write_surface
 from metafem.inversion import Design, DesignStatus, Layout, Limits, Target
 from metafem.law import FrictionLaw
 from metafem.models import Model
+from metafem.progress import doing
 from metafem.surface import Surface
 
 __all__ = ["load", "save", "write_all"]
@@ -30,6 +31,7 @@ __all__ = ["load", "save", "write_all"]
 NO_PAGES: Mapping[str, str] = MappingProxyType({})
 
 
+@doing("writing the files")
 def save(
     design: Design,
     folder: str | Path,

@@ -13,6 +13,7 @@ from metafem.inversion.request import Request
 from metafem.inversion.wanted import Wanted
 from metafem.models import Independent
 from metafem.notes import Note, information
+from metafem.progress import doing, each
 from metafem.surface import Surface
 
 # Depths below the tallest are stretched, so that no level touches just at a point: interaction lowers
@@ -43,6 +44,7 @@ CHEAP_RESTARTS = 10
 MARGIN_SHARES = np.array([0.25, 0.5, 1.0])
 
 
+@doing("refining the heights under the model")
 def adapted(
     request: Request, surface: Surface, sites: IntArray, blueprint: Blueprint, rng: np.random.Generator
 ) -> tuple[Surface, IntArray, tuple[Note, ...]]:
@@ -133,7 +135,7 @@ def _filled(
 def _through_points(evaluate: Evaluate, height: FloatArray, wanted: Wanted, span: float) -> Refined:
     """Meet points exactly. Each level just touches at the point before it: its kink must be left first."""
     best: Refined | None = None
-    for stretch in STRETCHES:
+    for stretch in each("start", STRETCHES, at_most=True):
         start = height.max() - np.minimum(stretch * (height.max() - height), span)
         found = descend(evaluate, start, wanted, Heights(span), POINT_GOAL, patient=True)
         best = found if best is None or found.misfit < best.misfit else best

@@ -16,6 +16,7 @@ from metafem.inversion.objectives import FollowLaw, InsensitiveToTilt, Objective
 from metafem.inversion.wanted import Wanted
 from metafem.models import Independent, Model
 from metafem.notes import Note, information
+from metafem.progress import doing
 from metafem.surface import STEEPEST, Surface
 
 # Loads at which the law, and its change by tilts, are asked for. `FollowLaw` says why the first are enough;
@@ -66,6 +67,7 @@ class Layout:
             raise InvalidInput("follow_law = False and no tilt ask for nothing; leave the layout out")
 
 
+@doing("choosing the places")
 def arranged(
     surface: Surface, layout: Layout | None, model: Model, wanted: Wanted, rng: np.random.Generator
 ) -> tuple[Surface, dict[str, Parameter], tuple[Note, ...]]:

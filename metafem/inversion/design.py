@@ -39,6 +39,7 @@ from metafem.inversion.target import (
 from metafem.law import BranchFit, FrictionLaw, friction_law
 from metafem.models import Model
 from metafem.notes import Note
+from metafem.progress import doing
 from metafem.surface import Surface
 
 # Heights should be this many times larger than the errors with which they are made.
@@ -184,7 +185,8 @@ def designed(request: Request, generator: np.random.Generator) -> Design:
     target, template, solver, limits = request.target, request.template, request.model, request.limits
     _refuse_infeasible(request)
     deal = generator.permutation(template.count)
-    blueprint = _INVERSIONS[type(target)](target, request.radii, template.count, limits, generator)
+    with doing("inverting the law"):
+        blueprint = _INVERSIONS[type(target)](target, request.radii, template.count, limits, generator)
     sites = deal[: len(blueprint.height)]
     order = np.argsort(sites)
     sites = sites[order]
@@ -237,6 +239,7 @@ def _refuse_infeasible(request: Request) -> None:
         refuse(target, radii, count, request.limits, margin)
 
 
+@doing("computing the law of the heights")
 def _drawn_law(surface: Surface, request: Request) -> FrictionLaw:
     """Return the law on its usual grid, or on one that ends a tenth beyond the last load asked for."""
     if request.last_load is None:

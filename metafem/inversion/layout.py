@@ -14,6 +14,7 @@ from metafem.inversion.exchange import Forecast, after, drawn, exchanged, swap
 from metafem.inversion.objectives import Objective
 from metafem.inversion.places import Places, places_for
 from metafem.models import Independent, Interacting, Model
+from metafem.progress import each
 from metafem.surface import Surface
 
 # Places up to which everything is tried as often as stated here; of more, less often.
@@ -183,7 +184,8 @@ class _Search:
     def best(self, first: _Measured) -> _Measured:
         """Return the best arrangement that is found from one, with the open places taking part."""
         best = first
-        for k in range(max(1, _affordable(MOST_TRIES, len(self.open_)))):
+        tries = range(max(1, _affordable(MOST_TRIES, len(self.open_))))
+        for k in each("try", tries, at_most=True):
             if _misfit(best) <= GOAL:
                 break
             start = first if k < 2 else self.stirred(best)
@@ -216,7 +218,7 @@ class _Search:
         """Follow the forecast, renewed wherever it led on; where it led astray it is trusted less."""
         trusted = max(MOST_EXCHANGES, len(self.open_) // 4)
         forecast = self.forecast(best, model)
-        for _ in range(CORRECTIONS):
+        for _ in each("round", range(CORRECTIONS), at_most=True):
             if _misfit(best) <= GOAL:
                 break
             missed = best.residual - forecast.residual()
@@ -234,7 +236,7 @@ class _Search:
 
     def confirmed(self, best: _Measured) -> _Measured:
         """Make the exchanges that lower the misfit under the model, the best by the forecast first."""
-        for _ in range(_affordable(LAST_STEPS, len(self.open_))):
+        for _ in each("last step", range(_affordable(LAST_STEPS, len(self.open_))), at_most=True):
             if _misfit(best) <= GOAL:
                 break
             places = drawn(self.open_, self.rng)

@@ -22,6 +22,7 @@ from metafem.inversion.request import Request
 from metafem.inversion.target import Target
 from metafem.models import Model
 from metafem.notes import Note, information
+from metafem.progress import each
 from metafem.surface import Surface
 
 # Radii of a range that are tried between the best one's neighbours.
@@ -91,7 +92,7 @@ def design_radius(
         return designed(one, np.random.default_rng(seed))
 
     def attempt(values: FloatArray) -> None:
-        for radius in values.tolist():
+        for radius in each("radius", values.tolist()):
             try:
                 found[radius] = found_with(radius, None)
             except Infeasible as reason:

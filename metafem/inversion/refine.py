@@ -15,6 +15,7 @@ import numpy as np
 
 from metafem._validate import FloatArray, IntArray
 from metafem.inversion.wanted import Wanted
+from metafem.progress import each
 
 # Law (k,) [mm^2] and its gradient by the unknowns (k, n) [mm], lengths (n,) [mm].
 Evaluate = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
@@ -112,7 +113,7 @@ def descend(
     residual, jacobian = wanted.residual(area, gradient)
     squares, damping = float(residual @ residual), START_DAMPING
     count = len(residual)
-    for _ in range(PATIENT_STEPS if patient else MAX_STEPS):
+    for _ in each("step", range(PATIENT_STEPS if patient else MAX_STEPS), at_most=True):
         if np.sqrt(squares / count) <= goal or damping > MOST_DAMPING:
             break
         product = jacobian @ jacobian.T
@@ -146,14 +147,14 @@ def search(
 ) -> Refined:
     """Descend from every start, then from random changes of the best."""
     best: Refined | None = None
-    for start in starts:
+    for start in each("start", starts, at_most=True):
         found = descend(evaluate, space.project(start), wanted, space, goal)
         best = found if best is None or found.misfit < best.misfit else best
         if best.misfit <= NEAR * goal:
             break
     if best is None:
         raise ValueError("a search needs a start")
-    for _ in range(restarts):
+    for _ in each("random change", range(restarts), at_most=True):
         if best.misfit <= goal:
             break
         change = space.project(space.changed(best.unknowns, rng))

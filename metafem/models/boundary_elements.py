@@ -18,6 +18,7 @@ from metafem.models.model import ContactState, Curve, Status
 from metafem.models.resolved_scene import COARSEST, TOLERANCE, Scene, Solution
 from metafem.models.resolved_start import Start
 from metafem.notes import Note, information
+from metafem.progress import each
 from metafem.substrate import HalfSpace, Radial
 from metafem.surface import Surface
 
@@ -98,8 +99,8 @@ class BoundaryElements:
         scene = Scene(surface, self.cell, self.substrate)
         light = _unresolved(load, lambda value: scene.resolves(scene.start(load=value)))
         states, last = [], None
-        for value in load[light:]:
-            state, last = self._under(scene, float(value), last)
+        for value in each("resolved contacts: load", load[light:].tolist()):
+            state, last = self._under(scene, value, last)
             states.append(state)
         return self._joined(surface, load[:light], self.gradient_model.curve, states)
 
@@ -108,8 +109,8 @@ class BoundaryElements:
         scene = Scene(surface, self.cell, self.substrate)
         light = _unresolved(approach, lambda value: scene.resolves(scene.start(approach=value)))
         states, last = [], None
-        for value in approach[light:]:
-            state, last = self._at(scene, float(value), last)
+        for value in each("resolved contacts: load", approach[light:].tolist()):
+            state, last = self._at(scene, value, last)
             states.append(state)
         return self._joined(surface, approach[:light], self.gradient_model.curve_at, states)
 

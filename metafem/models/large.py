@@ -15,6 +15,7 @@ from metafem.models.memory import require_memory
 from metafem.models.newton_krylov import TOLERANCE, Contacts, Iterate, Sums
 from metafem.models.scattered import ScatteredSums
 from metafem.notes import Note, information
+from metafem.progress import each
 from metafem.substrate import Radial
 from metafem.surface import Surface
 
@@ -59,7 +60,7 @@ class LargeScene:
         x, z, rate = 0.0, -gap, None
         zero = np.zeros_like(gap)
         last = Last(zero, zero, -gap)
-        for j, value in enumerate(control):
+        for j, value in enumerate(each("load", control.tolist())):
             results.approach[j] = 0.0 if by_load else value
             if value <= 0.0:
                 if trail is not None:

@@ -11,6 +11,7 @@ from metafem.drawing import new_figure, svg
 from metafem.errors import InvalidInput
 from metafem.inversion import Design
 from metafem.models import Independent
+from metafem.progress import doing, each
 from metafem.reference import single_contacts as exact
 
 if TYPE_CHECKING:
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 EDGE_VIEW = 0.3
 
 
+@doing("checking the finite elements")
 def elements_section(design: Design) -> dict[str, Any]:
     """Return tables and figures of the finite elements: the checks, and this design's tallest cap.
 
@@ -32,15 +34,15 @@ def elements_section(design: Design) -> dict[str, Any]:
     from metafem import fe
 
     lists = {
-        "Hertz's contact on a half-space": fe.hertz_check(),
-        "the true cap on a bonded block": fe.cap_check(),
-        "the influence of the bonded layer": fe.layer_check(),
-        "one cell of an infinite lattice": fe.cell_check(),
+        "Hertz's contact on a half-space": fe.hertz_check,
+        "the true cap on a bonded block": fe.cap_check,
+        "the influence of the bonded layer": fe.layer_check,
+        "one cell of an infinite lattice": fe.cell_check,
     }
     rows = [
         (title, check.name, f"{check.computed:.6g}", check.expectation, check.passed, check.source)
-        for title, checks in lists.items()
-        for check in checks
+        for title in each("check", list(lists))
+        for check in lists[title]()
     ]
     surface = design.surface
     state = Independent().solve_load(surface, float(design.law.rescaled_load[-1]))

@@ -20,6 +20,7 @@ from metafem.inversion import (
     SampledLaw,
 )
 from metafem.models import equilibrium
+from metafem.progress import doing
 from metafem.report.comparison import MOST_COMPARED, Comparison, compared
 from metafem.report.elements import elements_section
 from metafem.report.figures import (
@@ -72,6 +73,7 @@ PARAMETERS = {
 }
 
 
+@doing("drawing the report")
 def page(design: Design, hardness: float | None = None, *, checks: bool = False) -> str:
     """Return the report of a design as one self-contained HTML text.
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from metafem._validate import FloatArray, IntArray
 from metafem.errors import InvalidInput, NotConverged
+from metafem.progress import each
 from metafem.surface import Surface
 
 # Chebyshev nodes in the cap's height and in the contact's share of its foot. What load and indentation
@@ -186,7 +187,9 @@ def cap_contact(surface: Surface, indentation: FloatArray) -> CapContact:
 
     h_nodes = _nodes(*ranges[0], HEIGHT_NODES if high > low else 1)
     s_nodes = _nodes(*ranges[1], SHARE_NODES)
-    found = np.array([[excess(h, s) for s in s_nodes] for h in h_nodes])
+    pairs = [(h, s) for h in h_nodes for s in s_nodes]
+    pressed = [excess(h, s) for h, s in each("finite elements of a cap", pairs)]
+    found = np.array(pressed).reshape(len(h_nodes), len(s_nodes), 2)
     tables = []
     for k in (0, 1):
         by_height = np.vander(_scaled(h_nodes, ranges[0]), increasing=True)

@@ -11,6 +11,7 @@ from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.inversion import Design
 from metafem.notes import information, to_lines
+from metafem.progress import doing
 from metafem.studies.cap_contact import Caps, caps_of
 from metafem.studies.substrates import laws_on_substrates
 
@@ -26,6 +27,7 @@ ELEMENTS = (
 )
 
 
+@doing("comparing the theories")
 def fidelity(design: Design, *, elements: bool = True) -> xr.Dataset:
     """Predict A0(P) and delta(P) of a design by every theory at hand.
 

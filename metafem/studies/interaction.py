@@ -11,6 +11,7 @@ from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.inversion import Design
 from metafem.models import Independent, Interacting
+from metafem.progress import doing, each
 from metafem.substrate import BondedLayer, HalfSpace, Substrate
 from metafem.surface import Surface
 
@@ -19,10 +20,14 @@ if TYPE_CHECKING:
 
 IndexArray = NDArray[np.intp]
 
+# Placements between two reports of progress.
+AT_ONCE = 100
+
 # Loads of the random placements, of which there are many: every so manieth of the design's law.
 DEALT_LOADS = 20
 
 
+@doing("comparing placements")
 def interaction(design: Design, *, placements: int = 1000, rng: Any = 0) -> xr.Dataset:
     """Compare A0(P) and delta(P) of coupled asperities with those of independent ones.
 
@@ -73,7 +78,8 @@ def interaction(design: Design, *, placements: int = 1000, rng: Any = 0) -> xr.D
     dealt = [random.permutation(surface.count) for _ in range(count)]
 
     change, sinking, centre, spread = [], [], [], []
-    for substrate in substrates.values():
+    for name in each("substrate", list(substrates)):
+        substrate = substrates[name]
         curves = [Interacting(order=order, substrate=substrate).curve(surface, rescaled) for order in (1, 3)]
         change.append([curve.area / alone.area - 1.0 for curve in curves])
         sinking.append([curve.approach - alone.approach for curve in curves])
@@ -113,10 +119,19 @@ def _areas(
 ) -> FloatArray:
     """Return A0 (m, k) with the asperities dealt to their places in the given orders."""
     if np.ptp(surface.radius) == 0.0:
-        heights = surface.height[np.array(orders)]
-        return model.curves(surface, heights, rescaled)[2]
-    dealt = (surface.replaced(height=surface.height[o], radius=surface.radius[o]) for o in orders)
-    return np.array([model.curve(each, rescaled).area for each in dealt])
+        parts = [orders[k : k + AT_ONCE] for k in range(0, len(orders), AT_ONCE)]
+        return np.concatenate(
+            [
+                model.curves(surface, surface.height[np.array(part)], rescaled)[2]
+                for part in each("placements, part", parts)
+            ]
+        )
+    return np.array(
+        [
+            model.curve(surface.replaced(height=surface.height[o], radius=surface.radius[o]), rescaled).area
+            for o in each("placement", orders)
+        ]
+    )
 
 
 def _told(units: str, long_name: str) -> dict[str, str]:

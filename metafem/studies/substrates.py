@@ -9,6 +9,7 @@ from metafem.errors import InvalidInput
 from metafem.law import FrictionLaw, friction_law
 from metafem.models import Independent, Interacting, Model
 from metafem.notes import Note, information
+from metafem.progress import each
 from metafem.substrate import BondedLayer
 from metafem.surface import Surface
 
@@ -52,9 +53,8 @@ def laws_on_substrates(surface: Surface, load: FloatArray, *, wait: bool) -> Law
             notes.append(information(reason))
         else:
             models["block"] = model
-    return Laws(
-        {name: friction_law(surface, model, load=load) for name, model in models.items()}, tuple(notes)
-    )
+    laws = {name: friction_law(surface, models[name], load=load) for name in each("law", list(models))}
+    return Laws(laws, tuple(notes))
 
 
 def _true_block(surface: Surface, wait: bool) -> tuple[Model | None, str]:

@@ -10,6 +10,7 @@ from metafem._validate import FloatArray, IntArray
 from metafem.fe.block3d.cache import BlockInfluence
 from metafem.fe.block3d.elasticity import Quarter
 from metafem.fe.block3d.grading import Lines, quarter_lines
+from metafem.progress import each
 from metafem.surface import Block
 
 # Cells of the second mesh, by which the error is judged, over those of the first.
@@ -36,8 +37,9 @@ def site_influence(
     lines = quarter_lines(block, position, cell, edge_cell)
     coarser = COARSER * lines.stretch
     fewer = quarter_lines(block, position, coarser * cell, coarser * edge_cell)
-    (value, *slopes), residual = _remainder(block, poisson_ratio, position, lines)
-    coarse, other = _remainder(block, poisson_ratio, position, fewer)
+    ((value, *slopes), residual), (coarse, other) = (
+        _remainder(block, poisson_ratio, position, mesh) for mesh in each("mesh", (lines, fewer))
+    )
     dx, dy = (position[:, None] - position).transpose(2, 0, 1)
     r = np.hypot(dx, dy)
     np.fill_diagonal(r, math.inf)
@@ -73,14 +75,13 @@ def _remainder(
     own, turned = orbit[: len(position)], orbit[-len(position) :]
     side = np.where(position < 0.0, -1.0, 1.0)
     total, worst = np.zeros((4, len(position), len(position))), 0.0
-    for parity in PARITIES:
-        if square and parity == (-1, 1):
-            continue
+    # in a square block the problem with x and y exchanged is the same
+    solved = [parity for parity in PARITIES if not (square and parity == (-1, 1))]
+    for parity in each("load case", solved):
         found, residual = _parity_remainder(quarter, parity, place, step)
         worst = max(worst, residual)
         total += _unfolded(found, own, side, parity)
         if square and parity == (1, -1):
-            # the problem with x and y exchanged
             mirrored = found[[0, 2, 1, 3]]
             total += _unfolded(mirrored, turned, side, (-1, 1))
     return total, worst

@@ -14,6 +14,7 @@ from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput, MetafemWarning, NotConverged
 from metafem.fe.block3d.cache import BlockInfluence, cached, is_cached
+from metafem.progress import doing
 from metafem.surface import Block, Surface
 
 # Relative residual above which a linear solution is refused; the elements' own error is larger.
@@ -166,7 +167,8 @@ def _solution(bound: Block3D, position: bytes) -> BlockInfluence:
         # scikit-fem is loaded only where there is something to solve
         from metafem.fe.block3d.influence import site_influence
 
-        found = site_influence(block, ratio, place, bound.cell, bound.edge_cell)
+        with doing("solving the true block, once for these places"):
+            found = site_influence(block, ratio, place, bound.cell, bound.edge_cell)
         if found.residual > RESIDUAL_LIMIT:
             raise NotConverged(
                 f"the block's linear solution keeps a residual of {found.residual:.1e} with pivoting", found
