@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
@@ -21,6 +22,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 __all__ = ["BranchFit", "FrictionLaw", "friction_law"]
+
+# What a law holds for each load.
+ARRAYS = ("load", "area", "separation", "approach", "stiffness", "residual")
 
 # Points of the law that is drawn when no loads are named.
 GRID_POINTS = 100
@@ -102,8 +106,24 @@ class FrictionLaw:
     notes: tuple[Note, ...] = ()
 
     def __post_init__(self) -> None:
-        for name in ("load", "area", "separation", "approach", "stiffness", "residual"):
-            getattr(self, name).flags.writeable = False
+        arrays = {name: getattr(self, name) for name in ARRAYS}
+        for name, values in arrays.items():
+            if values.ndim != 1 or values.shape != self.load.shape or not values.size:
+                raise InvalidInput(
+                    f"{name} has shape {values.shape}; the arrays of a law have one entry for each load"
+                )
+            values.flags.writeable = False
+        if self.status is Status.CONVERGED:  # what a solver had when it stopped may be anything
+            self._refuse_impossible(arrays)
+
+    def _refuse_impossible(self, arrays: Mapping[str, FloatArray]) -> None:
+        for name, values in arrays.items():
+            bad = ~np.isfinite(values) if name in ("separation", "approach") else ~(values >= 0.0)
+            if bad.any():
+                i = int(bad.argmax())
+                raise InvalidInput(f"{name}[{i}] = {values[i]:g} is impossible in a law that converged")
+        if (np.diff(self.load) < 0.0).any():
+            raise InvalidInput("load falls; the loads of a law must not decrease")
 
     @property
     def rescaled_load(self) -> FloatArray:

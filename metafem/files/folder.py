@@ -7,24 +7,20 @@ import platform
 from collections.abc import Mapping
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from types import MappingProxyType, UnionType
+from types import MappingProxyType
 from typing import Any
 
-import numpy as np
-
+from metafem import _validate as check
 from metafem.errors import InvalidInput
 from metafem.files.atomic.staged import FORMAT, staged
 from metafem.files.part import alignment_asperities, block_mesh, stl_bytes
-from metafem.files.reading import read_record
+from metafem.files.reading import called, read_record
 from metafem.files.records import from_record, to_record
 from metafem.files.spec import Specification
 from metafem.files.tables import heights_table, law_table, mould_table
 from metafem.files.vtu import write_surface
-from metafem.inversion import Design, DesignStatus, Layout, Limits, Target
-from metafem.law import FrictionLaw
-from metafem.models import Model
+from metafem.inversion import Design
 from metafem.progress import doing
-from metafem.surface import Surface
 
 __all__ = ["load", "save", "write_all"]
 
@@ -125,51 +121,29 @@ def load(folder: str | Path) -> Design:
     """
     path, record = _read(folder)
     try:
-        design = from_record(record.get("design"))
-    except (InvalidInput, TypeError, AttributeError, OverflowError) as error:
-        raise InvalidInput(f"{path} is damaged: {error}") from None
-    return _checked(path, design)
-
-
-def _checked(path: Path, design: Any) -> Design:
-    """Return what a record held, unless its members are not what a design is made of."""
+        design = from_record(record.get("design"), "design")
+    except InvalidInput as error:
+        raise InvalidInput(f"{called(path)} is damaged: {error}") from None
+    except RecursionError:
+        raise InvalidInput(f"{called(path)} is damaged: it nests its values too deeply") from None
     if not isinstance(design, Design):
-        raise InvalidInput(f"{path} is damaged: it holds no design")
-    kinds: dict[str, type | UnionType] = {
-        "surface": Surface,
-        "law": FrictionLaw,
-        "misfit": float,
-        "status": DesignStatus,
-        "parameters": Mapping,
-        "sites": np.ndarray,
-        "target": Target,
-        "template": Surface,
-        "limits": Limits,
-        "fits": tuple,
-        "notes": tuple,
-        "layout": Layout | None,
-    }
-    for name, kind in kinds.items():
-        if not isinstance(getattr(design, name), kind):
-            raise InvalidInput(f"{path} is damaged: design.{name} is {getattr(design, name)!r:.40}")
-    law = design.law
-    arrays = (law.load, law.area, law.separation, law.approach, law.stiffness, law.residual)
-    if any(not isinstance(array, np.ndarray) or array.shape != law.load.shape for array in arrays):
-        raise InvalidInput(f"{path} is damaged: the arrays of design.law differ in length")
-    if law.load.ndim != 1 or not law.load.size or not isinstance(law.model, Model):
-        raise InvalidInput(f"{path} is damaged: design.law is empty or names no model")
-    if any(not isinstance(value, (int, float, np.ndarray)) for value in design.parameters.values()):
-        raise InvalidInput(f"{path} is damaged: design.parameters holds what is not a number")
+        raise InvalidInput(f"{called(path)} is damaged: it holds no design")
     return design
 
 
 def stored_hardness(folder: str | Path) -> float | None:
     """Return the hardness [MPa] that the specification of a result folder states, if any."""
     path, record = _read(folder)
+    specification = record.get("specification", ())
+    if specification is None:
+        return None
+    if not isinstance(specification, dict):
+        raise InvalidInput(f"{called(path)} is damaged: it lacks its specification")
+    hardness = specification.get("hardness")
     try:
-        return (record["specification"] or {}).get("hardness")
-    except (KeyError, AttributeError):
-        raise InvalidInput(f"{path} is damaged: it lacks its specification") from None
+        return None if hardness is None else check.number("hardness", hardness, above=0.0)
+    except InvalidInput as error:
+        raise InvalidInput(f"{called(path)} is damaged: specification.{error}") from None
 
 
 def _read(folder: str | Path) -> tuple[Path, dict[str, Any]]:
@@ -177,7 +151,7 @@ def _read(folder: str | Path) -> tuple[Path, dict[str, Any]]:
     path = Path(folder) / "design.json"
     record = read_record(path, "no such file; name a result folder of metafem")
     if not isinstance(record, dict) or record.get("format") != FORMAT:
-        raise InvalidInput(f"{path} is not a design of this version of metafem ({FORMAT})")
+        raise InvalidInput(f"{called(path)} is not a design of this version of metafem ({FORMAT})")
     return path, record
 
 

@@ -6,13 +6,15 @@ from collections.abc import Mapping
 from dataclasses import MISSING, fields, is_dataclass
 from enum import Enum
 from importlib import import_module
-from typing import Any
+from typing import Any, get_type_hints
 
 import numpy as np
 
+from metafem._given import plain, printable, shown
 from metafem.asperity import Hertz
 from metafem.distributions import TruncatedExponential, TwoBranchExponential
 from metafem.errors import InvalidInput
+from metafem.files.hints import fits, in_words
 from metafem.inversion import (
     BilinearLaw,
     Design,
@@ -92,8 +94,11 @@ def to_record(value: Any) -> Any:
     raise InvalidInput(f"{value!r:.80} cannot be written to a record; known are {', '.join(VALUES)}")
 
 
-def from_record(record: Any) -> Any:
+def from_record(record: Any, name: str = "record") -> Any:
     """Return the value of a record; raises InvalidInput for one that `to_record` did not write.
+
+    Members are compared with the annotations of their class, and its constructor judges their values;
+    errors call the record by `name` and a member of it ``name.member``.
 
     Examples
     --------
@@ -101,49 +106,69 @@ def from_record(record: Any) -> Any:
     LinearLaw(slope=6.87, through_origin=False)
     """
     if isinstance(record, list):
-        return tuple(from_record(member) for member in record)
+        return tuple(from_record(member, f"{name}[{i}]") for i, member in enumerate(record))
     if not isinstance(record, dict):
         return record
-    name = record.get("type")
-    if name is None:
-        return _array(record) if len(record) == 1 and next(iter(record)) in ARRAYS else _mapping(record)
-    if not isinstance(name, str) or name not in {*ENUMS, *VALUES, *LATE}:
-        raise InvalidInput(f"{name!r:.60} is not a type of this version; known are {', '.join(VALUES)}")
-    if name in ENUMS:
-        try:
-            return ENUMS[name][record["name"]]
-        except KeyError:
-            raise InvalidInput(f"{record.get('name')!r:.60} is not a {name}") from None
-    members = {key: from_record(member) for key, member in record.items() if key != "type"}
-    if isinstance(members.get("notes"), tuple):
-        members["notes"] = tuple(map(_note, members["notes"]))
-    kind = VALUES[name] if name in VALUES else getattr(import_module(LATE[name]), name)
+    title = record.get("type")
+    if title is None:
+        return (
+            _array(record, name)
+            if len(record) == 1 and next(iter(record)) in ARRAYS
+            else {key: from_record(member, f"{name}.{printable(key, 40)}") for key, member in record.items()}
+        )
+    if not isinstance(title, str) or title not in {*ENUMS, *VALUES, *LATE}:
+        raise InvalidInput(
+            f"{name}: {shown(title)} is not a type of this version; known are {', '.join(VALUES)}"
+        )
+    if title in ENUMS:
+        member = record.get("name")
+        if not isinstance(member, str) or member not in ENUMS[title].__members__:
+            raise InvalidInput(f"{name}: {shown(member)} is not a {title}")
+        return ENUMS[title][member]
+    return _made(title, record, name)
+
+
+def _made(title: str, record: dict[str, Any], name: str) -> Any:
+    """Return the value of a class, its members judged by their annotations and by its constructor."""
+    kind: Any = VALUES[title] if title in VALUES else getattr(import_module(LATE[title]), title)
     known = {field.name: field.default is MISSING for field in fields(kind)}
     needed = {member for member, required in known.items() if required}
-    if not needed <= members.keys() <= known.keys():
-        differing = ", ".join(sorted((members.keys() - known.keys()) | (needed - members.keys())))
-        raise InvalidInput(f"a record of {name} has missing or unknown members: {differing}")
-    return kind(**members)
+    given = record.keys() - {"type"}
+    if not needed <= given <= known.keys():
+        differing = printable(", ".join(sorted((given - known.keys()) | (needed - given))))
+        raise InvalidInput(f"{name}, a {title}, has missing or unknown members: {differing}")
+    hints = get_type_hints(kind)
+    members = {}
+    for key in given:
+        value = from_record(record[key], f"{name}.{key}")
+        if key == "notes" and isinstance(value, tuple):
+            value = tuple(_note(note, f"{name}.notes[{i}]") for i, note in enumerate(value))
+        if not fits(value, hints[key]):
+            raise InvalidInput(f"{name}.{key} = {shown(record[key])} must be {in_words(hints[key])}")
+        members[key] = value
+    try:
+        return kind(**members)
+    except InvalidInput as error:
+        raise InvalidInput(f"{name}: {error}") from None
 
 
-def _note(value: Any) -> Note:
+def _note(value: Any, name: str) -> Note:
     """Return a note of a record, or of the text that stood in its place before notes had levels."""
-    if isinstance(value, Note) and isinstance(value.text, str) and isinstance(value.level, Level):
+    if isinstance(value, Note):
         return value
-    if isinstance(value, str):
-        return Note(value, Level.INFORMATION if value.startswith(INFORMATION) else Level.WARNING)
-    raise InvalidInput(f"{value!r:.60} is not a note")
+    if not isinstance(value, str):
+        raise InvalidInput(f"{name} = {shown(value)} is not a note")
+    return Note(value, Level.INFORMATION if value.startswith(INFORMATION) else Level.WARNING)
 
 
-def _array(record: dict[str, Any]) -> Any:
+def _array(record: dict[str, Any], name: str) -> Any:
     ((dtype, values),) = record.items()
     try:
-        array = np.array(values, dtype=dtype)
+        array = np.array(plain(name, values))
     except (TypeError, ValueError, OverflowError):
-        raise InvalidInput(f"{values!r:.60} is not an array of {dtype}") from None
+        raise InvalidInput(f"{name} = {shown(values)} is not an array of {dtype}") from None
+    if array.dtype.kind not in ("iuf" if dtype == "float64" else "iu") and array.size:
+        raise InvalidInput(f"{name} = {shown(values)} is not an array of {dtype}")
+    array = array.astype(dtype)
     array.flags.writeable = False
     return array
-
-
-def _mapping(record: dict[str, Any]) -> dict[str, Any]:
-    return {key: from_record(member) for key, member in record.items()}

@@ -11,7 +11,7 @@ import numpy as np
 from metafem import _validate as check
 from metafem._validate import IntArray
 from metafem.distributions import PiecewiseExponential
-from metafem.errors import Infeasible
+from metafem.errors import Infeasible, InvalidInput
 from metafem.inversion import exponential, feasibility, operating_points, proportional, sampled
 from metafem.inversion.adapt import adapted, interaction_margin
 from metafem.inversion.arranged import Layout, arranged
@@ -97,6 +97,20 @@ class Design:
     notes: tuple[Note, ...] = ()
     radii: RadiusRange | tuple[float, ...] | None = None
     layout: Layout | None = None
+
+    def __post_init__(self) -> None:
+        count = self.surface.count
+        if self.sites.shape != (count,) or len(np.unique(self.sites)) != count:
+            raise InvalidInput(f"sites must hold {count} different sites, one for each asperity")
+        if self.sites.min() < 0 or self.sites.max() >= self.template.count:
+            raise InvalidInput(f"sites must be from 0 to {self.template.count - 1}, as the template has them")
+        if not np.array_equal(self.surface.position, self.template.position[self.sites]):
+            raise InvalidInput("surface.position must be that of the template at the sites")
+        if not self.misfit >= 0.0:
+            raise InvalidInput(f"misfit = {self.misfit:g} must be at least 0")
+        pair = self.surface.material, self.surface.friction
+        if (self.law.material, self.law.friction) != pair:
+            raise InvalidInput("law.material and law.friction must be those of the surface")
 
 
 def _invert_linear(

@@ -111,6 +111,62 @@ def test_a_damaged_design_is_refused(tmp_path, linear, damage, message):
         mf.load(tmp_path / "out")
 
 
+WRONG = [
+    ("sites.int64", [0, 0, 1, 2, 3, 4, 5, 6, 7], "design: sites must hold 9 different sites"),
+    ("sites.int64", [9, 0, 1, 2, 3, 4, 5, 6, 7], "design: sites must be from 0 to 8"),
+    ("sites.int64", [0, 1, 2], "design: sites must hold 9"),
+    ("sites.int64", [1.5, 0, 1, 2, 3, 4, 5, 6, 7], "design.sites = .* is not an array of int64"),
+    ("sites", None, "design.sites = None must be finite numbers"),
+    ("misfit", "small", "design.misfit = 'small' must be a finite number"),
+    ("misfit", -1.0, "design: misfit = -1 must be at least 0"),
+    ("misfit", True, "design.misfit = True must be a finite number"),
+    ("status", {"type": "Status", "name": "CONVERGED"}, "design.status = .* must be a DesignStatus"),
+    ("parameters.scale", "large", "design.parameters = .* must be a Mapping"),
+    ("template.pitch", 3, "design.template, a Surface, has missing or unknown members: pitch"),
+    ("template.material", None, "design.template.material = None must be a Material"),
+    ("surface.height.float64", [[1.0]], "design.surface: height has shape"),
+    ("surface.height.float64", ["0.1"], "design.surface.height = .* is not an array of float64"),
+    ("surface.position.float64", [[i, 0.0] for i in range(9)], "surface.position must be that of the"),
+    ("law.load.float64", [1.0], "design.law: area has shape"),
+    ("law.model", {"type": "Hertz"}, "design.law.model = .* must be a Model"),
+    ("law.model", 3, "design.law.model = 3 must be a Model"),
+    ("law.material.composite_modulus", 2.0, "law.material and law.friction must be those"),
+    ("law.notes", [{"type": "Note", "text": 3, "level": {"type": "Level", "name": "WARNING"}}], "a text"),
+    ("fits", [[1, 2]], "design.fits"),
+    ("fits", {"a": 1}, "design.fits"),
+    ("density.scale", -1.0, "design.density: scale = -1 must be greater than 0"),
+    ("limits.max_height", 1e308, "design.limits: max_height = 1e\\+308 is beyond"),
+    ("layout", 5, "design.layout = 5 must be a Layout or null"),
+    ("notes", "all well", "design.notes = 'all well' must be a list, each a Note"),
+    ("target", {"type": "Limits", "max_height": 0.1}, "design.target = .* must be a OperatingPoints or"),
+]
+
+
+@pytest.mark.parametrize(("place", "value", "message"), WRONG)
+def test_a_damaged_member_is_named(tmp_path, linear, place, value, message):
+    mf.save(linear[1], tmp_path / "out")
+    path = tmp_path / "out" / "design.json"
+    record = json.loads(path.read_text())
+    *parents, last = place.split(".")
+    member = record["design"]
+    for parent in parents:
+        member = member[parent]
+    member[last] = value
+    path.write_text(json.dumps(record))
+    with pytest.raises(mf.InvalidInput, match=message) as error:
+        mf.load(tmp_path / "out")
+    assert str(error.value).startswith(f"{path} is damaged: design")
+    assert len(str(error.value).splitlines()) == 1
+
+
+def test_a_law_whose_loads_fall_or_areas_are_negative_is_refused(linear):
+    law = linear[1].law
+    with pytest.raises(mf.InvalidInput, match="load falls"):
+        replace(law, load=law.load[::-1].copy())
+    with pytest.raises(mf.InvalidInput, match=r"area\[0\] = -.* is impossible"):
+        replace(law, area=-law.area)
+
+
 def test_a_folder_without_a_design_is_refused(tmp_path):
     with pytest.raises(mf.InvalidInput, match="no such file"):
         mf.load(tmp_path)

@@ -102,5 +102,5 @@ def test_notes_read_back_and_texts_of_before_become_notes():
     record["notes"] = ["heights were moved by at most 1 um", "raise the offset"]
     assert [note.level for note in from_record(record).notes] == [Level.INFORMATION, Level.WARNING]
     record["notes"] = [3]
-    with pytest.raises(mf.InvalidInput, match="3 is not a note"):
+    with pytest.raises(mf.InvalidInput, match=r"record\.notes\[0\] = 3 is not a note"):
         from_record(record)
