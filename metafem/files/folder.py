@@ -13,7 +13,7 @@ from typing import Any
 from metafem import _validate as check
 from metafem.errors import InvalidInput
 from metafem.files.atomic.staged import FORMAT, staged
-from metafem.files.part import alignment_asperities, block_mesh, stl_bytes
+from metafem.files.part.block import alignment_asperities, block_mesh, stl_bytes
 from metafem.files.reading import called, read_record
 from metafem.files.records import from_record, to_record
 from metafem.files.spec import Specification

@@ -10,7 +10,7 @@ import numpy as np
 from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput, MetafemError
-from metafem.files.cap import CHORD_ERROR, cap_mesh
+from metafem.files.part.cap import CHORD_ERROR, cap_mesh
 from metafem.surface import Block, Surface
 
 __all__ = ["alignment_asperities", "alignment_positions", "block_mesh", "stl_bytes"]

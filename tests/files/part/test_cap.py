@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from metafem.files.cap import CHORD_ERROR, cap_mesh
+from metafem.files.part.cap import CHORD_ERROR, cap_mesh
 
 HEIGHTS = [1e-6, 0.01, 0.12, 0.4, 0.526]
 

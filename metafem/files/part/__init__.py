@@ -1,0 +1,1 @@
+"""The part and its mould as closed meshes."""
