@@ -12,10 +12,11 @@ from numpy.typing import ArrayLike
 from metafem import _validate as check
 from metafem import drawing
 from metafem._validate import FloatArray
+from metafem._values import Value, span
 from metafem.errors import InvalidInput, NotConverged
 from metafem.models import Curve, Independent, Model, Status
 from metafem.models.range_notes import WIDEST, wide_notes
-from metafem.notes import Note
+from metafem.notes import Note, counted
 from metafem.surface import Friction, Material, Surface
 
 if TYPE_CHECKING:
@@ -62,8 +63,8 @@ class BranchFit:
     points: int
 
 
-@dataclass(frozen=True, eq=False)
-class FrictionLaw:
+@dataclass(frozen=True, eq=False, repr=False)
+class FrictionLaw(Value):
     """Friction law of one surface under one model, along increasing loads; arrays (k,).
 
     Attributes
@@ -91,6 +92,8 @@ class FrictionLaw:
     >>> law = friction_law(surface, load=[0.1, 0.2])
     >>> law.rescaled_friction.round(4)
     array([0.4708, 0.7474])
+    >>> law
+    <FrictionLaw: 2 loads 0.1 to 0.2 N, area 0.4708 to 0.7474 mm^2, Independent(), converged, 1 warning>
     """
 
     load: FloatArray
@@ -124,6 +127,12 @@ class FrictionLaw:
                 raise InvalidInput(f"{name}[{i}] = {values[i]:g} is impossible in a law that converged")
         if (np.diff(self.load) < 0.0).any():
             raise InvalidInput("load falls; the loads of a law must not decrease")
+
+    def __repr__(self) -> str:
+        return (
+            f"<FrictionLaw: {len(self.load)} loads {span(self.load, 'N')}, area {span(self.area, 'mm^2')}, "
+            f"{self.model!r}, {self.status.name.lower()}, {counted(self.notes)}>"
+        )
 
     @property
     def rescaled_load(self) -> FloatArray:

@@ -51,6 +51,19 @@ def information(text: str) -> Note:
     return Note(text, Level.INFORMATION)
 
 
+def counted(notes: Iterable[Note]) -> str:
+    """Return how many notes there are of each level: ``1 warning, 2 notes``.
+
+    Examples
+    --------
+    >>> counted([Note("too wide"), information("found in 3 steps")]), counted([])
+    ('1 warning, 1 note', 'no notes')
+    """
+    warnings = [note.warns for note in notes]
+    parts = ((warnings.count(True), "warning"), (warnings.count(False), "note"))
+    return ", ".join(f"{n} {word}{'s' * (n > 1)}" for n, word in parts if n) or "no notes"
+
+
 def to_lines(notes: Iterable[Note]) -> str:
     """Return notes as one text for a data set, a line for each: ``information: ...``."""
     return "\n".join(f"{note.level.value}: {note.text}" for note in notes)

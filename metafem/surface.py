@@ -14,6 +14,7 @@ from metafem import _validate as check
 from metafem import drawing
 from metafem._given import called, told
 from metafem._validate import FloatArray
+from metafem._values import Value, span
 from metafem.errors import InvalidInput
 
 if TYPE_CHECKING:
@@ -118,8 +119,8 @@ class Block:
             object.__setattr__(self, name, check.number(name, getattr(self, name), above=0.0))
 
 
-@dataclass(frozen=True, eq=False, init=False)
-class Surface:
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class Surface(Value):
     """Spherical asperities on a block, pressed on a smooth rigid plane.
 
     Parameters
@@ -147,6 +148,8 @@ class Surface:
     >>> surface = Surface([[0, 0], [1.5, 0]], [0.10, 0.12], 0.526, Material(1.36))
     >>> surface.count, surface.radius
     (2, array([0.526, 0.526]))
+    >>> surface
+    <Surface: 2 asperities, heights 0.1 to 0.12 mm, radius 0.526 mm, Material(composite_modulus=1.36, ...)>
     """
 
     position: FloatArray
@@ -245,6 +248,13 @@ class Surface:
         elif check.depth(height) > 1:
             height = check.array("height", height, shape=(rows, columns)).ravel()
         return cls(position, height, radii, material, friction, block)
+
+    def __repr__(self) -> str:
+        parts = [repr(part) for part in (self.material, self.friction, self.block) if part is not None]
+        return (
+            f"<Surface: {self.count} asperities, heights {span(self.height, 'mm')}, "
+            f"radius {span(self.radius, 'mm')}, {', '.join(parts)}>"
+        )
 
     @property
     def count(self) -> int:

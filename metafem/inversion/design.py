@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
 from metafem import _validate as check
 from metafem._validate import IntArray
+from metafem._values import Value, span
 from metafem.distributions import PiecewiseExponential
 from metafem.errors import Infeasible, InvalidInput
 from metafem.inversion import exponential, feasibility, operating_points, proportional, sampled
@@ -38,7 +40,7 @@ from metafem.inversion.target import (
 )
 from metafem.law import BranchFit, FrictionLaw, friction_law
 from metafem.models import Model
-from metafem.notes import Note
+from metafem.notes import Note, counted
 from metafem.progress import doing
 from metafem.surface import Surface
 
@@ -49,8 +51,8 @@ HEIGHT_TO_ERROR = 10.0
 ALL_OF_IT = 1e-6
 
 
-@dataclass(frozen=True, eq=False)
-class Design:
+@dataclass(frozen=True, eq=False, repr=False)
+class Design(Value):
     """A surface designed for a target, with the law it will have.
 
     Attributes
@@ -65,10 +67,10 @@ class Design:
         fitted slopes of straight branches.
     status : DesignStatus
     parameters : mapping
-        What the inversion solved for: ``scale`` [mm], ``weight``, ``crossover_height`` [mm],
+        What the inversion solved for, read-only: ``scale`` [mm], ``weight``, ``crossover_height`` [mm],
         ``counts``, ``levels`` [mm], ...
     sites : ndarray of int, (n,)
-        Places of the asperities in the template.
+        Places of the asperities in the template, read-only.
     target, template, limits
         What was asked for.
     fits : tuple of (Branch, BranchFit)
@@ -81,6 +83,26 @@ class Design:
         What a user should know before making the part.
     layout : Layout or None
         What the places were chosen for.
+
+    Notes
+    -----
+    Designs are equal if all their members are, arrays to the bit; ``mf.load(folder) == design`` is True.
+
+    Examples
+    --------
+    >>> import metafem as mf
+    >>> template = mf.Surface.square_lattice(0.12, radius=0.526, material=mf.Material(1.36))
+    >>> mf.design(mf.LinearLaw(6.87), template)
+    Design for LinearLaw(slope=6.87, through_origin=False)
+      status      approximate: the density has the target's slopes at large loads; the law has the misfit
+      misfit      2.8 %
+      asperities  64 on 64 places
+      heights     0.0002997 to 0.1148 mm
+      radius      0.526 mm
+      model       Independent()
+      law         100 loads 0.006527 to 0.6527 N, area 0.06483 to 3.559 mm^2
+      parameters  scale, intercept, foot_load
+      notes       no notes
     """
 
     surface: Surface
@@ -111,6 +133,36 @@ class Design:
         pair = self.surface.material, self.surface.friction
         if (self.law.material, self.law.friction) != pair:
             raise InvalidInput("law.material and law.friction must be those of the surface")
+        for value in (self.sites, *self.parameters.values()):
+            if isinstance(value, np.ndarray):
+                value.flags.writeable = False
+        object.__setattr__(self, "parameters", MappingProxyType(dict(self.parameters)))
+
+    def __reduce__(self) -> Any:
+        # a proxy of a mapping cannot be pickled; the constructor makes it anew
+        members = {field.name: getattr(self, field.name) for field in fields(self)}
+        return _restored, ({**members, "parameters": dict(self.parameters)},)
+
+    def __repr__(self) -> str:
+        surface, law = self.surface, self.law
+        return "\n".join(
+            [
+                f"Design for {self.target!r}",
+                f"  status      {self.status.value}",
+                f"  misfit      {100.0 * self.misfit:.2g} %",
+                f"  asperities  {surface.count} on {self.template.count} places",
+                f"  heights     {span(surface.height, 'mm')}",
+                f"  radius      {span(surface.radius, 'mm')}",
+                f"  model       {law.model!r}",
+                f"  law         {len(law.load)} loads {span(law.load, 'N')}, area {span(law.area, 'mm^2')}",
+                f"  parameters  {', '.join(self.parameters)}",
+                f"  notes       {counted(dict.fromkeys((*self.notes, *law.notes)))}",
+            ]
+        )
+
+
+def _restored(members: dict[str, Any]) -> Design:
+    return Design(**members)
 
 
 def _invert_linear(
@@ -217,7 +269,6 @@ def designed(request: Request, generator: np.random.Generator) -> Design:
         surface, stepped, lost = gridded(surface, solver, blueprint, limits)
         moved += lost
     parameters = found_parameters(surface, solver, blueprint, target, bool(moved))
-    sites.flags.writeable = False
     fits = branch_fits(surface, solver, blueprint)
     misfit = largest_misfit(surface, solver, blueprint, fits)
     status = status_of(solver, blueprint, misfit, bool(moved))

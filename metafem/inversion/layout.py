@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from metafem import _validate as check
 from metafem._validate import FloatArray, IntArray
+from metafem._values import Value
 from metafem.inversion.exchange import Forecast, after, drawn, exchanged, swap
 from metafem.inversion.objectives import Objective
 from metafem.inversion.places import Places, places_for
@@ -45,8 +46,8 @@ TRIED = 40
 LAST_STEPS = 16
 
 
-@dataclass(frozen=True, eq=False)
-class Arrangement:
+@dataclass(frozen=True, eq=False, repr=False)
+class Arrangement(Value):
     """A surface whose asperities were assigned to its places.
 
     Attributes
@@ -63,6 +64,17 @@ class Arrangement:
         Misfit of the objective [-] under the model as given and as arranged.
     objective : Objective
     model : Model
+
+    Examples
+    --------
+    >>> import metafem as mf
+    >>> height = 0.1 + 0.002 * np.arange(4)
+    >>> surface = mf.Surface.square_lattice(height, (2, 2), radius=0.526, material=mf.Material(1.36))
+    >>> found = mf.arrange(surface, mf.InsensitiveToTilt([0.05, 0.1]), mf.Independent())
+    >>> bool((found.surface.height == surface.height[found.order[found.sites]]).all())
+    True
+    >>> found.after <= found.before
+    True
     """
 
     surface: Surface

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from metafem import _validate as check
 from metafem._validate import FloatArray, IntArray
+from metafem._values import Value
 from metafem.errors import InvalidInput
 from metafem.inversion.exchange import Coupled, Forecast, Joined, Tilted
 from metafem.inversion.places import Places
@@ -39,8 +40,8 @@ class Objective(Protocol):
         ...
 
 
-@dataclass(frozen=True, eq=False, init=False)
-class FollowLaw:
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class FollowLaw(Value):
     """The law under the model is to follow a curve, that of independent asperities unless told.
 
     ``r_k = (A0(P_k)/A_k - 1) / sqrt(K)``: the misfit is the root mean square over K loads. With few loads
@@ -100,8 +101,8 @@ class FollowLaw:
         return Independent().curve(surface, self.rescaled_load).area
 
 
-@dataclass(frozen=True, eq=False, init=False)
-class InsensitiveToTilt:
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class InsensitiveToTilt(Value):
     """A small misalignment of the plane is to leave the law as it is.
 
     A tilt by (t_x, t_y) raises the summits by ``x_i t_x + y_i t_y``. At a fixed load that changes A0 by

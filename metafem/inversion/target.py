@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
+from metafem._values import Value
 from metafem.errors import InvalidInput
 from metafem.surface import Friction, Material
 
@@ -24,8 +25,8 @@ __all__ = [
 ]
 
 
-@dataclass(frozen=True, eq=False, init=False)
-class OperatingPoints:
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class OperatingPoints(Value):
     """Points through which the law must pass.
 
     Parameters
@@ -156,8 +157,8 @@ class BilinearLaw:
         return cls(np.diff(y) / np.diff(x), float(x[1]))
 
 
-@dataclass(frozen=True, eq=False, init=False)
-class SampledLaw:
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class SampledLaw(Value):
     """A law given by samples, to be met in the least-squares sense of the relative differences.
 
     Parameters

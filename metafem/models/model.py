@@ -9,7 +9,8 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 
 from metafem._validate import FloatArray
-from metafem.notes import Note
+from metafem._values import Value
+from metafem.notes import Note, counted
 from metafem.surface import Surface
 
 
@@ -68,8 +69,8 @@ class Curve:
         )
 
 
-@dataclass(frozen=True, eq=False)
-class ContactState:
+@dataclass(frozen=True, eq=False, repr=False)
+class ContactState(Value):
     """Equilibrium of one surface under one load.
 
     Attributes
@@ -93,6 +94,16 @@ class ContactState:
         The model that was solved.
     notes : tuple of Note
         What was skipped and by which bound, and where the model leaves its range.
+
+    Examples
+    --------
+    >>> import metafem as mf
+    >>> surface = mf.Surface.square_lattice([0.12, 0.1], (1, 2), radius=0.526, material=mf.Material(1.36))
+    >>> state = mf.equilibrium(surface, load=0.01)
+    >>> state.asperity_area.round(3)
+    array([0.055, 0.022])
+    >>> state
+    <ContactState: load 0.01 N, area 0.07696 mm^2, separation 0.08672 mm, 2 of 2 asperities in contact, ...>
     """
 
     load: float
@@ -106,6 +117,15 @@ class ContactState:
     status: Status
     model: Model
     notes: tuple[Note, ...] = ()
+
+    def __repr__(self) -> str:
+        closed = int((self.asperity_area > 0.0).sum())
+        return (
+            f"<ContactState: load {self.load:.4g} N, area {self.area:.4g} mm^2, separation "
+            f"{self.separation:.4g} mm, {closed} of {len(self.asperity_area)} asperities in contact, "
+            f"{self.model!r}, {self.status.name.lower()}, residual {self.residual:.1e}, "
+            f"{counted(self.notes)}>"
+        )
 
 
 @runtime_checkable
