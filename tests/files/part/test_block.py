@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.files.part.cap import CHORD_ERROR
 from metafem.files.part.block import alignment_asperities, alignment_positions, block_mesh, stl_bytes
+from metafem.files.part.cap import CHORD_ERROR
 
 MATERIAL = mf.Material(1.36)
 
