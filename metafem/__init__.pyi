@@ -3,7 +3,7 @@ from . import files as files
 from . import progress as progress
 from . import report as report
 from . import studies as studies
-from .asperity import Hertz as Hertz
+from .contact import Hertz as Hertz
 from .errors import Infeasible as Infeasible
 from .errors import InvalidInput as InvalidInput
 from .errors import MetafemError as MetafemError

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from metafem import fe
-from metafem.asperity.pedestal import SHARES, TABLE, pedestal_compliance
+from metafem.contact.cap_compliance import SHARES, TABLE, pedestal_compliance
 from metafem.drawing import new_figure
 from validation.check import Claim, below
 

@@ -11,7 +11,7 @@ from typing import Any, get_type_hints
 import numpy as np
 
 from metafem._given import plain, printable, shown
-from metafem.asperity import Hertz
+from metafem.contact import Hertz
 from metafem.distributions import TruncatedExponential, TwoBranchExponential
 from metafem.errors import InvalidInput
 from metafem.files.hints import fits, in_words

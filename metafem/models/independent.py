@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
-from metafem.asperity import Hertz
+from metafem.contact import Hertz
 from metafem.errors import InvalidInput
 from metafem.models.model import ContactState, Curve, Sensitivity, Status
 from metafem.models.range_notes import wide_notes

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
-from metafem.asperity import Contact, Hertz
+from metafem.contact import Contact, Hertz
 from metafem.errors import InvalidInput, NotConverged
 from metafem.models.large import LargeScene, Last
 from metafem.models.memory import require_memory

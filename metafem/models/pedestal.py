@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from metafem._validate import FloatArray
-from metafem.asperity.pedestal import COEFFICIENTS, POWERS, TABLE
+from metafem.contact.cap_compliance import COEFFICIENTS, POWERS, TABLE
 from metafem.notes import Note
 from metafem.surface import Surface
 
@@ -20,7 +20,7 @@ LIGHT = {i: c for c, (i, j) in zip(COEFFICIENTS, POWERS, strict=True) if j == 0}
 def pedestal_influence(height: FloatArray, radius: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Displacement of summits by their own caps, per unit of P/E* [1/mm], and its derivative by the height.
 
-    ``c_p/pi`` of `metafem.asperity.pedestal_compliance` in the limit of light loads. It vanishes in
+    ``c_p/pi`` of `metafem.contact.pedestal_compliance` in the limit of light loads. It vanishes in
     proportion to the height, so that caps lower than the table's lowest row follow the fit, and summits
     at or below the base plane have no pedestal. Summits taller than its last row keep that row's value.
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from metafem._validate import FloatArray
-from metafem.asperity import Hertz
+from metafem.contact import Hertz
 from metafem.errors import InvalidInput
 from metafem.models import projected_cg
 from metafem.models.far_field import table_bytes

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from metafem._validate import FloatArray
-from metafem.asperity import Hertz
+from metafem.contact import Hertz
 
 # A start needs no more digits than the model it comes from; the resolved solver judges itself.
 TOLERANCE = 1e-6

@@ -2,7 +2,7 @@
 
 from metafem.substrate.bonded_layer import BondedLayer
 from metafem.substrate.half_space import HalfSpace
+from metafem.substrate.protocol import Substrate
 from metafem.substrate.radial import Radial
-from metafem.substrate.substrate import Substrate
 
 __all__ = ["BondedLayer", "HalfSpace", "Radial", "Substrate"]

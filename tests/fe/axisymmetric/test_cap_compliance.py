@@ -5,7 +5,7 @@ import math
 import pytest
 
 import metafem as mf
-from metafem.asperity.pedestal import pedestal_compliance
+from metafem.contact.cap_compliance import pedestal_compliance
 from metafem.fe.axisymmetric import cap_compliance
 
 

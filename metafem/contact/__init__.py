@@ -1,0 +1,7 @@
+"""One asperity against the plane."""
+
+from metafem.contact.cap_compliance import pedestal_compliance
+from metafem.contact.elastic import Hertz
+from metafem.contact.law import Contact
+
+__all__ = ["Contact", "Hertz", "pedestal_compliance"]
