@@ -72,7 +72,7 @@ def integer(name: str, value: Any, *, at_least: int) -> int:
     return int(value)
 
 
-def array(name: str, value: Any, *, shape: tuple[int | None, ...]) -> FloatArray:
+def array(name: str, value: Any, *, shape: tuple[int | None, ...], positive: bool = False) -> FloatArray:
     """Return `value` as a new, read-only, finite float array; None in `shape` is any length > 0."""
     try:
         result = np.array(plain(name, value), dtype=np.float64, order="C")
@@ -93,11 +93,14 @@ def array(name: str, value: Any, *, shape: tuple[int | None, ...]) -> FloatArray
         where = first[0] if len(first) == 1 else first
         raise InvalidInput(f"{name} holds {result[first]} at entry {where}; all must be finite")
     if unit_of(name) != "1":
-        size = np.abs(result)
-        beyond = np.argwhere((result != 0.0) & ((size < SMALLEST) | (size > LARGEST)))
+        # a coordinate or a height may be as small as it likes, nothing is divided by it
+        beyond = np.argwhere((np.abs(result) > LARGEST) | (positive & (result > 0.0) & (result < SMALLEST)))
         if beyond.size:
             first = tuple(beyond[0].tolist())
             raise _beyond(name, f"{called(f'{name}{list(first)}')} = {told(name, result[first])}")
+    if positive and result.min() <= 0.0:
+        i = int(result.argmin())
+        raise InvalidInput(f"{called(f'{name}[{i}]')} = {told(name, result[i])} must be greater than 0")
     result.flags.writeable = False
     return result
 

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
+from metafem.contact import Hertz
 from metafem.errors import InvalidInput
 
 __all__ = [
@@ -146,7 +147,7 @@ class PiecewiseExponential:
 
     def rescaled_load(self, separation: ArrayLike, count: float, radius: float) -> FloatArray:
         """Expected load P/E* = N 4/3 sqrt(R) <d^(3/2)> [mm^2] (S2)."""
-        return count * 4.0 / 3.0 * math.sqrt(radius) * self.moment(1.5, separation)
+        return count * float(Hertz().load_at_indentation(1.0, radius)) * self.moment(1.5, separation)
 
     def slope(self, separation: ArrayLike, radius: float) -> FloatArray:
         """Slope dA0/d(P/E*) = pi sqrt(R)/2 <1>/<sqrt d> [-] at separations below h_m [mm]."""

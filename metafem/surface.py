@@ -173,12 +173,7 @@ class Surface(Value):
         heights = check.array("height", height, shape=(n,))
         if check.scalar(radius):
             radius = np.full(n, check.number("radius", radius, above=0.0))
-        radii = check.array("radius", radius, shape=(n,))
-        if radii.min() <= 0.0:
-            i = int(radii.argmin())
-            raise InvalidInput(
-                f"{called(f'radius[{i}]')} = {told('radius', radii[i])} must be greater than 0"
-            )
+        radii = check.array("radius", radius, shape=(n,), positive=True)
         _refuse_coincident(places)
         _refuse_disproportion(radii, {"radius": radii, "height": heights, "position": places})
         check.instance("material", material, Material, "a metafem.Material")

@@ -43,7 +43,7 @@ def compiled(function):
 
 def version(package: Path) -> str:
     """Return a hash of what compiled kernels depend on: all sources, since kernels call each other."""
-    sources = sorted(package.glob("*.py"))
+    sources = sorted(package.rglob("*.py"))
     if not sources:
         raise FileNotFoundError(f"no sources in {package}")
     total = hashlib.sha256()

@@ -13,6 +13,7 @@ import numpy as np
 
 from metafem._kernels import projected_cg
 from metafem._kernels.compiled import compiled
+from metafem._kernels.contact import hertz
 from metafem._kernels.coupling import State, empty_state, quadratic_form
 from metafem._kernels.interacting import TOLERANCE, Scratch, empty_scratch, newton, rates, refresh, settle
 
@@ -68,14 +69,14 @@ def uniform_approach(gap, radius, load):
     """Return the approach [mm] at which independent asperities carry `load`, to a few percent."""
     x = math.inf
     for i in range(gap.size):  # each asperity alone would need more: the smallest bounds from above
-        x = min(x, gap[i] + (0.75 * load / math.sqrt(radius[i])) ** (2.0 / 3.0))
+        x = min(x, gap[i] + hertz.indentation_at_load(radius[i], load))
     for _ in range(60):
         p = slope = 0.0
         for i in range(gap.size):
             d = x - gap[i]
             if d > 0.0:
                 a = math.sqrt(radius[i] * d)
-                p += 4.0 / 3.0 * a * d
+                p += hertz.LOAD * a * d
                 slope += 2.0 * a
         if p <= 1.01 * load:
             break
@@ -94,7 +95,7 @@ def extrapolate(memory, points, width, ahead, radius, z):
         z[i] = memory.last[i] + ahead * (memory.last_rate[i] + ahead * (square + ahead * cube))
         if z[i] > 0.0:
             a = math.sqrt(radius[i] * z[i])
-            load += 4.0 / 3.0 * a * z[i]
+            load += hertz.LOAD * a * z[i]
             slope += 2.0 * a * (memory.last_rate[i] + ahead * (2.0 * square + 3.0 * ahead * cube))
     return load, slope
 

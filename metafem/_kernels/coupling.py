@@ -21,6 +21,7 @@ from typing import NamedTuple
 import numpy as np
 
 from metafem._kernels.compiled import compiled
+from metafem._kernels.contact import hertz
 
 # Neighbours that flatten a summit to a tenth of its curvature are outside any expansion.
 LEAST_CURVATURE = 0.1
@@ -93,7 +94,7 @@ def respond(field, order, radius, own, state):
     for i in range(n):
         load[i] = 0.0
         if z[i] > 0.0:
-            load[i] = 4.0 / 3.0 * math.sqrt(radius[i] * z[i]) * z[i]
+            load[i] = hertz.load(radius[i], z[i])
             closed[count] = i
             count += 1
     u = state.displacement

@@ -11,6 +11,7 @@ import math
 import numpy as np
 
 from metafem._kernels.compiled import compiled
+from metafem._kernels.contact import hertz
 
 # Newton from the right loses two thirds of the distance at first and then converges quadratically;
 # 200 steps shrink any double to nothing.
@@ -33,7 +34,7 @@ def load_and_slope(gap, root_radius, approach):
         s = root_radius[i] * math.sqrt(d)  # contact radius a_i
         load += s * d
         slope += s
-    return 4.0 / 3.0 * load, 2.0 * slope
+    return hertz.LOAD * load, hertz.STIFFNESS * slope
 
 
 @compiled
@@ -64,7 +65,8 @@ def sums(gap, root_radius, base, depth):
             else:
                 slope = new
                 slope_rest += rest
-    return 4.0 / 3.0 * (load + load_rest), math.pi * (area + area_rest), 2.0 * (slope + slope_rest)
+    load, area, slope = load + load_rest, area + area_rest, slope + slope_rest
+    return hertz.LOAD * load, math.pi * area, hertz.STIFFNESS * slope
 
 
 @compiled
@@ -73,7 +75,7 @@ def approach_at_load(gap, root_radius, load, below):
     if load <= 0.0:
         return 0.0
     # The tallest asperity alone would need the largest approach: an upper bracket.
-    above = (0.75 * load / root_radius[0]) ** (2.0 / 3.0)
+    above = hertz.indentation_at_load(root_radius[0] ** 2, load)
     x = above
     if below > 0.0:
         p, s = load_and_slope(gap, root_radius, below)

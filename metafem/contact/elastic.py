@@ -1,4 +1,4 @@
-"""Hertz's law of a sphere and a plane."""
+"""Hertz's law: the elastic contact of a paraboloid and a plane."""
 
 from __future__ import annotations
 
@@ -8,32 +8,64 @@ from dataclasses import dataclass
 import numpy as np
 
 from metafem._validate import FloatArray
+from metafem.contact.law import Values
 
 
 @dataclass(frozen=True)
 class Hertz:
     """Frictionless, non-adhesive elastic contact of a paraboloid of radius R and a rigid plane.
 
-    With the indentation d: ``a^2 = R d``, ``A = pi R d``, ``P/E* = 4/3 sqrt(R) d^(3/2)``.
-    Valid for contact radii well below R; with a fitted modulus it holds within a few percent up to
-    a/R = 0.5. Hertz, J. reine angew. Math. 92, 156 (1882), doi:10.1515/crll.1882.92.156.
+    With the contact radius a and the curvature ``1/R + k``, k that of the neighbours' field:
+    ``d = a^2 (1/R + k)``, ``A = pi a^2``, ``P/E* = 4/3 a d``, ``dP/dd = 2 a E*``, and the second moment of
+    the pressure is ``2/5 P a^2``. Lengths in mm, P/E* in mm^2. Valid for contact radii well below R; with a
+    fitted modulus it holds within a few percent up to a/R = 0.5.
+    Hertz, J. reine angew. Math. 92, 156 (1882), doi:10.1515/crll.1882.92.156.
 
     Examples
     --------
     >>> d, R = np.array([-0.01, 0.0, 0.04]), np.array([0.5, 0.5, 1.0])
-    >>> Hertz().load(d, R).round(6)
-    array([0.      , 0.      , 0.010667])
+    >>> a = Hertz().contact_radius(d, R)
+    >>> a, Hertz().load(a, R).round(6)
+    (array([0. , 0. , 0.2]), array([0.      , 0.      , 0.010667]))
     """
 
-    def load(self, indentation: FloatArray, radius: FloatArray) -> FloatArray:
-        """Rescaled load P/E* = 4/3 sqrt(R) d^(3/2) [mm^2]."""
-        d = np.maximum(indentation, 0.0)
-        return np.asarray(4.0 / 3.0 * np.sqrt(radius * d) * d)
+    def contact_radius(
+        self, indentation: Values, radius: Values, curvature: Values = 0.0
+    ) -> FloatArray:
+        """Contact radius a = sqrt(d/(1/R + k)) [mm]; 0 where the contact is open."""
+        sharpened = 1.0 + np.multiply(radius, curvature)
+        return np.sqrt(np.multiply(radius, np.maximum(indentation, 0.0)) / sharpened)
 
-    def area(self, indentation: FloatArray, radius: FloatArray) -> FloatArray:
-        """Contact area pi R d [mm^2]."""
-        return np.asarray(math.pi * radius * np.maximum(indentation, 0.0))
+    def indentation(
+        self, contact_radius: Values, radius: Values, curvature: Values = 0.0
+    ) -> FloatArray:
+        """Indentation d = a^2 (1/R + k) [mm]."""
+        return np.square(contact_radius) * (np.divide(1.0, radius) + curvature)
 
-    def stiffness(self, indentation: FloatArray, radius: FloatArray) -> FloatArray:
-        """Derivative of P/E* by d: 2 sqrt(R d) [mm]."""
-        return np.asarray(2.0 * np.sqrt(radius * np.maximum(indentation, 0.0)))
+    def load(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
+        """Rescaled load P/E* = 4/3 a d [mm^2]."""
+        return np.asarray(4.0 / 3.0 * contact_radius * self.indentation(contact_radius, radius, curvature))
+
+    def area(self, contact_radius: Values) -> FloatArray:
+        """Contact area pi a^2 [mm^2]."""
+        return np.asarray(math.pi * np.square(contact_radius))
+
+    def second_moment(
+        self, contact_radius: Values, radius: Values, curvature: Values = 0.0
+    ) -> FloatArray:
+        """Second moment of the pressure over E*, 2/5 P/E* a^2 [mm^4]."""
+        return np.asarray(0.4 * np.square(contact_radius) * self.load(contact_radius, radius, curvature))
+
+    def stiffness(
+        self, contact_radius: Values, radius: Values, curvature: Values = 0.0
+    ) -> FloatArray:
+        """Derivative of P/E* by d, 2 a [mm]."""
+        return np.multiply(2.0, contact_radius)
+
+    def load_at_indentation(self, indentation: Values, radius: Values) -> FloatArray:
+        """Rescaled load P/E* = 4/3 sqrt(R) d^(3/2) [mm^2] of an undisturbed contact; 0 where it is open."""
+        return self.load(self.contact_radius(indentation, radius), radius)
+
+    def indentation_at_load(self, load: Values, radius: Values) -> FloatArray:
+        """Indentation d = (3/4 P/E* / sqrt(R))^(2/3) [mm] of an undisturbed contact."""
+        return np.asarray((0.75 * np.asarray(load) / np.sqrt(radius)) ** (2.0 / 3.0))

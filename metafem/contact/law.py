@@ -6,22 +6,45 @@ from typing import Protocol, runtime_checkable
 
 from metafem._validate import FloatArray
 
+Values = FloatArray | float
+
 
 @runtime_checkable
 class Contact(Protocol):
-    """Law of one contact, in rescaled load P/E*; open where the indentation is negative.
+    """Law of one axisymmetric contact, for unit E*: loads are P/E* [mm^2].
 
-    All methods are vectorised over the indentation d [mm] and the summit radius R [mm].
+    The contact radius a [mm] is the variable, R [mm] the radius of the summit; `curvature` [1/mm] is what
+    the field of other contacts adds to the profile, ``curvature rho^2 / 2``. All methods are vectorised.
     """
 
-    def load(self, indentation: FloatArray, radius: FloatArray) -> FloatArray:
+    def contact_radius(
+        self, indentation: Values, radius: Values, curvature: Values = 0.0
+    ) -> FloatArray:
+        """Contact radius a [mm] at an indentation d [mm]; 0 where d is negative: an open contact."""
+        ...
+
+    def indentation(
+        self, contact_radius: Values, radius: Values, curvature: Values = 0.0
+    ) -> FloatArray:
+        """Indentation d [mm]."""
+        ...
+
+    def load(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Rescaled load P/E* [mm^2]."""
         ...
 
-    def area(self, indentation: FloatArray, radius: FloatArray) -> FloatArray:
+    def area(self, contact_radius: Values) -> FloatArray:
         """Real contact area [mm^2]."""
         ...
 
-    def stiffness(self, indentation: FloatArray, radius: FloatArray) -> FloatArray:
+    def second_moment(
+        self, contact_radius: Values, radius: Values, curvature: Values = 0.0
+    ) -> FloatArray:
+        """Second moment of the pressure over E*, the integral of ``p rho^2`` over the contact [mm^4]."""
+        ...
+
+    def stiffness(
+        self, contact_radius: Values, radius: Values, curvature: Values = 0.0
+    ) -> FloatArray:
         """Derivative of the rescaled load by the indentation [mm]."""
         ...

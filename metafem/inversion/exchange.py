@@ -17,6 +17,7 @@ from typing import Protocol
 import numpy as np
 
 from metafem._validate import FloatArray, IntArray
+from metafem.contact import Hertz
 
 # Places among which all exchanges are priced in one step; of more places, so many are drawn at random.
 PRICED_AT_ONCE = 96
@@ -146,7 +147,8 @@ class Tilted:
         deep = np.maximum(depth, 0.0)
         tail = (1,) * (depth.ndim - 2)
         scale, rate = self.scale.reshape(-1, *tail), self.rate.reshape(-1, *tail)
-        return np.asarray(scale * deep * (math.pi * radius - rate * (4.0 / 3.0) * np.sqrt(radius * deep)))
+        load = Hertz().load_at_indentation(deep, radius)
+        return np.asarray(scale * (math.pi * radius * deep - rate * load))
 
 
 @dataclass(frozen=True, eq=False)

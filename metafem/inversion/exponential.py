@@ -9,6 +9,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from metafem._validate import FloatArray, IntArray
+from metafem.contact import Hertz
 from metafem.distributions import (
     PiecewiseExponential,
     TruncatedExponential,
@@ -201,7 +202,7 @@ def _two_branches(
 
     # The whole mass above a crossover height that lies `depth` below the top has <d^1.5> <= depth^1.5;
     # from there on the mass falls with the depth.
-    shallow = (crossover / (4.0 / 3.0 * carrying * math.sqrt(radius))) ** (2.0 / 3.0)
+    shallow = float(Hertz().indentation_at_load(crossover / carrying, radius))
     deepest = top * (1.0 - INSIDE)
     ends = []
     for share in (1.0 - 0.5 / count, 0.5 / count):  # half an asperity rounds to one

@@ -22,6 +22,7 @@ from scipy.optimize import brentq
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
+from metafem.contact import Hertz
 from metafem.errors import Infeasible
 from metafem.inversion.limits import Limits
 from metafem.inversion.radii import Radii, RadiusRange
@@ -43,7 +44,7 @@ def friction_bounds(load: FloatArray, radii: Radii, count: int) -> tuple[FloatAr
 
 def single_friction(radius: float) -> float:
     """Return c of the friction ``c p^(2/3)`` of a single asperity [mm^(2/3)]."""
-    return float(math.pi * (0.75 * radius) ** EQUAL_EXPONENT)
+    return float(math.pi * radius * Hertz().indentation_at_load(1.0, radius))
 
 
 def least_exponent(radii: Radii) -> float:
@@ -75,7 +76,7 @@ def largest_exponent(load_range: tuple[float, float], radii: Radii, count: int) 
 def largest_load(radii: Radii, count: int, limits: Limits) -> float:
     """Return the load P/E* [mm^2] that N asperities carry when the plane reaches the base plane."""
     depth = limits.offset + limits.max_height
-    return 4.0 / 3.0 * count * math.sqrt(radii.high * depth) * depth
+    return count * float(Hertz().load_at_indentation(depth, radii.high))
 
 
 def feasible_region(

@@ -16,6 +16,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from metafem._validate import FloatArray
+from metafem.contact import Hertz
 from metafem.models import Independent
 
 # brentq's tightest tolerance, so that the points are met to rounding.
@@ -65,8 +66,8 @@ class Step:
 
     def excess(self, depth: FloatArray, number: FloatArray | float, radius: float) -> FloatArray:
         """Load, less that of the point, with new asperities at indentations of the level, (k,) [mm^2]."""
-        earlier = (self.lead + depth[:, None]) ** 1.5 @ (self.number * np.sqrt(self.radius))
-        return np.asarray(4.0 / 3.0 * (earlier + number * math.sqrt(radius) * depth**1.5) - self.load)
+        earlier = Hertz().load_at_indentation(self.lead + depth[:, None], self.radius) @ self.number
+        return np.asarray(earlier + number * Hertz().load_at_indentation(depth, radius) - self.load)
 
     def friction_with(self, number: int, radius: float) -> float:
         """Friction at the load with `number` new asperities at the level [mm^2]."""
@@ -101,7 +102,7 @@ class Step:
                 yield Level(self.height, int(n), radius, radius, depth, 0.0)
             for other in tools:
                 depth = self.rest / (growth + other)
-                both = self.excess(depth, number, radius) + _single(depth, other)
+                both = self.excess(depth, number, radius) + Hertz().load_at_indentation(depth, other)
                 for n in number[(alone * both <= 0.0) & (np.abs(alone) > ROUNDING * self.load)]:
                     if n < left:
                         yield self._adjusted(int(n), radius, other)
@@ -114,16 +115,11 @@ class Step:
             return max(0.0, float(self.rest - growth * depth) / other)
 
         def excess(depth: float) -> float:
-            rest = float(_single(np.array(adjustment(depth)), other))
+            rest = float(Hertz().load_at_indentation(np.array(adjustment(depth)), other))
             return float(self.excess(np.array([depth]), number, radius)[0]) + rest
 
         depth = _root(excess, self.rest / (growth + other), self.rest / growth)
         return Level(self.height, number, radius, other, depth, adjustment(depth))
-
-
-def _single(depth: FloatArray, radius: float) -> FloatArray:
-    """Load of one asperity at indentations [mm^2]."""
-    return np.asarray(4.0 / 3.0 * math.sqrt(radius) * depth**1.5)
 
 
 def _root(function: Callable[[float], float], low: float, high: float) -> float:

@@ -14,6 +14,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from metafem._validate import FloatArray
+from metafem.contact import Hertz
 from metafem.inversion.feasibility import relative_depth
 from metafem.inversion.radii import Radii
 
@@ -28,13 +29,14 @@ def march(
 
     Those that enter at sample k have the radius k.
     """
-    depth = (0.75 * math.pi * math.sqrt(radius[0]) * load[0] / friction[0]) ** 2
+    # of equal contacts P/A0 grows with the root of the depth
+    depth = (load[0] / friction[0] / _pressure(radius[0])) ** 2
     levels, numbers, kinds = [0.0], [friction[0] / (math.pi * radius[0] * depth)], [radius[0]]
     plane = -depth
     for p, f, new_radius in zip(load[1:], friction[1:], radius[1:], strict=True):
         lead, kind = np.array(levels) - plane, np.array(kinds)
         per_depth = math.pi * kind * np.array(numbers)
-        per_root = 4.0 / 3.0 * np.sqrt(kind) * np.array(numbers)
+        per_root = Hertz().load_at_indentation(1.0, kind) * np.array(numbers)
         whole = float(per_depth.sum())
 
         def carried(depth: float, lead: FloatArray = lead, per_root: FloatArray = per_root) -> float:
@@ -42,9 +44,7 @@ def march(
 
         deepest = (f - float(per_depth @ lead)) / whole
         if deepest > 0.0 and carried(deepest) > p:
-            share = 4.0 / (
-                3.0 * math.pi * math.sqrt(new_radius)
-            )  # load of new ones by area and root of depth
+            share = _pressure(new_radius)
 
             def excess(
                 depth: float, p: float = p, area: float = deepest * whole, whole: float = whole,
@@ -73,7 +73,8 @@ def slowest(load: float, friction: float, radii: Radii, count: int) -> tuple[Flo
     small = 1.0 / (k * s) ** 3  # to each large one
     # of one large cap with a/R = 1: sums of a^3/R and of a^2
     cubes, squares = (radii.high**2 * (1.0 + small * k**4 * s**power) for power in (6.0, 4.0))
-    share = 0.75 * load / cubes * math.pi * squares / friction  # a/R of the large ones
+    ratio = float(Hertz().load(1.0, 1.0)) * cubes / (math.pi * squares)  # P/A0 of large ones with a/R = 1
+    share = load / friction / ratio  # their a/R
     large = friction / (math.pi * squares * share**2)
     large *= min(1.0, count / (large * (1.0 + small)))
     numbers = max(1, round(large)), max(1, round(large * small))
@@ -81,6 +82,12 @@ def slowest(load: float, friction: float, radii: Radii, count: int) -> tuple[Flo
     height = np.repeat([0.0, -deeper], numbers)
     radius = np.repeat([radii.high, radii.low], numbers)
     return height[:count], radius[:count]
+
+
+def _pressure(radius: float) -> float:
+    """Return P/E* over A0 of a contact at unit indentation [1/mm^(1/2)]."""
+    law = Hertz()
+    return float(law.load_at_indentation(1.0, radius) / law.area(law.contact_radius(1.0, radius)))
 
 
 def _depth_at(carried: Callable[[float], float], load: float, radius: float) -> float:

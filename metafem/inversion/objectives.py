@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from metafem import _validate as check
 from metafem._validate import FloatArray, IntArray
 from metafem._values import Value
+from metafem.contact import Hertz
 from metafem.errors import InvalidInput
 from metafem.inversion.exchange import Coupled, Forecast, Joined, Tilted
 from metafem.inversion.places import Places
@@ -88,9 +89,8 @@ class FollowLaw(Value):
         The gradient and the loads are those of the surface as it stands.
         """
         found = _sensitivity(surface, model, self.rescaled_load)
-        depth = np.maximum(found.indentation, 0.0)
-        load = 4.0 / 3.0 * np.sqrt(surface.radius * depth) * depth
-        weight = -found.gradient / (self._target(surface)[:, None] * math.sqrt(len(depth)))
+        load = Hertz().load_at_indentation(found.indentation, surface.radius)
+        weight = -found.gradient / (self._target(surface)[:, None] * math.sqrt(len(load)))
         sites = places.numbers(surface.position)
         left, right = (_spread(values, sites, places, 0.0) for values in (weight, load))
         return Coupled(left, right, places.influence)

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from metafem._validate import FloatArray
+from metafem.contact import Hertz
 from metafem.substrate import Radial
 
 # Cells of the coarse scene: dense matrices of that many rows are factored in milliseconds (400) to a tenth
@@ -79,16 +80,16 @@ class Coarse:
         ``phi = K q(x - phi)`` for the displacements phi of the cells, by damped Newton; with a target
         load > 0 the approach x is found with them, from `approach`, which carries it without phi.
         """
-        phi, x = np.zeros(self.count), approach
+        law, phi, x = Hertz(), np.zeros(self.count), approach
 
         def state(phi: FloatArray, x: float) -> tuple[FloatArray, FloatArray, FloatArray, float]:
             z = x - gap - phi[self.cell]
-            root = np.sqrt(radius * np.maximum(z, 0.0))
-            load = self.loads(4.0 / 3.0 * root * z)
+            contact_radius = law.contact_radius(z, radius)
+            load = self.loads(law.load(contact_radius, radius))
             error = phi - self.influence @ load
             missing = (target - float(load.sum())) / target if target > 0.0 else 0.0
             size = max(float(np.abs(error).max()) / max(float(z.max()), 1e-300), abs(missing))
-            return z, error, self.loads(2.0 * root), size
+            return z, error, self.loads(law.stiffness(contact_radius, radius)), size
 
         z, error, slope, size = state(phi, x)
         for _ in range(MAX_STEPS):
@@ -99,7 +100,7 @@ class Coarse:
             still, moved = np.linalg.solve(jacobian, drive).T
             shift = 0.0
             if target > 0.0:
-                load = float((self.loads(4.0 / 3.0 * np.sqrt(radius * np.maximum(z, 0.0)) * z)).sum())
+                load = float((self.loads(law.load_at_indentation(z, radius))).sum())
                 stiff = float(slope @ (1.0 - moved))
                 if stiff <= 0.0:
                     break

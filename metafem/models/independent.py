@@ -77,8 +77,9 @@ class Independent:
     def _state(self, surface: Surface, approach: float, indentation: FloatArray) -> ContactState:
         modulus = surface.material.composite_modulus
         law = Hertz()
-        load = modulus * law.load(indentation, surface.radius)
-        area = law.area(indentation, surface.radius)
+        contact_radius = law.contact_radius(indentation, surface.radius)
+        load = modulus * law.load(contact_radius, surface.radius)
+        area = law.area(contact_radius)
         total = math.fsum(load)
         separation = float(surface.height.max()) - approach
         return ContactState(
@@ -86,7 +87,7 @@ class Independent:
             area=math.fsum(area),
             separation=separation,
             approach=approach,
-            stiffness=modulus * math.fsum(law.stiffness(indentation, surface.radius)),
+            stiffness=modulus * math.fsum(law.stiffness(contact_radius, surface.radius)),
             asperity_load=load,
             asperity_area=area,
             residual=0.0,

@@ -294,7 +294,7 @@ class Interacting:
             LargeScene(surface, bound, self.order).follow(
                 own[0], surface.gap, load, True, part, trail, gradients
             )
-            gradients *= 1.0 - rate * 4.0 / 3.0 * np.sqrt(surface.radius) * np.maximum(trail, 0.0) ** 1.5
+            gradients *= 1.0 - rate * Hertz().load_at_indentation(trail, surface.radius)
         else:
             coupling, self_term = self._coupling(surface)
             own += self_term

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from metafem._validate import FloatArray
+from metafem.contact import Hertz
 from metafem.models.coarse import Coarse
 
 # Residual that is promised with sums that are not exact to the last digit, and the one aimed at.
@@ -94,7 +95,7 @@ class Contacts:
     def respond(self, z: FloatArray, approach: float, target: float) -> Iterate:
         """Return the iterate of given z with its residual."""
         closed = np.maximum(z, 0.0)
-        load = 4.0 / 3.0 * np.sqrt(self.radius * closed) * closed
+        load = Hertz().load_at_indentation(z, self.radius)
         if self.order == 1:
             u = self.own * load + self.sums.displacement(load)
             state = Iterate(z, load, z, u, np.ones_like(z), self.radius * closed, (z, z))

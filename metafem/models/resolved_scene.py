@@ -174,7 +174,7 @@ class Scene:
         loads say nothing.
         """
         surface, h = self.surface, self.cell
-        load = Hertz().load(indentation, surface.radius)
+        load = Hertz().load_at_indentation(indentation, surface.radius)
         bend = 0.5 * surface.radius * (self.laplacian @ load)
         radius = surface.radius / (1.0 + np.clip(bend, -0.5, 0.5)) / h
         square = radius * np.maximum(indentation, 0.0) / h

@@ -55,15 +55,16 @@ def start(
         if approach is None:
             assert load is not None
             # The tallest alone would need the largest indentation, n equal ones the smallest.
-            z = float((0.75 * load / np.sqrt(radius[gap.argmin()])) ** (2.0 / 3.0))
+            z = float(law.indentation_at_load(load, radius[gap.argmin()]))
         else:
             z = approach
         d = z - gap
     error = np.inf
     for _ in range(MAX_STEPS):
-        p = law.load(d, radius)
+        a = law.contact_radius(d, radius)
+        p = law.load(a, radius)
         f = d + influence @ p + gap - z
-        slope = law.stiffness(d, radius)
+        slope = law.stiffness(a, radius)
         error = _error(f, d, p, load)
         if error <= TOLERANCE:
             break
@@ -71,7 +72,7 @@ def start(
         for halvings in range(MAX_HALVINGS):
             share = 0.5**halvings
             new, height = d + share * step, z + share * rise
-            q = law.load(new, radius)
+            q = law.load_at_indentation(new, radius)
             if _error(new + influence @ q + gap - height, new, q, load) < error:
                 break
         d, z = new, height

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from metafem._validate import FloatArray, IntArray
+from metafem.contact import Hertz
 from metafem.errors import InvalidInput, NotConverged
 from metafem.progress import each
 from metafem.surface import Surface
@@ -68,7 +69,7 @@ class CapContact:
                 break
         else:
             raise NotConverged("the table of caps cannot be continued to this indentation", a)
-        load = 4.0 / 3.0 * a**3 / self.radius * (1.0 + a / foot * self._excess(self.load_excess, h, a / foot))
+        load = Hertz().load(a, self.radius) * (1.0 + a / foot * self._excess(self.load_excess, h, a / foot))
         return np.where(open_, 0.0, a), np.where(open_, 0.0, load)
 
     def _indentation(self, h: FloatArray, a: FloatArray, foot: FloatArray) -> FloatArray:
@@ -109,8 +110,8 @@ class Caps:
         Those without a table follow Hertz's law, from beyond the indentations asked for.
         """
         depth = np.maximum(indentation, 0.0)
-        a = np.sqrt(self.surface.radius * depth)
-        load = 4.0 / 3.0 * a * depth
+        a = Hertz().contact_radius(depth, self.surface.radius)
+        load = Hertz().load(a, self.surface.radius)
         for k, table in enumerate(self.tables):
             its = self.table == k
             a[its], load[its] = table.solve(self.surface.height[its], indentation[its])
@@ -182,7 +183,7 @@ def cap_contact(surface: Surface, indentation: FloatArray) -> CapContact:
             thickness=block.thickness,
             block_radius=side,
         )
-        load = contact.rescaled_load / (4.0 / 3.0 * a**3 / radius)
+        load = contact.rescaled_load / float(Hertz().load(a, radius))
         return (load - 1.0) / s, (contact.indentation * radius / a**2 - 1.0) / s
 
     h_nodes = _nodes(*ranges[0], HEIGHT_NODES if high > low else 1)

@@ -103,4 +103,4 @@ def test_no_compiled_file_lies_in_the_package():
 
 
 def test_no_kernel_is_cached_by_numba_itself():
-    assert not [path.name for path in KERNELS.glob("*.py") if "cache=True" in path.read_text()]
+    assert not [path.name for path in KERNELS.rglob("*.py") if "cache=True" in path.read_text()]

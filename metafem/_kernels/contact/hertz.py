@@ -1,0 +1,29 @@
+"""Hertz's law for kernels, all for unit E*; `metafem.contact.elastic` states it."""
+
+from __future__ import annotations
+
+import math
+
+from metafem._kernels.compiled import compiled
+
+# P = LOAD a d and dP/dd = STIFFNESS a, for sums that are multiplied once at their end.
+LOAD = 4.0 / 3.0
+STIFFNESS = 2.0
+
+
+@compiled
+def contact_radius(radius, indentation):
+    """Return a = sqrt(R d) [mm]."""
+    return math.sqrt(radius * indentation)
+
+
+@compiled
+def load(radius, indentation):
+    """Return P = 4/3 sqrt(R) d^(3/2) [mm^2]."""
+    return LOAD * contact_radius(radius, indentation) * indentation
+
+
+@compiled
+def indentation_at_load(radius, load):
+    """Return d = (3/4 P/sqrt(R))^(2/3) [mm]."""
+    return (load / (LOAD * math.sqrt(radius))) ** (2.0 / 3.0)
