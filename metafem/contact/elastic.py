@@ -29,16 +29,12 @@ class Hertz:
     (array([0. , 0. , 0.2]), array([0.      , 0.      , 0.010667]))
     """
 
-    def contact_radius(
-        self, indentation: Values, radius: Values, curvature: Values = 0.0
-    ) -> FloatArray:
+    def contact_radius(self, indentation: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Contact radius a = sqrt(d/(1/R + k)) [mm]; 0 where the contact is open."""
         sharpened = 1.0 + np.multiply(radius, curvature)
         return np.sqrt(np.multiply(radius, np.maximum(indentation, 0.0)) / sharpened)
 
-    def indentation(
-        self, contact_radius: Values, radius: Values, curvature: Values = 0.0
-    ) -> FloatArray:
+    def indentation(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Indentation d = a^2 (1/R + k) [mm]."""
         return np.square(contact_radius) * (np.divide(1.0, radius) + curvature)
 
@@ -50,15 +46,11 @@ class Hertz:
         """Contact area pi a^2 [mm^2]."""
         return np.asarray(math.pi * np.square(contact_radius))
 
-    def second_moment(
-        self, contact_radius: Values, radius: Values, curvature: Values = 0.0
-    ) -> FloatArray:
+    def second_moment(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Second moment of the pressure over E*, 2/5 P/E* a^2 [mm^4]."""
         return np.asarray(0.4 * np.square(contact_radius) * self.load(contact_radius, radius, curvature))
 
-    def stiffness(
-        self, contact_radius: Values, radius: Values, curvature: Values = 0.0
-    ) -> FloatArray:
+    def stiffness(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Derivative of P/E* by d, 2 a [mm]."""
         return np.multiply(2.0, contact_radius)
 

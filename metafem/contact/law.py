@@ -17,15 +17,11 @@ class Contact(Protocol):
     the field of other contacts adds to the profile, ``curvature rho^2 / 2``. All methods are vectorised.
     """
 
-    def contact_radius(
-        self, indentation: Values, radius: Values, curvature: Values = 0.0
-    ) -> FloatArray:
+    def contact_radius(self, indentation: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Contact radius a [mm] at an indentation d [mm]; 0 where d is negative: an open contact."""
         ...
 
-    def indentation(
-        self, contact_radius: Values, radius: Values, curvature: Values = 0.0
-    ) -> FloatArray:
+    def indentation(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Indentation d [mm]."""
         ...
 
@@ -37,14 +33,10 @@ class Contact(Protocol):
         """Real contact area [mm^2]."""
         ...
 
-    def second_moment(
-        self, contact_radius: Values, radius: Values, curvature: Values = 0.0
-    ) -> FloatArray:
+    def second_moment(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Second moment of the pressure over E*, the integral of ``p rho^2`` over the contact [mm^4]."""
         ...
 
-    def stiffness(
-        self, contact_radius: Values, radius: Values, curvature: Values = 0.0
-    ) -> FloatArray:
+    def stiffness(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Derivative of the rescaled load by the indentation [mm]."""
         ...
