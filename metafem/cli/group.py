@@ -7,6 +7,7 @@ from typing import Any
 
 import click
 
+from metafem.cli.signals import stopped_by_signals
 from metafem.errors import InvalidInput, MetafemError
 
 DEMOS = ("operating-points", "linear", "bilinear")
@@ -32,6 +33,11 @@ class NotAchieved(click.ClickException):
 
 class Commands(click.Group):
     """A group whose commands end in a message and an exit code instead of a traceback."""
+
+    def main(self, *args: Any, **extra: Any) -> Any:
+        """Parse the arguments and run the command."""
+        with stopped_by_signals():
+            return super().main(*args, **extra)
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run the command."""
