@@ -29,13 +29,19 @@ def demo(name: str, model: str | None, force: bool, as_json: bool) -> None:
     """Write the paper's specification NAME.toml into this folder and run it into NAME/."""
     from metafem.files import check_free, demo_text, write_text
 
-    path, folder = Path(f"{name}.toml"), Path(name)
+    path, folder, text = Path(f"{name}.toml"), Path(name), demo_text(name)
     check_free(folder, force)
-    if path.exists() and not force:
-        raise InvalidInput(
-            f"{path} exists; run it by `metafem design {path} -o FOLDER`, or replace it with --force"
-        )
-    write_text(path, demo_text(name), force=force)
+    try:
+        write_text(path, text)
+    except InvalidInput:
+        if not path.exists():
+            raise
+        # one that is the same to the bit serves as well; one that a person edited is never replaced
+        if not path.is_file() or path.read_bytes() != text.encode("utf-8"):
+            raise InvalidInput(
+                f"{path} exists and is not the demo's; run it by `metafem design {path} -o FOLDER`, "
+                "or rename it"
+            ) from None
     _run(path, folder, model, force, as_json)
 
 
@@ -57,7 +63,7 @@ def design(spec: Path, output: Path, model: str | None, force: bool, as_json: bo
 
 def _run(spec: Path, folder: Path, model: str | None, force: bool, as_json: bool) -> None:
     import metafem as mf
-    from metafem.files import check_free, model_named
+    from metafem.files import check_free, model_named, result_folder, write_all
     from metafem.inversion import DesignStatus
     from metafem.report import all_notes, page
 
@@ -65,9 +71,10 @@ def _run(spec: Path, folder: Path, model: str | None, force: bool, as_json: bool
     with progress():
         specification = mf.read_spec(spec)
         chosen = model_named(model) if model else specification.model
-        result = specification.design(chosen)
-        text = page(result, specification.hardness)
-        mf.save(result, folder, specification=specification, force=force, pages={"report.html": text})
+        with result_folder(folder, specification, force=force) as fresh:
+            result = specification.design(chosen)
+            text = page(result, specification.hardness)
+            write_all(result, fresh, specification, {"report.html": text})
     _tell_design(result, specification, folder, all_notes(result, specification.hardness), as_json)
     if result.status is DesignStatus.MISSED:
         sys.exit(NOT_ACHIEVED)

@@ -51,7 +51,15 @@ def predict(
     (--thickness) or block (--thickness, --width and --length).
     """
     import metafem as mf
-    from metafem.files import law_table, model_named, quantity, read_surface, write_text
+    from metafem.files import (
+        is_law_table,
+        law_table,
+        model_named,
+        quantity,
+        read_surface,
+        refuse_existing,
+        write_text,
+    )
 
     sizes = {"thickness": thickness, "width": width, "length": length}
     given = {name: quantity(f"--{name}", text, "mm") for name, text in sizes.items() if text is not None}
@@ -74,6 +82,8 @@ def predict(
         common = None if radius is None else quantity("--radius", radius, "mm")
         surface = read_surface(source, mf.Material(modulus), common, block=_block(given, model))
         used = mf.Independent()
+    if output is not None:
+        refuse_existing(output, force, is_law_table)
     newtons = [quantity("--load", text, "N") for text in load]
     chosen = model_named(model) if model else used
     if model == "layer" and surface.block is None:
@@ -81,7 +91,7 @@ def predict(
     with progress(), doing("predicting the law"):
         law = mf.friction_law(surface, chosen, load=newtons or None)
     if output is not None:
-        write_text(output, law_table(law), force=force)
+        write_text(output, law_table(law), force=force, ours=is_law_table)
     if as_json:
         click.echo(json.dumps(_law_data(law)))
     else:

@@ -18,10 +18,11 @@ from metafem.cli.progress import progress
 def report(folder: Path, checks: bool, as_json: bool) -> None:
     """Write report.html of a result folder anew."""
     import metafem as mf
-    from metafem.files import stored_hardness, write_text
+    from metafem.files import same_design, stored_hardness, write_text
     from metafem.report import page
 
     with progress():
-        path = folder / "report.html"
-        write_text(path, page(mf.load(folder), stored_hardness(folder), checks=checks), force=True)
+        path, still = folder / "report.html", same_design(folder)
+        text = page(mf.load(folder), stored_hardness(folder), checks=checks)
+        write_text(path, text, force=True, still=still)
     click.echo(json.dumps({"report": str(path)}) if as_json else f"wrote {path}")

@@ -31,13 +31,14 @@ def study(name: str, folder: Path, force: bool, as_json: bool) -> None:
     the first time.
     """
     import metafem as mf
-    from metafem.files import study_data, study_path, write_study
+    from metafem.files import same_design, study_data, study_path, write_study
 
     path = study_path(folder, name, force)
+    still = same_design(folder)
     design = mf.load(folder)
     with progress():
         found = getattr(mf.studies, name)(design)
-    write_study(found, path, force=force)
+    write_study(found, path, force=force, still=still)
     if as_json:
         click.echo(json.dumps({"file": str(path), **study_data(found)}))
     else:

@@ -1,14 +1,14 @@
 """Specifications in, parts and result folders out: the border where units and file formats are known."""
 
 from metafem.files.atomic.staged import check_free
-from metafem.files.atomic.text import write_text
+from metafem.files.atomic.text import refuse_existing, write_text
 from metafem.files.demo import demo_text
-from metafem.files.folder import load, save, stored_hardness
+from metafem.files.folder import load, result_folder, same_design, save, stored_hardness, write_all
 from metafem.files.manual import all_keys, manual
 from metafem.files.model_names import MODELS, model_named
 from metafem.files.spec import Specification, read_spec
 from metafem.files.study import study_data, study_path, write_study
-from metafem.files.tables import law_table, read_heights, read_surface
+from metafem.files.tables import is_law_table, law_table, read_heights, read_surface
 from metafem.files.units import quantity
 
 __all__ = [
@@ -17,6 +17,7 @@ __all__ = [
     "all_keys",
     "check_free",
     "demo_text",
+    "is_law_table",
     "law_table",
     "load",
     "manual",
@@ -25,10 +26,14 @@ __all__ = [
     "read_heights",
     "read_spec",
     "read_surface",
+    "refuse_existing",
+    "result_folder",
+    "same_design",
     "save",
     "stored_hardness",
     "study_data",
     "study_path",
+    "write_all",
     "write_study",
     "write_text",
 ]

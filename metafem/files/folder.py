@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import platform
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from types import MappingProxyType
@@ -12,13 +13,16 @@ from typing import Any
 
 from metafem import _validate as check
 from metafem.errors import InvalidInput
-from metafem.files.atomic.staged import FORMAT, staged
+from metafem.files.atomic.claim import restore
+from metafem.files.atomic.manifest import FORMAT, digest
+from metafem.files.atomic.staged import staged
 from metafem.files.part.block import alignment_asperities, block_mesh, stl_bytes
 from metafem.files.reading import called, read_record
 from metafem.files.records import from_record, to_record
 from metafem.files.spec import Specification
 from metafem.files.tables import heights_table, law_table, mould_table
 from metafem.files.vtu import write_surface
+from metafem.files.wanted_table import RESULT_FILES
 from metafem.inversion import Design
 from metafem.progress import doing
 
@@ -27,7 +31,6 @@ __all__ = ["load", "save", "write_all"]
 NO_PAGES: Mapping[str, str] = MappingProxyType({})
 
 
-@doing("writing the files")
 def save(
     design: Design,
     folder: str | Path,
@@ -41,7 +44,8 @@ def save(
     ``design.json`` (everything that `load` needs, and the versions it was made with), ``heights.csv``,
     ``law.csv``, ``mould.csv``, ``surface.vtu``, with a block ``block.stl``, and ``spec.toml`` where a
     specification is given, with the table of its wanted law beside it. The folder appears when all of
-    them are written.
+    them are written. A hidden ``.metafem-files`` lists them with their sha256, by which `force` knows
+    what metafem wrote.
 
     Parameters
     ----------
@@ -53,12 +57,14 @@ def save(
     pages : mapping of str to str, optional
         Names and texts of further files, such as ``report.html``.
     force : bool
-        Replace an existing folder, if it is empty or a result folder.
+        Write into an existing folder, if it is empty or a result folder: the files in it that metafem
+        wrote and nobody changed are replaced, all others stay.
 
     Raises
     ------
     InvalidInput
-        If the folder exists or cannot be written, or the part cannot be made: a summit outside
+        If the folder exists, holds a changed file of these names, is being written by another run or
+        cannot be written, or the part cannot be made: a summit outside
         ``0 < h <= R``, caps that overlap or leave the block. Nothing is left behind.
 
     Examples
@@ -75,10 +81,19 @@ def save(
     """
     if not isinstance(design, Design):
         raise InvalidInput(f"design = {design!r:.60} must be a metafem.Design")
-    with staged(folder, force) as fresh:
+    with result_folder(folder, specification, force=force) as fresh:
         write_all(design, fresh, specification, pages)
 
 
+def result_folder(
+    folder: str | Path, specification: Specification | None = None, *, force: bool = False
+) -> AbstractContextManager[Path]:
+    """Return `staged` for the files of a design: what is in their way is refused before they are made."""
+    known = {} if specification is None else specification.files
+    return staged(folder, force, {**dict.fromkeys(RESULT_FILES), **known})
+
+
+@doing("writing the files")
 def write_all(
     design: Design,
     folder: Path,
@@ -96,11 +111,9 @@ def write_all(
         "mould.csv": mould_table(surface, alignment),
         **pages,
     }
-    if specification is not None:
-        texts["spec.toml"] = specification.text
     contents = {name: text.encode("utf-8") for name, text in texts.items()}
     if specification is not None:
-        contents |= specification.tables
+        contents |= specification.files
     try:
         for name, content in contents.items():
             (folder / name).write_bytes(content)
@@ -146,8 +159,26 @@ def stored_hardness(folder: str | Path) -> float | None:
         raise InvalidInput(f"{called(path)} is damaged: specification.{error}") from None
 
 
+def same_design(folder: str | Path) -> Callable[[], None]:
+    """Return a function that raises InvalidInput if the design in the folder is replaced after this call."""
+    restore(Path(folder))
+    path = Path(folder).absolute() / "design.json"
+
+    def found() -> str:
+        return digest(path) if path.is_file() else ""
+
+    before = found()
+
+    def still() -> None:
+        if found() != before:
+            raise InvalidInput(f"{path} was replaced in the meantime; run the command again")
+
+    return still
+
+
 def _read(folder: str | Path) -> tuple[Path, dict[str, Any]]:
     """Return the path and the record of a result folder's design.json."""
+    restore(Path(folder))
     path = Path(folder) / "design.json"
     record = read_record(path, "no such file; name a result folder of metafem")
     if not isinstance(record, dict) or record.get("format") != FORMAT:

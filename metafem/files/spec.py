@@ -66,8 +66,8 @@ class Specification:
         The file's text.
     sha256 : str
         Hexadecimal hash of the file's bytes.
-    tables : mapping of str to bytes
-        Files beside it that it names, kept with its result.
+    files : mapping of str to bytes
+        What is kept with its result: ``spec.toml``, and the table that it names.
     """
 
     target: Target
@@ -82,7 +82,7 @@ class Specification:
     hardness: float | None
     text: str
     sha256: str
-    tables: Mapping[str, bytes] = field(default_factory=dict)
+    files: Mapping[str, bytes] = field(default_factory=dict)
 
     def design(self, model: Model | None = None) -> Design:
         """Design what the file asks for, under its model unless another is given."""
@@ -142,7 +142,8 @@ def read_spec(path: str | Path) -> Specification:
     """
     raw = read_bytes(path, SPECIFICATION, "no such file; `metafem demo linear` writes one to start from")
     name = called(path)
-    table, tables = with_samples(_table(name, decoded(path, raw)), Path(path).parent)
+    table = _table(name, decoded(path, raw))
+    table, kept = with_samples(raw.decode("utf-8"), table, Path(path).parent)
     from pydantic import ValidationError
 
     from metafem.files.sections import Sections
@@ -166,7 +167,7 @@ def read_spec(path: str | Path) -> Specification:
         hardness=sections.checks.hardness,
         text=raw.decode("utf-8"),
         sha256=hashlib.sha256(raw).hexdigest(),
-        tables=tables,
+        files=kept,
     )
 
 

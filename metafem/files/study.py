@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from metafem.errors import InvalidInput
-from metafem.files.atomic.staged import is_result_folder
+from metafem.files.atomic.manifest import is_result_folder
 from metafem.files.atomic.text import refuse_existing, write_file
 from metafem.notes import from_lines
 
@@ -24,9 +25,14 @@ def study_path(folder: str | Path, name: str, force: bool) -> Path:
     return path
 
 
-def write_study(study: Dataset, path: Path, *, force: bool = False) -> None:
-    """Write a study as NetCDF 4, by h5netcdf; an existing file is refused unless `force` is true."""
-    write_file(path, lambda fresh: study.to_netcdf(fresh, engine="h5netcdf"), force=force)
+def write_study(
+    study: Dataset, path: Path, *, force: bool = False, still: Callable[[], None] = lambda: None
+) -> None:
+    """Write a study as NetCDF 4, by h5netcdf; an existing file is refused unless `force` is true.
+
+    `still` is that of `write_file`: a design that was replaced meanwhile is not given the study of another.
+    """
+    write_file(path, lambda fresh: study.to_netcdf(fresh, engine="h5netcdf"), force=force, still=still)
 
 
 def study_data(study: Dataset) -> dict[str, Any]:

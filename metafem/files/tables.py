@@ -18,7 +18,7 @@ from metafem.inversion import Design
 from metafem.law import FrictionLaw
 from metafem.surface import Block, Friction, Material, Surface
 
-__all__ = ["heights_table", "law_table", "mould_table", "read_heights", "read_surface"]
+__all__ = ["heights_table", "is_law_table", "law_table", "mould_table", "read_heights", "read_surface"]
 
 COLUMNS = ("x", "y", "height", "radius")
 
@@ -45,6 +45,11 @@ def law_table(law: FrictionLaw) -> str:
     if law.friction is not None:
         columns["friction_force_N"] = law.friction_force
     return _csv(tuple(columns), zip(*(column.tolist() for column in columns.values()), strict=True))
+
+
+def is_law_table(content: bytes) -> bool:
+    """Whether a file is a table of `law_table`, by its first line."""
+    return content.startswith(b"load_N,area_mm2,separation_mm,rescaled_load_mm2,rescaled_friction_mm2")
 
 
 def mould_table(surface: Surface, alignment: Surface | None = None) -> str:

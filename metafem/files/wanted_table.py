@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import json
+import re
+import tomllib
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -18,25 +22,34 @@ PAIRS = ({"rescaled_load", "rescaled_friction"}, {"load", "friction_force"})
 
 EXAMPLE = "load_N,friction_force_N"
 
-# Files of a result folder, beside which the table is kept.
-RESERVED = frozenset(
+# Files of a design in its result folder, beside which the table is kept.
+RESULT_FILES = frozenset(
     {
         *("design.json", "heights.csv", "law.csv", "mould.csv", "surface.vtu", "block.stl", "spec.toml"),
-        *("report.html", "fidelity.nc", "interaction.nc"),
+        "report.html",
     }
 )
 
+# With its studies.
+RESERVED = RESULT_FILES | {"fidelity.nc", "interaction.nc"}
 
-def with_samples(table: dict[str, Any], folder: Path) -> tuple[dict[str, Any], dict[str, bytes]]:
-    """Return a specification with ``target.file`` replaced by its samples, and what to keep beside it.
+
+# What may stand behind the key of a file: the four kinds of text in TOML.
+FILE_KEY = re.compile(
+    r"""(\bfile["']?[ \t]*=[ \t]*)(\"{3}.*?\"{3}|'{3}.*?'{3}|"(?:[^"\\\n]|\\.)*"|'[^'\n]*')""", re.DOTALL
+)
+
+
+def with_samples(text: str, table: dict[str, Any], folder: Path) -> tuple[dict[str, Any], dict[str, bytes]]:
+    """Return a specification with ``target.file`` replaced by its samples, and the files to keep of it.
 
     The first line of the file names its columns as quantity_unit: rescaled_load_mm2 and
-    rescaled_friction_mm2, or load_N and friction_force_N (or in other units), and weight if wanted. A file
-    that stands beside the specification is kept by its name.
+    rescaled_friction_mm2, or load_N and friction_force_N (or in other units), and weight if wanted. The
+    specification is kept as spec.toml, beside it the table, so that it can be designed again from there.
     """
     target = table.get("target")
     if not isinstance(target, dict) or target.get("kind") != "sampled" or "file" not in target:
-        return table, {}
+        return table, {"spec.toml": text.encode("utf-8")}
     name = target["file"]
     if not isinstance(name, str):
         raise InvalidInput(f'target.file = {shown(name)} must be a text, for example file = "wanted.csv"')
@@ -44,13 +57,38 @@ def with_samples(table: dict[str, Any], folder: Path) -> tuple[dict[str, Any], d
     twice = sorted(set(rest) & {*COLUMNS, "weight"})
     if twice:
         raise InvalidInput(f"target.file and target.{twice[0]} both give the law; keep one")
-    if name.casefold() in RESERVED:
-        raise InvalidInput(
-            f'target.file = "{name}" has the name of a file of the result folder, where it is kept; rename it'
-        )
     samples, content = _samples(folder / name)
-    kept = {name: content} if Path(name).name == name else {}
+    copy = _copy_name(name)
+    if copy != name:
+        text = _naming_copy(text, table, copy)
+    kept = {"spec.toml": text.encode("utf-8"), copy: content}
     return {**table, "target": {**rest, **samples}}, kept
+
+
+def _copy_name(name: str) -> str:
+    """Return the name of a table in a result folder, where it is neither hidden nor that of a result."""
+    copy = Path(name).name
+    while copy.casefold() in RESERVED or copy.startswith("."):
+        copy = f"wanted-{copy.lstrip('.')}"
+    return copy
+
+
+def _naming_copy(text: str, table: dict[str, Any], copy: str) -> str:
+    """Return the text of a specification whose ``target.file`` is the copy, with a comment that says so."""
+    name = table["target"]["file"]
+    wanted = {**table, "target": {**table["target"], "file": copy}}
+    newline = "\r\n" if "\r\n" in text else "\n"
+    comment = f"# The design read {json.dumps(name, ensure_ascii=False)}; {copy} is a copy of it.{newline}"
+    for found in FILE_KEY.finditer(text):
+        line = text.rfind("\n", 0, found.start()) + 1
+        value = json.dumps(copy, ensure_ascii=False)  # a text in JSON is one in TOML
+        new = f"{text[:line]}{comment}{text[line : found.start(2)]}{value}{text[found.end(2) :]}"
+        with suppress(tomllib.TOMLDecodeError):  # it stood in a text or a comment
+            if tomllib.loads(new.removeprefix("\ufeff")) == wanted:
+                return new
+    raise InvalidInput(
+        f'target.file = "{name}" cannot be renamed to its copy; write file = "{name}" on a line of its own'
+    )
 
 
 def _samples(path: Path) -> tuple[dict[str, list[Any]], bytes]:

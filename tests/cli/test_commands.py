@@ -96,6 +96,10 @@ def test_existing_files_are_kept_without_force(run):
     assert (result.exit_code, "linear.toml exists" in result.output) == (2, True)
     assert Path("linear.toml").read_text("utf-8") == "mine"
     assert not Path("linear").exists()
+    assert run("demo", "linear", "--force").exit_code == 2
+    assert Path("linear.toml").read_text("utf-8") == "mine"
+    Path("linear.toml").unlink()
+    assert run("demo", "linear").exit_code == 0
     assert run("demo", "linear", "--force").exit_code == 0
     result = run("demo", "linear")
     assert (result.exit_code, "--force" in result.output) == (2, True)

@@ -1,12 +1,17 @@
 import json
+import os
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import metafem as mf
+from metafem.files.atomic import claim
+from metafem.files.atomic.manifest import MANIFEST
+from metafem.files.atomic.text import write_text
 from metafem.files.demo import demo_text
-from metafem.files.folder import stored_hardness, write_all
+from metafem.files.folder import same_design, stored_hardness, write_all
 from metafem.files.wanted_table import RESERVED
 
 
@@ -24,9 +29,9 @@ def test_the_whole_folder(tmp_path, linear):
     mf.save(design, tmp_path / "out", specification=spec, pages={"report.html": "<p>µ</p>"})
     assert {path.name for path in (tmp_path / "out").iterdir()} == {
         "design.json", "heights.csv", "law.csv", "mould.csv", "block.stl", "surface.vtu", "spec.toml",
-        "report.html",
+        "report.html", MANIFEST,
     }  # fmt: skip
-    assert {path.name for path in (tmp_path / "out").iterdir()} <= RESERVED
+    assert {path.name for path in (tmp_path / "out").iterdir()} <= RESERVED | {MANIFEST}
     record = json.loads((tmp_path / "out" / "design.json").read_text())
     assert record["specification"]["sha256"] == spec.sha256
     assert record["specification"]["seed"] == 0
@@ -183,3 +188,70 @@ def test_a_design_without_its_specification_is_refused(tmp_path):
     (tmp_path / "design.json").write_text('{"format": "metafem design 1"}')
     with pytest.raises(mf.InvalidInput, match="lacks its specification"):
         stored_hardness(tmp_path)
+
+
+def test_force_keeps_what_others_wrote_and_removes_old_studies(tmp_path, linear):
+    spec, design = linear
+    folder = tmp_path / "out"
+    mf.save(design, folder, specification=spec)
+    write_text(folder / "interaction.nc", "of the old design")
+    (folder / "notes.txt").write_text("mine")
+    mf.save(design, folder, force=True)
+    assert (folder / "notes.txt").read_text() == "mine"
+    assert not (folder / "interaction.nc").exists()
+    assert not (folder / "spec.toml").exists()
+
+
+def test_a_changed_specification_of_a_folder_is_designed_into_it(tmp_path, linear):
+    spec, design = linear
+    folder = tmp_path / "out"
+    mf.save(design, folder, specification=spec)
+    text = spec.text.replace("seed = 0", "seed = 1")
+    (folder / "spec.toml").write_text(text, encoding="utf-8")
+    with pytest.raises(mf.InvalidInput, match=r"spec\.toml was changed since metafem wrote it"):
+        mf.save(design, folder, specification=spec, force=True)
+    again = mf.read_spec(folder / "spec.toml")
+    mf.save(again.design(), folder, specification=again, force=True)
+    assert (folder / "spec.toml").read_text(encoding="utf-8") == text
+    mf.save(design, folder, specification=spec, force=True)
+
+
+def test_a_full_disk_is_told_and_leaves_nothing(tmp_path, linear):
+    resource = pytest.importorskip("resource")
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (10_000, hard))
+    try:
+        with pytest.raises(mf.InvalidInput, match="cannot be written: File too large"):
+            mf.save(linear[1], tmp_path / "out")
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_design_that_was_replaced_is_noticed(tmp_path, linear):
+    _, design = linear
+    mf.save(design, tmp_path / "out")
+    still = same_design(tmp_path / "out")
+    still()
+    mf.save(replace(design, misfit=0.5 * design.misfit), tmp_path / "out", force=True)
+    with pytest.raises(mf.InvalidInput, match="was replaced in the meantime"):
+        write_text(tmp_path / "out" / "report.html", "of the old design", still=still)
+    assert not (tmp_path / "out" / "report.html").exists()
+
+
+def test_loading_restores_what_a_killed_run_left_unfinished(tmp_path, linear, monkeypatch):
+    _, design = linear
+    folder = tmp_path / "out"
+    mf.save(design, folder)
+    before = {path.name: path.read_bytes() for path in folder.iterdir()}
+    with monkeypatch.context() as patch:
+        patch.setattr(claim, "_released", lambda _, held: os.close(held))
+        move = Path.replace
+        patch.setattr(
+            Path, "replace", lambda path, goal: move(path, goal) if path.name != "law.csv" else 1 / 0
+        )
+        with pytest.raises(ZeroDivisionError):
+            mf.save(replace(design, misfit=2.0 * design.misfit), folder, force=True)
+    assert (folder / claim.SUFFIX).exists()
+    assert mf.load(folder).misfit == design.misfit
+    assert {path.name: path.read_bytes() for path in folder.iterdir()} == before

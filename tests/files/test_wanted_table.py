@@ -1,5 +1,7 @@
 """A wanted law from a table."""
 
+import tomllib
+
 import numpy as np
 import pytest
 
@@ -64,7 +66,6 @@ def test_rescaled_columns_keep_their_digits(tmp_path):
             "wanted.csv, line 2: load_N = 0 must be",
         ),
         ('file = "wanted.csv"', "load_N,friction_force_N\n1,2\n1,3\n", "line 3: load_N = 1 must exceed"),
-        ('file = "law.csv"', None, "the name of a file of the result folder"),
         ('file = "wanted.csv"\nload = ["1 N"]', "load_N\n1\n", "target.file and target.load both"),
     ],
 )
@@ -100,3 +101,80 @@ def test_a_crossover_of_another_unit_is_named(tmp_path):
     (line,) = str(error.value).splitlines()
     assert 'target.crossover_loads[0] = "0.07 mm" has the unit "mm"' in line
     assert "function" not in line
+
+
+SAMPLES = "load_N,friction_force_N\n0.1,0.2\n0.2,0.36\n0.3,0.53\n"
+
+
+@pytest.mark.parametrize(
+    ("name", "copy"),
+    [
+        ("wanted.csv", "wanted.csv"),
+        ("sub/w.csv", "w.csv"),
+        ("../w.csv", "w.csv"),
+        ("{}/w.csv", "w.csv"),
+        ("law.csv", "wanted-law.csv"),
+        ("sub/SPEC.toml", "wanted-SPEC.toml"),
+        (".metafem-files", "wanted-metafem-files"),
+        ("sub/µ \\\" 'a.csv", "µ \" 'a.csv"),
+    ],
+)
+@pytest.mark.parametrize("newline", ["\n", "\r\n"])
+def test_a_table_from_anywhere_is_kept_so_that_the_folder_can_be_designed_again(
+    tmp_path, name, copy, newline
+):
+    home = tmp_path / "home"
+    (home / "sub").mkdir(parents=True)
+    name = name.format(tmp_path)
+    place = home / name.replace('\\"', '"')
+    place.write_text(SAMPLES, encoding="utf-8")
+    remarks = f'# as measured, not file = "other.csv"\nkind = "sampled"\nfile = "{name}"  # of June'
+    path = written(home, remarks)
+    path.write_bytes(path.read_bytes().replace(b"\n", newline.encode()))
+    spec = mf.read_spec(path)
+    (tmp_path / "out").mkdir()
+    for each, content in spec.files.items():
+        (tmp_path / "out" / each).write_bytes(content)
+    place.unlink()
+    again = mf.read_spec(tmp_path / "out" / "spec.toml")
+    assert again.files == spec.files
+    assert again.files[copy] == SAMPLES.encode()
+    assert again.target.rescaled_load.tolist() == spec.target.rescaled_load.tolist()
+    before, after = spec.text.split(newline), again.text.split(newline)
+    added = [line for line in after if line not in before]
+    if copy == name:
+        assert (spec.text, added) == (again.text, [])
+    else:
+        assert added[0] == f'# The design read "{name}"; {copy} is a copy of it.'
+        assert added[1].endswith("# of June")
+        assert [line for line in before if line not in after] == [f'file = "{name}"  # of June']
+
+
+@pytest.mark.parametrize(
+    "target",
+    [
+        """kind = "sampled"\n'file' = '''sub/w.csv'''""",
+        'kind = "sampled"\n"file"="""\\\n   sub/w.csv"""',
+    ],
+)
+def test_other_spellings_of_a_file_are_renamed(tmp_path, target):
+    (tmp_path / "sub").mkdir()
+    (tmp_path / "sub" / "w.csv").write_text(SAMPLES)
+    kept = mf.read_spec(written(tmp_path, target)).files
+    assert tomllib.loads(kept["spec.toml"].decode())["target"] == {"kind": "sampled", "file": "w.csv"}
+
+
+def test_a_file_in_an_inline_table_is_renamed(tmp_path):
+    (tmp_path / "sub").mkdir()
+    (tmp_path / "sub" / "w.csv").write_text(SAMPLES)
+    path = tmp_path / "spec.toml"
+    path.write_text(f'target = {{kind = "sampled", file = "sub/w.csv"}}\n[material]{REST}', encoding="utf-8")
+    kept = mf.read_spec(path).files
+    assert kept["spec.toml"].decode().splitlines()[1] == 'target = {kind = "sampled", file = "w.csv"}'
+
+
+def test_a_key_that_cannot_be_renamed_is_named(tmp_path):
+    (tmp_path / "sub").mkdir()
+    (tmp_path / "sub" / "w.csv").write_text(SAMPLES)
+    with pytest.raises(mf.InvalidInput, match=r'write file = "sub/w\.csv" on a line of its own'):
+        mf.read_spec(written(tmp_path, 'kind = "sampled"\n"f\\u0069le" = "sub/w.csv"'))

@@ -2,46 +2,90 @@
 
 from __future__ import annotations
 
-import secrets
-import shutil
-from collections.abc import Iterator
+import hashlib
+import os
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from types import MappingProxyType
 
 from metafem.errors import InvalidInput
-from metafem.files.reading import read_record
+from metafem.files.atomic.claim import SUFFIX, beside, claimed, reason, sweep
+from metafem.files.atomic.manifest import (
+    MANIFEST,
+    digest,
+    is_result_folder,
+    manifest_text,
+    unchanged,
+    written,
+)
+from metafem.files.atomic.replacement import NEW, refuse_foreign, replace_files
 
-# First member of a design.json, by which a folder is known as one of ours.
-FORMAT = "metafem design 1"
+NOTHING: Mapping[str, bytes | None] = MappingProxyType({})
 
 
 @contextmanager
-def staged(folder: str | Path, force: bool = False) -> Iterator[Path]:
-    """Yield a temporary folder that becomes `folder` when the body ends without an error.
+def staged(
+    folder: str | Path, force: bool = False, expected: Mapping[str, bytes | None] = NOTHING
+) -> Iterator[Path]:
+    """Yield a temporary folder whose files become `folder` when the body ends without an error.
 
-    It stands beside `folder` and is removed if the body fails. An existing folder is refused, unless
-    `force` is true and it is empty or a result folder; it is then replaced once the new one is whole.
+    It is hidden, held against other runs of metafem, and removed if the body fails. A new folder appears
+    by one rename, which fails if somebody has made a folder of that name meanwhile. An existing folder is
+    refused, unless `force` is true and it is empty or a result folder; the files in it that metafem
+    wrote, and nothing else, are then replaced by `replace_files`.
+
+    Parameters
+    ----------
+    folder : str or Path
+    force : bool
+    expected : mapping of str to bytes or None
+        Names that the body writes, and the content of those where it is known: what is in their way is
+        refused before the body runs.
 
     Raises
     ------
     InvalidInput
-        If the folder exists, or cannot be written; nothing is left behind.
+        If the folder exists, holds a changed file, is being written by another run, or cannot be written;
+        nothing is left behind.
     """
-    target = check_free(folder, force)
-    token = secrets.token_hex(4)
-    fresh = target.with_name(f".{target.name}.{token}.new")
-    try:
-        fresh.mkdir()
-    except OSError as error:
-        raise InvalidInput(f"{target} cannot be written: {error.strerror}; choose another folder") from None
-    try:
-        yield fresh
-        _swap(fresh, target, target.with_name(f".{target.name}.{token}.old"))
-    finally:
-        shutil.rmtree(fresh, ignore_errors=True)
+    target = check_free(folder, force, expected)
+    inside = target.is_dir()
+    with claimed(target / SUFFIX if inside else beside(target), target) as work:
+        check_free(target, force, expected)
+        yield work / NEW
+        try:
+            _finish(work, target, inside)
+        except OSError as error:
+            raise InvalidInput(
+                f"{target} cannot be written: {reason(error)}; choose another folder"
+            ) from None
 
 
-def check_free(folder: str | Path, force: bool = False) -> Path:
+def _finish(work: Path, target: Path, inside: bool) -> None:
+    """Put the files and their manifest in place."""
+    fresh = {path.name: frozenset({digest(path)}) for path in (work / NEW).iterdir()}
+    (work / NEW / MANIFEST).write_text(manifest_text(fresh), encoding="utf-8")
+    if inside:
+        before = written(target)
+        manifest = {MANIFEST: frozenset({digest(target / MANIFEST)})} if (target / MANIFEST).exists() else {}
+        replace_files(work, target, {**before, **manifest}, before)
+        return
+    try:
+        if os.path.lexists(target):  # a rename would replace an empty folder
+            raise FileExistsError
+        (work / NEW).rename(target)
+    except OSError:
+        if not os.path.lexists(target):
+            raise
+        raise InvalidInput(
+            f"{target} was made by somebody else in the meantime, and is left as it is; choose another folder"
+        ) from None
+
+
+def check_free(
+    folder: str | Path, force: bool = False, expected: Mapping[str, bytes | None] = NOTHING
+) -> Path:
     """Raise InvalidInput if `staged` would refuse the folder: worth knowing before a long run."""
     try:
         target = Path(folder).absolute()
@@ -52,47 +96,36 @@ def check_free(folder: str | Path, force: bool = False) -> Path:
     if not target.name:
         raise InvalidInput(f"{folder} cannot be a result folder; name a new one")
     try:
-        _check(target, force)
+        _check(target, force, expected)
     except OSError as error:
-        raise InvalidInput(f"{target} cannot be used: {error.strerror}; choose another folder") from None
+        raise InvalidInput(f"{target} cannot be used: {reason(error)}; choose another folder") from None
     return target
 
 
-def _check(target: Path, force: bool) -> None:
+def _check(target: Path, force: bool, expected: Mapping[str, bytes | None]) -> None:
     if not target.parent.is_dir():
         raise InvalidInput(f"{target.parent} is not a folder; create it first")
-    if not target.exists() and not target.is_symlink():
+    try:
+        os.lstat(target)
+    except FileNotFoundError:
         return
     if target.is_symlink() or not target.is_dir():
         raise InvalidInput(f"{target} is in the way and is not a folder; choose another name")
     if not force:
         raise InvalidInput(f"{target} exists; choose another folder, or replace it with force=True")
-    if not (is_result_folder(target) or not any(target.iterdir())):
+    sweep(target)
+    names = [path.name for path in target.iterdir() if not path.name.endswith(SUFFIX)]
+    if names and MANIFEST not in names and not is_result_folder(target):
         raise InvalidInput(
             f"{target} holds no design.json of metafem, so it is not replaced; choose another folder"
         )
-
-
-def is_result_folder(folder: Path) -> bool:
-    """Whether the folder holds a design.json of ours."""
-    try:
-        record = read_record(folder / "design.json")
-    except InvalidInput:
-        return False
-    return isinstance(record, dict) and record.get("format") == FORMAT
-
-
-def _swap(fresh: Path, target: Path, old: Path) -> None:
-    """Put the fresh folder in the target's place; where that fails, the old one stays."""
-    try:
-        if target.exists():
-            target.rename(old)
-        try:
-            fresh.rename(target)
-        except OSError:
-            if old.exists():
-                old.rename(target)
-            raise
-    except OSError as error:
-        raise InvalidInput(f"{target} cannot be written: {error.strerror}; choose another folder") from None
-    shutil.rmtree(old, ignore_errors=True)
+    before = written(target)
+    in_the_way = []
+    for name in {*before, *expected} & set(names):
+        content = expected.get(name)
+        hashes = before.get(name, frozenset())
+        if content is not None:
+            hashes |= {hashlib.sha256(content).hexdigest()}
+        if not unchanged(target / name, hashes):
+            in_the_way.append(name)
+    refuse_foreign(target, in_the_way, before)

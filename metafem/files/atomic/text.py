@@ -3,42 +3,94 @@
 from __future__ import annotations
 
 import os
-import secrets
 from collections.abc import Callable
-from contextlib import suppress
 from pathlib import Path
 
 from metafem.errors import InvalidInput
+from metafem.files.atomic.claim import SUFFIX, claimed, reason
+from metafem.files.atomic.manifest import MANIFEST, Hashes, digest, manifest_text, unchanged, written
+from metafem.files.atomic.replacement import NEW, refuse_foreign, replace_files
 
 
-def write_text(path: str | Path, text: str, *, force: bool = False) -> None:
-    """Write a text in UTF-8; an existing file is refused unless `force` is true.
+def write_text(
+    path: str | Path,
+    text: str,
+    *,
+    force: bool = False,
+    ours: Callable[[bytes], bool] = lambda _: True,
+    still: Callable[[], None] = lambda: None,
+) -> None:
+    """Write a text in UTF-8; an existing file is refused unless `force` is true; as `write_file`."""
+    write_file(
+        path, lambda fresh: fresh.write_bytes(text.encode("utf-8")), force=force, ours=ours, still=still
+    )
+
+
+def write_file(
+    path: str | Path,
+    write: Callable[[Path], object],
+    *,
+    force: bool = False,
+    ours: Callable[[bytes], bool] = lambda _: True,
+    still: Callable[[], None] = lambda: None,
+) -> None:
+    """Let `write` fill a new file, which then takes its place.
+
+    Parameters
+    ----------
+    path : str or Path
+        In a result folder the file is added to what metafem wrote there.
+    write : callable
+        Is given the path to write to.
+    force : bool
+        Replace an existing file: in a result folder one that metafem wrote and nobody changed, elsewhere
+        one whose content `ours` accepts.
+    ours : callable
+        Whether metafem wrote this content; outside a result folder alone.
+    still : callable
+        Raises an error if what was written holds no more; called before the file takes its place.
 
     Raises
     ------
     InvalidInput
         If the file exists or cannot be written; nothing is left behind.
     """
-    write_file(path, lambda fresh: fresh.write_bytes(text.encode("utf-8")), force=force)
-
-
-def write_file(path: str | Path, write: Callable[[Path], object], *, force: bool = False) -> None:
-    """Let `write` fill a new file, which then takes its place; as `write_text`."""
     target = Path(path).absolute()
-    fresh = target.with_name(f".{target.name}.{secrets.token_hex(4)}.new")
+    refuse_existing(target, force, ours)
     try:
-        refuse_existing(target, force)
-        write(fresh)
-        os.replace(fresh, target)
+        with claimed(target.parent / SUFFIX, target) as work:
+            write(work / NEW / target.name)
+            still()
+            refuse_existing(target, force, ours)
+            before = _before(target, ours)
+            if (manifest := target.with_name(MANIFEST)).is_file():
+                fresh = {target.name: frozenset({digest(work / NEW / target.name)})}
+                (work / NEW / MANIFEST).write_text(manifest_text({**before, **fresh}), encoding="utf-8")
+                before = {**before, MANIFEST: frozenset({digest(manifest)})}
+            replace_files(work, target.parent, before)
     except OSError as error:
-        raise InvalidInput(f"{target} cannot be written: {error.strerror or error}") from None
-    finally:
-        with suppress(OSError):  # it is not there any more, or never was
-            fresh.unlink()
+        raise InvalidInput(f"{target} cannot be written: {reason(error)}") from None
 
 
-def refuse_existing(path: str | Path, force: bool) -> None:
-    """Raise InvalidInput if the file exists: worth knowing before a long run."""
+def refuse_existing(path: str | Path, force: bool, ours: Callable[[bytes], bool] = lambda _: True) -> None:
+    """Raise InvalidInput if `write_file` would refuse the file: worth knowing before a long run."""
     target = Path(path).absolute()
-    if target.exists() and not force:
+    if not os.path.lexists(target):
+        return
+    if not force:
         raise InvalidInput(f"{target} exists; choose another name, or replace it with force=True")
+    if target.is_symlink() or not target.is_file():
+        kind = "a link" if target.is_symlink() else "a folder" if target.is_dir() else "no regular file"
+        raise InvalidInput(f"{target} cannot be written: it is {kind}; choose another name")
+    before = _before(target, ours)
+    if not unchanged(target, before.get(target.name, frozenset())):
+        refuse_foreign(target.parent, [target.name], before)
+
+
+def _before(target: Path, ours: Callable[[bytes], bool]) -> Hashes:
+    """Return what metafem wrote beside the target; outside a result folder the target alone is known."""
+    if target.with_name(MANIFEST).is_file():
+        return written(target.parent)
+    if target.is_file() and ours(target.read_bytes()):
+        return {target.name: frozenset({digest(target)})}
+    return {}

@@ -1,7 +1,15 @@
+import contextlib
+import os
+from pathlib import Path
+
 import pytest
 
 import metafem as mf
-from metafem.files.atomic.staged import FORMAT, check_free, staged
+from metafem.files.atomic import claim
+from metafem.files.atomic.claim import restore
+from metafem.files.atomic.manifest import FORMAT, MANIFEST
+from metafem.files.atomic.replacement import undo
+from metafem.files.atomic.staged import check_free, staged
 
 OURS = f'{{"format": "{FORMAT}"}}'
 
@@ -40,7 +48,7 @@ def test_force_replaces_an_empty_or_a_result_folder(tmp_path, content):
         (target / "design.json").write_text(content)
     with staged(target, force=True) as fresh:
         (fresh / "new.txt").write_text("new")
-    assert [path.name for path in target.iterdir()] == ["new.txt"]
+    assert sorted(path.name for path in target.iterdir()) == [MANIFEST, "new.txt"]
     assert list(tmp_path.iterdir()) == [target]
 
 
@@ -96,3 +104,250 @@ def test_an_existing_folder_is_refused_in_the_words_of_its_own_error(tmp_path):
         check_free(tmp_path / "mine")
     with pytest.raises(mf.InvalidInput, match="is not a path"):
         check_free("a\0b")
+
+
+def put(target, force=False, **texts):
+    """Write texts into a folder under the names NAME.txt."""
+    with staged(target, force) as fresh:
+        for name, text in texts.items():
+            (fresh / f"{name}.txt").write_text(text)
+
+
+def texts(folder):
+    """What a person sees in a folder, hidden files aside."""
+    return {path.stem: path.read_text() for path in folder.iterdir() if not path.name.startswith(".")}
+
+
+@pytest.mark.parametrize("force", [False, True])
+@pytest.mark.parametrize("content", [None, "theirs"])
+def test_a_folder_made_in_the_meantime_stays(tmp_path, content, force):
+    target = tmp_path / "out"
+
+    def somebody(fresh):
+        (fresh / "a.txt").write_text("a")
+        target.mkdir()
+        if content:
+            (target / "a.txt").write_text(content)
+
+    with pytest.raises(mf.InvalidInput, match="made by somebody else"), staged(target, force) as fresh:
+        somebody(fresh)
+    assert texts(target) == ({"a": content} if content else {})
+    assert list(tmp_path.iterdir()) == [target]
+
+
+def test_force_keeps_what_others_wrote(tmp_path):
+    target = tmp_path / "out"
+    put(target, a="1", stale="1")
+    (target / "notes.txt").write_text("mine")
+    (target / "photos").mkdir()
+    put(target, True, a="2", b="2")
+    (target / "photos").rmdir()
+    assert texts(target) == {"a": "2", "b": "2", "notes": "mine"}
+    assert list(tmp_path.iterdir()) == [target]
+
+
+@pytest.mark.parametrize("change", ["changed", "link"])
+def test_a_changed_file_is_refused_before_the_work(tmp_path, change):
+    target = tmp_path / "out"
+    put(target, a="1", b="1")
+    if change == "link":
+        (target / "b.txt").rename(tmp_path / "b.txt")
+        (target / "b.txt").symlink_to(tmp_path / "b.txt")
+    else:
+        (target / "b.txt").write_text("1, and a remark")
+    before = texts(target)
+    with (
+        pytest.raises(mf.InvalidInput, match=r"b\.txt was changed since metafem wrote it"),
+        staged(target, True),
+    ):
+        pytest.fail("the body ran")
+    assert texts(target) == before
+
+
+def test_a_changed_file_that_would_be_written_as_it_is_now_is_no_obstacle(tmp_path):
+    target = tmp_path / "out"
+    put(target, a="1")
+    (target / "a.txt").write_text("2")
+    with staged(target, True, {"a.txt": b"2"}) as fresh:
+        (fresh / "a.txt").write_text("2")
+    put(target, True, a="3")
+    assert texts(target) == {"a": "3"}
+
+
+def test_a_foreign_file_of_a_name_to_come_is_refused_before_the_work(tmp_path):
+    target = tmp_path / "out"
+    put(target, a="1")
+    (target / "b.txt").write_text("mine")
+    with (
+        pytest.raises(mf.InvalidInput, match=r"b\.txt was not written by metafem"),
+        staged(target, True, {"b.txt": None}),
+    ):
+        pytest.fail("the body ran")
+
+
+@pytest.mark.parametrize("name", ["a", "new"])
+def test_a_file_changed_or_made_during_the_work_stays_and_so_do_all(tmp_path, name):
+    target = tmp_path / "out"
+    put(target, a="1", b="1")
+
+    def somebody(fresh):
+        for each in ("a", "b", "new"):
+            (fresh / f"{each}.txt").write_text("2")
+        (target / f"{name}.txt").write_text("theirs")
+
+    with pytest.raises(mf.InvalidInput, match=f"{name}.txt was"), staged(target, True) as fresh:
+        somebody(fresh)
+    assert texts(target) == {"a": "1", "b": "1", name: "theirs"}
+    put(tmp_path / "other", a="1")
+    assert not [path for path in target.iterdir() if path.is_dir()]
+
+
+@pytest.mark.parametrize("exists", [False, True])
+def test_the_second_writer_is_told_who_is_the_first(tmp_path, exists):
+    target = tmp_path / "out"
+    if exists:
+        put(target, a="0")
+    with staged(target, exists) as fresh:
+        (fresh / "a.txt").write_text("1")
+        with pytest.raises(mf.InvalidInput, match=rf"being written by another run .*process {os.getpid()} "):
+            put(target, exists, a="2")
+    assert texts(target) == {"a": "1"}
+
+
+class Killed(BaseException):
+    """Stands for the end of the process."""
+
+
+@pytest.fixture
+def killed(monkeypatch):
+    """Let a process end at its n-th change of a file's name: the system frees its lock, nothing is tidied."""
+
+    def after(n, error=Killed):
+        count = iter(range(n))
+
+        def counted(change):
+            def call(*arguments, **options):
+                if next(count, None) is None:
+                    raise error
+                return change(*arguments, **options)
+
+            return call
+
+        if error is Killed:
+            monkeypatch.setattr(claim, "_released", lambda _, held: os.close(held))
+        for owner, name in ((os, "link"), (Path, "replace"), (Path, "unlink"), (Path, "rename")):
+            monkeypatch.setattr(owner, name, counted(getattr(owner, name)))
+
+    return after
+
+
+def everything(folder):
+    return {str(path.relative_to(folder)): path.is_dir() or path.read_bytes() for path in folder.rglob("*")}
+
+
+def test_a_killed_run_leaves_the_old_files_or_the_new_and_the_next_run_nothing_else(
+    tmp_path, killed, monkeypatch
+):
+    ends = []
+    for n in range(40):
+        target = tmp_path / f"{n}" / "out"
+        target.parent.mkdir()
+        put(target, a="1", same="s", stale="1")
+        (target / "notes.txt").write_text("mine")
+        before = everything(target)
+        killed(n)
+        with contextlib.suppress(Killed):
+            put(target, True, a="2", same="s", b="2")
+            ends.append("finished")
+        monkeypatch.undo()
+        for m in range(20):  # the run that restores may be killed, too
+            killed(m)
+            with contextlib.suppress(Killed):
+                undo(target / claim.SUFFIX, target)
+            monkeypatch.undo()
+        restore(target)
+        if ends:
+            assert texts(target) == {"a": "2", "b": "2", "same": "s", "notes": "mine"}
+            break
+        assert everything(target) == before
+        put(target, True, a="3")
+        assert everything(target.parent).keys() == {"out", "out/notes.txt", "out/a.txt", f"out/{MANIFEST}"}
+    assert n > 10
+
+
+def test_a_run_killed_while_it_made_a_folder_leaves_nothing_after_the_next(tmp_path, killed, monkeypatch):
+    for n in range(40):
+        killed(n)
+        finished = False
+        with contextlib.suppress(Killed):
+            put(tmp_path / "out", a="1")
+            finished = True
+        monkeypatch.undo()
+        put(tmp_path / f"next{n}", b="1")
+        assert {path.name for path in tmp_path.iterdir()} - {f"next{i}" for i in range(40)} <= {"out"}
+        if finished:
+            break
+    assert texts(tmp_path / "out") == {"a": "1"}
+
+
+def test_an_error_while_files_are_replaced_leaves_the_old_ones(tmp_path, killed, monkeypatch):
+    target = tmp_path / "out"
+    put(target, a="1", b="1", stale="1")
+    before = everything(target)
+    for n in range(40):
+        killed(n, PermissionError(13, "Permission denied"))
+        told = ""
+        try:
+            put(target, True, a="2", b="2", c="2")
+        except mf.InvalidInput as error:
+            told = str(error)
+        monkeypatch.undo()
+        if not told:
+            break
+        assert f"{target} cannot be written: Permission denied" in told
+        restore(target)
+        assert everything(target) == before
+    assert texts(target) == {"a": "2", "b": "2", "c": "2"}
+
+
+def test_what_a_person_changed_after_a_killed_run_stays(tmp_path, killed, monkeypatch):
+    target = tmp_path / "out"
+    for n in range(40):
+        put(target, True, a="1", b="1")
+        killed(n)
+        finished = False
+        with contextlib.suppress(Killed):
+            put(target, True, a="2", b="2")
+            finished = True
+        monkeypatch.undo()
+        if finished:
+            break
+        (target / "a.txt").write_text("mine")
+        restore(target)
+        assert texts(target) == {"a": "mine", "b": "1"}
+        (target / "a.txt").unlink()
+
+
+def test_the_folder_of_a_living_run_is_not_swept(tmp_path):
+    with staged(tmp_path / "first") as fresh:
+        (fresh / "a.txt").write_text("1")
+        put(tmp_path / "second", a="2")
+        assert (fresh / "a.txt").read_text() == "1"
+    assert {path.name for path in tmp_path.iterdir()} == {"first", "second"}
+
+
+def test_a_folder_that_cannot_be_made_is_told(tmp_path, monkeypatch):
+    def refuse(path, *_):
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(Path, "mkdir", refuse)
+    with pytest.raises(mf.InvalidInput, match="out cannot be written: Permission denied"):
+        put(tmp_path / "out")
+
+
+def test_a_link_in_the_place_of_the_working_folder_is_refused(tmp_path):
+    (tmp_path / "theirs" / "new").mkdir(parents=True)
+    (tmp_path / ".out.metafem-writing").symlink_to(tmp_path / "theirs")
+    with pytest.raises(mf.InvalidInput, match="is a link"):
+        put(tmp_path / "out")
+    assert (tmp_path / "theirs" / "new").exists()

@@ -1,0 +1,105 @@
+"""Several files of a folder replaced as one, or not at all.
+
+No system call replaces a set of files at once. Two renames of whole folders leave a moment without the
+old one, and carry away what others keep in it. Here the old files stay in their folder until each is
+replaced, by one rename. Hard links to them and a journal, which is written before the first rename and
+removed after the last, undo a replacement that an error, a signal or the end of the process cut short:
+at once, or on the next run. Only a folder that nobody opens after such an end shows files of both.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+from collections.abc import Collection, Mapping
+from pathlib import Path
+
+from metafem.errors import InvalidInput
+from metafem.files.atomic.manifest import Hashes, digest, unchanged
+
+NEW, OLD, JOURNAL, UNFINISHED = "new", "old", "journal.json", "journal.part"
+
+
+def replace_files(work: Path, folder: Path, ours: Hashes, stale: Collection[str] = ()) -> None:
+    """Move the files of `work`/new into the folder, and remove those of the stale that are not among them.
+
+    Only files that still have a hash in `ours` are replaced or removed.
+
+    Raises
+    ------
+    InvalidInput
+        If a file has the name of a new one and is not ours; the folder is as it was.
+    """
+    fresh = {path.name: digest(path) for path in sorted((work / NEW).iterdir())}
+    known = {name: ours.get(name, frozenset()) | {fresh.get(name, "")} for name in {*fresh, *stale}}
+    there = {name for name in known if os.path.lexists(folder / name)}
+    mine = {name for name in there if unchanged(folder / name, known[name])}
+    refuse_foreign(folder, sorted((there - mine) & set(fresh)), ours)
+    (work / OLD).mkdir()
+    for name in sorted(mine):
+        _link(folder / name, work / OLD / name)
+    if mine:  # the old files go only when the new ones are on the disk
+        for name in fresh:
+            _flush(work / NEW / name)
+    added = {name: fresh[name] for name in set(fresh) - there}
+    journal = {"added": added, "ours": {name: sorted(known[name]) for name in mine}}
+    (work / UNFINISHED).write_text(json.dumps(journal), encoding="utf-8")
+    (work / UNFINISHED).replace(work / JOURNAL)
+    for name in mine - set(fresh):
+        (folder / name).unlink()
+    for name in fresh:
+        if name in mine:
+            (work / NEW / name).replace(folder / name)
+        else:  # fails where somebody made such a file meanwhile
+            _link(work / NEW / name, folder / name)
+    (work / JOURNAL).unlink()
+
+
+def undo(work: Path, folder: Path) -> None:
+    """Undo a replacement that was cut short; what others changed since then stays."""
+    try:
+        journal = json.loads((work / JOURNAL).read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        return
+    for name, each in journal["added"].items():
+        path = folder / Path(name).name
+        if unchanged(path, frozenset({each})):
+            path.unlink()
+    for path in sorted((work / OLD).iterdir()):
+        there = folder / path.name
+        if not os.path.lexists(there) or unchanged(there, frozenset(journal["ours"][path.name])):
+            path.replace(there)
+    (work / JOURNAL).unlink()
+
+
+def refuse_foreign(folder: Path, names: Collection[str], ours: Mapping[str, object]) -> None:
+    """Raise InvalidInput if there are names of files that are in the way and not metafem's."""
+    if not names:
+        return
+    facts = {
+        name: "was changed since metafem wrote it" if name in ours else "was not written by metafem"
+        for name in sorted(names)
+    }
+    raise InvalidInput(
+        "\n".join(
+            f"{folder / name} {fact}, so it is not replaced; rename it, or choose another name"
+            for name, fact in facts.items()
+        )
+    )
+
+
+def _link(source: Path, goal: Path) -> None:
+    """Give a file a second name, which must be new; a copy where the disk knows no links."""
+    try:
+        os.link(source, goal)
+    except FileExistsError:
+        raise
+    except OSError:
+        with source.open("rb") as old, goal.open("xb") as new:
+            shutil.copyfileobj(old, new)
+
+
+def _flush(path: Path) -> None:
+    with path.open("rb+") as file:
+        os.fsync(file.fileno())

@@ -1,0 +1,53 @@
+"""Commands that are stopped, and what others wrote."""
+
+import signal
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from metafem import cli
+from metafem.cli.signals import stopped_by_signals
+from metafem.files import Specification, demo_text
+
+
+@pytest.fixture
+def run(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("small.toml").write_text(demo_text("linear"), "utf-8")
+    return lambda *arguments: CliRunner().invoke(cli.main, arguments)
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_a_stopped_design_leaves_nothing(run, monkeypatch, number, code):
+    monkeypatch.setattr(Specification, "design", lambda *_: signal.raise_signal(number))
+    before = [signal.getsignal(each) for each in (signal.SIGINT, signal.SIGTERM)]
+    assert run("design", "small.toml", "-o", "out").exit_code == code
+    assert [path.name for path in Path().iterdir()] == ["small.toml"]
+    assert [signal.getsignal(each) for each in (signal.SIGINT, signal.SIGTERM)] == before
+
+
+def test_a_signal_that_is_ignored_stays_so():
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        with stopped_by_signals():
+            signal.raise_signal(signal.SIGINT)
+        assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def test_what_a_person_wrote_is_never_replaced(run):
+    assert run("design", "small.toml", "-o", "out").exit_code == 0
+    assert run("predict", "out", "-o", "law.csv").exit_code == 0
+    assert run("predict", "out", "-o", "law.csv", "--force").exit_code == 0
+    for name, command in (
+        ("law.csv", ("predict", "out", "-o", "law.csv", "--force")),
+        ("out/report.html", ("report", "out")),
+        ("out/interaction.nc", ("study", "interaction", "out", "--force")),
+        ("out/mould.csv", ("design", "small.toml", "-o", "out", "--force")),
+    ):
+        Path(name).write_text("mine")
+        result = run(*command)
+        assert (result.exit_code, "so it is not replaced" in result.output) == (2, True), result.output
+        assert Path(name).read_text() == "mine"
