@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 from typing import Any
 
 import click
 
 from metafem.cli.signals import stopped_by_signals
+from metafem.cli.output import printing, show_error
 from metafem.errors import InvalidInput, MetafemError
 
 DEMOS = ("operating-points", "linear", "bilinear")
@@ -19,14 +21,22 @@ MODELS = ("independent", "mean-field", "half-space", "layer", "block", "resolved
 NOT_ACHIEVED, BAD_INPUT = 1, 2
 
 
-class BadInput(click.ClickException):
-    """Input that cannot be used, on its way to the terminal."""
+class Ended(click.ClickException):
+    """An error of the package on its way to the terminal, with the name of its kind."""
+
+    def __init__(self, kind: str, message: str) -> None:
+        super().__init__(message)
+        self.kind = kind
+
+
+class BadInput(Ended):
+    """Input that cannot be used."""
 
     exit_code = BAD_INPUT
 
 
-class NotAchieved(click.ClickException):
-    """A target that cannot be reached, on its way to the terminal."""
+class NotAchieved(Ended):
+    """A target that cannot be reached."""
 
     exit_code = NOT_ACHIEVED
 
@@ -34,10 +44,17 @@ class NotAchieved(click.ClickException):
 class Commands(click.Group):
     """A group whose commands end in a message and an exit code instead of a traceback."""
 
-    def main(self, *args: Any, **extra: Any) -> Any:
-        """Parse the arguments and run the command."""
-        with stopped_by_signals():
-            return super().main(*args, **extra)
+    def main(self, args: Any = None, *rest: Any, **extra: Any) -> Any:
+        """Parse the arguments and run the command; with --json errors are JSON too."""
+        given = sys.argv[1:] if args is None else args
+        extra["standalone_mode"] = False  # how the program ends is decided here
+        with stopped_by_signals(), printing():
+            try:
+                code = super().main(args, *rest, **extra)
+            except click.ClickException as error:
+                show_error(error, "--json" in given)
+                code = error.exit_code
+            sys.exit(code if isinstance(code, int) else 0)
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run the command."""
@@ -45,9 +62,14 @@ class Commands(click.Group):
             return super().invoke(ctx)
         except InvalidInput as error:
             # errors name the argument of Python's functions
-            raise BadInput(str(error).replace("force=True", "--force")) from None
+            message = str(error).replace("force=True", "--force")
+            raise BadInput("InvalidInput", message) from None
         except MetafemError as error:
-            raise NotAchieved(str(error)) from None
+            raise NotAchieved(type(error).__name__, str(error)) from None
+        except OSError as error:
+            if error.filename is None:  # that of what is printed has no name
+                raise
+            raise BadInput("InvalidInput", f"{error.filename!s:.300}: {error.strerror}") from None
 
 
 def model_option(command: Callable[..., Any]) -> Callable[..., Any]:
@@ -58,7 +80,12 @@ def model_option(command: Callable[..., Any]) -> Callable[..., Any]:
     )
 
 
-json_option = click.option("--json", "as_json", is_flag=True, help="Print data alone, as JSON.")
+json_option = click.option(
+    "--json",
+    "as_json",
+    is_flag=True,
+    help="Print data alone, as JSON; errors too, as an object error with type and message.",
+)
 force_option = click.option("--force", is_flag=True, help="Overwrite what is there.")
 
 

@@ -51,13 +51,16 @@ def predict(
     (--thickness) or block (--thickness, --width and --length).
     """
     import metafem as mf
+    from metafem._given import printable, speaking
     from metafem.files import (
         is_law_table,
         law_table,
         model_named,
+        option_words,
         quantity,
         read_surface,
         refuse_existing,
+        refuse_missing_block,
         write_text,
     )
 
@@ -73,21 +76,26 @@ def predict(
         surface, used = stored.surface, stored.law.model
     else:
         if not source.exists():
-            raise InvalidInput(f"{source}: no such file or folder")
+            raise InvalidInput(f"{printable(str(source))}: no such file or folder")
         if composite_modulus is None:
             raise InvalidInput(
                 f'a table of heights such as {source} needs --composite-modulus, for example "1.36 MPa"'
             )
         modulus = quantity("--composite-modulus", composite_modulus, "MPa")
         common = None if radius is None else quantity("--radius", radius, "mm")
-        surface = read_surface(source, mf.Material(modulus), common, block=_block(given, model))
+        options = {**sizes, "composite_modulus": composite_modulus, "radius": radius}
+        with speaking(option_words(options)):
+            material, block = mf.Material(modulus), _block(given, model)
+        surface = read_surface(source, material, common, block=block)
         used = mf.Independent()
     if output is not None:
         refuse_existing(output, force, is_law_table)
     newtons = [quantity("--load", text, "N") for text in load]
     chosen = model_named(model) if model else used
-    if model == "layer" and surface.block is None:
+    if model == "layer" and "thickness" in given and surface.block is None:
         chosen = mf.Interacting(substrate=mf.BondedLayer(given["thickness"]))
+    remedy = "a folder without one has none to offer; design it anew with a section [block]"
+    refuse_missing_block(chosen, surface, remedy)
     with progress(), doing("predicting the law"):
         law = mf.friction_law(surface, chosen, load=newtons or None)
     if output is not None:

@@ -6,10 +6,10 @@ from metafem.files.demo import demo_text
 from metafem.files.folder import load, result_folder, same_design, save, stored_hardness, write_all
 from metafem.files.manual import all_keys, manual
 from metafem.files.model_names import MODELS, model_named
-from metafem.files.spec import Specification, read_spec
+from metafem.files.spec import Specification, read_spec, refuse_missing_block
 from metafem.files.study import study_data, study_path, write_study
 from metafem.files.tables import is_law_table, law_table, read_heights, read_surface
-from metafem.files.units import quantity
+from metafem.files.units import option_words, quantity
 
 __all__ = [
     "MODELS",
@@ -22,6 +22,7 @@ __all__ = [
     "load",
     "manual",
     "model_named",
+    "option_words",
     "quantity",
     "read_heights",
     "read_spec",
@@ -29,6 +30,7 @@ __all__ = [
     "refuse_existing",
     "result_folder",
     "same_design",
+    "refuse_missing_block",
     "save",
     "stored_hardness",
     "study_data",

@@ -87,7 +87,8 @@ class Specification:
     def design(self, model: Model | None = None) -> Design:
         """Design what the file asks for, under its model unless another is given."""
         chosen = self.model if model is None else model
-        self._refuse_missing_block(chosen)
+        remedy = "add [block] with width, length and thickness"
+        refuse_missing_block(chosen, self.template, remedy)
         if self.radii is None:
             return design(self.target, self.template, chosen, self.limits, self.seed, layout=self.layout)
         search = SEARCHES[self.mixed]
@@ -95,18 +96,18 @@ class Specification:
             self.target, self.template, self.radii, chosen, self.limits, self.seed, layout=self.layout
         )
 
-    def _refuse_missing_block(self, model: Model) -> None:
-        """Say in the words of the file that a model needs a block: the model's own speak of arguments."""
-        substrate = getattr(model, "substrate", None)
-        if self.template.block is not None or not isinstance(substrate, Substrate):
-            return
-        try:
-            substrate.for_surface(self.template)
-        except InvalidInput:
-            raise InvalidInput(
-                f"the model on {type(substrate).__name__} needs the block's sizes: add [block] with width, "
-                "length and thickness"
-            ) from None
+
+def refuse_missing_block(model: Model, surface: Surface, remedy: str) -> None:
+    """Say in the user's words that a model needs a block: the model's own speak of Python's arguments."""
+    substrate = getattr(model, "substrate", None)
+    if surface.block is not None or not isinstance(substrate, Substrate):
+        return
+    try:
+        substrate.for_surface(surface)
+    except InvalidInput:
+        raise InvalidInput(
+            f"the model on {type(substrate).__name__} needs the block's sizes: {remedy}"
+        ) from None
 
 
 def read_spec(path: str | Path) -> Specification:

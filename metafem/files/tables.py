@@ -157,7 +157,7 @@ def _read(path: str | Path, radius: float | None) -> _Summits:
     words = Words(
         file=table.name,
         lines=tuple(line for line, _ in entries),
-        names={**titles, "position": f"{titles['x']}, {titles['y']}"},
+        names={"radius": "--radius", **titles, "position": f"{titles['x']}, {titles['y']}"},
         units={name: ("", float(size)) for name, (_, size) in found.items()},
     )
     return _Summits(values, words.lines, words)

@@ -9,7 +9,7 @@ from fractions import Fraction
 from functools import cache
 from typing import Any
 
-from metafem._given import printable, shown
+from metafem._given import Words, printable, shown
 from metafem.errors import InvalidInput
 
 # A decimal number, then a product of units with exponents of one digit. Nothing else reaches pint,
@@ -90,6 +90,13 @@ def decimal(text: str) -> Fraction:
     if not re.fullmatch(_NUMBER, text, re.ASCII):
         raise ValueError(text)
     return Fraction(text)
+
+
+def option_words(options: Mapping[str, str | None]) -> Words:
+    """Return how errors call what the options of a command gave, and in which units."""
+    given = {name: text for name, text in options.items() if text is not None}
+    names = {name: f"--{name.replace('_', '-')}" for name in given}
+    return Words(section="option", units=written_units({"option": given}), names=names)
 
 
 def written_units(table: Mapping[str, Any]) -> dict[str, tuple[str, float]]:

@@ -1,0 +1,85 @@
+"""What a command prints, on terminals that lack characters and into files that take no more."""
+
+from __future__ import annotations
+
+import codecs
+import errno
+import json
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+
+import click
+
+# What stands for a character that the terminal cannot show; for others a question mark.
+PLAIN = {
+    "λ": "lambda",
+    "σ": "sigma",
+    "ν": "nu",
+    "µ": "u",
+    "μ": "mu",
+    "δ": "delta",
+    "π": "pi",
+    "²": "^2",
+    "³": "^3",
+    "°": " deg",
+    "·": "*",
+    "×": "x",
+    "±": "+-",
+    "≤": "<=",
+    "≥": ">=",
+    "–": "-",
+    "—": "-",
+    "−": "-",
+    "…": "...",
+    "→": "->",
+    "’": "'",
+    "“": '"',
+    "”": '"',
+    "√": "sqrt",
+}
+
+
+def plainly(error: UnicodeError) -> tuple[str, int]:
+    """Return what is printed for characters that an encoding lacks, as an error handler of `codecs`."""
+    if not isinstance(error, UnicodeEncodeError):
+        raise error
+    return "".join(PLAIN.get(c, "?") for c in error.object[error.start : error.end]), error.end
+
+
+@contextmanager
+def printing() -> Iterator[None]:
+    """Let every text be printed within the body, and end with a message where the output takes no more."""
+    codecs.register_error("metafem.plainly", plainly)
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="metafem.plainly")
+    try:
+        try:
+            yield
+        finally:
+            if sys.stdout is not None:
+                sys.stdout.flush()
+    except OSError as error:
+        _abandon_output()
+        if error.errno == errno.EPIPE:  # whoever read it has seen enough
+            sys.exit(1)
+        with suppress(OSError):
+            click.echo(f"Error: the output cannot be written: {error.strerror}", err=True)
+        sys.exit(2)
+
+
+def _abandon_output() -> None:
+    """Let what is still to be flushed go nowhere, or Python would complain at its end."""
+    with suppress(OSError, ValueError, AttributeError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def show_error(error: click.ClickException, as_json: bool) -> None:
+    """Print an error: for people on stderr, or as JSON on stdout, where the data would be."""
+    if as_json:
+        kind = getattr(error, "kind", "Usage")
+        click.echo(json.dumps({"error": {"type": kind, "message": error.format_message()}}))
+    else:
+        error.show()
