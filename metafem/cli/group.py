@@ -8,8 +8,8 @@ from typing import Any
 
 import click
 
-from metafem.cli.signals import stopped_by_signals
 from metafem.cli.output import printing, show_error
+from metafem.cli.signals import stopped_by_signals
 from metafem.errors import InvalidInput, MetafemError
 
 DEMOS = ("operating-points", "linear", "bilinear")
