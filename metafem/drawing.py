@@ -133,6 +133,23 @@ def circles(
     return dots
 
 
+def grids(ax: Axes, corner: FloatArray, cell: float, values: list[FloatArray], label: str) -> None:
+    """Draw values on rectangles of square cells, where they are not 0.
+
+    Centres of the first cells (m, 2) [mm], the cells' side [mm], and one array a rectangle, x along its
+    first axis.
+    """
+    highest = max((float(value.max()) for value in values), default=0.0)
+    for (x, y), value in zip(corner - 0.5 * cell, values, strict=True):
+        rows, columns = value.shape
+        image = ax.imshow(
+            np.ma.masked_equal(value.T, 0.0), origin="lower", vmin=0.0, vmax=highest, cmap="viridis",
+            extent=(x, x + rows * cell, y, y + columns * cell),
+        )  # fmt: skip
+    if values:
+        ax.figure.colorbar(image, ax=ax, label=label, shrink=0.85)
+
+
 def outline(ax: Axes, width: float, length: float) -> None:
     """Draw the edges [mm] of a block about the origin, seen from above."""
     from matplotlib.patches import Rectangle

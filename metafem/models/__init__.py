@@ -2,6 +2,7 @@
 
 from metafem.models.automatic import Automatic
 from metafem.models.boundary_elements import BoundaryElements
+from metafem.models.contact_field import ContactField
 from metafem.models.equilibrium import equilibrium
 from metafem.models.independent import Independent
 from metafem.models.interacting import Interacting
@@ -11,6 +12,7 @@ from metafem.models.model import ContactState, Curve, Model, Sensitive, Sensitiv
 __all__ = [
     "Automatic",
     "BoundaryElements",
+    "ContactField",
     "ContactState",
     "Curve",
     "Independent",

@@ -12,6 +12,7 @@ from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.models import far_field
+from metafem.models.contact_field import ContactField
 from metafem.models.independent import range_notes
 from metafem.models.interacting import Interacting
 from metafem.models.model import ContactState, Curve, Status
@@ -21,6 +22,9 @@ from metafem.notes import Note, information
 from metafem.progress import each
 from metafem.substrate import HalfSpace, Radial
 from metafem.surface import Surface
+
+# The patches of a surface without contact.
+NONE = np.zeros((0, 2))
 
 
 @dataclass(frozen=True)
@@ -101,7 +105,7 @@ class BoundaryElements:
         states, last = [], None
         for value in each("resolved contacts: load", load[light:].tolist()):
             state, last = self._under(scene, value, last)
-            states.append(state)
+            states.append(replace(state, _field=None))  # a curve keeps no pressures
         return self._joined(surface, load[:light], self.gradient_model.curve, states)
 
     def curve_at(self, surface: Surface, approach: FloatArray) -> Curve:
@@ -111,7 +115,7 @@ class BoundaryElements:
         states, last = [], None
         for value in each("resolved contacts: load", approach[light:].tolist()):
             state, last = self._at(scene, value, last)
-            states.append(state)
+            states.append(replace(state, _field=None))  # a curve keeps no pressures
         return self._joined(surface, approach[:light], self.gradient_model.curve_at, states)
 
     def _joined(
@@ -165,6 +169,7 @@ class BoundaryElements:
             status=Status.CONVERGED,
             model=self,
             notes=range_notes(separation),
+            _field=ContactField(self.cell, NONE, NONE.astype(np.int64), *(NONE[:, 0] for _ in range(3))),
         )
 
     def _state(self, scene: Scene, solution: Solution) -> ContactState:
@@ -188,6 +193,7 @@ class BoundaryElements:
             status=Status.CONVERGED if converged else Status.NOT_CONVERGED,
             model=self,
             notes=_notes(scene, solution) + range_notes(separation),
+            _field=_field(scene, solution),
         )
 
 
@@ -195,6 +201,20 @@ def _unresolved(values: FloatArray, resolves: Callable[[float], bool]) -> int:
     """Return how many of increasing loads or approaches are too light to be resolved; 0 where all are."""
     light = next((k for k, value in enumerate(values.tolist()) if value > 0.0 and resolves(value)), 0)
     return light if (values[:light] > 0.0).any() else 0
+
+
+def _field(scene: Scene, solution: Solution) -> ContactField:
+    h, found = scene.cell, solution.minimum
+    undeformed = np.concatenate([p.gap.ravel() for p in solution.patches]) - found.multiplier
+    low, high = scene.surface.position.min(axis=0), scene.surface.position.max(axis=0)
+    return ContactField(
+        cell=h,
+        corner=low + 0.5 * (high - low) + h * np.array([p.corner for p in solution.patches]),
+        shape=np.array([p.shape for p in solution.patches]),
+        pressure=scene.surface.material.composite_modulus * found.pressure,
+        gap=h * found.gradient,
+        undeformed_gap=h * undeformed,
+    )
 
 
 def _curve(surface: Surface, states: list[ContactState]) -> Curve:

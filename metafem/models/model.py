@@ -10,6 +10,8 @@ import numpy as np
 
 from metafem._validate import FloatArray
 from metafem._values import Value
+from metafem.errors import InvalidInput
+from metafem.models.contact_field import ContactField
 from metafem.notes import Note, counted
 from metafem.surface import Surface
 
@@ -94,6 +96,9 @@ class ContactState(Value):
         The model that was solved.
     notes : tuple of Note
         What was skipped and by which bound, and where the model leaves its range.
+    field : ContactField
+        Pressure, gap and displacement on cells, of `BoundaryElements` alone; any other model raises
+        InvalidInput.
 
     Examples
     --------
@@ -117,6 +122,16 @@ class ContactState(Value):
     status: Status
     model: Model
     notes: tuple[Note, ...] = ()
+    _field: ContactField | None = None
+
+    @property
+    def field(self) -> ContactField:
+        """Pressure, gap and displacement on cells; raises InvalidInput for models without cells."""
+        if self._field is None:
+            raise InvalidInput(
+                f"{self.model!r} has no pressure field; solve with metafem.BoundaryElements(cell=...)"
+            )
+        return self._field
 
     def __repr__(self) -> str:
         closed = int((self.asperity_area > 0.0).sum())
