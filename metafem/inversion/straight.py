@@ -1,0 +1,377 @@
+"""Targets of straight branches: slopes, or friction coefficients, over loads."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from metafem import _validate as check
+from metafem._validate import FloatArray
+from metafem.errors import InvalidInput
+from metafem.inversion.wording import RESCALED, Wording
+from metafem.surface import Friction, Material
+
+__all__ = ["BilinearLaw", "LinearLaw", "MultilinearLaw"]
+
+LoadRange = tuple[float, float]
+
+
+@dataclass(frozen=True, init=False)
+class LinearLaw:
+    """A straight law: friction proportional to load but for an intercept, or without one over a range.
+
+    Parameters
+    ----------
+    slope : float
+        m, slope of rescaled friction over rescaled load [-], positive; ``mu = sigma B / E* m``.
+    load_range : (float, float), optional
+        P/E* [mm^2], positive and increasing, over which the line ``F = m P`` through the origin is
+        asked for within 1 %. Without it the heights are those of the exponential density whose law has
+        the slope at large loads, and an intercept of its own.
+
+    Examples
+    --------
+    >>> law = LinearLaw.from_friction_coefficient(1.5, Material(1.36), Friction(0.358, 0.85))
+    >>> round(law.slope, 3), law.friction_coefficient
+    (6.704, 1.5)
+    >>> LinearLaw(7.0, load_range=(0.05, 0.2)).title
+    'Friction proportional to load: slope 7 from 0.05 to 0.2 mm²'
+    """
+
+    slope: float
+    load_range: LoadRange | None = None
+    wording: Wording = field(default=RESCALED, compare=False, repr=False)
+
+    def __init__(
+        self, slope: float, load_range: ArrayLike | None = None, wording: Wording = RESCALED
+    ) -> None:
+        object.__setattr__(self, "slope", check.number("slope", slope, above=0.0))
+        ends = None if load_range is None else check.interval("load_range", load_range)
+        object.__setattr__(self, "load_range", ends)
+        object.__setattr__(self, "wording", _wording(wording))
+
+    @classmethod
+    def from_friction_coefficient(
+        cls,
+        friction_coefficient: float,
+        material: Material,
+        friction: Friction,
+        load_range: ArrayLike | None = None,
+    ) -> LinearLaw:
+        """Law of a friction coefficient mu [-] of a material pair, ``m = mu E* / (sigma B)``.
+
+        With a `load_range` of loads P [N], ``F = mu P`` between them. Titles and messages speak of
+        friction coefficients and newtons.
+        """
+        wording = Wording.of(material, friction)
+        (slope,) = _slopes("friction_coefficient", [friction_coefficient], wording)
+        return cls(slope, _loads("load_range", load_range, wording), wording)
+
+    @classmethod
+    def from_forces(
+        cls, load: ArrayLike, friction_force: ArrayLike, material: Material, friction: Friction
+    ) -> LinearLaw:
+        """Law with the least-squares slope through points P_i, F_i, (k >= 2,) [N]."""
+        wording = Wording.of(material, friction)
+        x, y = wording.rescaled(load, friction_force)
+        if len(x) < 2:
+            raise InvalidInput(f"load holds {len(x)} value; a slope needs at least 2 points")
+        return cls(float(np.polyfit(x, y, 1)[0]), wording=wording)
+
+    @property
+    def friction_coefficient(self) -> float | None:
+        """mu [-] of a law that was asked for by it, or by forces; else None."""
+        return None if self.wording.per_slope is None else self.wording.coefficient(self.slope)
+
+    @property
+    def title(self) -> str:
+        """What is asked for, in one line."""
+        words = self.wording.slopes(self.slope)
+        if self.load_range is None:
+            return f"Linear friction law of {words}"
+        return f"Friction proportional to load: {words} from {_title(self.wording.loads(*self.load_range))}"
+
+    @property
+    def last_load(self) -> float | None:
+        """Last rescaled load asked for [mm^2]; None where the inversion decides it."""
+        return None if self.load_range is None else self.load_range[1]
+
+    @property
+    def branches(self) -> tuple[tuple[float, LoadRange], ...]:
+        """Slope and load range of the line; none without a load range."""
+        return () if self.load_range is None else ((self.slope, self.load_range),)
+
+    def line(self, rescaled_load: FloatArray) -> FloatArray:
+        """Return the friction of the line at rescaled loads, (k,) [mm^2]."""
+        return np.asarray(self.slope * rescaled_load)
+
+
+@dataclass(frozen=True, init=False)
+class BilinearLaw:
+    """Two straight branches that meet at a crossover load.
+
+    Parameters
+    ----------
+    slopes : (float, float)
+        m_1 below and m_2 above the crossover [-], positive.
+    crossover_load : float
+        P_c/E* [mm^2], positive.
+    load_range : (float, float), optional
+        P/E* [mm^2], increasing, with the crossover inside, over which ``F = m_1 P``, and
+        ``m_1 P_c + m_2 (P - P_c)`` above the crossover, is asked for within 1 %. Without it the heights
+        are those of a density of two exponentials whose law has these slopes at large loads.
+
+    Examples
+    --------
+    >>> BilinearLaw((7.15, 12.52), 0.0380).slopes
+    (7.15, 12.52)
+    >>> BilinearLaw((6.0, 9.0), 0.08, load_range=(0.04, 0.2)).line(np.array([0.04, 0.1])).round(3)
+    array([0.24, 0.66])
+    """
+
+    slopes: tuple[float, float]
+    crossover_load: float
+    load_range: LoadRange | None = None
+    wording: Wording = field(default=RESCALED, compare=False, repr=False)
+
+    def __init__(
+        self,
+        slopes: ArrayLike,
+        crossover_load: float,
+        load_range: ArrayLike | None = None,
+        wording: Wording = RESCALED,
+    ) -> None:
+        values = check.array("slopes", slopes, shape=(2,))
+        pair = tuple(check.number(f"slopes[{i}]", value, above=0.0) for i, value in enumerate(values))
+        object.__setattr__(self, "slopes", pair)
+        load = check.number("crossover_load", crossover_load, above=0.0)
+        object.__setattr__(self, "crossover_load", load)
+        ends = None if load_range is None else check.interval("load_range", load_range)
+        object.__setattr__(self, "wording", _wording(wording))
+        if ends is not None and not ends[0] < load < ends[1]:
+            raise InvalidInput(
+                f"crossover_load = {wording.loads(load)} must lie inside load_range, from "
+                f"{wording.loads(*ends)}"
+            )
+        object.__setattr__(self, "load_range", ends)
+
+    @classmethod
+    def from_friction_coefficients(
+        cls,
+        friction_coefficients: ArrayLike,
+        crossover_load: float,
+        material: Material,
+        friction: Friction,
+        load_range: ArrayLike | None = None,
+    ) -> BilinearLaw:
+        """Law of two friction coefficients dF/dP [-] that change at a load P_c [N] of a material pair.
+
+        With a `load_range` of loads P [N], the lines themselves between them.
+        """
+        wording = Wording.of(material, friction)
+        slopes = _slopes("friction_coefficients", friction_coefficients, wording)
+        load = check.number("crossover_load", crossover_load, above=0.0) / material.composite_modulus
+        return cls(slopes, load, _loads("load_range", load_range, wording), wording)
+
+    @classmethod
+    def from_forces(
+        cls, load: ArrayLike, friction_force: ArrayLike, material: Material, friction: Friction
+    ) -> BilinearLaw:
+        """Law through three points P_i, F_i, (3,) [N]: on branch one, at the crossover, on branch two."""
+        wording = Wording.of(material, friction)
+        x, y = wording.rescaled(load, friction_force)
+        if len(x) != 3:
+            raise InvalidInput(f"load holds {len(x)} values; two branches need exactly 3 points")
+        return cls(np.diff(y) / np.diff(x), float(x[1]), wording=wording)
+
+    @property
+    def friction_coefficients(self) -> tuple[float, ...] | None:
+        """Friction coefficients dF/dP [-] of a law that was asked for by them, or by forces; else None."""
+        return _coefficients(self.slopes, self.wording)
+
+    @property
+    def title(self) -> str:
+        """What is asked for, in one line."""
+        words = f"Bilinear friction law of {self.wording.slopes(*self.slopes)}"
+        if self.load_range is None:
+            return words
+        return f"{words} through the origin from {_title(self.wording.loads(*self.load_range))}"
+
+    @property
+    def last_load(self) -> float | None:
+        """Last rescaled load asked for [mm^2]; None where the inversion decides it."""
+        return None if self.load_range is None else self.load_range[1]
+
+    @property
+    def branches(self) -> tuple[tuple[float, LoadRange], ...]:
+        """Slope and load range of each line; none without a load range."""
+        if self.load_range is None:
+            return ()
+        (first, second), (low, high) = self.slopes, self.load_range
+        return (first, (low, self.crossover_load)), (second, (self.crossover_load, high))
+
+    def line(self, rescaled_load: FloatArray) -> FloatArray:
+        """Return the friction of the lines at rescaled loads, (k,) [mm^2]."""
+        below = np.minimum(rescaled_load, self.crossover_load)
+        return np.asarray(self.slopes[0] * below + self.slopes[1] * (rescaled_load - below))
+
+
+@dataclass(frozen=True, init=False)
+class MultilinearLaw:
+    """Straight branches of given slopes, one after the other, with a free intercept.
+
+    Parameters
+    ----------
+    slopes : array_like, (b,)
+        Slopes of the branches [-], positive, rising or falling.
+    crossover_loads : sequence, (b - 1,)
+        Where each branch gives way to the next [mm^2]: one load P/E*, at which they meet, or a pair
+        (end of the branch, start of the next) between which the law is free, as is then the intercept
+        of the next branch. Increasing.
+    load_range : (float, float)
+        P/E* from the start of the first to the end of the last branch [mm^2].
+
+    Examples
+    --------
+    >>> law = MultilinearLaw([9.5, 7.0], [(0.07, 0.18)], (0.03, 0.26))
+    >>> law.branches
+    ((9.5, (0.03, 0.07)), (7.0, (0.18, 0.26)))
+    """
+
+    slopes: tuple[float, ...]
+    crossover_loads: tuple[LoadRange, ...]
+    load_range: LoadRange
+    wording: Wording = field(default=RESCALED, compare=False, repr=False)
+
+    def __init__(
+        self,
+        slopes: ArrayLike,
+        crossover_loads: Sequence[object],
+        load_range: ArrayLike,
+        wording: Wording = RESCALED,
+    ) -> None:
+        values = check.array("slopes", slopes, shape=(None,))
+        if values.min() <= 0.0:
+            raise InvalidInput(f"slopes holds {values.min():g}; all must be greater than 0")
+        _check_number(crossover_loads, "slopes", len(values))
+        ends = check.interval("load_range", load_range)
+        pairs = tuple(_crossover(i, given) for i, given in enumerate(crossover_loads))
+        path = [ends[0], *(load for pair in pairs for load in pair), ends[1]]
+        for i in range(0, len(path), 2):
+            if not path[i] < path[i + 1]:
+                raise InvalidInput(
+                    f"branch {i // 2 + 1} would run from {_wording(wording).loads(path[i], path[i + 1])}; "
+                    "crossover_loads must increase within load_range"
+                )
+        object.__setattr__(self, "slopes", tuple(values.tolist()))
+        object.__setattr__(self, "crossover_loads", pairs)
+        object.__setattr__(self, "load_range", ends)
+        object.__setattr__(self, "wording", _wording(wording))
+
+    @classmethod
+    def from_friction_coefficients(
+        cls,
+        friction_coefficients: ArrayLike,
+        crossover_loads: Sequence[object],
+        load_range: ArrayLike,
+        material: Material,
+        friction: Friction,
+    ) -> MultilinearLaw:
+        """Law of friction coefficients dF/dP [-] over loads P [N] of a material pair."""
+        wording = Wording.of(material, friction)
+        slopes = _slopes("friction_coefficients", friction_coefficients, wording)
+        _check_number(crossover_loads, "friction_coefficients", len(slopes))
+        loads = [
+            tuple(end / material.composite_modulus for end in _crossover(i, given))
+            for i, given in enumerate(crossover_loads)
+        ]
+        ends = np.array(check.interval("load_range", load_range)) / material.composite_modulus
+        return cls(slopes, loads, ends, wording)
+
+    @classmethod
+    def from_forces(
+        cls, load: ArrayLike, friction_force: ArrayLike, material: Material, friction: Friction
+    ) -> MultilinearLaw:
+        """Law of the slopes of the straight lines between points P, F, (b + 1,) [N]."""
+        wording = Wording.of(material, friction)
+        x, y = wording.rescaled(load, friction_force)
+        if len(x) < 2:
+            raise InvalidInput(f"load holds {len(x)} value; a branch needs 2 points")
+        return cls(np.diff(y) / np.diff(x), x[1:-1].tolist(), (float(x[0]), float(x[-1])), wording)
+
+    @property
+    def friction_coefficients(self) -> tuple[float, ...] | None:
+        """Friction coefficients dF/dP [-] of a law that was asked for by them, or by forces; else None."""
+        return _coefficients(self.slopes, self.wording)
+
+    @property
+    def title(self) -> str:
+        """What is asked for, in one line."""
+        return f"Friction law of {self.wording.slopes(*self.slopes)}"
+
+    @property
+    def last_load(self) -> float:
+        """Last rescaled load asked for [mm^2]."""
+        return self.load_range[1]
+
+    @property
+    def branches(self) -> tuple[tuple[float, LoadRange], ...]:
+        """Slope and load range of each branch."""
+        path = [
+            self.load_range[0],
+            *(load for pair in self.crossover_loads for load in pair),
+            self.load_range[1],
+        ]
+        return tuple((m, (path[2 * i], path[2 * i + 1])) for i, m in enumerate(self.slopes))
+
+
+def _wording(given: Wording) -> Wording:
+    check.instance("wording", given, Wording, "a Wording, as from_friction_coefficient sets it")
+    return given
+
+
+def _coefficients(slopes: tuple[float, ...], wording: Wording) -> tuple[float, ...] | None:
+    return None if wording.per_slope is None else tuple(wording.coefficient(slope) for slope in slopes)
+
+
+def _slopes(name: str, coefficients: ArrayLike, wording: Wording) -> list[float]:
+    """Return the slopes of friction coefficients under their name."""
+    values = check.array(name, coefficients, shape=(None,)).tolist()
+    names = [name] if name == "friction_coefficient" else [f"{name}[{i}]" for i in range(len(values))]
+    return [
+        check.number(key, value, above=0.0) / (wording.per_slope or 1.0)
+        for key, value in zip(names, values, strict=True)
+    ]
+
+
+def _loads(name: str, given: ArrayLike | None, wording: Wording) -> FloatArray | None:
+    """Return rescaled loads of a range in newtons."""
+    if given is None:
+        return None
+    return np.array(check.interval(name, given)) / (wording.composite_modulus or 1.0)
+
+
+def _check_number(crossover_loads: object, name: str, count: int) -> None:
+    if not isinstance(crossover_loads, (list, tuple, np.ndarray)) or len(crossover_loads) != count - 1:
+        raise InvalidInput(
+            f"crossover_loads = {crossover_loads!r:.60} must hold {count - 1} loads or pairs of loads for "
+            f"{count} {name}"
+        )
+
+
+def _crossover(i: int, given: object) -> LoadRange:
+    name = f"crossover_loads[{i}]"
+    if check.scalar(given):
+        load = check.number(name, given, above=0.0)
+        return load, load
+    if not isinstance(given, (list, tuple, np.ndarray)) or not all(check.scalar(end) for end in given):
+        raise InvalidInput(f"{name} = {given!r:.60} must be a load or a pair of loads")
+    return check.interval(name, given)
+
+
+def _title(words: str) -> str:
+    """Return words with the sign of a square for a title."""
+    return words.replace("^2", "²")

@@ -1,0 +1,126 @@
+"""Units in which a target was asked for, and in which titles and messages tell of it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from numpy.typing import ArrayLike
+
+from metafem import _validate as check
+from metafem._validate import FloatArray
+from metafem.surface import Friction, Material
+
+# Digits of a friction coefficient or a force that went through its rescaled value: a number that was
+# typed with up to as many comes back.
+DIGITS = 15
+
+# Digits of a bound in a message, which a user may type.
+BOUND_DIGITS = 4
+
+
+@dataclass(frozen=True)
+class Wording:
+    """Units of a target's values: rescaled loads, frictions and slopes, or newtons and coefficients.
+
+    Parameters
+    ----------
+    composite_modulus : float, optional
+        E* [MPa]; with it loads are told in newtons.
+    shear_stress : float, optional
+        sigma B, the friction force per initial real contact area [MPa]; with it frictions are told in
+        newtons, and with both slopes are told as friction coefficients ``mu = sigma B / E* m``.
+
+    Examples
+    --------
+    >>> Wording().slopes(6.87), Wording(1.36, 0.3043).slopes(6.25698)
+    ('slope 6.87', 'friction coefficient 1.4')
+    """
+
+    composite_modulus: float | None = None
+    shear_stress: float | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("composite_modulus", "shear_stress"):
+            value = getattr(self, name)
+            if value is not None:
+                object.__setattr__(self, name, check.number(name, value, above=0.0))
+
+    @classmethod
+    def of(cls, material: Material, friction: Friction) -> Wording:
+        """Newtons and friction coefficients of a material pair."""
+        check.instance("material", material, Material, "a metafem.Material")
+        check.instance("friction", friction, Friction, "a metafem.Friction")
+        return cls(material.composite_modulus, friction.shear_strength * friction.area_ratio)
+
+    @property
+    def per_slope(self) -> float | None:
+        """Friction coefficient of the slope 1, ``sigma B / E*``; None where slopes are told as such."""
+        if self.composite_modulus is None or self.shear_stress is None:
+            return None
+        return self.shear_stress / self.composite_modulus
+
+    @property
+    def keys(self) -> tuple[str, str]:
+        """What a user calls one slope, and several."""
+        if self.per_slope is None:
+            return "slope", "slopes"
+        return "friction_coefficient", "friction_coefficients"
+
+    def coefficient(self, slope: float) -> float:
+        """Return a slope as it was asked for: itself, or its friction coefficient."""
+        return _digits(slope * (self.per_slope or 1.0), DIGITS)
+
+    def slopes(self, *slopes: float) -> str:
+        """Return slopes in words: ``slopes 6 and 9``."""
+        name = self.keys[len(slopes) > 1].replace("_", " ")
+        return f"{name} {_listed([f'{self.coefficient(slope):.6g}' for slope in slopes])}"
+
+    def slope_bound(self, slope: float, *, up: bool) -> str:
+        """Return the number of a bound on slopes, rounded to the side that can be had."""
+        return f"{_rounded(self.coefficient(slope), up):.6g}"
+
+    def loads(self, *loads: float) -> str:
+        """Return rescaled loads in words: ``0.05 to 0.2 mm^2``."""
+        factor = self.composite_modulus or 1.0
+        unit = "mm^2" if self.composite_modulus is None else "N"
+        return f"{' to '.join(f'{_digits(factor * load, DIGITS):.6g}' for load in loads)} {unit}"
+
+    def load_bound(self, load: float, *, up: bool) -> str:
+        """Return a bound on loads in words, rounded to the side that can be had."""
+        factor = self.composite_modulus or 1.0
+        return self.loads(_rounded(factor * load, up) / factor)
+
+    def frictions(self, *frictions: float) -> str:
+        """Return rescaled frictions in words: ``0.84 to 1.68 mm^2``."""
+        factor = self.shear_stress or 1.0
+        unit = "mm^2" if self.shear_stress is None else "N"
+        return f"{' to '.join(f'{_digits(factor * friction, DIGITS):.6g}' for friction in frictions)} {unit}"
+
+    def rescaled(self, load: ArrayLike, friction_force: ArrayLike) -> tuple[FloatArray, FloatArray]:
+        """Return P/E* and F/(sigma B) of increasing loads and friction forces [N]."""
+        newtons = check.increasing("load", check.array("load", load, shape=(None,)))
+        force = check.array("friction_force", friction_force, shape=(len(newtons),))
+        force = check.increasing("friction_force", force)
+        return newtons / (self.composite_modulus or 1.0), force / (self.shear_stress or 1.0)
+
+
+# As most targets are asked for.
+RESCALED = Wording()
+
+
+def _digits(value: float, digits: int) -> float:
+    return float(f"{value:.{digits}g}")
+
+
+def _rounded(value: float, up: bool) -> float:
+    """Return a positive number of few digits that is not below, or not above, a given one."""
+    near = _digits(value, BOUND_DIGITS)
+    if (near >= value) if up else (near <= value):
+        return near
+    step = 10.0 ** (math.floor(math.log10(value)) - BOUND_DIGITS + 1)
+    return _digits(near + (step if up else -step), BOUND_DIGITS)
+
+
+def _listed(words: list[str]) -> str:
+    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}"
