@@ -167,6 +167,12 @@ def increasing(name: str, value: FloatArray) -> FloatArray:
     return value
 
 
+def interval(name: str, value: Any) -> tuple[float, float]:
+    """Return two positive numbers of which the second is the larger."""
+    low, high = increasing(name, array(name, value, shape=(2,))).tolist()
+    return low, high
+
+
 def generator(rng: Any) -> np.random.Generator:
     """Return the random generator of a seed or of a generator."""
     try:

@@ -83,7 +83,7 @@ def _run(spec: Path, folder: Path, model: str | None, force: bool, as_json: bool
 def _tell_design(
     result: Design, specification: Specification, folder: Path, notes: tuple[Note, ...], as_json: bool
 ) -> None:
-    from metafem.report import misfit_words, model_name, parameter_rows, wanted
+    from metafem.report import misfit_words, model_name, parameter_rows
 
     if as_json:
         data = {
@@ -102,7 +102,7 @@ def _tell_design(
     from rich.table import Table
 
     console = Console()
-    console.print(wanted(result.target), style="bold", highlight=False, markup=False)
+    console.print(result.target.title, style="bold", highlight=False, markup=False)
     console.print(result.status.value, highlight=False, markup=False)
     table = Table(box=None, show_header=False)
     for name, value, unit in parameter_rows(result):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import MISSING, fields, is_dataclass
 from enum import Enum
 from importlib import import_module
@@ -29,6 +29,7 @@ from metafem.inversion import (
     SampledLaw,
 )
 from metafem.inversion.blueprint import Branch
+from metafem.inversion.wording import Wording
 from metafem.law import BranchFit, FrictionLaw
 from metafem.models import Automatic, BoundaryElements, Independent, Interacting, MeanField, Status
 from metafem.notes import Level, Note
@@ -43,7 +44,7 @@ VALUES: Mapping[str, type] = {
         *(Independent, MeanField, Interacting, BoundaryElements, Automatic),
         *(OperatingPoints, LinearLaw, BilinearLaw, SampledLaw, PowerLaw, MultilinearLaw),
         *(Limits, Layout, RadiusRange, Design, FrictionLaw),
-        *(Note, Branch, BranchFit, TruncatedExponential, TwoBranchExponential),
+        *(Note, Wording, Branch, BranchFit, TruncatedExponential, TwoBranchExponential),
     )
 }
 # Those whose modules are read when a record holds one.
@@ -65,6 +66,28 @@ INFORMATION = (
 )
 
 
+def _earlier_line(record: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a linear law's record without the word that a range of loads took over."""
+    return {key: value for key, value in record.items() if key != "through_origin"}
+
+
+def _earlier_design(record: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a design's record in which a law through the origin has the range of loads that was found."""
+    target, found = record.get("target"), record.get("parameters")
+    if isinstance(target, dict) and target.get("through_origin") is True and isinstance(found, dict):
+        ends = found.get("load_range")
+        if isinstance(ends, dict):
+            return {**record, "target": {**target, "load_range": ends.get("float64")}}
+    return dict(record)
+
+
+# What makes a record of an earlier version one of today.
+EARLIER: Mapping[str, Callable[[Mapping[str, Any]], dict[str, Any]]] = {
+    "LinearLaw": _earlier_line,
+    "Design": _earlier_design,
+}
+
+
 def to_record(value: Any) -> Any:
     """Return a value as dicts, lists, numbers and texts.
 
@@ -73,8 +96,8 @@ def to_record(value: Any) -> Any:
 
     Examples
     --------
-    >>> to_record(LinearLaw(6.87))
-    {'type': 'LinearLaw', 'slope': 6.87, 'through_origin': False}
+    >>> to_record(HalfSpace()), to_record(Block(20.0, 20.0, 7.2))
+    ({'type': 'HalfSpace'}, {'type': 'Block', 'width': 20.0, 'length': 20.0, 'thickness': 7.2})
     """
     if isinstance(value, Enum) and type(value).__name__ in ENUMS:
         return {"type": type(value).__name__, "name": value.name, "message": value.value}
@@ -103,7 +126,7 @@ def from_record(record: Any, name: str = "record") -> Any:
     Examples
     --------
     >>> from_record({"type": "LinearLaw", "slope": 6.87})
-    LinearLaw(slope=6.87, through_origin=False)
+    LinearLaw(slope=6.87, load_range=None)
     """
     if isinstance(record, list):
         return tuple(from_record(member, f"{name}[{i}]") for i, member in enumerate(record))
@@ -131,6 +154,7 @@ def from_record(record: Any, name: str = "record") -> Any:
 def _made(title: str, record: dict[str, Any], name: str) -> Any:
     """Return the value of a class, its members judged by their annotations and by its constructor."""
     kind: Any = VALUES[title] if title in VALUES else getattr(import_module(LATE[title]), title)
+    record = EARLIER.get(title, dict)(record)
     known = {field.name: field.default is MISSING for field in fields(kind)}
     needed = {member for member, required in known.items() if required}
     given = record.keys() - {"type"}

@@ -139,7 +139,7 @@ def read_spec(path: str | Path) -> Specification:
     ...     _ = path.write_text(demo_text("linear"), encoding="utf-8")
     ...     spec = read_spec(path)
     >>> spec.target, spec.limits.max_height
-    (LinearLaw(slope=6.87, through_origin=False), 0.12)
+    (LinearLaw(slope=6.87, load_range=None), 0.12)
     """
     raw = read_bytes(path, SPECIFICATION, "no such file; `metafem demo linear` writes one to start from")
     name = called(path)

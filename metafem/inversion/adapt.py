@@ -150,9 +150,9 @@ def interaction_margin(request: Request) -> float:
     Bounds that are proven for independent asperities are enforced only beyond twice that.
     """
     template, model = request.template.replaced(radius=request.radii.high), request.model
-    if not model.couples or template.count == 1 or request.last_load is None:
+    if not model.couples or template.count == 1 or request.target.last_load is None:
         return 0.0
     equal = template.replaced(height=np.zeros(template.count))
-    load = request.last_load * MARGIN_SHARES
+    load = request.target.last_load * MARGIN_SHARES
     change = model.curve(equal, load).area / Independent().curve(equal, load).area - 1.0
     return 2.0 * float(np.abs(change).max())

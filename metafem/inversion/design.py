@@ -18,15 +18,18 @@ from metafem.inversion import exponential, feasibility, operating_points, propor
 from metafem.inversion.adapt import adapted, interaction_margin
 from metafem.inversion.arranged import Layout, arranged
 from metafem.inversion.blueprint import Blueprint, Branch, Parameter
+from metafem.inversion.design_notes import design_notes
 from metafem.inversion.gridded import gridded
 from metafem.inversion.judge import (
     DesignStatus,
     branch_fits,
     found_parameters,
     largest_misfit,
+    misfit_meaning,
     status_of,
 )
 from metafem.inversion.limits import Limits
+from metafem.inversion.mixture import Mixture
 from metafem.inversion.radii import Radii, RadiusRange
 from metafem.inversion.request import Request
 from metafem.inversion.target import (
@@ -38,17 +41,12 @@ from metafem.inversion.target import (
     SampledLaw,
     Target,
 )
+from metafem.inversion.wanted import Wanted
 from metafem.law import BranchFit, FrictionLaw, friction_law
 from metafem.models import Model
 from metafem.notes import Note, counted
 from metafem.progress import doing
 from metafem.surface import Surface
-
-# Heights should be this many times larger than the errors with which they are made.
-HEIGHT_TO_ERROR = 10.0
-
-# Heights that differ by all but this share of what they may are held back by it.
-ALL_OF_IT = 1e-6
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -63,8 +61,8 @@ class Design(Value):
         Their law under the chosen model.
     misfit : float
         Largest relative deviation of the law from what was asked for [-]: of the friction at operating
-        points; else the root mean square over the loads asked for, and, if larger, the largest of the
-        fitted slopes of straight branches.
+        points and on lines over a load range; else the root mean square over the loads asked for, and, if
+        larger, the largest of the fitted slopes of straight branches. `misfit_meaning` says which it is.
     status : DesignStatus
     parameters : mapping
         What the inversion solved for, read-only: ``scale`` [mm], ``weight``, ``crossover_height`` [mm],
@@ -160,22 +158,43 @@ class Design(Value):
             ]
         )
 
+    @property
+    def wanted(self) -> Wanted:
+        """The law that `misfit` compares with: of the target, or of the height density where there is one."""
+        if self.density is None:
+            return sampled.wanted_law(self.target)
+        branches = tuple(branch for branch, _ in self.fits)
+        return exponential.law_of(self.density, branches, Mixture.of(self.surface.radius))
+
+    @property
+    def misfit_meaning(self) -> str:
+        """What `misfit` is, in words."""
+        return misfit_meaning(self.wanted.pointwise, self.density is not None, self.fits, self.misfit)
+
 
 def _restored(members: dict[str, Any]) -> Design:
     return Design(**members)
 
 
-def _invert_linear(
-    target: LinearLaw, radii: Radii, count: int, limits: Limits, rng: np.random.Generator
-) -> Blueprint:
-    invert = proportional.invert if target.through_origin else exponential.invert_linear
-    return invert(target, radii, count, limits, rng)
+Inversion = Callable[[Any, Radii, int, Limits, np.random.Generator], Blueprint]
 
 
-_INVERSIONS: dict[type, Callable[[Any, Radii, int, Limits, np.random.Generator], Blueprint]] = {
+def _straight(density: Inversion) -> Inversion:
+    """Return the inversion of a straight law: by its density, or the line itself over a range of loads."""
+
+    def invert(
+        target: LinearLaw | BilinearLaw, radii: Radii, count: int, limits: Limits, rng: np.random.Generator
+    ) -> Blueprint:
+        chosen = density if target.load_range is None else sampled.invert
+        return chosen(target, radii, count, limits, rng)
+
+    return invert
+
+
+_INVERSIONS: dict[type, Inversion] = {
     OperatingPoints: operating_points.invert,
-    LinearLaw: _invert_linear,
-    BilinearLaw: exponential.invert_bilinear,
+    LinearLaw: _straight(exponential.invert_linear),
+    BilinearLaw: _straight(exponential.invert_bilinear),
     SampledLaw: sampled.invert,
     PowerLaw: sampled.invert,
     MultilinearLaw: sampled.invert,
@@ -183,6 +202,8 @@ _INVERSIONS: dict[type, Callable[[Any, Radii, int, Limits, np.random.Generator],
 
 # Targets whose bounds are known before any heights are sought.
 _REFUSALS: dict[type, Callable[[Any, Radii, int, Limits, float], None]] = {
+    LinearLaw: proportional.refuse_line,
+    BilinearLaw: proportional.refuse_line,
     SampledLaw: feasibility.refuse_sampled,
     PowerLaw: feasibility.refuse_power,
     MultilinearLaw: feasibility.refuse_multilinear,
@@ -284,7 +305,10 @@ def designed(request: Request, generator: np.random.Generator) -> Design:
         limits=limits,
         fits=fits,
         density=blueprint.density,
-        notes=blueprint.notes + placing + moved + _notes(surface, limits, status),
+        notes=blueprint.notes
+        + placing
+        + moved
+        + design_notes(request, blueprint, surface, fits, misfit, status),
         layout=request.layout,
     )
 
@@ -307,34 +331,7 @@ def _refuse_infeasible(request: Request) -> None:
 @doing("computing the law of the heights")
 def _drawn_law(surface: Surface, request: Request) -> FrictionLaw:
     """Return the law on its usual grid, or on one that ends a tenth beyond the last load asked for."""
-    if request.last_load is None:
+    if request.target.last_load is None:
         return friction_law(surface, request.model)
-    end = 1.1 * surface.material.composite_modulus * request.last_load
+    end = 1.1 * surface.material.composite_modulus * request.target.last_load
     return friction_law(surface, request.model, load=end * np.arange(1, 101) / 100)
-
-
-def _notes(surface: Surface, limits: Limits, status: DesignStatus) -> tuple[Note, ...]:
-    notes: list[Note] = []
-    used, step = float(np.ptp(surface.height)), limits.height_step or 0.0
-    if status is DesignStatus.MISSED and used >= limits.span * (1.0 - ALL_OF_IT) - step:
-        notes.append(
-            Note(f"the heights use all of the {limits.span:g} mm that they may differ by: raise max_height")
-        )
-    low = 0 if limits.height_sd is None else int((surface.height < HEIGHT_TO_ERROR * limits.height_sd).sum())
-    if low:
-        notes.append(
-            Note(
-                f"{low} of {surface.count} summits stand lower than {HEIGHT_TO_ERROR:g} times height_sd = "
-                f"{limits.height_sd:g} mm: raise the offset"
-            )
-        )
-    high = int((surface.height > surface.radius).sum())
-    if high:
-        notes.append(
-            Note(
-                f"{high} of {surface.count} summits stand higher than their radius and cannot be made as "
-                f"caps: lower max_height and offset to {float(surface.radius.min()):g} mm together, or use "
-                "larger radii"
-            )
-        )
-    return tuple(notes)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -25,6 +26,7 @@ from metafem.inversion.mixture import Mixture, best_mixture
 from metafem.inversion.radii import Radii
 from metafem.inversion.target import BilinearLaw, LinearLaw
 from metafem.inversion.wanted import Wanted
+from metafem.inversion.wording import Wording
 from metafem.notes import Note
 
 # A straight branch is judged over its last three quarters: below, the law still bends towards its
@@ -64,7 +66,8 @@ def invert_bilinear(
 
 def _linear(target: LinearLaw, mixture: Mixture, limits: Limits) -> Blueprint:
     radius, count = mixture.radius, mixture.count
-    scale = _scale(target.slope, radius, limits, LinearLaw(_lowest_slope(radius, limits)))
+    nearest = replace(target, slope=_lowest_slope(radius, limits))
+    scale = _scale(target.slope, radius, limits, nearest)
     density = TruncatedExponential(scale, limits.span)
     end = float(density.rescaled_load(0.0, mixture.carrying, radius))
     intercept = density.intercept(mixture.carrying, radius)
@@ -76,7 +79,7 @@ def _linear(target: LinearLaw, mixture: Mixture, limits: Limits) -> Blueprint:
         height = np.repeat(levels, counts)[::-1]
         parameters |= {"levels": limits.foot + levels[counts > 0], "counts": counts[counts > 0]}
     branch = Branch(target.slope, (BRANCH_START * end, end), intercept)
-    wanted = _law_of(density, (branch,), mixture)
+    wanted = law_of(density, (branch,), mixture)
     return Blueprint(
         height=limits.foot + height,
         radius=mixture.dealt(),
@@ -84,7 +87,7 @@ def _linear(target: LinearLaw, mixture: Mixture, limits: Limits) -> Blueprint:
         wanted=wanted,
         branches=(branch,),
         density=density,
-        notes=_notes(scale, mixture, limits),
+        notes=_notes(scale, mixture, limits, target.wording),
         stepped=limits.height_step is not None,
     )
 
@@ -92,7 +95,7 @@ def _linear(target: LinearLaw, mixture: Mixture, limits: Limits) -> Blueprint:
 def _bilinear(target: BilinearLaw, mixture: Mixture, limits: Limits) -> Blueprint:
     (first, second), radius, count = target.slopes, mixture.radius, mixture.count
     floor = _lowest_slope(radius, limits)
-    scale = _scale(first, radius, limits, BilinearLaw((floor, second), target.crossover_load))
+    scale = _scale(first, radius, limits, replace(target, slopes=(floor, second)))
     density = _two_branches(target, scale, mixture, limits)
     upper = min(max(round(count * density.upper_mass), 1), count - 1)
     middle, top = density.crossover_height, limits.span
@@ -115,14 +118,14 @@ def _bilinear(target: BilinearLaw, mixture: Mixture, limits: Limits) -> Blueprin
         height=limits.foot + height,
         radius=mixture.dealt(),
         parameters=parameters,
-        wanted=_law_of(density, branches, mixture),
+        wanted=law_of(density, branches, mixture),
         branches=branches,
         density=density,
-        notes=_notes(scale, mixture, limits),
+        notes=_notes(scale, mixture, limits, target.wording),
     )
 
 
-def _law_of(density: PiecewiseExponential, branches: tuple[Branch, ...], mixture: Mixture) -> Wanted:
+def law_of(density: PiecewiseExponential, branches: tuple[Branch, ...], mixture: Mixture) -> Wanted:
     """Return the density's law over all branches, at even steps of the separation."""
     separation = density.max_height * (1.0 - np.arange(LAW_POINTS) / (LAW_POINTS - 1))
     load = density.rescaled_load(separation, mixture.carrying, mixture.radius)
@@ -163,17 +166,19 @@ def _lowest_slope(radius: float, limits: Limits) -> float:
 
 
 def _scale(slope: float, radius: float, limits: Limits, nearest: LinearLaw | BilinearLaw) -> float:
-    bound = uniform_slope(radius, limits.span)
+    bound, wording = uniform_slope(radius, limits.span), nearest.wording
+    told, name = wording.slopes(slope), wording.name()
     if slope > STEEPEST * bound:
         raise Infeasible(
-            f"slope {slope:g} exceeds {STEEPEST:g} times the bound {bound:.6g}: the heights would differ by "
-            "less than double precision can tell; lower the slope",
+            f"{told} exceeds {STEEPEST:g} times the bound {wording.coefficient(bound):.6g}: the heights "
+            f"would differ by less than double precision can tell; lower the {name}",
         )
     if slope <= bound:
+        pair = "" if wording.per_slope is None else " sigma B/E*"
         raise Infeasible(
-            f"slope {slope:g} is not above the bound 3 pi/4 sqrt(R/h_m) = {bound:.6g} of asperities of "
-            f"radius {radius:g} mm within {limits.span:g} mm of height; raise the slope or max_height, "
-            "or use a smaller radius",
+            f"{told} is not above the bound 3 pi/4 sqrt(R/h_m){pair} = {wording.coefficient(bound):.6g} of "
+            f"asperities of radius {radius:g} mm within {limits.span:g} mm of height; raise the {name} or "
+            "max_height, or use a smaller radius",
             nearest,
         )
     return scale_from_slope(slope, radius, limits.span)
@@ -185,13 +190,14 @@ def _two_branches(
     """Solve S8: the crossover load gives the weight at each crossover height, m_2 then the height."""
     radius, count, carrying = mixture.radius, mixture.count, mixture.carrying
     (first, second), crossover, top = target.slopes, target.crossover_load, limits.span
+    wording = target.wording
     plain = TruncatedExponential(scale, top)
     full_load = float(plain.rescaled_load(0.0, carrying, radius))
     if crossover >= full_load:
         raise Infeasible(
-            f"crossover_load = {crossover:g} mm^2 is outside the law of slope {first:g}, which ends at "
-            f"{full_load:.6g} mm^2 where the plane reaches the lowest asperity",
-            BilinearLaw((first, first / 0.75), 0.5 * full_load),
+            f"crossover_load = {wording.loads(crossover)} is outside the law of {wording.slopes(first)}, "
+            f"which ends at {wording.loads(full_load)} where the plane reaches the lowest asperity",
+            replace(target, slopes=(first, first / 0.75), crossover_load=0.5 * full_load),
         )
 
     def weight(middle: float) -> float:
@@ -224,17 +230,20 @@ def _two_branches(
     low, high = second_slope(shallowest), second_slope(deepest)
     if not low < high:
         raise Infeasible(
-            f"crossover_load = {crossover:g} mm^2 leaves less than one of {count} asperities to one of the "
-            f"branches; the law of slope {first:g} ends at {full_load:.6g} mm^2: move the crossover towards "
-            "its middle, or use more asperities",
-            BilinearLaw((first, first / 0.75), 0.5 * full_load),
+            f"crossover_load = {wording.loads(crossover)} leaves less than one of {count} asperities to one "
+            f"of the branches; the law of {wording.slopes(first)} ends at {wording.loads(full_load)}: move "
+            "the crossover towards its middle, or use more asperities",
+            replace(target, slopes=(first, first / 0.75), crossover_load=0.5 * full_load),
         )
     if not low <= second <= high:
+        name = wording.name()
         inside = min(max(second, low * (1.0 + INSIDE)), high * (1.0 - INSIDE))
         raise Infeasible(
-            f"slopes[1] = {second:g} cannot follow a branch of slope {first:g} up to {crossover:g} mm^2 with "
-            f"{count} asperities: the second slope can be from {low:.6g} to {high:.6g}",
-            BilinearLaw((first, inside), crossover),
+            f"{wording.keys[1]}[1] = {wording.coefficient(second):g} cannot follow a branch of "
+            f"{wording.slopes(first)} up to {wording.loads(crossover)} with {count} asperities: the "
+            f"second {name} can be from {wording.slope_bound(low, up=True)} to "
+            f"{wording.slope_bound(high, up=False)}",
+            replace(target, slopes=(first, inside)),
         )
     depth = brentq(
         lambda depth: second_slope(depth) - second, shallowest, deepest, xtol=TIGHTEST * top, rtol=TIGHTEST
@@ -242,7 +251,7 @@ def _two_branches(
     return density(float(depth))
 
 
-def _notes(scale: float, mixture: Mixture, limits: Limits) -> tuple[Note, ...]:
+def _notes(scale: float, mixture: Mixture, limits: Limits, wording: Wording) -> tuple[Note, ...]:
     if limits.height_sd is None or scale >= FINEST_SCALE_IN_SD * limits.height_sd:
         return ()
     finest = FINEST_SCALE_IN_SD * limits.height_sd
@@ -250,6 +259,7 @@ def _notes(scale: float, mixture: Mixture, limits: Limits) -> tuple[Note, ...]:
     return (
         Note(
             f"the scale {scale:.4g} mm is below {FINEST_SCALE_IN_SD:g} times height_sd, {finest:.4g} mm: "
-            f"errors of made heights will shape the law; slopes up to {steepest:.4g} are free of that"
+            f"errors of made heights will shape the law; {wording.slopes(steepest)} and below are free of "
+            "that"
         ),
     )

@@ -27,6 +27,7 @@ from metafem.errors import Infeasible
 from metafem.inversion.limits import Limits
 from metafem.inversion.radii import Radii, RadiusRange
 from metafem.inversion.target import MultilinearLaw, PowerLaw, SampledLaw
+from metafem.inversion.wording import Wording
 from metafem.surface import Surface
 
 # A value this close to a bound is on it: rounding must not refuse what a surface was read off.
@@ -132,8 +133,8 @@ def feasible_region(
 
 def refuse_sampled(target: SampledLaw, radii: Radii, count: int, limits: Limits, margin: float) -> None:
     """Raise Infeasible for samples that break a bound by more than a margin (relative)."""
-    load, friction = target.rescaled_load, target.rescaled_friction
-    refuse_load(float(load[-1]), radii, count, limits)
+    load, friction, wording = target.rescaled_load, target.rescaled_friction, target.wording
+    refuse_load(float(load[-1]), radii, count, limits, wording)
     low, high = friction_bounds(load, radii, count)
     slack = margin + ROUNDING
     least = load ** least_exponent(radii)
@@ -159,9 +160,10 @@ def refuse_sampled(target: SampledLaw, radii: Radii, count: int, limits: Limits,
             clipped = np.clip(scaled, low / least, np.minimum(high, jump) / least)
             nearest = np.maximum.accumulate(clipped) * least
             raise Infeasible(
-                f"sample {i + 1} (load {load[i]:g}, friction {friction[i]:g} mm^2) is {words}, "
-                f"{bound[i]:.6g} mm^2, for any surface of {radii}{_margin_words(margin)}",
-                SampledLaw(load, nearest, target.weight),
+                f"sample {i + 1} (load {wording.loads(load[i])}, friction {wording.frictions(friction[i])}) "
+                f"is {words}, {wording.frictions(bound[i])}, for any surface of {radii}"
+                f"{margin_words(margin)}",
+                SampledLaw(load, nearest, target.weight, wording),
             )
 
 
@@ -178,31 +180,31 @@ def _largest_jump(load: FloatArray, friction: FloatArray, radii: Radii, count: i
 
 def refuse_power(target: PowerLaw, radii: Radii, count: int, limits: Limits, margin: float) -> None:
     """Raise Infeasible for an exponent or a prefactor beyond its bound by more than a margin (relative)."""
-    low, high = target.load_range
-    refuse_load(high, radii, count, limits)
+    (low, high), wording = target.load_range, target.wording
+    refuse_load(high, radii, count, limits, wording)
     least, most = least_exponent(radii), largest_exponent(target.load_range, radii, count)
     slack = margin / math.log(high / low)
     if not least - slack - ROUNDING <= target.exponent <= most + slack + ROUNDING:
         nearest = min(max(target.exponent, least), most)
         raise Infeasible(
-            f"exponent {target.exponent:g} over loads from {low:g} to {high:g} mm^2 cannot be reached: at "
+            f"exponent {target.exponent:g} over loads from {wording.loads(low, high)} cannot be reached: at "
             f"least {least:.4g} and at most {most:.4g} with {count} asperities of "
             f"{'one radius' if radii.single else radii}"
-            f"{_margin_words(margin)}",
-            PowerLaw(nearest, target.load_range),
+            f"{margin_words(margin)}",
+            PowerLaw(nearest, target.load_range, wording=wording),
         )
     if target.prefactor is not None:
         load = np.array(target.load_range)
-        refuse_sampled(
-            SampledLaw(load, target.prefactor * load**target.exponent), radii, count, limits, margin
-        )
+        ends = SampledLaw(load, target.prefactor * load**target.exponent, wording=wording)
+        refuse_sampled(ends, radii, count, limits, margin)
 
 
 def refuse_multilinear(
     target: MultilinearLaw, radii: Radii, count: int, limits: Limits, margin: float
 ) -> None:
     """Raise Infeasible where no intercept keeps a run of branches that meet within the bounds."""
-    refuse_load(target.load_range[1], radii, count, limits)
+    wording = target.wording
+    refuse_load(target.load_range[1], radii, count, limits, wording)
     slack = margin + ROUNDING
     offset, low, high = 0.0, -math.inf, math.inf
     for i, (slope, (start, end)) in enumerate(target.branches):
@@ -222,23 +224,25 @@ def refuse_multilinear(
         high = min(high, slope * start * (1.0 / least_exponent(radii) - 1.0 + slack) - offset)
         if low > high:
             raise Infeasible(
-                f"branch {i + 1} of slope {slope:g} from {start:g} to {end:g} mm^2 leaves what {count} "
-                f"asperities of {radii} can have, whatever its intercept"
-                f"{_margin_words(margin)}"
+                f"branch {i + 1} of {wording.slopes(slope)} from {wording.loads(start, end)} leaves what "
+                f"{count} asperities of {radii} can have, whatever its intercept"
+                f"{margin_words(margin)}"
             )
 
 
-def refuse_load(load: float, radii: Radii, count: int, limits: Limits) -> None:
+def refuse_load(load: float, radii: Radii, count: int, limits: Limits, wording: Wording) -> None:
     """Raise Infeasible for a load beyond that at which the plane reaches the base plane."""
     most = largest_load(radii, count, limits)
     if load > most:
         raise Infeasible(
-            f"load {load:g} mm^2 is beyond {most:.6g} mm^2, at which {count} summits of the largest height "
-            "have the plane at the base plane; raise max_height or offset, or use more asperities"
+            f"load {wording.loads(load)} is beyond {wording.loads(most)}, at which {count} summits of the "
+            "largest height have the plane at the base plane; raise max_height or offset, or use more "
+            "asperities"
         )
 
 
-def _margin_words(margin: float) -> str:
+def margin_words(margin: float) -> str:
+    """Say what a margin is, if there is one."""
     return f" (the model's interaction leaves a margin of {100.0 * margin:.2g} %)" if margin > 0.0 else ""
 
 

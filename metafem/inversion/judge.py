@@ -69,18 +69,32 @@ def branch_fits(surface: Surface, model: Model, blueprint: Blueprint) -> tuple[t
 def largest_misfit(
     surface: Surface, model: Model, blueprint: Blueprint, fits: tuple[tuple[Branch, BranchFit], ...]
 ) -> float:
-    """Return the largest relative deviation: of fitted slopes, and of the law from the wanted one.
+    """Return the largest relative deviation: of the law from the wanted one, and of fitted slopes.
 
-    The latter at single points where they are few, else in the root mean square.
+    The former at any load where the law is judged pointwise, which bounds the slopes; else in the root mean
+    square.
     """
     wanted = blueprint.wanted
     area = friction_law(surface, model, load=surface.material.composite_modulus * wanted.load).area
-    errors = [abs(fit.slope / branch.slope - 1.0) for branch, fit in fits]
-    if blueprint.exact:
-        errors.append(float(np.abs(area / wanted.law(area) - 1.0).max()))
-    else:
-        errors.append(wanted.misfit(area))
-    return max(errors)
+    if wanted.pointwise:
+        return float(np.abs(wanted.difference(area)).max())
+    return max([wanted.misfit(area), worst_slope(fits)])
+
+
+def misfit_meaning(
+    pointwise: bool, density: bool, fits: tuple[tuple[Branch, BranchFit], ...], misfit: float
+) -> str:
+    """Return what a misfit is, in words: the one of the deviations above that is the largest."""
+    if pointwise:
+        return "largest difference from the target"
+    if fits and misfit <= worst_slope(fits):
+        return "difference of a fitted slope from the target's"
+    return f"rms difference from {'the law of the height density' if density else 'the target'}"
+
+
+def worst_slope(fits: tuple[tuple[Branch, BranchFit], ...]) -> float:
+    """Return the largest relative deviation of a fitted slope; 0 without branches."""
+    return max((abs(fit.slope / branch.slope - 1.0) for branch, fit in fits), default=0.0)
 
 
 def independent_misfit(blueprint: Blueprint) -> float:

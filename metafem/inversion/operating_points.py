@@ -17,8 +17,8 @@ from metafem.inversion.limits import Limits
 from metafem.inversion.nearest import MIXED_RESTARTS, Quest, law_of_heights, nearest_law
 from metafem.inversion.radii import Radii
 from metafem.inversion.refine import POINT_GOAL, Heights, descend
+from metafem.inversion.sampled import wanted_law
 from metafem.inversion.target import OperatingPoints, SampledLaw
-from metafem.inversion.wanted import Wanted
 from metafem.models import Independent
 from metafem.notes import information
 
@@ -57,7 +57,8 @@ def invert(
 def _proven(target: OperatingPoints, radii: Radii, count: int, limits: Limits) -> bool:
     """Return whether the points break a bound of every surface."""
     try:
-        refuse_sampled(SampledLaw(target.rescaled_load, target.rescaled_friction), radii, count, limits, 0.0)
+        samples = SampledLaw(target.rescaled_load, target.rescaled_friction)
+        refuse_sampled(samples, radii, count, limits, 0.0)
     except Infeasible:
         return True
     return False
@@ -76,7 +77,7 @@ def _blueprint(target: OperatingPoints, path: tuple[Level, ...], radii: Radii, l
     if not radii.single:
         parameters["level_radii"] = np.array([level.radius for level in path])
         parameters["adjustment_radii"] = np.array([level.other for level in path])
-    wanted = Wanted.exactly(target.rescaled_load, target.rescaled_friction)
+    wanted = wanted_law(target)
     each = np.repeat(np.arange(len(number)), number.astype(np.int64))
     return Blueprint(
         limits.offset + height[each],
@@ -91,7 +92,7 @@ def _freely(
     target: OperatingPoints, radii: Radii, count: int, limits: Limits, rng: np.random.Generator
 ) -> Blueprint | None:
     """Return heights and radii without levels that meet the points, as well as is found, or None."""
-    wanted = Wanted.exactly(target.rescaled_load, target.rescaled_friction)
+    wanted = wanted_law(target)
     top, load = limits.offset + limits.max_height, wanted.load
     best: Blueprint | None = None
     misfit = NEARLY
@@ -172,11 +173,13 @@ def _unmet(target: OperatingPoints, i: int, step: Step, tools: tuple[float, ...]
     else:
         reason = "no whole numbers of asperities of these radii meet it"
         nearest = min(fewest + most, key=lambda friction: abs(friction - step.friction))
-    load, friction = target.rescaled_load[i], target.rescaled_friction[i]
+    wording = target.wording
+    load = wording.loads(target.rescaled_load[i])
+    friction = wording.frictions(target.rescaled_friction[i])
     return Infeasible(
-        f"operating point {i + 1} (load {load:g}, friction {friction:g} mm^2) is not met: {reason}. After "
-        f"levels for the earlier points, the friction at this load can be from {low:.6g} to {high:.6g} mm^2",
-        OperatingPoints(target.rescaled_load[: i + 1], [*target.rescaled_friction[:i], nearest]),
+        f"operating point {i + 1} (load {load}, friction {friction}) is not met: {reason}. After levels for "
+        f"the earlier points, the friction at this load can be from {wording.frictions(low, high)}",
+        OperatingPoints(target.rescaled_load[: i + 1], [*target.rescaled_friction[:i], nearest], wording),
     )
 
 

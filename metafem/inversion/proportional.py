@@ -1,29 +1,39 @@
-"""Heights of true proportionality: friction a constant times the load, over the largest range.
+"""Friction in proportion to the load, or to two loads: bounds of such lines, and the range that is reached.
 
 The least friction of any surface, that of one contact, is ``c p^(2/3)`` at the load p = P/E*, with
-``c = pi R (3/(4 sqrt R))^(2/3)`` of the least radius; the most is ``N^(1/3)`` times that of the largest. A
-law m p lies between them from ``(c/m)^3`` to ``N (c/m)^3``.
+``c = pi R (3/(4 sqrt R))^(2/3)`` of the least radius. A line of slope m lies above it from ``(c/m)^3`` on.
+The steepest slope of a law, of N contacts of the largest radius that enter at once, is ``(2/3) K p/A0^2``
+with ``K = N c^3``: a line of slope m ends at ``(2/3) K/m^3``.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
+from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
-from metafem.distributions import uniform_slope
-from metafem.errors import Infeasible
-from metafem.inversion.blueprint import Blueprint, Branch, Parameter
-from metafem.inversion.feasibility import largest_load, single_friction
+from metafem import _validate as check
+from metafem.errors import Infeasible, InvalidInput
+from metafem.inversion import sampled
+from metafem.inversion.feasibility import (
+    ROUNDING,
+    largest_load,
+    least_exponent,
+    margin_words,
+    refuse_load,
+    single_friction,
+)
 from metafem.inversion.judge import REACHED, independent_misfit
 from metafem.inversion.limits import Limits
-from metafem.inversion.nearest import Quest, nearest_law
-from metafem.inversion.radii import Radii
-from metafem.inversion.sampled import POINTS, RESTARTS
-from metafem.inversion.target import LinearLaw
-from metafem.inversion.wanted import Wanted
-from metafem.notes import information
+from metafem.inversion.radii import Radii, RadiusRange
+from metafem.inversion.straight import BilinearLaw, LinearLaw
+from metafem.surface import Surface
+
+Line = LinearLaw | BilinearLaw
 
 # Halvings of the logarithm of the range: to a sixtieth of it.
 HALVINGS = 6
@@ -31,72 +41,176 @@ HALVINGS = 6
 # Random restarts of a range on trial, which most of those that are too wide use up.
 TRIAL_RESTARTS = 4
 
-# The first asperity alone is (3 pi/4)^2 R/m^2 deep when the law of slope m begins. With a third of the
-# height for that, the range spans a decade; so far above the bound of linear laws is the slope offered.
-REACHABLE = math.sqrt(3.0)
-
-# Of the misfit with which a range counts as reached: leaves room for the other models.
+# Of the difference with which a range counts as reached: leaves room for the other models.
 TRIAL_SHARE = 0.8
 
+# A range on trial starts this factor above the load at which one asperity has the line's friction. Between
+# the entries of the first asperities a law differs from the line by 1.1 % where it starts at that load,
+# and by .7 % from here (measured; the same for every slope and radius, as lengths scale).
+FIRST_LOAD = 1.4
 
-def invert(
-    target: LinearLaw, radii: Radii, count: int, limits: Limits, rng: np.random.Generator
-) -> Blueprint:
-    """Return heights whose law is proportional to the load over the widest range that is found."""
-    low, high = proportional_range(target.slope, radii, count)
-    end = min(high, largest_load(radii, count, limits))
-    nearest = LinearLaw(REACHABLE * uniform_slope(radii.low, limits.span), through_origin=True)
-    if not low < end:
-        raise Infeasible(
-            f"slope {target.slope:g} through the origin is below the friction of a single asperity of "
-            f"{radii} up to {low:.6g} mm^2, and the largest load is {end:.6g} mm^2; raise the "
-            "slope, or use a smaller radius or more asperities",
-            nearest,
+# A bound is left by this relative step where the nearest line is offered.
+INSIDE = 1e-6
+
+
+def refuse_line(target: Line, radii: Radii, count: int, limits: Limits, margin: float) -> None:
+    """Raise Infeasible for a line over a range that breaks a bound by more than a margin (relative)."""
+    if target.load_range is None:
+        return
+    (low, high), wording = target.load_range, target.wording
+    slack = margin + ROUNDING
+    about = f"for any surface of {count} asperities of {radii}{margin_words(margin)}"
+    _refuse_second(target, radii, count, limits, slack, about)
+    refuse_load(high, radii, count, limits, wording)
+    start, end = line_range(target, radii, count, slack)
+    slope = wording.name()
+    if low < start:
+        raise _refused(
+            f"{wording.slopes(target.lines[0][0])} through the origin cannot begin at {wording.loads(low)}: "
+            f"a single asperity has more friction up to {wording.load_bound(start, up=True)}, {about}",
+            reached_line(target, radii, count, limits),
+            f"raise the {slope}, or use a smaller radius",
         )
-    best: Blueprint | None = None
-    inside, outside = 0.0, 1.0
+    if high > end:
+        raise _refused(
+            f"{wording.slopes(target.lines[-1][0])} through the origin cannot go on up to "
+            f"{wording.loads(high)}: from {wording.load_bound(end, up=False)} on friction grows more slowly, "
+            f"{about}",
+            reached_line(target, radii, count, limits),
+            f"lower the {slope}, or use a larger radius or more asperities",
+        )
+
+
+def _refuse_second(target: Any, radii: Radii, count: int, limits: Limits, slack: float, about: str) -> None:
+    """Raise Infeasible for a slope that cannot follow the one before it."""
+    wording = target.wording
+    for (first, _), (second, load) in pairwise(target.lines):
+        friction = float(target.line(np.array(load)))
+        least = least_exponent(radii) * friction / load * (1.0 - slack)
+        most = _steepest(radii, count, slack) * load / friction**2
+        if least <= second <= most:
+            continue
+        inside = min(max(second, least * (1.0 + INSIDE)), most * (1.0 - INSIDE))
+        nearest = replace(target, slopes=(first, inside)) if least < most else None
+        raise Infeasible(
+            f"{wording.slopes(second)} cannot follow {wording.slopes(first)} at {wording.loads(load)}: what "
+            f"follows can be from {wording.slope_bound(least, up=True)} to "
+            f"{wording.slope_bound(most, up=False)}, {about}",
+            nearest and reached_line(nearest, radii, count, limits),
+        )
+
+
+def _refused(words: str, nearest: Line | None, otherwise: str) -> Infeasible:
+    """Return why a range is refused, with one that is reached or else what to change."""
+    if nearest is None or nearest.load_range is None:
+        return Infeasible(f"{words}; {otherwise}")
+    ends = nearest.wording.inside(*nearest.load_range)
+    return Infeasible(
+        f"{words}; the line is reached from {ends}: give that load_range, or {otherwise}", nearest
+    )
+
+
+def line_range(target: Line, radii: Radii, count: int, slack: float = 0.0) -> tuple[float, float]:
+    """Return the loads P/E* [mm^2] between which surfaces can have the friction and slope of a line."""
+    first, (last, load) = target.lines[0][0], target.lines[-1]
+    start = (single_friction(radii.low) * (1.0 - slack) / first) ** 3
+    # m (m p + b)^2 = (2/3) K p: between its two loads the slope is possible
+    intercept = (float(target.line(np.array(load))) - last * load) / last
+    half = 0.5 * _steepest(radii, count, slack) / last**3 - intercept
+    return start, half + math.sqrt(max(half**2 - intercept**2, 0.0))
+
+
+def _steepest(radii: Radii, count: int, slack: float) -> float:
+    """Return (2/3) K [mm^2] of the steepest slope at a load and a friction."""
+    return 2.0 / 3.0 * count * (single_friction(radii.high) * (1.0 + slack)) ** 3
+
+
+def _over(target: Line, low: float, high: float) -> Line | None:
+    """Return the target over what its range, if any, shares with another one; None if that is nothing."""
+    inside = low * (1.0 + INSIDE), high * (1.0 - INSIDE)
+    asked = target.load_range or inside
+    ends = max(inside[0], asked[0]), min(inside[1], asked[1])
+    crossover = target.lines[-1][1] or math.sqrt(ends[0] * ends[1])
+    return replace(target, load_range=ends) if ends[0] < crossover < ends[1] else None
+
+
+def reached_line(target: Line, radii: Radii, count: int, limits: Limits) -> Line | None:
+    """Return the line over the widest range, within its own, that independent asperities are found to have.
+
+    The range is narrowed towards the crossover load, and of one line towards its start. None if no range
+    is reached.
+    """
+    start, end = line_range(target, radii, count)
+    whole = _over(target, FIRST_LOAD * start, min(end, largest_load(radii, count, limits)))
+    if whole is None or whole.load_range is None:
+        return None
+    low, high = whole.load_range
+    centre = target.lines[-1][1] or low
+    best, inside, outside = None, 0.0, 1.0
     for _ in range(HALVINGS):
         share = 0.5 * (inside + outside)
-        ends = (low, low * (end / low) ** share)
-        found = _over(target.slope, ends, radii, count, limits, TRIAL_RESTARTS, rng)
+        trial = replace(
+            whole, load_range=(centre * (low / centre) ** share, centre * (high / centre) ** share)
+        )
+        found = sampled.invert(trial, radii, count, limits, np.random.default_rng(0), TRIAL_RESTARTS)
         if independent_misfit(found) <= TRIAL_SHARE * REACHED:
-            best, inside = found, share
+            best, inside = trial, share
         else:
             outside = share
-    last = low * (end / low) ** inside
-    if best is None:
+    return best
+
+
+def achievable_load_range(
+    target: Line, template: Surface, limits: Limits, radii: RadiusRange | Sequence[float] | None = None
+) -> tuple[float, float]:
+    """Return the widest range of loads over which a line through the origin is met within 1 %.
+
+    That of independent asperities, found by trial: `design` meets the line over it or a part of it. The
+    lower end is near the load at which one asperity alone has the line's friction. It is narrowed towards
+    the crossover load of a bilinear law, and towards its start for a linear one.
+
+    Parameters
+    ----------
+    target : LinearLaw or BilinearLaw
+        With a load range, the range is sought within it.
+    template : Surface
+        Its places count; with one common radius unless `radii` is given.
+    limits : Limits
+    radii : RadiusRange or sequence of float, optional
+        What each asperity may have [mm], in place of the template's radius.
+
+    Returns
+    -------
+    low, high : float
+        P/E* [mm^2].
+
+    Raises
+    ------
+    Infeasible
+        If there is no such range; says what to change.
+    InvalidInput
+        For another kind of target, radii that are not positive, or a template of several radii.
+
+    Examples
+    --------
+    >>> import metafem as mf
+    >>> template = mf.Surface.square_lattice(0.27, radius=0.526, material=mf.Material(1.36))
+    >>> line, limits = mf.LinearLaw(7.0), mf.Limits(0.27)
+    >>> ends = mf.achievable_load_range(line, template, limits)
+    >>> mf.design(mf.LinearLaw(7.0, ends), template, limits=limits).misfit < 0.01
+    True
+    """
+    if not isinstance(target, Line):
+        raise InvalidInput(f"target = {target!r:.60} must be a metafem.LinearLaw or BilinearLaw")
+    check.instance("template", template, Surface, "a metafem.Surface")
+    check.instance("limits", limits, Limits, "metafem.Limits")
+    choice = Radii.common(template) if radii is None else Radii.given(radii)
+    found = reached_line(target, choice, template.count, limits)
+    if found is None or found.load_range is None:
         raise Infeasible(
-            f"slope {target.slope:g} through the origin is not reached within {100 * REACHED:g} %, in "
-            f"law and slope, over any range of loads with {count} asperities within {limits.span:g} mm of "
-            f"height; raise max_height, or the slope to {nearest.slope:.4g}",
-            nearest,
+            f"{target.wording.slopes(*(slope for slope, _ in target.lines))} through the origin is not "
+            f"reached within {100 * REACHED:g} % over any range of loads with {template.count} asperities of "
+            f"{choice} within {limits.span:g} mm of height; raise max_height or the "
+            f"{target.wording.name()}, or use a smaller radius"
         )
-    best = min(
-        best,
-        _over(target.slope, (low, last), radii, count, limits, RESTARTS, rng),
-        key=independent_misfit,
-    )
-    note = (
-        f"proportional within {100 * REACHED:g} % from {low:.4g} to {last:.4g} mm^2 under the independent "
-        f"model; no surface of {count} such asperities can be beyond {high:.4g} mm^2, or below {low:.4g} mm^2"
-    )
-    return replace(best, notes=(information(note),))
-
-
-def proportional_range(slope: float, radii: Radii, count: int) -> tuple[float, float]:
-    """Return the loads P/E* [mm^2] between which a law of this slope through the origin can lie."""
-    low, high = (single_friction(radius) / slope for radius in (radii.low, radii.high))
-    return low**3, count * high**3
-
-
-def _over(
-    slope: float, ends: tuple[float, float], radii: Radii, count: int, limits: Limits, restarts: int,
-    rng: np.random.Generator,
-) -> Blueprint:  # fmt: skip
-    load = np.geomspace(*ends, POINTS)
-    wanted = Wanted.exactly(load, slope * load)
-    quest = Quest(wanted, [wanted.base], count, limits.span, restarts, rng)
-    height, radius = nearest_law(quest, radii)
-    parameters: dict[str, Parameter] = {"load_range": np.array(ends), "span": float(-height[-1])}
-    branch = Branch(slope, ends, 0.0)
-    return Blueprint(limits.offset + limits.max_height + height, radius, parameters, wanted, (branch,))
+    return found.load_range

@@ -11,7 +11,7 @@ from metafem.errors import InvalidInput
 from metafem.inversion.arranged import Layout
 from metafem.inversion.limits import Limits
 from metafem.inversion.radii import Radii, RadiusRange
-from metafem.inversion.target import BilinearLaw, LinearLaw, OperatingPoints, SampledLaw, Target
+from metafem.inversion.target import Target
 from metafem.models import Independent, Model
 from metafem.surface import Surface
 
@@ -54,12 +54,3 @@ class Request:
             check.instance("layout", layout, Layout, "metafem.Layout")
         choice = Radii.common(template) if radii is None else Radii.given(radii)
         return cls(target, template, choice, solver, bounds, layout)
-
-    @property
-    def last_load(self) -> float | None:
-        """Last rescaled load asked for [mm^2]; None where the inversion decides it."""
-        if isinstance(self.target, (LinearLaw, BilinearLaw)):
-            return None
-        if isinstance(self.target, (OperatingPoints, SampledLaw)):
-            return float(self.target.rescaled_load[-1])
-        return float(self.target.load_range[1])

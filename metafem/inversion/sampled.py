@@ -1,4 +1,4 @@
-"""Heights of laws of any shape: samples, powers, and straight branches with free intercepts."""
+"""Heights of laws of any shape: samples, powers, lines, and straight branches with free intercepts."""
 
 from __future__ import annotations
 
@@ -12,11 +12,22 @@ from metafem.inversion.feasibility import friction_bounds
 from metafem.inversion.limits import Limits
 from metafem.inversion.nearest import Quest, independent_law, nearest_law
 from metafem.inversion.radii import Radii
-from metafem.inversion.target import MultilinearLaw, PowerLaw, SampledLaw
+from metafem.inversion.target import (
+    BilinearLaw,
+    LinearLaw,
+    MultilinearLaw,
+    OperatingPoints,
+    PowerLaw,
+    SampledLaw,
+)
 from metafem.inversion.wanted import Wanted
 
 # Loads at which a power law or all branches of a multilinear law are asked for.
 POINTS = 30
+
+# Loads of a line, whose every difference counts: single contacts enter between thirty (measured: the
+# largest difference at these is within a tenth of that at any load).
+LINE_POINTS = 100
 
 # Random restarts of a search, of some 10 ms each; nearly all laws of real surfaces need none or a few.
 RESTARTS = 30
@@ -26,24 +37,31 @@ TRIED_SHARES = (0.5, 0.25, 0.75, 0.1, 0.9)
 
 
 def invert(
-    target: SampledLaw | PowerLaw | MultilinearLaw,
+    target: SampledLaw | PowerLaw | LinearLaw | BilinearLaw | MultilinearLaw,
     radii: Radii,
     count: int,
     limits: Limits,
     rng: np.random.Generator,
+    restarts: int = RESTARTS,
 ) -> Blueprint:
     """Return heights and radii whose independent law is nearest to the target."""
     wanted = wanted_law(target)
     low, high = friction_bounds(wanted.load, radii, count)
     laws = first_laws(target, wanted, low, high)
-    height, radius = nearest_law(Quest(wanted, laws, count, limits.span, RESTARTS, rng), radii)
+    height, radius = nearest_law(Quest(wanted, laws, count, limits.span, restarts, rng), radii)
     area = independent_law(height, radius, wanted.load).curve.area
     parameters: dict[str, Parameter] = {"span": float(-height[-1]), **open_parameters(target, wanted, area)}
-    branches: tuple[Branch, ...] = ()
-    if isinstance(target, MultilinearLaw):
-        branches = tuple(Branch(slope, ends) for slope, ends in target.branches)
+    branches = tuple(
+        Branch(slope, ends, None if wanted.free.shape[1] else _intercept(wanted, slope, ends[0]))
+        for slope, ends in target.branches
+    )
     top = limits.offset + limits.max_height
     return Blueprint(top + height, radius, parameters, wanted, branches)
+
+
+def _intercept(wanted: Wanted, slope: float, start: float) -> float:
+    """Return the friction at zero load of the line on which a branch lies [mm^2]."""
+    return float(np.interp(start, wanted.load, wanted.base)) - slope * start
 
 
 @singledispatch
@@ -53,8 +71,21 @@ def wanted_law(target: object) -> Wanted:
 
 
 @wanted_law.register
+def _(target: OperatingPoints) -> Wanted:
+    return Wanted.exactly(target.rescaled_load, target.rescaled_friction, pointwise=True)
+
+
+@wanted_law.register
 def _(target: SampledLaw) -> Wanted:
     return Wanted.exactly(target.rescaled_load, target.rescaled_friction, target.weight)
+
+
+@wanted_law.register(LinearLaw)
+@wanted_law.register(BilinearLaw)
+def _(target: LinearLaw | BilinearLaw) -> Wanted:
+    each = LINE_POINTS // len(target.branches)
+    load = np.unique(np.concatenate([np.geomspace(*ends, each) for _, ends in target.branches]))
+    return Wanted.exactly(load, target.line(load), pointwise=True)
 
 
 @wanted_law.register

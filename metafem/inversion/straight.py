@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
-from metafem.inversion.wording import RESCALED, Wording
+from metafem.inversion.wording import RESCALED, Wording, in_title
 from metafem.surface import Friction, Material
 
 __all__ = ["BilinearLaw", "LinearLaw", "MultilinearLaw"]
@@ -51,7 +51,7 @@ class LinearLaw:
         object.__setattr__(self, "slope", check.number("slope", slope, above=0.0))
         ends = None if load_range is None else check.interval("load_range", load_range)
         object.__setattr__(self, "load_range", ends)
-        object.__setattr__(self, "wording", _wording(wording))
+        object.__setattr__(self, "wording", Wording.checked(wording))
 
     @classmethod
     def from_friction_coefficient(
@@ -63,12 +63,12 @@ class LinearLaw:
     ) -> LinearLaw:
         """Law of a friction coefficient mu [-] of a material pair, ``m = mu E* / (sigma B)``.
 
-        With a `load_range` of loads P [N], ``F = mu P`` between them. Titles and messages speak of
-        friction coefficients and newtons.
+        With a `load_range`, ``F = mu P`` over it. Titles and messages tell of friction coefficients and
+        newtons.
         """
         wording = Wording.of(material, friction)
-        (slope,) = _slopes("friction_coefficient", [friction_coefficient], wording)
-        return cls(slope, _loads("load_range", load_range, wording), wording)
+        mu = check.number("friction_coefficient", friction_coefficient, above=0.0)
+        return cls(wording.slope(mu), load_range, wording)
 
     @classmethod
     def from_forces(
@@ -92,12 +92,17 @@ class LinearLaw:
         words = self.wording.slopes(self.slope)
         if self.load_range is None:
             return f"Linear friction law of {words}"
-        return f"Friction proportional to load: {words} from {_title(self.wording.loads(*self.load_range))}"
+        return f"Friction proportional to load: {words} from {in_title(self.wording.loads(*self.load_range))}"
 
     @property
     def last_load(self) -> float | None:
         """Last rescaled load asked for [mm^2]; None where the inversion decides it."""
         return None if self.load_range is None else self.load_range[1]
+
+    @property
+    def lines(self) -> tuple[tuple[float, float], ...]:
+        """Slope of the line through the origin, and the load 0 from which it holds."""
+        return ((self.slope, 0.0),)
 
     @property
     def branches(self) -> tuple[tuple[float, LoadRange], ...]:
@@ -150,7 +155,7 @@ class BilinearLaw:
         load = check.number("crossover_load", crossover_load, above=0.0)
         object.__setattr__(self, "crossover_load", load)
         ends = None if load_range is None else check.interval("load_range", load_range)
-        object.__setattr__(self, "wording", _wording(wording))
+        object.__setattr__(self, "wording", Wording.checked(wording))
         if ends is not None and not ends[0] < load < ends[1]:
             raise InvalidInput(
                 f"crossover_load = {wording.loads(load)} must lie inside load_range, from "
@@ -167,14 +172,13 @@ class BilinearLaw:
         friction: Friction,
         load_range: ArrayLike | None = None,
     ) -> BilinearLaw:
-        """Law of two friction coefficients dF/dP [-] that change at a load P_c [N] of a material pair.
+        """Law of two friction coefficients dF/dP [-] of a material pair, below and above the crossover.
 
-        With a `load_range` of loads P [N], the lines themselves between them.
+        Titles and messages tell of friction coefficients and newtons.
         """
         wording = Wording.of(material, friction)
-        slopes = _slopes("friction_coefficients", friction_coefficients, wording)
-        load = check.number("crossover_load", crossover_load, above=0.0) / material.composite_modulus
-        return cls(slopes, load, _loads("load_range", load_range, wording), wording)
+        slopes = _slopes(check.array("friction_coefficients", friction_coefficients, shape=(2,)), wording)
+        return cls(slopes, crossover_load, load_range, wording)
 
     @classmethod
     def from_forces(
@@ -198,12 +202,17 @@ class BilinearLaw:
         words = f"Bilinear friction law of {self.wording.slopes(*self.slopes)}"
         if self.load_range is None:
             return words
-        return f"{words} through the origin from {_title(self.wording.loads(*self.load_range))}"
+        return f"{words} through the origin from {in_title(self.wording.loads(*self.load_range))}"
 
     @property
     def last_load(self) -> float | None:
         """Last rescaled load asked for [mm^2]; None where the inversion decides it."""
         return None if self.load_range is None else self.load_range[1]
+
+    @property
+    def lines(self) -> tuple[tuple[float, float], ...]:
+        """Slope of each line, and the load from which it holds [mm^2]."""
+        return (self.slopes[0], 0.0), (self.slopes[1], self.crossover_load)
 
     @property
     def branches(self) -> tuple[tuple[float, LoadRange], ...]:
@@ -256,20 +265,25 @@ class MultilinearLaw:
         values = check.array("slopes", slopes, shape=(None,))
         if values.min() <= 0.0:
             raise InvalidInput(f"slopes holds {values.min():g}; all must be greater than 0")
-        _check_number(crossover_loads, "slopes", len(values))
+        listed = isinstance(crossover_loads, (list, tuple, np.ndarray))
+        if not listed or len(crossover_loads) != len(values) - 1:
+            raise InvalidInput(
+                f"crossover_loads = {crossover_loads!r:.60} must hold {len(values) - 1} loads or pairs of "
+                f"loads for {len(values)} {wording.keys[1]}"
+            )
         ends = check.interval("load_range", load_range)
         pairs = tuple(_crossover(i, given) for i, given in enumerate(crossover_loads))
+        object.__setattr__(self, "wording", Wording.checked(wording))
         path = [ends[0], *(load for pair in pairs for load in pair), ends[1]]
         for i in range(0, len(path), 2):
             if not path[i] < path[i + 1]:
                 raise InvalidInput(
-                    f"branch {i // 2 + 1} would run from {_wording(wording).loads(path[i], path[i + 1])}; "
+                    f"branch {i // 2 + 1} would run from {wording.loads(path[i], path[i + 1])}; "
                     "crossover_loads must increase within load_range"
                 )
         object.__setattr__(self, "slopes", tuple(values.tolist()))
         object.__setattr__(self, "crossover_loads", pairs)
         object.__setattr__(self, "load_range", ends)
-        object.__setattr__(self, "wording", _wording(wording))
 
     @classmethod
     def from_friction_coefficients(
@@ -280,16 +294,13 @@ class MultilinearLaw:
         material: Material,
         friction: Friction,
     ) -> MultilinearLaw:
-        """Law of friction coefficients dF/dP [-] over loads P [N] of a material pair."""
+        """Law of friction coefficients dF/dP [-] of a material pair, one for each branch.
+
+        Titles and messages tell of friction coefficients and newtons.
+        """
         wording = Wording.of(material, friction)
-        slopes = _slopes("friction_coefficients", friction_coefficients, wording)
-        _check_number(crossover_loads, "friction_coefficients", len(slopes))
-        loads = [
-            tuple(end / material.composite_modulus for end in _crossover(i, given))
-            for i, given in enumerate(crossover_loads)
-        ]
-        ends = np.array(check.interval("load_range", load_range)) / material.composite_modulus
-        return cls(slopes, loads, ends, wording)
+        slopes = _slopes(check.array("friction_coefficients", friction_coefficients, shape=(None,)), wording)
+        return cls(slopes, crossover_loads, load_range, wording)
 
     @classmethod
     def from_forces(
@@ -328,38 +339,16 @@ class MultilinearLaw:
         return tuple((m, (path[2 * i], path[2 * i + 1])) for i, m in enumerate(self.slopes))
 
 
-def _wording(given: Wording) -> Wording:
-    check.instance("wording", given, Wording, "a Wording, as from_friction_coefficient sets it")
-    return given
-
-
 def _coefficients(slopes: tuple[float, ...], wording: Wording) -> tuple[float, ...] | None:
     return None if wording.per_slope is None else tuple(wording.coefficient(slope) for slope in slopes)
 
 
-def _slopes(name: str, coefficients: ArrayLike, wording: Wording) -> list[float]:
-    """Return the slopes of friction coefficients under their name."""
-    values = check.array(name, coefficients, shape=(None,)).tolist()
-    names = [name] if name == "friction_coefficient" else [f"{name}[{i}]" for i in range(len(values))]
+def _slopes(coefficients: FloatArray, wording: Wording) -> list[float]:
+    """Return the slopes of friction coefficients."""
     return [
-        check.number(key, value, above=0.0) / (wording.per_slope or 1.0)
-        for key, value in zip(names, values, strict=True)
+        wording.slope(check.number(f"friction_coefficients[{i}]", mu, above=0.0))
+        for i, mu in enumerate(coefficients.tolist())
     ]
-
-
-def _loads(name: str, given: ArrayLike | None, wording: Wording) -> FloatArray | None:
-    """Return rescaled loads of a range in newtons."""
-    if given is None:
-        return None
-    return np.array(check.interval(name, given)) / (wording.composite_modulus or 1.0)
-
-
-def _check_number(crossover_loads: object, name: str, count: int) -> None:
-    if not isinstance(crossover_loads, (list, tuple, np.ndarray)) or len(crossover_loads) != count - 1:
-        raise InvalidInput(
-            f"crossover_loads = {crossover_loads!r:.60} must hold {count - 1} loads or pairs of loads for "
-            f"{count} {name}"
-        )
 
 
 def _crossover(i: int, given: object) -> LoadRange:
@@ -370,8 +359,3 @@ def _crossover(i: int, given: object) -> LoadRange:
     if not isinstance(given, (list, tuple, np.ndarray)) or not all(check.scalar(end) for end in given):
         raise InvalidInput(f"{name} = {given!r:.60} must be a load or a pair of loads")
     return check.interval(name, given)
-
-
-def _title(words: str) -> str:
-    """Return words with the sign of a square for a title."""
-    return words.replace("^2", "²")

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,6 +11,8 @@ from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem._values import Value
 from metafem.errors import InvalidInput
+from metafem.inversion.straight import BilinearLaw, LinearLaw, MultilinearLaw
+from metafem.inversion.wording import RESCALED, Wording, in_title
 from metafem.surface import Friction, Material
 
 __all__ = [
@@ -50,111 +51,34 @@ class OperatingPoints(Value):
 
     rescaled_load: FloatArray
     rescaled_friction: FloatArray
+    wording: Wording = field(default=RESCALED, compare=False, repr=False)
 
-    def __init__(self, rescaled_load: ArrayLike, rescaled_friction: ArrayLike) -> None:
+    def __init__(
+        self, rescaled_load: ArrayLike, rescaled_friction: ArrayLike, wording: Wording = RESCALED
+    ) -> None:
         load = check.array("rescaled_load", rescaled_load, shape=(None,))
         friction = check.array("rescaled_friction", rescaled_friction, shape=(len(load),))
         object.__setattr__(self, "rescaled_load", check.increasing("rescaled_load", load))
         object.__setattr__(self, "rescaled_friction", check.increasing("rescaled_friction", friction))
+        object.__setattr__(self, "wording", Wording.checked(wording))
 
     @classmethod
     def from_forces(
         cls, load: ArrayLike, friction_force: ArrayLike, material: Material, friction: Friction
     ) -> OperatingPoints:
         """Points from loads P_i and friction forces F_i, both (k,) [N], of a material pair."""
-        return cls(*_rescaled(load, friction_force, material, friction))
+        wording = Wording.of(material, friction)
+        return cls(*wording.rescaled(load, friction_force), wording)
 
+    @property
+    def title(self) -> str:
+        """What is asked for, in one line."""
+        return f"Friction law through {len(self.rescaled_load)} operating points"
 
-@dataclass(frozen=True)
-class LinearLaw:
-    """A straight law: friction proportional to load but for an intercept.
-
-    Parameters
-    ----------
-    slope : float
-        m, slope of rescaled friction over rescaled load [-], positive; ``mu = sigma B / E* m``.
-    through_origin : bool
-        Whether there is to be no intercept: friction in true proportion to the load, over the widest
-        range of loads that the asperities allow, instead of heights from an exponential density.
-
-    Examples
-    --------
-    >>> law = LinearLaw.from_friction_coefficient(1.5, Material(1.36), Friction(0.358, 0.85))
-    >>> round(law.slope, 3)
-    6.704
-    """
-
-    slope: float
-    through_origin: bool = False
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "slope", check.number("slope", self.slope, above=0.0))
-        if not isinstance(self.through_origin, bool):
-            raise InvalidInput(f"through_origin = {self.through_origin!r} must be True or False")
-
-    @classmethod
-    def from_friction_coefficient(
-        cls,
-        friction_coefficient: float,
-        material: Material,
-        friction: Friction,
-        through_origin: bool = False,
-    ) -> LinearLaw:
-        """Law of a friction coefficient mu [-] of a material pair, ``m = mu E* / (sigma B)``."""
-        mu = check.number("friction_coefficient", friction_coefficient, above=0.0)
-        _check_pair(material, friction)
-        slope = mu * material.composite_modulus / (friction.shear_strength * friction.area_ratio)
-        return cls(slope, through_origin)
-
-    @classmethod
-    def from_forces(
-        cls, load: ArrayLike, friction_force: ArrayLike, material: Material, friction: Friction
-    ) -> LinearLaw:
-        """Law with the least-squares slope through points P_i, F_i, (k >= 2,) [N]."""
-        x, y = _rescaled(load, friction_force, material, friction)
-        if len(x) < 2:
-            raise InvalidInput(f"load holds {len(x)} value; a slope needs at least 2 points")
-        return cls(float(np.polyfit(x, y, 1)[0]))
-
-
-@dataclass(frozen=True, init=False)
-class BilinearLaw:
-    """Two straight branches that meet at a crossover load.
-
-    Parameters
-    ----------
-    slopes : (float, float)
-        m_1 below and m_2 above the crossover [-], positive.
-    crossover_load : float
-        P_c/E* [mm^2], positive.
-
-    Examples
-    --------
-    >>> BilinearLaw((7.15, 12.52), 0.0380).slopes
-    (7.15, 12.52)
-    """
-
-    slopes: tuple[float, float]
-    crossover_load: float
-
-    def __init__(self, slopes: ArrayLike, crossover_load: float) -> None:
-        first, second = check.array("slopes", slopes, shape=(2,))
-        pair = tuple(
-            check.number(f"slopes[{i}]", value, above=0.0) for i, value in enumerate((first, second))
-        )
-        object.__setattr__(self, "slopes", pair)
-        load = check.number("crossover_load", crossover_load, above=0.0)
-        object.__setattr__(self, "crossover_load", load)
-
-    @classmethod
-    def from_forces(
-        cls, load: ArrayLike, friction_force: ArrayLike, material: Material, friction: Friction
-    ) -> BilinearLaw:
-        """Law through three points P_i, F_i, (3,) [N]: on branch one, at the crossover, on branch two."""
-        x, y = _rescaled(load, friction_force, material, friction)
-        if len(x) != 3:
-            raise InvalidInput(f"load holds {len(x)} values; two branches need exactly 3 points")
-        return cls(np.diff(y) / np.diff(x), float(x[1]))
+    @property
+    def last_load(self) -> float:
+        """Last rescaled load asked for [mm^2]."""
+        return float(self.rescaled_load[-1])
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -180,9 +104,14 @@ class SampledLaw(Value):
     rescaled_load: FloatArray
     rescaled_friction: FloatArray
     weight: FloatArray
+    wording: Wording = field(default=RESCALED, compare=False, repr=False)
 
     def __init__(
-        self, rescaled_load: ArrayLike, rescaled_friction: ArrayLike, weight: ArrayLike | None = None
+        self,
+        rescaled_load: ArrayLike,
+        rescaled_friction: ArrayLike,
+        weight: ArrayLike | None = None,
+        wording: Wording = RESCALED,
     ) -> None:
         points = OperatingPoints(rescaled_load, rescaled_friction)
         count = len(points.rescaled_load)
@@ -193,13 +122,30 @@ class SampledLaw(Value):
         object.__setattr__(self, "rescaled_load", points.rescaled_load)
         object.__setattr__(self, "rescaled_friction", points.rescaled_friction)
         object.__setattr__(self, "weight", weights)
+        object.__setattr__(self, "wording", Wording.checked(wording))
 
     @classmethod
     def from_forces(
         cls, load: ArrayLike, friction_force: ArrayLike, material: Material, friction: Friction
     ) -> SampledLaw:
         """Samples from loads P and friction forces F, both (k,) [N], of a material pair."""
-        return cls(*_rescaled(load, friction_force, material, friction))
+        wording = Wording.of(material, friction)
+        return cls(*wording.rescaled(load, friction_force), wording=wording)
+
+    @property
+    def title(self) -> str:
+        """What is asked for, in one line."""
+        return f"Friction law given by {len(self.rescaled_load)} samples"
+
+    @property
+    def last_load(self) -> float:
+        """Last rescaled load asked for [mm^2]."""
+        return float(self.rescaled_load[-1])
+
+    @property
+    def branches(self) -> tuple[()]:
+        """No straight branches."""
+        return ()
 
 
 @dataclass(frozen=True, init=False)
@@ -224,10 +170,18 @@ class PowerLaw:
     exponent: float
     load_range: tuple[float, float]
     prefactor: float | None
+    wording: Wording = field(default=RESCALED, compare=False, repr=False)
 
-    def __init__(self, exponent: float, load_range: ArrayLike, prefactor: float | None = None) -> None:
+    def __init__(
+        self,
+        exponent: float,
+        load_range: ArrayLike,
+        prefactor: float | None = None,
+        wording: Wording = RESCALED,
+    ) -> None:
         object.__setattr__(self, "exponent", check.number("exponent", exponent, above=0.0))
-        object.__setattr__(self, "load_range", _range("load_range", load_range))
+        object.__setattr__(self, "load_range", check.interval("load_range", load_range))
+        object.__setattr__(self, "wording", Wording.checked(wording))
         value = None if prefactor is None else check.number("prefactor", prefactor, above=0.0)
         object.__setattr__(self, "prefactor", value)
 
@@ -236,114 +190,29 @@ class PowerLaw:
         cls, load: ArrayLike, friction_force: ArrayLike, material: Material, friction: Friction
     ) -> PowerLaw:
         """Law with the least-squares exponent and prefactor through points P, F, (k >= 2,) [N]."""
-        x, y = _rescaled(load, friction_force, material, friction)
+        wording = Wording.of(material, friction)
+        x, y = wording.rescaled(load, friction_force)
         if len(x) < 2:
             raise InvalidInput(f"load holds {len(x)} value; an exponent needs at least 2 points")
         exponent, height = np.polyfit(np.log(x), np.log(y), 1)
-        return cls(float(exponent), (float(x[0]), float(x[-1])), float(np.exp(height)))
-
-
-@dataclass(frozen=True, init=False)
-class MultilinearLaw:
-    """Straight branches of given slopes, one after the other, with a free intercept.
-
-    Parameters
-    ----------
-    slopes : array_like, (b,)
-        Slopes of the branches [-], positive, rising or falling.
-    crossover_loads : sequence, (b - 1,)
-        Where each branch gives way to the next [mm^2]: one load P/E*, at which they meet, or a pair
-        (end of the branch, start of the next) between which the law is free, as is then the intercept
-        of the next branch. Increasing.
-    load_range : (float, float)
-        P/E* from the start of the first to the end of the last branch [mm^2].
-
-    Examples
-    --------
-    >>> law = MultilinearLaw([9.5, 7.0], [(0.07, 0.18)], (0.03, 0.26))
-    >>> law.branches
-    ((9.5, (0.03, 0.07)), (7.0, (0.18, 0.26)))
-    """
-
-    slopes: tuple[float, ...]
-    crossover_loads: tuple[tuple[float, float], ...]
-    load_range: tuple[float, float]
-
-    def __init__(self, slopes: ArrayLike, crossover_loads: Sequence[object], load_range: ArrayLike) -> None:
-        values = check.array("slopes", slopes, shape=(None,))
-        if values.min() <= 0.0:
-            raise InvalidInput(f"slopes holds {values.min():g}; all must be greater than 0")
-        listed = isinstance(crossover_loads, (list, tuple, np.ndarray))
-        if not listed or len(crossover_loads) != len(values) - 1:
-            raise InvalidInput(
-                f"crossover_loads = {crossover_loads!r:.60} must hold {len(values) - 1} loads or pairs of "
-                f"loads for {len(values)} slopes"
-            )
-        ends = _range("load_range", load_range)
-        pairs = tuple(_crossover(i, given) for i, given in enumerate(crossover_loads))
-        path = [ends[0], *(load for pair in pairs for load in pair), ends[1]]
-        for i in range(0, len(path), 2):
-            if not path[i] < path[i + 1]:
-                raise InvalidInput(
-                    f"branch {i // 2 + 1} would run from {path[i]:g} to {path[i + 1]:g} mm^2; "
-                    "crossover_loads must increase within load_range"
-                )
-        object.__setattr__(self, "slopes", tuple(values.tolist()))
-        object.__setattr__(self, "crossover_loads", pairs)
-        object.__setattr__(self, "load_range", ends)
+        return cls(float(exponent), (float(x[0]), float(x[-1])), float(np.exp(height)), wording)
 
     @property
-    def branches(self) -> tuple[tuple[float, tuple[float, float]], ...]:
-        """Slope and load range of each branch."""
-        path = [
-            self.load_range[0],
-            *(load for pair in self.crossover_loads for load in pair),
-            self.load_range[1],
-        ]
-        return tuple((m, (path[2 * i], path[2 * i + 1])) for i, m in enumerate(self.slopes))
+    def title(self) -> str:
+        """What is asked for, in one line."""
+        return in_title(
+            f"Power law of exponent {self.exponent:.4g} from {self.wording.loads(*self.load_range)}"
+        )
 
-    @classmethod
-    def from_forces(
-        cls, load: ArrayLike, friction_force: ArrayLike, material: Material, friction: Friction
-    ) -> MultilinearLaw:
-        """Law of the slopes of the straight lines between points P, F, (b + 1,) [N]."""
-        x, y = _rescaled(load, friction_force, material, friction)
-        if len(x) < 2:
-            raise InvalidInput(f"load holds {len(x)} value; a branch needs 2 points")
-        return cls(np.diff(y) / np.diff(x), x[1:-1].tolist(), (float(x[0]), float(x[-1])))
+    @property
+    def last_load(self) -> float:
+        """Last rescaled load asked for [mm^2]."""
+        return self.load_range[1]
+
+    @property
+    def branches(self) -> tuple[()]:
+        """No straight branches."""
+        return ()
 
 
 Target = OperatingPoints | LinearLaw | BilinearLaw | SampledLaw | PowerLaw | MultilinearLaw
-
-
-def _range(name: str, given: ArrayLike) -> tuple[float, float]:
-    low, high = check.increasing(name, check.array(name, given, shape=(2,)))
-    return float(low), float(high)
-
-
-def _crossover(i: int, given: object) -> tuple[float, float]:
-    name = f"crossover_loads[{i}]"
-    if check.scalar(given):
-        load = check.number(name, given, above=0.0)
-        return load, load
-    if not isinstance(given, (list, tuple, np.ndarray)) or not all(check.scalar(end) for end in given):
-        raise InvalidInput(f"{name} = {given!r:.60} must be a load or a pair of loads [mm^2]")
-    return _range(name, given)
-
-
-def _check_pair(material: Material, friction: Friction) -> None:
-    check.instance("material", material, Material, "a metafem.Material")
-    check.instance("friction", friction, Friction, "a metafem.Friction")
-
-
-def _rescaled(
-    load: ArrayLike, friction_force: ArrayLike, material: Material, friction: Friction
-) -> tuple[FloatArray, FloatArray]:
-    _check_pair(material, friction)
-    newtons = check.increasing("load", check.array("load", load, shape=(None,)))
-    force = check.array("friction_force", friction_force, shape=(len(newtons),))
-    force = check.increasing("friction_force", force)
-    return (
-        newtons / material.composite_modulus,
-        force / (friction.shear_strength * friction.area_ratio),
-    )

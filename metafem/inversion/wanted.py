@@ -30,18 +30,27 @@ class Wanted:
         What the open parameters multiply.
     weight : ndarray, (k,)
         Weights of the squared relative differences, of mean 1.
+    pointwise : bool
+        Whether a law is judged by its largest difference, and not by their root mean square.
     """
 
     load: FloatArray
     base: FloatArray
     free: FloatArray
     weight: FloatArray
+    pointwise: bool = False
 
     @classmethod
-    def exactly(cls, load: FloatArray, friction: FloatArray, weight: FloatArray | None = None) -> Wanted:
+    def exactly(
+        cls,
+        load: FloatArray,
+        friction: FloatArray,
+        weight: FloatArray | None = None,
+        pointwise: bool = False,
+    ) -> Wanted:
         """A law without open parameters."""
         given = np.ones(len(load)) if weight is None else weight
-        return cls(load, friction, np.empty((len(load), 0)), given / given.mean())
+        return cls(load, friction, np.empty((len(load), 0)), given / given.mean(), pointwise)
 
     def law(self, area: FloatArray) -> FloatArray:
         """Return the wanted law nearest to an area curve, (k,) [mm^2]."""
@@ -69,5 +78,8 @@ class Wanted:
 
     def misfit(self, area: FloatArray) -> float:
         """Return the weighted root mean square of the relative differences."""
-        law = self.law(area)
-        return float(np.sqrt((self.weight * (area / law - 1.0) ** 2).mean()))
+        return float(np.sqrt((self.weight * self.difference(area) ** 2).mean()))
+
+    def difference(self, area: FloatArray) -> FloatArray:
+        """Return the relative differences of an area curve from the law, (k,) [-]."""
+        return np.asarray(area / self.law(area) - 1.0)

@@ -53,6 +53,12 @@ class Wording:
         check.instance("friction", friction, Friction, "a metafem.Friction")
         return cls(material.composite_modulus, friction.shear_strength * friction.area_ratio)
 
+    @staticmethod
+    def checked(given: Wording) -> Wording:
+        """Return what was given as a wording, or refuse it."""
+        check.instance("wording", given, Wording, "a Wording, as from_friction_coefficient sets it")
+        return given
+
     @property
     def per_slope(self) -> float | None:
         """Friction coefficient of the slope 1, ``sigma B / E*``; None where slopes are told as such."""
@@ -67,14 +73,21 @@ class Wording:
             return "slope", "slopes"
         return "friction_coefficient", "friction_coefficients"
 
+    def name(self, count: int = 1) -> str:
+        """Return what one slope is called in a sentence, or several."""
+        return self.keys[count > 1].replace("_", " ")
+
+    def slope(self, coefficient: float) -> float:
+        """Return the slope of what was asked for: the inverse of `coefficient`."""
+        return coefficient / (self.per_slope or 1.0)
+
     def coefficient(self, slope: float) -> float:
         """Return a slope as it was asked for: itself, or its friction coefficient."""
         return _digits(slope * (self.per_slope or 1.0), DIGITS)
 
     def slopes(self, *slopes: float) -> str:
         """Return slopes in words: ``slopes 6 and 9``."""
-        name = self.keys[len(slopes) > 1].replace("_", " ")
-        return f"{name} {_listed([f'{self.coefficient(slope):.6g}' for slope in slopes])}"
+        return f"{self.name(len(slopes))} {_listed([f'{self.coefficient(slope):.6g}' for slope in slopes])}"
 
     def slope_bound(self, slope: float, *, up: bool) -> str:
         """Return the number of a bound on slopes, rounded to the side that can be had."""
@@ -90,6 +103,11 @@ class Wording:
         """Return a bound on loads in words, rounded to the side that can be had."""
         factor = self.composite_modulus or 1.0
         return self.loads(_rounded(factor * load, up) / factor)
+
+    def inside(self, low: float, high: float) -> str:
+        """Return a range of loads in words, rounded so that it does not leave the given one."""
+        factor = self.composite_modulus or 1.0
+        return self.loads(_rounded(factor * low, True) / factor, _rounded(factor * high, False) / factor)
 
     def frictions(self, *frictions: float) -> str:
         """Return rescaled frictions in words: ``0.84 to 1.68 mm^2``."""
@@ -107,6 +125,11 @@ class Wording:
 
 # As most targets are asked for.
 RESCALED = Wording()
+
+
+def in_title(words: str) -> str:
+    """Return words with the sign of a square, as a title has it."""
+    return words.replace("^2", "²")
 
 
 def _digits(value: float, digits: int) -> float:

@@ -2,6 +2,6 @@
 
 from metafem.report.names import misfit_words, model_name
 from metafem.report.notes import all_notes
-from metafem.report.page import page, parameter_rows, wanted
+from metafem.report.page import page, parameter_rows
 
-__all__ = ["all_notes", "misfit_words", "model_name", "page", "parameter_rows", "wanted"]
+__all__ = ["all_notes", "misfit_words", "model_name", "page", "parameter_rows"]

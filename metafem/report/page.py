@@ -3,22 +3,13 @@
 from __future__ import annotations
 
 import math
-from functools import singledispatch
 from importlib import resources
 from typing import Any
 
 import numpy as np
 
 from metafem.drawing import svg
-from metafem.inversion import (
-    BilinearLaw,
-    Design,
-    LinearLaw,
-    MultilinearLaw,
-    OperatingPoints,
-    PowerLaw,
-    SampledLaw,
-)
+from metafem.inversion import Design
 from metafem.models import equilibrium
 from metafem.progress import doing
 from metafem.report.comparison import MOST_COMPARED, Comparison, compared
@@ -100,7 +91,7 @@ def page(design: Design, hardness: float | None = None, *, checks: bool = False)
     comparisons, left_out = compared(design)
     notes, achieved = all_notes(design, hardness), design.status.name != "MISSED"
     return template.render(
-        title=wanted(design.target),
+        title=design.target.title,
         status=design.status.value,
         achieved=achieved,
         tiles=_tiles(design),
@@ -141,45 +132,6 @@ def page(design: Design, hardness: float | None = None, *, checks: bool = False)
         residual=f"{design.law.residual.max():.1e}",
         model=model_name(design.law.model),
     )
-
-
-@singledispatch
-def wanted(target: object) -> str:
-    """Say in one line what was asked for."""
-    raise TypeError(f"no words for {type(target).__name__}")
-
-
-@wanted.register(OperatingPoints)
-def _(target: OperatingPoints) -> str:
-    return f"Friction law through {len(target.rescaled_load)} operating points"
-
-
-@wanted.register(LinearLaw)
-def _(target: LinearLaw) -> str:
-    origin = " through the origin" if target.through_origin else ""
-    return f"Linear friction law of slope {target.slope:.4g}{origin}"
-
-
-@wanted.register(BilinearLaw)
-def _(target: BilinearLaw) -> str:
-    first, second = target.slopes
-    return f"Bilinear friction law of slopes {first:.4g} and {second:.4g}"
-
-
-@wanted.register(SampledLaw)
-def _(target: SampledLaw) -> str:
-    return f"Friction law given by {len(target.rescaled_load)} samples"
-
-
-@wanted.register(PowerLaw)
-def _(target: PowerLaw) -> str:
-    low, high = target.load_range
-    return f"Power law of exponent {target.exponent:.4g} from {low:g} to {high:g} mm²"
-
-
-@wanted.register(MultilinearLaw)
-def _(target: MultilinearLaw) -> str:
-    return f"Friction law of slopes {', '.join(f'{slope:.4g}' for slope in target.slopes)}"
 
 
 def _tiles(design: Design) -> list[tuple[str, str]]:
