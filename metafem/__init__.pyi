@@ -27,6 +27,7 @@ from .inversion import RadiusRange as RadiusRange
 from .inversion import SampledLaw as SampledLaw
 from .inversion import Together as Together
 from .inversion import achievable_friction_coefficients as achievable_friction_coefficients
+from .inversion import achievable_load_range as achievable_load_range
 from .inversion import arrange as arrange
 from .inversion import design_radii as design_radii
 from .inversion import design_radius as design_radius

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import BeforeValidator, model_validator
 
+from metafem import _validate as check
 from metafem.errors import InvalidInput
-from metafem.files.section import Area, Force, Number, Section, Whether, says
+from metafem.files.section import Area, Force, Number, Section, says
 from metafem.files.units import converted
 from metafem.inversion import (
     BilinearLaw,
@@ -18,21 +19,50 @@ from metafem.inversion import (
     SampledLaw,
     Target,
 )
+from metafem.inversion.wording import RESCALED, Wording
 from metafem.surface import Friction, Material
 
 LOADS, FRICTIONS = ["0.144 mm^2", "0.336 mm^2"], ["0.84 mm^2", "1.68 mm^2"]
 RANGE = ["0.1 mm^2", "0.4 mm^2"]
 
+# What an error shows where a load may be rescaled or in newtons.
+LOAD = '0.144 mm^2" or "0.2 N'
 
-def _crossover(given: Any) -> float | list[float]:
+# What a range of loads means for linear and bilinear laws.
+LINE = "P/E* or P, from and to: friction is the line through the origin within 1 %"
+
+
+def _load(given: Any) -> GivenLoad:
+    """Read a load in newtons or a rescaled one."""
+    try:
+        return GivenLoad(converted(given, "mm^2", LOAD), "mm^2")
+    except InvalidInput as reason:
+        try:
+            return GivenLoad(converted(given, "N", LOAD), "N")
+        except InvalidInput:
+            raise reason from None
+
+
+def _crossover(given: Any) -> list[GivenLoad]:
     """Read a load, or a pair of them."""
-    if isinstance(given, list):
-        return [converted(load, "mm^2") for load in given]
-    return converted(given, "mm^2")
+    return [_load(load) for load in given] if isinstance(given, list) else [_load(given)]
 
+
+class GivenLoad(NamedTuple):
+    """A load as the file has it, in mm^2 or N."""
+
+    value: float
+    unit: str
+
+    def rescaled(self, material: Material) -> float:
+        """Return P/E* [mm^2]."""
+        return self.value / material.composite_modulus if self.unit == "N" else self.value
+
+
+Load = Annotated[Any, BeforeValidator(_load)]
 
 # Read as a whole, so that an error tells of the entry and not of each way to read it.
-Crossover = Annotated[float | list[float], BeforeValidator(_crossover)]
+Crossover = Annotated[Any, BeforeValidator(_crossover)]
 
 
 class CurveSection(Section):
@@ -94,7 +124,7 @@ class SampledSection(CurveSection):
     def target(self, material: Material, friction: Friction | None) -> Target:
         """Return the target of these keys."""
         points = self.points(material, friction)
-        return SampledLaw(points.rescaled_load, points.rescaled_friction, self.weight)
+        return SampledLaw(points.rescaled_load, points.rescaled_friction, self.weight, points.wording)
 
 
 class PowerSection(Section):
@@ -102,65 +132,130 @@ class PowerSection(Section):
 
     kind: Literal["power"]
     exponent: Annotated[Number, says("of F/(sigma B) = C (P/E*)^exponent", 1.2)]
-    load_range: Annotated[list[Area], says("P/E* from and to", RANGE)]
+    load_range: Annotated[list[Load], says("P/E* or P, from and to", RANGE)]
     prefactor: Annotated[Number | None, says("C, for areas in mm^2; free unless given", 7.0)] = None
 
     def target(self, material: Material, friction: Friction | None) -> Target:
         """Return the target of these keys."""
-        return PowerLaw(self.exponent, self.load_range, self.prefactor)
+        told_in = Wording(material.composite_modulus if self.load_range[0].unit == "N" else None)
+        return PowerLaw(self.exponent, _range(self.load_range, material) or [], self.prefactor, told_in)
 
 
-class MultilinearSection(Section):
+class StraightSection(Section):
+    """Slopes or friction coefficients, over rescaled loads or loads in newtons."""
+
+    def told_in(self, material: Material, loads: list[GivenLoad]) -> Wording:
+        """Return the units in which messages tell of slopes over these loads."""
+        return Wording(material.composite_modulus) if any(load.unit == "N" for load in loads) else RESCALED
+
+    def pair(self, material: Material, friction: Friction | None, key: str) -> tuple[Material, Friction]:
+        """Return the material pair that friction coefficients need."""
+        if friction is None:
+            raise InvalidInput(f"{key} needs [friction] with shear_strength and area_ratio")
+        return material, friction
+
+
+def _either(section: Section, slope: str, coefficient: str) -> None:
+    """Refuse none or both of two keys."""
+    if (getattr(section, slope) is None) == (getattr(section, coefficient) is None):
+        raise InvalidInput(f"needs {slope} or {coefficient}, one of the two")
+
+
+def _range(given: list[GivenLoad] | None, material: Material) -> list[float] | None:
+    """Return a range of rescaled loads; checked as it was written, for the errors."""
+    if given is None:
+        return None
+    if len({load.unit for load in given}) > 1:
+        raise InvalidInput("load_range mixes mm^2 and N; give both loads in one unit")
+    check.interval("load_range", [load.value for load in given])
+    return [load.rescaled(material) for load in given]
+
+
+class MultilinearSection(StraightSection):
     """Straight branches, slopes rising or falling, with a free intercept."""
 
     kind: Literal["multilinear"]
-    slopes: Annotated[list[Number], says("of F/(sigma B) over P/E*, one a branch", [9.5, 8.0, 7.0])]
+    slopes: Annotated[
+        list[Number] | None, says("either: of F/(sigma B) over P/E*, one a branch", [9.5, 8.0, 7.0])
+    ] = None
+    friction_coefficients: Annotated[
+        list[Number] | None, says("or: dF/dP, one a branch; needs [friction]", [2.1, 1.8, 1.6])
+    ] = None
     crossover_loads: Annotated[
         list[Crossover],
         says(
-            "P/E* of each: one load, or a pair with a free law between",
+            "P/E* or P of each: one load, or a pair with a free law between",
             ["0.07 mm^2", ["0.15 mm^2", "0.18 mm^2"]],
         ),
     ]
-    load_range: Annotated[list[Area], says("P/E* from and to", ["0.03 mm^2", "0.26 mm^2"])]
+    load_range: Annotated[list[Load], says("P/E* or P, from and to", ["0.03 mm^2", "0.26 mm^2"])]
+
+    @model_validator(mode="after")
+    def _one_of_two(self) -> MultilinearSection:
+        _either(self, "slopes", "friction_coefficients")
+        return self
 
     def target(self, material: Material, friction: Friction | None) -> Target:
         """Return the target of these keys."""
-        return MultilinearLaw(self.slopes, self.crossover_loads, self.load_range)
+        crossovers: list[Any] = []
+        for i, given in enumerate(self.crossover_loads):
+            loads = [load.rescaled(material) for load in given]
+            if len(loads) > 1:
+                check.interval(f"crossover_loads[{i}]", [load.value for load in given])
+            crossovers.append(loads if len(loads) > 1 else loads[0])
+        ends = _range(self.load_range, material) or []
+        if self.friction_coefficients is None:
+            given = [*self.load_range, *(load for pair in self.crossover_loads for load in pair)]
+            return MultilinearLaw(self.slopes or [], crossovers, ends, self.told_in(material, given))
+        pair = self.pair(material, friction, "friction_coefficients")
+        return MultilinearLaw.from_friction_coefficients(self.friction_coefficients, crossovers, ends, *pair)
 
 
-class LinearSection(Section):
+class LinearSection(StraightSection):
     """A straight law: a slope or a friction coefficient."""
 
     kind: Literal["linear"]
     slope: Annotated[Number | None, says("either: of F/(sigma B) over P/E*", 6.87)] = None
     friction_coefficient: Annotated[Number | None, says("or: mu; needs [friction]", 1.5)] = None
-    through_origin: Annotated[Whether, says("no intercept, over the widest range of loads", True)] = False
+    load_range: Annotated[list[Load] | None, says(LINE, ["0.05 mm^2", "0.2 mm^2"])] = None
 
     @model_validator(mode="after")
     def _one_of_two(self) -> LinearSection:
-        if (self.slope is None) == (self.friction_coefficient is None):
-            raise InvalidInput("needs slope or friction_coefficient, one of the two")
+        _either(self, "slope", "friction_coefficient")
         return self
 
     def target(self, material: Material, friction: Friction | None) -> Target:
         """Return the target of these keys."""
+        ends = _range(self.load_range, material)
         if self.friction_coefficient is None:
-            return LinearLaw(self.slope or 0.0, self.through_origin)
-        if friction is None:
-            raise InvalidInput("friction_coefficient needs [friction] with shear_strength and area_ratio")
-        return LinearLaw.from_friction_coefficient(
-            self.friction_coefficient, material, friction, self.through_origin
-        )
+            return LinearLaw(self.slope or 0.0, ends, self.told_in(material, self.load_range or []))
+        pair = self.pair(material, friction, "friction_coefficient")
+        return LinearLaw.from_friction_coefficient(self.friction_coefficient, *pair, ends)
 
 
-class BilinearSection(Section):
+class BilinearSection(StraightSection):
     """Two straight branches that meet at a crossover load."""
 
     kind: Literal["bilinear"]
-    slopes: Annotated[list[Number], says("of F/(sigma B) over P/E*, below and above", [7.15, 12.52])]
-    crossover_load: Annotated[Area, says("P/E* where they meet", "0.0380 mm^2")]
+    slopes: Annotated[
+        list[Number] | None, says("either: of F/(sigma B) over P/E*, below and above", [7.15, 12.52])
+    ] = None
+    friction_coefficients: Annotated[
+        list[Number] | None, says("or: dF/dP, below and above; needs [friction]", [1.6, 2.7])
+    ] = None
+    crossover_load: Annotated[Load, says("P/E* or P where they meet", "0.0380 mm^2")]
+    load_range: Annotated[list[Load] | None, says(LINE, ["0.02 mm^2", "0.1 mm^2"])] = None
+
+    @model_validator(mode="after")
+    def _one_of_two(self) -> BilinearSection:
+        _either(self, "slopes", "friction_coefficients")
+        return self
 
     def target(self, material: Material, friction: Friction | None) -> Target:
         """Return the target of these keys."""
-        return BilinearLaw(self.slopes, self.crossover_load)
+        ends, crossover = _range(self.load_range, material), self.crossover_load.rescaled(material)
+        if self.friction_coefficients is None:
+            told_in = self.told_in(material, [self.crossover_load, *(self.load_range or [])])
+            return BilinearLaw(self.slopes or [], crossover, ends, told_in)
+        pair = self.pair(material, friction, "friction_coefficients")
+        return BilinearLaw.from_friction_coefficients(self.friction_coefficients, crossover, *pair, ends)

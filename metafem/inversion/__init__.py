@@ -8,6 +8,7 @@ from metafem.inversion.judge import DesignStatus
 from metafem.inversion.layout import Arrangement, arrange
 from metafem.inversion.limits import Limits
 from metafem.inversion.objectives import FollowLaw, InsensitiveToTilt, Objective, Together
+from metafem.inversion.proportional import achievable_load_range
 from metafem.inversion.radii import RadiusRange
 from metafem.inversion.radius import design_radii, design_radius
 from metafem.inversion.target import (
@@ -39,6 +40,7 @@ __all__ = [
     "Target",
     "Together",
     "achievable_friction_coefficients",
+    "achievable_load_range",
     "arrange",
     "design",
     "design_radii",

@@ -35,9 +35,9 @@ def design_notes(
     if misfit <= REACHED:
         return notes
     if blueprint.density is not None:
-        return (_density(request, fits, misfit), *notes)
+        return (*notes, _density(request, fits, misfit))
     if blueprint.branches and blueprint.wanted.pointwise and independent_misfit(blueprint) > REACHED:
-        return (_line(request), *notes)
+        return (*notes, _line(request))
     return notes
 
 

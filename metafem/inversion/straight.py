@@ -358,4 +358,5 @@ def _crossover(i: int, given: object) -> LoadRange:
         return load, load
     if not isinstance(given, (list, tuple, np.ndarray)) or not all(check.scalar(end) for end in given):
         raise InvalidInput(f"{name} = {given!r:.60} must be a load or a pair of loads")
-    return check.interval(name, given)
+    low, high = check.array(name, given, shape=(2,)).tolist()
+    return (low, high) if low == high > 0.0 else check.interval(name, given)

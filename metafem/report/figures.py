@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import singledispatch
 from itertools import cycle
 from typing import TYPE_CHECKING
 
@@ -12,18 +11,8 @@ from numpy.typing import ArrayLike
 
 from metafem import drawing
 from metafem.drawing import ACHIEVED, QUIET, TARGET, new_figure
-from metafem.inversion import (
-    BilinearLaw,
-    Design,
-    LinearLaw,
-    MultilinearLaw,
-    OperatingPoints,
-    PowerLaw,
-    SampledLaw,
-    feasible_region,
-)
-from metafem.inversion.mixture import Mixture
-from metafem.inversion.sampled import wanted_law
+from metafem.inversion import Design, feasible_region
+from metafem.inversion.wanted import Wanted
 from metafem.law import friction_law
 from metafem.models import equilibrium
 from metafem.report.comparison import Comparison
@@ -40,95 +29,75 @@ VIEWED_LOADS = (0.1, 0.4, 1.0)
 # Loads at which sensitivities are drawn, of a law's hundred.
 SENSITIVITY_LOADS = 33
 
+# Up to so many loads of a target are marked one by one.
+MOST_MARKED = 10
+
 
 def law_figure(design: Design) -> Figure:
-    """Target and achieved law, and below it their relative difference."""
+    """Target and achieved law, and below it the relative difference of which the misfit is made."""
     figure = new_figure(7.0, 5.6)
     ax, below = figure.subplots(2, 1, sharex=True, height_ratios=[3, 1])
     design.law.plot(ax, label="achieved: " + model_name(design.law.model))
-    if design.density is not None:
-        mixture = Mixture.of(design.surface.radius)
-        count, radius = mixture.carrying, mixture.radius
-        separation = np.linspace(0.0, design.density.max_height, 200)
-        ax.plot(
-            design.density.rescaled_load(separation, count, radius),
-            design.density.area(separation, count, radius),
-            color="black",
-            ls=(0, (2, 3)),
-            lw=1.0,
-            label="law of the height density",
-        )
-    draw_target(design.target, design, ax, below)
-    below.spines[["top", "right"]].set_visible(False)
-    below.axhline(0.0, color=QUIET, lw=0.8)
+    (_draw_target if design.density is None else _draw_density)(design, ax)
+    _draw_difference(design, below)
+    for branch, _ in design.fits:
+        for panel in (ax, below):
+            panel.axvspan(*branch.load_range, color=TARGET, alpha=0.06, lw=0)
     below.set_xlabel(ax.get_xlabel())
     ax.set_xlabel("")
-    below.set_ylabel(DIFFERENCE[type(design.target)] + " [%]")
     ax.legend(frameon=False, loc="upper left")
     _force_axes(design, ax)
     return figure
 
 
-# Of what the law's difference is shown below it.
-DIFFERENCE = {
-    OperatingPoints: "error at\nthe points",
-    **dict.fromkeys((LinearLaw, BilinearLaw), "A0 against\ntarget line"),
-    **dict.fromkeys((SampledLaw, PowerLaw, MultilinearLaw), "A0 against\nthe target"),
-}
-
-
-@singledispatch
-def draw_target(target: object, design: Design, ax: Axes, below: Axes) -> None:
-    """Draw what was asked for, and how far the law is from it."""
-    raise TypeError(f"no drawing for {type(target).__name__}")
-
-
-@draw_target.register(OperatingPoints)
-def _(target: OperatingPoints, design: Design, ax: Axes, below: Axes) -> None:
-    ax.plot(target.rescaled_load, target.rescaled_friction, "o", color=TARGET, ms=7, label="target")
-    load = target.rescaled_load * design.surface.material.composite_modulus
-    area = [equilibrium(design.surface, design.law.model, load=float(p)).area for p in load]
-    error = np.array(area) / target.rescaled_friction - 1.0
-    below.plot(target.rescaled_load, 100.0 * error, "o", color=ACHIEVED)
-    if np.abs(error).max() < 1e-9:
-        below.set_ylim(-1.0, 1.0)
-        below.annotate("all points are met to 1e-9", (0.02, 0.75), xycoords="axes fraction", color=QUIET)
-
-
-@draw_target.register(LinearLaw)
-@draw_target.register(BilinearLaw)
-def _(target: LinearLaw | BilinearLaw, design: Design, ax: Axes, below: Axes) -> None:
-    for i, (branch, fit) in enumerate(design.fits):
-        load = np.array(branch.load_range)
-        centre = load.mean()
-        middle = fit.intercept + fit.slope * centre
-        through = middle - branch.slope * centre if branch.intercept is None else branch.intercept
-        label = "target slope" + (", asymptote" if branch.intercept is not None else "") if i == 0 else None
-        wide = np.array([0.0 if branch.intercept is not None else load[0], load[1]])
-        ax.plot(wide, through + branch.slope * wide, color=TARGET, lw=1.4, label=label)
-        ax.axvspan(*load, color=TARGET, alpha=0.06, lw=0)
-        below.axvspan(*load, color=TARGET, alpha=0.06, lw=0)
-        inside = (design.law.rescaled_load >= load[0]) & (design.law.rescaled_load <= load[1])
-        x, y = design.law.rescaled_load[inside], design.law.rescaled_friction[inside]
-        below.plot(x, 100.0 * (y / (through + branch.slope * x) - 1.0), color=ACHIEVED)
-    if isinstance(target, BilinearLaw):
-        ax.axvline(target.crossover_load, color=TARGET, ls=":", lw=1.2, label="target crossover")
-
-
-@draw_target.register(SampledLaw)
-@draw_target.register(PowerLaw)
-@draw_target.register(MultilinearLaw)
-def _(target: SampledLaw | PowerLaw | MultilinearLaw, design: Design, ax: Axes, below: Axes) -> None:
-    wanted = wanted_law(target)
+def _draw_difference(design: Design, ax: Axes) -> None:
+    """Draw the law's relative difference from what `design.misfit` compares it with."""
+    wanted = design.wanted
     load = wanted.load * design.surface.material.composite_modulus
-    area = friction_law(design.surface, design.law.model, load=load).area
-    law = wanted.law(area)
-    ax.plot(wanted.load, law, "o", ms=3, color=TARGET, label="target", zorder=3)
-    below.plot(wanted.load, 100.0 * (area / law - 1.0), color=ACHIEVED)
+    difference = wanted.difference(friction_law(design.surface, design.law.model, load=load).area)
+    ax.axhline(0.0, color=QUIET, lw=0.8)
+    ax.plot(wanted.load, 100.0 * difference, "o" if _few(wanted) else "-", color=ACHIEVED)
+    ax.spines[["top", "right"]].set_visible(False)
+    ax.set_ylabel(f"A0 against\n{'the target' if design.density is None else 'density law'} [%]")
+    if np.abs(difference).max() < 1e-9:
+        ax.set_ylim(-1.0, 1.0)
+        ax.annotate("all points are met to 1e-9", (0.02, 0.75), xycoords="axes fraction", color=QUIET)
+
+
+def _few(wanted: Wanted) -> bool:
+    """Whether loads are so few that each is marked."""
+    return len(wanted.load) <= MOST_MARKED
+
+
+def _draw_target(design: Design, ax: Axes) -> None:
+    """Draw the law that was asked for, between the bounds of all surfaces."""
+    wanted = design.wanted
+    load = wanted.load * design.surface.material.composite_modulus
+    law = wanted.law(friction_law(design.surface, design.law.model, load=load).area)
+    ax.plot(wanted.load, law, "o", ms=7 if _few(wanted) else 3, color=TARGET, label="target", zorder=3)
+    if _few(wanted):
+        return
     bounds = np.linspace(0.0, float(wanted.load[-1]), 200)[1:]
     low, high = feasible_region(design.template, bounds, design.limits, design.radii)
     ax.fill_between(bounds, low, high, color=QUIET, alpha=0.12, lw=0, label="reach of independent asperities")
     ax.set_ylim(top=1.5 * float(design.law.area[-1]))
+
+
+def _draw_density(design: Design, ax: Axes) -> None:
+    """Draw the law of the height density, and straight lines of the target's slopes along its branches."""
+    density = design.wanted
+    ax.plot(
+        density.load, density.base, color="black", ls=(0, (2, 3)), lw=1.0, label="law of the height density"
+    )
+    for i, (branch, fit) in enumerate(design.fits):
+        load = np.array(branch.load_range)
+        middle = fit.intercept + fit.slope * load.mean()
+        through = middle - branch.slope * load.mean() if branch.intercept is None else branch.intercept
+        label = "target slope" + (", asymptote" if branch.intercept is not None else "") if i == 0 else None
+        wide = np.array([0.0 if branch.intercept is not None else load[0], load[1]])
+        ax.plot(wide, through + branch.slope * wide, color=TARGET, lw=1.4, label=label)
+    for branch, _ in design.fits[:-1]:
+        ax.axvline(branch.load_range[1], color=TARGET, ls=":", lw=1.2, label="target crossover")
 
 
 def comparison_figure(comparisons: tuple[Comparison, ...]) -> Figure:

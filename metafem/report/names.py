@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import fields, is_dataclass
 
-from metafem.inversion import Design, OperatingPoints
+from metafem.inversion import Design
 
 # Misfits at or below this are not told apart from none: the promise of an exact design.
 EXACT = 1e-9
@@ -31,20 +31,14 @@ def model_name(value: object) -> str:
 
 
 def misfit_words(design: Design) -> tuple[str, str]:
-    """Return what a design's misfit is, by the kind of its target, and its value.
+    """Return what a design's misfit is, and its value.
 
     Examples
     --------
     >>> import metafem as mf
     >>> template = mf.Surface.square_lattice(0.12, (2, 2), radius=0.526, material=mf.Material(1.36))
     >>> misfit_words(mf.design(mf.OperatingPoints([0.01], [0.1]), template))
-    ('largest error at the points', 'below 1e-9')
+    ('misfit: largest difference from the target', 'below 1e-9')
     """
     value = "below 1e-9" if design.misfit <= EXACT else f"{100.0 * design.misfit:.2g} %"
-    if isinstance(design.target, OperatingPoints):
-        return "largest error at the points", value
-    if design.density is not None:
-        return "misfit (rms to the density's law, or worst slope)", value
-    if design.fits:
-        return "misfit (rms of the law, or worst slope)", value
-    return "misfit (rms of the law)", value
+    return f"misfit: {design.misfit_meaning}", value

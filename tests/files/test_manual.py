@@ -11,8 +11,17 @@ KEYS = all_keys()
 KINDS = sorted({key.kind for key in KEYS if key.kind})
 
 # Keys that exclude others, and a table that is not there.
-FIRST = {"load", "friction_force", "friction_coefficient", "file", "radius", "range", "mixed"}
-SECOND = {"rescaled_load", "rescaled_friction", "slope", "file", "radius", "tools", "mixed"}
+FIRST = {
+    "load",
+    "friction_force",
+    "friction_coefficient",
+    "friction_coefficients",
+    "file",
+    "radius",
+    "range",
+    "mixed",
+}
+SECOND = {"rescaled_load", "rescaled_friction", "slope", "slopes", "file", "radius", "tools", "mixed"}
 THIRD = FIRST - {"radius"} | {"tools"}
 
 

@@ -73,11 +73,34 @@ def test_target_from_forces(read):
     np.testing.assert_allclose(read(text).target.rescaled_load, [0.1 / 1.36, 0.3 / 1.36], rtol=1e-12)
 
 
-def test_a_linear_law_may_pass_through_the_origin(read):
-    spec = read(LINEAR.replace("slope = 6.87", "slope = 6.87\nthrough_origin = true"))
-    assert spec.target == mf.LinearLaw(6.87, through_origin=True)
-    mu = read(LINEAR.replace("slope = 6.87", "friction_coefficient = 1.5\nthrough_origin = true")).target
-    assert mu.through_origin
+def test_lines_are_read_over_loads_of_either_kind(read):
+    areas = 'load_range = ["0.05 mm^2", "200000 um^2"]'
+    assert read(LINEAR.replace("slope = 6.87", f"slope = 6.87\n{areas}")).target == mf.LinearLaw(
+        6.87, (0.05, 0.2)
+    )
+    forces = 'load_range = ["68 mN", "0.272 N"]'
+    target = read(LINEAR.replace("slope = 6.87", f"slope = 6.87\n{forces}")).target
+    assert target.load_range == pytest.approx((0.05, 0.2), rel=1e-15)
+    assert target.title.endswith("slope 6.87 from 0.068 to 0.272 N")
+    mu = read(LINEAR.replace("slope = 6.87", f"friction_coefficient = 1.5\n{areas}")).target
+    assert mu.title.endswith("friction coefficient 1.5 from 0.068 to 0.272 N")
+
+
+def test_bilinear_and_multilinear_laws_take_friction_coefficients(read):
+    bilinear = demo_text("bilinear").replace("slopes = [7.15, 12.52]", "friction_coefficients = [1.2, 1.9]")
+    forces = bilinear.replace('"0.0380 mm^2"', '"0.05776 N"\nload_range = ["0.03 N", "0.15 N"]')
+    target = read(forces).target
+    assert target.friction_coefficients == (1.2, 1.9)
+    assert target.crossover_load == pytest.approx(0.038, rel=1e-15)
+    assert target.title.endswith("friction coefficients 1.2 and 1.9 through the origin from 0.03 to 0.15 N")
+    branches = (
+        'kind = "multilinear"\nfriction_coefficients = [2, 1.5]\ncrossover_loads = [["0.1 N", "0.2 N"]]'
+    )
+    text = LINEAR.replace('kind = "linear"', branches).replace(
+        "slope = 6.87", 'load_range = ["0.05 N", "0.4 N"]'
+    )
+    assert read(text).target.friction_coefficients == (2.0, 1.5)
+    assert read(text).target.crossover_loads[0] == pytest.approx((0.1 / 1.36, 0.2 / 1.36), rel=1e-15)
 
 
 def test_a_layout_is_read_with_its_angle(read):
@@ -156,8 +179,17 @@ WRONG = {
     "unknown model": ('"independent"', '"indpendent"', ["model.kind", "did you mean independent?"]),
     "negative alignment": ('"400 um"', '"-4 um"', ["part.alignment_height"]),
     "no section": ("[target]", "checks = 3\n[target]", ["checks = 3 must be a section"]),
-    "word for a truth": ("slope = 6.87", "slope = 6\nthrough_origin = 1", ["= 1 must be true or false"]),
-    "foreign truth": ('"linear"', '"linear"\nthrough_orign = true', ["did you mean through_origin?"]),
+    "both": ("slope = 6.87", "slope = 6\nfriction_coefficient = 1", ["one of the two"]),
+    "mixed range": ("slope = 6.87", 'slope = 6\nload_range = ["1 mm^2", "2 N"]', ["mixes mm^2 and N"]),
+    "falling loads": (
+        "slope = 6.87",
+        'slope = 6\nload_range = ["0.3 N", "0.2 N"]',
+        ["load_range[1] = 0.2 N does not exceed"],
+    ),
+    "loads in mm": (
+        "slope = 6.87", 'slope = 6\nload_range = ["3 mm", "4 mm"]', ['"0.144 mm^2" or "0.2 N"']
+    ),
+    "loads as numbers": ("slope = 6.87", "slope = 6\nload_range = [1, 2]", ["load_range[0] = 1 needs a "]),
     "tilt without unit": ("seed = 0", "tilt = 0.1", ["layout.tilt = 0.1 needs a unit", '"0.1 deg"']),
     "no tilt": ("seed = 0", 'tilt = "0 deg"', ["layout.tilt = 0 deg must be greater than 0 deg"]),
     "weight alone": ("seed = 0", "tilt_weight = 2", ["layout.tilt_weight needs tilt"]),

@@ -1,68 +1,132 @@
-"""Friction in true proportion to the load, over nearly the range that any surface allows."""
+"""Lines through the origin over a range of loads: met within 1 % at every load, or refused with what is."""
 
 import numpy as np
 import pytest
 
 import metafem as mf
+from metafem.inversion import DesignStatus
 from metafem.inversion.feasibility import friction_bounds
-from metafem.inversion.proportional import proportional_range
+from metafem.inversion.proportional import line_range
 from metafem.inversion.radii import Radii
 
-LIMITS = mf.Limits(0.27)
+TALL, DEMO = mf.Limits(0.27), mf.Limits(0.12, offset=0.084)
 ONE = Radii.of(0.526)
+MODELS = [mf.Independent(), mf.Interacting(order=1)]
 
 
-def test_range_ends_where_the_law_meets_the_bounds():
-    low, high = proportional_range(7.0, ONE, 64)
-    least, most = friction_bounds(np.array([low, high]), ONE, 64)
-    assert (least[0], most[1]) == (pytest.approx(7.0 * low), pytest.approx(7.0 * high))
+def deviation(result):
+    """Largest relative difference of A0 from the target's line, on loads between those of the design."""
+    load = np.geomspace(*result.target.load_range, 300)
+    return np.abs(result.law.model.curve(result.surface, load).area / result.target.line(load) - 1.0).max()
 
 
-@pytest.mark.parametrize("model", [mf.Independent(), mf.Interacting(order=1)], ids=["alone", "coupled"])
+def test_range_ends_where_the_line_meets_the_bounds():
+    for line in (mf.LinearLaw(7.0), mf.BilinearLaw((6.0, 9.0), 0.08), mf.BilinearLaw((6.0, 4.5), 0.08)):
+        low, high = line_range(line, ONE, 64)
+        friction = line.line(np.array([low, high]))
+        least, _ = friction_bounds(np.array([low]), ONE, 64)
+        assert least[0] == pytest.approx(friction[0])
+        # of 64 contacts that enter at once, dA0/dp = (pi/2) N R/(N a) at p = 4/3 N a^3/R or A0 = N pi a^2
+        together = 64 * (0.75 * 0.526 * high / friction[1] * np.pi) ** 2 * np.pi
+        steepest = 0.5 * np.pi * 64 * 0.526**2 * 0.75 * high / (friction[1] / np.pi) ** 2
+        assert together >= friction[1]
+        assert steepest == pytest.approx(line.lines[-1][0])
+
+
+@pytest.mark.parametrize("model", MODELS, ids=["alone", "coupled"])
+@pytest.mark.parametrize(
+    ("target", "limits"),
+    [
+        (mf.LinearLaw(6.87, (0.05, 0.2)), DEMO),
+        (mf.BilinearLaw((7.15, 12.52), 0.038, (0.02, 0.1)), mf.Limits(0.12, offset=0.05)),
+        (mf.BilinearLaw((6.0, 9.0), 0.08, (0.03, 0.3)), TALL),
+    ],
+    ids=["linear demo", "bilinear demo", "6 and 9"],
+)
+def test_a_line_is_met_within_a_hundredth(template, target, limits, model):
+    result = mf.design(target, template, model, limits)
+    assert result.status in (DesignStatus.REACHED, DesignStatus.REFINED)
+    assert deviation(result) < 0.01
+    assert result.misfit == pytest.approx(deviation(result), rel=0.3)  # at a hundred loads
+    assert not any(note.warns for note in result.notes)
+    for branch, fit in result.fits:
+        assert fit.intercept == pytest.approx(branch.intercept, abs=0.01 * target.line(target.last_load))
+
+
+def test_without_a_range_nothing_has_changed(template):
+    result = mf.design(mf.BilinearLaw((7.15, 12.52), 0.038), template, limits=mf.Limits(0.12, offset=0.05))
+    assert result.parameters["counts"].tolist() == [6, 58]
+    assert result.status is DesignStatus.APPROXIMATE
+
+
+@pytest.mark.parametrize("target", [mf.LinearLaw(6.87), mf.BilinearLaw((6.0, 9.0), 0.08)])
+def test_a_density_further_off_names_the_way(template, target):
+    result = mf.design(target, template, limits=mf.Limits(0.15))
+    assert result.misfit > 0.01
+    assert result.notes[-1].warns
+    assert f"{100 * result.misfit:.2g} %" in str(result.notes[-1])
+    assert "Give load_range" in str(result.notes[-1])
+
+
 @pytest.mark.parametrize("slope", [7.0, 12.0])
-def test_friction_is_proportional_over_most_of_the_range(template, slope, model):
-    result = mf.design(mf.LinearLaw(slope, through_origin=True), template, model, LIMITS)
-    low, last = result.parameters["load_range"]
-    first, end = proportional_range(slope, ONE, 64)
-    assert low == pytest.approx(first)
-    assert last > 0.5 * end
-    load = np.geomspace(low, last, 200)
-    ratio = model.curve(result.surface, load).area / load / slope
-    assert np.sqrt(((ratio - 1.0) ** 2).mean()) < 0.01
-    assert result.misfit < 0.01
-    assert abs(result.fits[0][1].intercept) < 0.01 * slope * last
-    assert f"from {low:.4g} to {last:.4g} mm^2" in result.notes[0].text
+def test_the_widest_range_is_nearly_that_of_the_bounds(template, slope):
+    low, high = mf.achievable_load_range(mf.LinearLaw(slope), template, TALL)
+    first, end = line_range(mf.LinearLaw(slope), ONE, 64)
+    assert low == pytest.approx(1.4 * first, rel=1e-5)
+    assert high > 0.9 * end
+    assert deviation(mf.design(mf.LinearLaw(slope, (low, high)), template, limits=TALL)) < 0.01
 
 
 def test_little_height_shortens_the_range(template):
     wide, narrow = (
-        mf.design(mf.LinearLaw(7.0, through_origin=True), template, limits=mf.Limits(top, offset=0.2))
-        for top in (0.27, 0.12)
+        mf.achievable_load_range(mf.BilinearLaw((6.0, 9.0), 0.08), template, mf.Limits(top, offset=0.2))
+        for top in (0.27, 0.15)
     )
-    assert narrow.parameters["load_range"][1] < 0.7 * wide.parameters["load_range"][1]
-    assert np.ptp(narrow.surface.height) <= 0.12 * (1.0 + 1e-12)
+    assert wide[0] < narrow[0] < 0.08 < narrow[1] < wide[1]
+    result = mf.design(mf.BilinearLaw((6.0, 9.0), 0.08, wide), template, limits=mf.Limits(0.15, offset=0.2))
+    assert result.status is DesignStatus.MISSED
+    assert "the line is not met within 1 % from" in str(result.notes[-1])
+    within = mf.achievable_load_range(result.target, template, mf.Limits(0.15, offset=0.2))
+    for end in within:
+        assert f"{end:.2g}" in str(result.notes[-1])
 
 
 @pytest.mark.parametrize(
-    ("slope", "words"), [(0.5, "below the friction of a single asperity"), (5.5, "raise max_height, or the")]
+    ("target", "words"),
+    [
+        (mf.LinearLaw(7.0, (0.01, 0.2)), r"slope 7 .* cannot begin at 0.01 mm\^2: .* up to 0.01407 mm\^2"),
+        (mf.LinearLaw(7.0, (0.03, 0.7)), r"slope 7 .* cannot go on up to 0.7 mm\^2: from 0.6002 mm\^2 on"),
+        (mf.BilinearLaw((6.0, 9.0), 0.08, (0.03, 0.7)), r"slope 9 .* from 0.3336 mm\^2 on"),
+        (
+            mf.BilinearLaw((6.0, 3.9), 0.08, (0.04, 0.2)),
+            r"slope 3.9 cannot follow slope 6 .* from 4 to 71.48",
+        ),
+    ],
 )
-def test_a_slope_beyond_reach_is_refused_with_one_that_is_not(template, slope, words):
+def test_what_no_surface_has_is_refused_with_what_is_reached(template, target, words):
     with pytest.raises(mf.Infeasible, match=words) as caught:
-        mf.design(mf.LinearLaw(slope, through_origin=True), template, limits=mf.Limits(0.1))
-    near = caught.value.nearest
-    assert near.through_origin
-    assert mf.design(near, template, limits=mf.Limits(0.1)).misfit < 0.01
+        mf.design(target, template, limits=TALL)
+    assert deviation(mf.design(caught.value.nearest, template, limits=TALL)) < 0.01
 
 
-def test_one_asperity_is_never_proportional(template):
+def test_a_range_out_of_reach_says_what_to_change(template):
+    with pytest.raises(mf.Infeasible, match=r"a single asperity has more friction .*; raise the slope"):
+        mf.design(mf.LinearLaw(0.5, (0.01, 0.2)), template, limits=TALL)
     one = mf.Surface([[0.0, 0.0]], [0.1], 0.526, mf.Material(1.0))
-    with pytest.raises(mf.Infeasible):
-        mf.design(mf.LinearLaw(7.0, through_origin=True), one, limits=LIMITS)
+    with pytest.raises(mf.Infeasible, match="not reached within 1 % over any range of loads with 1 "):
+        mf.achievable_load_range(mf.LinearLaw(7.0), one, TALL)
+    with pytest.raises(mf.InvalidInput, match=r"target = .* must be a metafem\.LinearLaw or BilinearLaw"):
+        mf.achievable_load_range(mf.PowerLaw(1.0, (0.1, 0.2)), template, TALL)
 
 
-def test_friction_coefficients_may_go_through_the_origin(template):
-    pair = template.material, template.friction
-    law = mf.LinearLaw.from_friction_coefficient(1.5, *pair, through_origin=True)
-    assert law.through_origin
-    with pytest.raises(mf.InvalidInput, match="through_origin = 1 must be True or False"):
-        mf.LinearLaw(7.0, through_origin=1)
+@pytest.mark.parametrize(
+    ("build", "words"),
+    [
+        (lambda: mf.LinearLaw(7.0, (0.2, 0.1)), r"load_range\[1\] = 0.1 does not exceed"),
+        (lambda: mf.LinearLaw(7.0, True), "load_range"),
+        (lambda: mf.BilinearLaw((6.0, 9.0), 0.3, (0.1, 0.2)), r"crossover_load = 0.3 mm\^2 must lie inside"),
+    ],
+)
+def test_bad_ranges_are_named(build, words):
+    with pytest.raises(mf.InvalidInput, match=words):
+        build()

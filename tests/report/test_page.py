@@ -36,7 +36,7 @@ def test_page_is_self_contained_and_reproducible(template, kind):
 
 def test_page_tells_of_tools_and_steps(template):
     tools = mf.design_radius(
-        mf.LinearLaw(9.0, through_origin=True),
+        mf.LinearLaw(9.0, (0.05, 0.2)),
         template,
         [0.4, 0.526],
         limits=mf.Limits(0.27, height_step=0.002),
@@ -44,8 +44,7 @@ def test_page_tells_of_tools_and_steps(template):
     text = page(tools)
     for words in (
         "radii tried",
-        "friction is proportional to load",
-        "through the origin",
+        "Friction proportional to load: slope 9 from 0.05 to 0.2 mm²",
     ):
         assert words in text
     assert "heights stand on steps of 2 um" in text
@@ -102,11 +101,11 @@ def test_page_with_the_finite_element_checks(template):
 @pytest.mark.parametrize(
     ("target", "words"),
     [
-        (mf.OperatingPoints([0.144, 0.336], [0.84, 1.68]), "largest error at the points"),
-        (mf.LinearLaw(6.87), "misfit (rms to the density&#39;s law, or worst slope)"),
-        (mf.BilinearLaw((7.15, 12.52), 0.038), "misfit (rms to the density&#39;s law, or worst slope)"),
-        (mf.LinearLaw(9.0, through_origin=True), "misfit (rms of the law, or worst slope)"),
-        (mf.PowerLaw(1.2, (0.1, 0.2)), "misfit (rms of the law)"),
+        (mf.OperatingPoints([0.144, 0.336], [0.84, 1.68]), "misfit: largest difference from the target"),
+        (mf.LinearLaw(6.87), "misfit: rms difference from the law of the height density"),
+        (mf.BilinearLaw((7.15, 12.52), 0.038), "misfit: difference of a fitted slope from the target&#39;s"),
+        (mf.LinearLaw(9.0, (0.05, 0.2)), "misfit: largest difference from the target"),
+        (mf.PowerLaw(1.2, (0.1, 0.2)), "misfit: rms difference from the target"),
     ],
 )
 def test_the_misfit_is_called_what_it_is(template, target, words):
