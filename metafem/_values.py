@@ -16,8 +16,8 @@ MOST_PRINTED = 6
 class Value:
     """Base of dataclasses declared ``frozen=True, eq=False, repr=False``.
 
-    Two values are equal if they are of one type and all members are equal: arrays in type, shape and every
-    bit, members of a mapping whatever their order. Equal values have one hash.
+    Two values are equal if they are of one type and all compared members are equal: arrays in type, shape
+    and every bit, members of a mapping whatever their order. Equal values have one hash.
     """
 
     def __eq__(self, other: object) -> bool:
@@ -29,11 +29,13 @@ class Value:
         return hash((type(self), self._members()))
 
     def __repr__(self) -> str:
-        members = (f"{field.name}={_short(getattr(self, field.name))}" for field in fields(self))  # type: ignore[arg-type]
+        shown = [field.name for field in fields(self) if field.repr]  # type: ignore[arg-type]
+        members = (f"{name}={_short(getattr(self, name))}" for name in shown)
         return f"{type(self).__name__}({', '.join(members)})"
 
     def _members(self) -> tuple[Any, ...]:
-        return tuple(_comparable(getattr(self, field.name)) for field in fields(self))  # type: ignore[arg-type]
+        compared = [field.name for field in fields(self) if field.compare]  # type: ignore[arg-type]
+        return tuple(_comparable(getattr(self, name)) for name in compared)
 
 
 def span(values: NDArray[Any], unit: str) -> str:
