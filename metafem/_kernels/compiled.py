@@ -24,6 +24,7 @@ from numba import njit
 from numba.core.caching import NullCache
 from numba.core.compiler import CompileResult
 from numba.core.serialize import dumps
+from numba.core.types import unliteral
 
 from metafem import _caches
 
@@ -35,9 +36,16 @@ DIGEST = 32
 
 
 def compiled(function):
-    """Compile a kernel for each signature that it is called with, once for this installation."""
+    """Compile a kernel for each signature that it is called with, once for this installation.
+
+    A kernel that calls another with a literal, such as False, gets the one compiled for any boolean.
+    """
     dispatcher: Any = njit(nogil=True)(function)
     dispatcher._cache = _Kept(function)
+    template = dispatcher.get_call_template
+    dispatcher.get_call_template = lambda arguments, named: template(
+        tuple(unliteral(argument) for argument in arguments), named
+    )
     return dispatcher
 
 
@@ -69,7 +77,7 @@ class _Kept(NullCache):
     """The compiled signatures of one function, on disk. What cannot be read or kept is compiled."""
 
     def __init__(self, function):
-        self._name = f"{function.__module__.rpartition('.')[2]}.{function.__qualname__}"
+        self._name = f"{function.__module__}.{function.__qualname__}"
 
     def load_overload(self, signature, target_context):
         """Return what was compiled for a signature, or None."""

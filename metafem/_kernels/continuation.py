@@ -14,8 +14,8 @@ import numpy as np
 from metafem._kernels import projected_cg
 from metafem._kernels.compiled import compiled
 from metafem._kernels.contact import hertz
-from metafem._kernels.coupling import State, empty_state, quadratic_form
-from metafem._kernels.interacting import TOLERANCE, Scratch, empty_scratch, newton, rates, refresh, settle
+from metafem._kernels.coupling import State, copy, empty_state, quadratic_form
+from metafem._kernels.interacting import TOLERANCE, Scratch, empty_scratch, rates, refresh, settle
 
 # Residual of the tangent; the stiffness is stationary about it and has twice the digits.
 TANGENT = 1e-4
@@ -158,70 +158,67 @@ def afresh(gap, radius, control, by_load, z):
 
 
 @compiled
-def solved(field, order, radius, own, gap, approach, target, state, scratch):
-    """Solve under a target load, or at the approach where the target is 0."""
-    if target > 0.0:
-        return settle(field, order, radius, own, gap, approach, target, state, scratch)
-    return newton(field, order, radius, own, gap, approach, 0.0, state, scratch)
-
-
-@compiled
-def curve(field, order, radius, own, gap, control, by_load, row, results, state, memory, scratch, trail):
-    """Fill one row of results at increasing loads, or approaches; and z (k, n) where `trail` has room."""
-    n = radius.size
-    points = 0
-    x = width = 0.0
-    share = np.zeros(n)
-    for j in range(control.size):
-        results.approach[row, j] = 0.0 if by_load else control[j]
-        if control[j] <= 0.0:
-            for i in range(n):
-                state.z[i] = min(results.approach[row, j], 0.0) - gap[i]
-                state.load[i] = state.square[i] = 0.0
-            if trail.size > 0:
-                trail[j] = state.z
-            continue
-        target = control[j] if by_load else 0.0
-        if points == 0:
-            start = afresh(gap, radius, control[j], by_load, state.z)
-        else:
-            ahead = 0.0 if by_load else control[j] - x
-            start = x + predict(memory, points, width, ahead, target, radius, state.z)
-        new, count, load, residual = solved(field, order, radius, own, gap, start, target, state, scratch)
-        if residual > TOLERANCE and points > 0:  # a prediction across entering contacts can mislead
-            start = afresh(gap, radius, control[j], by_load, state.z)
-            new, count, load, residual = solved(field, order, radius, own, gap, start, target, state, scratch)
-        if trail.size > 0:
-            trail[j] = state.z
-        results.approach[row, j] = new
-        results.load[row, j] = load
-        area = largest = 0.0
-        for k in range(count):
-            square = state.square[state.closed[k]]
-            area += square
-            largest = max(largest, square)
-        results.area[row, j] = math.pi * area
-        results.radius[row, j] = math.sqrt(largest)
-        results.residual[row, j] = residual
-        if residual > TOLERANCE or count == 0:
-            points = 0
-            continue
-        memory.before[:] = memory.last
-        memory.before_rate[:] = memory.last_rate
-        memory.last[:] = state.z
-        scratch.loads[:] = share
-        results.stiffness[row, j] = tangent(field, order, radius, own, state, count, points, memory, scratch)
-        share[:] = scratch.loads
-        width = new - x
-        x = new
-        points = min(2, points + 1) if width > 0.0 else 1
-
-
-@compiled
 def curves(field, order, radius, own, gap, control, by_load, results, state, memory, scratch, trail):
-    """Fill the results (m, k) of m surfaces: radius, own and gap are (m, n), control (k,) increasing."""
+    """Fill the results (m, k) of m surfaces, and z (k, n) of the last where `trail` has room.
+
+    radius, own and gap are (m, n), control (k,) holds increasing loads or approaches.
+    """
+    n = gap.shape[1]
+    share = np.zeros(n)
     for row in range(gap.shape[0]):
-        curve(
-            field, order, radius[row], own[row], gap[row], control, by_load, row, results,
-            state, memory, scratch, trail,
-        )  # fmt: skip
+        points = 0
+        x = width = 0.0
+        for j in range(control.size):
+            results.approach[row, j] = 0.0 if by_load else control[j]
+            if control[j] <= 0.0:
+                for i in range(n):
+                    state.z[i] = min(results.approach[row, j], 0.0) - gap[row, i]
+                    state.load[i] = state.square[i] = 0.0
+                if trail.size > 0:
+                    copy(state.z, trail[j])
+                continue
+            target = control[j] if by_load else 0.0
+            alone = points == 0
+            while True:
+                if alone:
+                    start = afresh(gap[row], radius[row], control[j], by_load, state.z)
+                else:
+                    ahead = 0.0 if by_load else control[j] - x
+                    start = x + predict(memory, points, width, ahead, target, radius[row], state.z)
+                new, count, load, residual = settle(
+                    field, order, radius[row], own[row], gap[row], start, target, state, scratch
+                )
+                if residual <= TOLERANCE or alone:
+                    break
+                alone = True  # a prediction across entering contacts can mislead
+            if trail.size > 0:
+                copy(state.z, trail[j])
+            results.approach[row, j] = new
+            results.load[row, j] = load
+            results.residual[row, j] = residual
+            results.area[row, j], results.radius[row, j] = areas(state, count)
+            if residual > TOLERANCE or count == 0:
+                points = 0
+                continue
+            copy(memory.last, memory.before)
+            copy(memory.last_rate, memory.before_rate)
+            copy(state.z, memory.last)
+            copy(share, scratch.loads)
+            results.stiffness[row, j] = tangent(
+                field, order, radius[row], own[row], state, count, points, memory, scratch
+            )
+            copy(scratch.loads, share)
+            width = new - x
+            x = new
+            points = min(2, points + 1) if width > 0.0 else 1
+
+
+@compiled
+def areas(state, count):
+    """Return the area of all contacts [mm^2], and the radius of the largest [mm]."""
+    area = largest = 0.0
+    for k in range(count):
+        square = state.square[state.closed[k]]
+        area += square
+        largest = max(largest, square)
+    return math.pi * area, math.sqrt(largest)

@@ -66,6 +66,13 @@ def empty_state(count: int) -> State:
 
 
 @compiled
+def copy(source, target):
+    """Copy an array (n,): a slice would be checked for its shape, whose message takes seconds to compile."""
+    for i in range(target.size):
+        target[i] = source[i]
+
+
+@compiled
 def add_rows(matrix, closed, count, weight, out):
     """Add sum_j weight[j] matrix[j] over the closed j to `out`: rows stream, no reduction is needed."""
     n = out.size

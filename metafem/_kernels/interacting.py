@@ -9,7 +9,7 @@ import numpy as np
 
 from metafem._kernels import projected_cg
 from metafem._kernels.compiled import compiled
-from metafem._kernels.coupling import assemble, energy, measure, respond
+from metafem._kernels.coupling import assemble, copy, energy, measure, respond
 
 # The residual that is promised, and the one Newton aims at, which leaves room for rounding.
 TOLERANCE = 1e-12
@@ -171,7 +171,7 @@ def line_search(field, order, radius, own, gap, approach, shift, target, residua
     """
     free = target > 0.0
     before = slope = 0.0
-    scratch.start[:] = state.z
+    copy(state.z, scratch.start)
     if not free:
         before = energy(order, radius, gap, approach, state, count)
         for k in range(count):
@@ -196,30 +196,28 @@ def line_search(field, order, radius, own, gap, approach, shift, target, residua
 
 @compiled
 def settle(field, order, radius, own, gap, approach, target, state, scratch):
-    """Solve at a given load by Newton, and where that stalls from equilibria that bracket the load.
+    """Solve by Newton at the approach where the target is 0, else at a given load.
 
-    The load grows with the approach, and at a given approach the energy is convex: between an
-    approach that carries less and one that carries more, bisection ends near enough for Newton.
+    Where that stalls, equilibria at given approaches bracket the load: it grows with the approach, and at
+    a given approach the energy is convex, so bisection ends near enough for Newton.
     """
-    scratch.safe[:] = state.z
-    x, count, load, residual = newton(field, order, radius, own, gap, approach, target, state, scratch)
-    if residual <= TOLERANCE:
-        return x, count, load, residual
+    copy(state.z, scratch.safe)
     low, high = 0.0, math.inf
-    x = approach
-    state.z[:] = scratch.safe
-    for _ in range(MAX_BRACKET):
-        x, count, load, residual = newton(field, order, radius, own, gap, x, 0.0, state, scratch)
-        if residual > TOLERANCE:
-            break
-        if load < target:
-            low = x
+    x = following = approach
+    goal = target
+    for _ in range(2 * MAX_BRACKET + 1):
+        end, count, load, residual = newton(field, order, radius, own, gap, x, goal, state, scratch)
+        if target == 0.0 or (goal > 0.0) == (residual <= TOLERANCE):
+            break  # at the load, or not even at the approach
+        if goal > 0.0:
+            copy(scratch.safe, state.z)
+            x, goal = following, 0.0
         else:
-            high = x
-        scratch.safe[:] = state.z
-        y, count, load, residual = newton(field, order, radius, own, gap, x, target, state, scratch)
-        if residual <= TOLERANCE:
-            return y, count, load, residual
-        state.z[:] = scratch.safe
-        x = 2.0 * max(low, x) if high == math.inf else 0.5 * (low + high)
-    return x, count, load, residual
+            if load < target:
+                low = x
+            else:
+                high = x
+            copy(state.z, scratch.safe)
+            following = 2.0 * max(low, x) if high == math.inf else 0.5 * (low + high)
+            goal = target
+    return end, count, load, residual
