@@ -224,20 +224,20 @@ class Sections(Section):
     def _radius(self, problems: list[str]) -> tuple[float, RadiusRange | tuple[float, ...] | None, str]:
         """Return the template's radius, the radii to choose from and their key; add what is wrong."""
         one = self.lattice.radius
-        if self.radii is None:
-            if one is None:
-                missing = 'write for example radius = "526 um", or a section [radii]'
-                problems.append(f"lattice.radius is missing; {missing}")
-            return 1.0 if one is None else one, None, "lattice.radius"
-        source = "radii.tools" if self.radii.range is None else "radii.range"
-        if one is not None:
-            problems.append("lattice.radius and [radii] both give radii; keep one")
+        source, values = "lattice.radius", [one or 0.0]
+        if self.radii is not None:
+            source = "radii.tools" if self.radii.range is None else "radii.range"
+            values = [*(self.radii.range or self.radii.tools or ())]
+            if one is not None:
+                problems.append("lattice.radius and [radii] both give radii; keep one")
+        elif one is None:
+            missing = 'write for example radius = "526 um", or a section [radii]'
+            problems.append(f"lattice.radius is missing; {missing}")
+            return 1.0, None, source
         try:
-            values = self.radii.range or self.radii.tools or ()
-            for radius in values:
-                check.number(source, radius, above=0.0)
+            values = [check.number(source, radius, above=0.0) for radius in values]
             check.proportion(source, max(values), source, min(values))
-            given = self.radii.radii()
+            given = None if self.radii is None else self.radii.radii()
         except InvalidInput as error:
             problems.append(str(error))
             return 1.0, None, source

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import datetime
 import re
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, get_args
 
-from metafem._given import printable, shown
+from metafem._given import printable
 from metafem.files.manual import all_keys, as_toml
 from metafem.files.model_names import suggestion
+from metafem.files.units import as_written
 
 if TYPE_CHECKING:
     from pydantic import BaseModel
@@ -52,17 +52,9 @@ def worded(detail: Any, sections: type[BaseModel]) -> str:
     if kind == "value_error":
         return f"{key} {detail['ctx']['error']}"
     if kind in ("model_type", "model_attributes_type", "dict_type"):
-        return f"{key} = {_as_written(given)} must be a section: write [{key}] on a line of its own"
+        return f"{key} = {as_written(given)} must be a section: write [{key}] on a line of its own"
     must = MUST.get(kind, "cannot be used").format(**detail.get("ctx", {}))
-    return f"{key} = {_as_written(given)} {must}{_example(place, name)}"
-
-
-def _as_written(value: Any) -> str:
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, (datetime.date, datetime.time)):
-        return value.isoformat()
-    return shown(value)
+    return f"{key} = {as_written(given)} {must}{_example(place, name)}"
 
 
 def _example(place: list[str], name: str) -> str:

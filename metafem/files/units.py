@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import datetime
 import re
 from collections.abc import Mapping
 from contextlib import suppress
@@ -69,7 +70,7 @@ def converted(given: Any, unit: str, example: str | None = None) -> float:
     valid = f'; write for example "{example or EXAMPLES[unit]}"'
     if not isinstance(given, str):
         cause = "needs a unit" if isinstance(given, (int, float)) else f"must be a text in {unit}"
-        raise InvalidInput(f"= {shown(given)} {cause}{valid}")
+        raise InvalidInput(f"= {as_written(given)} {cause}{valid}")
     told = f'= "{printable(given, 60)}"'
     match = _QUANTITY.fullmatch(given)
     if match is None:
@@ -83,6 +84,15 @@ def converted(given: Any, unit: str, example: str | None = None) -> float:
         raise InvalidInput(f"{told} {error}{valid}") from None
     except OverflowError:
         raise InvalidInput(f"{told} is too large a number{valid}") from None
+
+
+def as_written(value: Any) -> str:
+    """Return a value of a TOML file as it stands there, on one line."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, (datetime.date, datetime.time)):
+        return value.isoformat()
+    return shown(value)
 
 
 def decimal(text: str) -> Fraction:

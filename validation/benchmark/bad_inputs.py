@@ -1,0 +1,326 @@
+"""Damaged records, specifications and tables: every one ends with a message, and soon.
+
+Run as ``python -m validation.benchmark.bad_inputs``.
+"""
+
+from __future__ import annotations
+
+import json
+import random
+import signal
+import subprocess
+import sys
+import tempfile
+import warnings
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import FrameType
+from typing import Any
+
+from click.testing import CliRunner
+
+import metafem as mf
+from metafem import cli
+from metafem.errors import NotConverged
+from metafem.files import Specification, demo_text
+from validation.benchmark.timing import Row
+
+COUNT = 3_000
+
+# Beyond this an input hangs the program [s].
+PATIENCE = 5
+
+# Of how many specifications that are accepted one is designed, too; the others only show that they can be.
+DESIGNED = 10
+
+# Of how many cases one runs in a process of its own.
+APART = 500
+
+# Designs of more places may take longer than the patience, and rightly so.
+FEW_PLACES = 100
+
+NESTED: Any = []
+for _ in range(300):
+    NESTED = [NESTED]
+
+VALUES: tuple[Any, ...] = (
+    *(None, True, False, 0, -1, 1, 3, 1.5, -1.5, 10**25, 10**400, 1e300, -1e300, 1e-300, 5e-324),
+    *(float("nan"), float("inf"), "", "text", "two\nlines", "λ\u2028\x85", "1.5 mm", "\ud800", [], {}),
+    *([[]], [1, "a"], {"type": "Surface"}, {"type": "Hertz"}, {"float64": [1.0]}, {"int64": [0]}),
+    *({"type": "LinearLaw", "slope": 1.0}, NESTED),
+)
+
+TOML = (
+    *("", '""', '"text"', '"1.5 mm"', '"-1 mm"', '"0 mm"', '"1e300 mm"', '"1e-300 mm"', '"1 parsec"'),
+    *('"9e999 mm"', '"1,5 mm"', '"5 µm"', '"1 mm^2"', '"1e60 MPa"', '"5\\n um"', "'''a\nb'''", "nan", "inf"),
+    *("-inf", "true", "1979-05-27", "07:32:00", "[]", "{}", "[[8]]", "[8, 8.5]", "[-1, 8]", "[3000, 3000]"),
+    *(
+        "[1, 1]",
+        "[10000000, 10000000]",
+        "1e308",
+        "-1",
+        "0",
+        "1e-320",
+        "9" * 30,
+        "9" * 5000,
+        "0x" + "f" * 5000,
+    ),
+    *('["1 um"]', '["1 um", "2 um"]', '["2 mm^2", "1 mm^2"]', '"automatic"', "a.b.c = 1", "{a = {b = 1}}"),
+)
+
+ENTRIES = (
+    *(
+        "",
+        "nan",
+        "inf",
+        "1e300",
+        "-1e300",
+        "1e-320",
+        "-5",
+        "0",
+        "1,5",
+        '"',
+        '"1,5"',
+        "é",
+        "#",
+        ";",
+        "\t",
+        "0x10",
+    ),
+    *("1e999", "9" * 50, "text", "x_mm", "1.2.3", "  ", "\0", "1_000"),
+)
+
+
+@dataclass
+class Tally:
+    """What was found wrong, by kind."""
+
+    tracebacks: list[str] = field(default_factory=list)
+    hangs: list[str] = field(default_factory=list)
+    codes: list[str] = field(default_factory=list)
+    lines: list[str] = field(default_factory=list)
+    refused: int = 0
+
+
+class TooLong(BaseException):
+    """Raised by the alarm; not an error that a program may catch."""
+
+
+@contextmanager
+def bounded(seconds: int) -> Iterator[None]:
+    """Raise TooLong if the body lasts longer."""
+
+    def ring(number: int, frame: FrameType | None) -> None:
+        raise TooLong
+
+    before = signal.signal(signal.SIGALRM, ring)
+    signal.alarm(seconds)
+    try:
+        yield
+    finally:
+        signal.alarm(0)
+        signal.signal(signal.SIGALRM, before)
+
+
+class Accepted(NotConverged):
+    """Raised in place of a design that is not made."""
+
+
+@contextmanager
+def reluctant_designs() -> Iterator[None]:
+    """Let only every so manieth specification be designed, and none of many places."""
+    original, seen = Specification.design, [0]
+
+    def design(self: Specification, model: Any = None) -> Any:
+        seen[0] += 1
+        fast = model is None and not self.model.couples and self.radii is None and self.layout is None
+        if seen[0] % DESIGNED or self.template.count > FEW_PLACES or not fast:
+            raise Accepted("accepted")
+        return original(self, model)
+
+    Specification.design = design  # type: ignore[method-assign]
+    try:
+        yield
+    finally:
+        Specification.design = original  # type: ignore[method-assign]
+
+
+def damaged_bytes(rng: random.Random, raw: bytes) -> bytes:
+    """Flip, cut, repeat or insert bytes."""
+    content = bytearray(raw)
+    match rng.randrange(5):
+        case 0:
+            content[rng.randrange(len(content))] ^= 1 << rng.randrange(8)
+        case 1:
+            del content[rng.randrange(len(content)) :]
+        case 2:
+            start = rng.randrange(len(content))
+            del content[start : start + rng.randrange(1, 40)]
+        case 3:
+            start = rng.randrange(len(content))
+            content[start:start] = content[start : start + rng.randrange(1, 200)]
+        case _:
+            start = rng.randrange(len(content))
+            content[start:start] = rng.choice(
+                [b"\0", b"\xff\xfe", b'"', b"[[", b"\xce\xbb", b"\r", b"#", b"="]
+            )
+    return bytes(content)
+
+
+def damaged_record(rng: random.Random, raw: bytes) -> bytes:
+    """Replace, delete or double a member of a JSON file."""
+    if rng.random() < 0.2:
+        return damaged_bytes(rng, raw)
+    record = json.loads(raw)
+    places = list(_places(record))
+    parent, key = rng.choice(places)
+    match rng.randrange(6):
+        case 0:
+            del parent[key]
+        case 1 if isinstance(parent, list):
+            parent.append(parent[key])
+        case 1:
+            parent[f"{key}_"] = parent[key]
+        case 2:
+            other, there = rng.choice(places)
+            parent[key] = (
+                other[there] if there in (other if isinstance(other, dict) else range(len(other))) else 0
+            )
+        case _:
+            parent[key] = rng.choice(VALUES)
+    return json.dumps(record).encode("utf-8", "surrogatepass")
+
+
+def _places(record: Any) -> Iterator[tuple[Any, Any]]:
+    members = record.items() if isinstance(record, dict) else enumerate(record)
+    for key, member in list(members):
+        yield record, key
+        if isinstance(member, (dict, list)) and len(member) < 50:  # long lists would drown the rest
+            yield from _places(member)
+
+
+def damaged_lines(rng: random.Random, raw: bytes) -> bytes:
+    """Delete, double, exchange or fill lines of a specification."""
+    if rng.random() < 0.2:
+        return damaged_bytes(rng, raw)
+    lines = raw.decode().splitlines()
+    i = rng.randrange(len(lines))
+    match rng.randrange(6):
+        case 0:
+            del lines[i]
+        case 1:
+            lines.insert(rng.randrange(len(lines)), lines[i])
+        case 2:
+            j = rng.randrange(len(lines))
+            lines[i], lines[j] = lines[j], lines[i]
+        case _:
+            keyed = [k for k, line in enumerate(lines) if "=" in line and not line.startswith("#")]
+            i = rng.choice(keyed)
+            lines[i] = f"{lines[i].partition('=')[0]}= {rng.choice(TOML)}"
+    return "\n".join(lines).encode()
+
+
+def damaged_table(rng: random.Random, raw: bytes) -> bytes:
+    """Replace entries, rows or the separators of a table."""
+    if rng.random() < 0.2:
+        return damaged_bytes(rng, raw)
+    rows = [line.split(",") for line in raw.decode().splitlines()]
+    i = rng.randrange(len(rows))
+    match rng.randrange(6):
+        case 0:
+            del rows[i]
+        case 1:
+            rows.insert(i, rows[rng.randrange(len(rows))])
+        case 2:
+            del rows[i][rng.randrange(len(rows[i]))]
+        case 3:
+            sign = rng.choice(";\t|:")
+            return "\n".join(sign.join(row) for row in rows).replace(".", rng.choice(".,")).encode()
+        case _:
+            rows[i][rng.randrange(len(rows[i]))] = rng.choice(ENTRIES)
+    return "\n".join(",".join(row) for row in rows).encode()
+
+
+def cases(folder: Path, count: int, seed: int = 0) -> Iterator[list[str]]:
+    """Write one damaged file after the other and yield the command that reads it."""
+    rng = random.Random(seed)
+    template = mf.Surface.square_lattice(0.12, (3, 3), radius=0.526, material=mf.Material(1.36))
+    mf.save(mf.design(mf.LinearLaw(7.0), template, limits=mf.Limits(0.12, offset=0.08)), folder / "whole")
+    record = (folder / "whole" / "design.json").read_bytes()
+    table = (folder / "whole" / "heights.csv").read_bytes()
+    specs = [demo_text(name).replace("[8, 8]", "[4, 4]").encode() for name in ("linear", "bilinear")]
+    (folder / "damaged").mkdir()
+    kinds: tuple[tuple[Callable[[random.Random, bytes], bytes], list[bytes], str, list[str]], ...] = (
+        (damaged_record, [record], "damaged/design.json", ["predict", "damaged", "--load", "0.1 N"]),
+        (damaged_lines, specs, "spec.toml", ["design", "spec.toml", "-o", "out", "--force"]),
+        (damaged_table, [table], "table.csv", ["predict", "table.csv", "--composite-modulus", "1 MPa"]),
+    )
+    for i in range(count):
+        damage, originals, name, command = kinds[i % len(kinds)]
+        (folder / name).write_bytes(damage(rng, rng.choice(originals)))
+        yield command
+
+
+def judge(tally: Tally, label: str, code: int, output: str, errors: str) -> None:
+    """Note what is wrong with how a command ended."""
+    if "Traceback" in errors or "Traceback" in output:
+        tally.tracebacks.append(f"{label}: {errors[-300:]}")
+    if code not in (0, 1, 2):
+        tally.codes.append(f"{label}: {code}")
+    if code == 2:
+        tally.refused += 1
+        name = label.rpartition(" ")[2]
+        first, *rest = errors.splitlines() or [""]
+        if not first.startswith("Error: ") or any(name not in line for line in rest):
+            tally.lines.append(f"{label}: {errors[:300]}")
+
+
+def measure(count: int, seed: int = 0) -> Tally:
+    """Run the command on so many damaged files."""
+    tally = Tally()
+    with tempfile.TemporaryDirectory() as parent, reluctant_designs(), warnings.catch_warnings():
+        warnings.simplefilter("error")  # a warning of numpy's on the terminal is as good as a traceback
+        folder, runner = Path(parent), CliRunner()
+        for i, command in enumerate(cases(folder, count, seed)):
+            arguments = [str(folder / part) if (folder / part).exists() else part for part in command]
+            if "-o" in arguments:
+                arguments[arguments.index("-o") + 1] = str(folder / "out")
+            label = f"{seed}/{i} {Path(arguments[1]).name}"
+            if i % APART == APART - 1:
+                done = subprocess.run(
+                    [sys.executable, "-m", "metafem", *arguments], capture_output=True, text=True, check=False
+                )
+                judge(tally, label, done.returncode, done.stdout, done.stderr)
+                continue
+            try:
+                with bounded(PATIENCE):
+                    result = runner.invoke(cli.main, arguments)
+            except TooLong:
+                tally.hangs.append(label)
+                continue
+            if not isinstance(result.exception, (SystemExit, type(None))):
+                tally.tracebacks.append(f"{label}: {result.exception!r}")
+            judge(tally, label, result.exit_code, result.stdout, result.stderr)
+    return tally
+
+
+def rows(count: int = COUNT) -> list[Row]:
+    """Measure how many of the damaged files are met badly."""
+    tally = measure(count)
+    for found in (tally.tracebacks, tally.hangs, tally.codes, tally.lines):
+        for text in found:
+            print(text, file=sys.stderr)
+    of = f"of {count} damaged records, specifications and tables"
+    return [
+        Row(f"{of}: tracebacks and warnings of libraries", 0, len(tally.tracebacks), ""),
+        Row(f"{of}: longer than {PATIENCE} s", 0, len(tally.hangs), ""),
+        Row(f"{of}: exit codes beside 0, 1 and 2", 0, len(tally.codes), ""),
+        Row(f"{of}: messages that are not one line a problem", 0, len(tally.lines), ""),
+    ]
+
+
+if __name__ == "__main__":
+    for row in rows(int(sys.argv[1]) if len(sys.argv) > 1 else COUNT):
+        print(f"{row.what}: wanted {row.wanted:g}, measured {row.measured:g}")
