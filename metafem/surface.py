@@ -62,6 +62,31 @@ class Material:
         object.__setattr__(self, "composite_modulus", modulus)
         object.__setattr__(self, "poisson_ratio", ratio)
 
+    @classmethod
+    def from_young(cls, young_modulus: float, poisson_ratio: float = 0.5) -> Material:
+        """Material of a Young's modulus, ``E* = E / (1 - nu^2)``.
+
+        Parameters
+        ----------
+        young_modulus : float
+            E [MPa], positive.
+        poisson_ratio : float
+            nu [-], from 0 to 0.5.
+
+        Raises
+        ------
+        InvalidInput
+            If a value is outside its range.
+
+        Examples
+        --------
+        >>> Material.from_young(young_modulus=1.02, poisson_ratio=0.5)
+        Material(composite_modulus=1.36, poisson_ratio=0.5)
+        """
+        modulus = check.number("young_modulus", young_modulus, above=0.0)
+        ratio = check.number("poisson_ratio", poisson_ratio, at_least=0.0, at_most=0.5)
+        return cls(modulus / (1.0 - ratio**2), ratio)
+
     @property
     def young_modulus(self) -> float:
         """Young's modulus E = E* (1 - nu^2) [MPa]."""

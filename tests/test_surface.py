@@ -23,6 +23,8 @@ def pair(**changes):
         (lambda: mf.Material(1.0, 0.51), "poisson_ratio = 0.51 must be at most 0.5"),
         (lambda: mf.Material(1.0, -0.1), "poisson_ratio = -0.1 must be at least 0"),
         (lambda: mf.Material("soft"), "composite_modulus = 'soft' is not a number"),
+        (lambda: mf.Material.from_young(0.0, 0.5), "young_modulus = 0 must be greater than 0"),
+        (lambda: mf.Material.from_young(1.0, 0.6), "poisson_ratio = 0.6 must be at most 0.5"),
         (lambda: mf.Friction(-1.0), "shear_strength = -1 must be greater"),
         (lambda: mf.Block(20.0, 20.0, 0.0), "thickness = 0 must be greater"),
         (lambda: pair(position=[[0, 0, 0]]), r"position has shape \(1, 3\); it must have shape \(n, 2\)"),
@@ -80,3 +82,11 @@ def test_shuffling_keeps_each_height_with_its_radius():
     ).shuffled(rng=2)
     np.testing.assert_array_equal(surface.radius, surface.height + 1.0)
     assert not (surface.height == np.arange(9.0)).all()
+
+
+@pytest.mark.parametrize("ratio", [0.0, 0.3, 0.5])
+def test_a_material_of_a_youngs_modulus(ratio):
+    material = mf.Material.from_young(1.02, ratio)
+    assert material.young_modulus == pytest.approx(1.02, rel=1e-15)
+    assert material.composite_modulus == pytest.approx(1.02 / (1.0 - ratio**2), rel=1e-15)
+    assert material.poisson_ratio == ratio

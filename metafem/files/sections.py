@@ -31,8 +31,22 @@ Radius = Annotated[Length, Field(gt=0.0)]
 class MaterialSection(Section):
     """``[material]``."""
 
-    composite_modulus: Annotated[Stress, says("E* = E/(1 - nu^2)", "1.36 MPa")]
+    composite_modulus: Annotated[Stress | None, says("either: E* = E/(1 - nu^2)", "1.36 MPa")] = None
+    young_modulus: Annotated[Stress | None, says("or: E, Young's modulus", "1.02 MPa")] = None
     poisson_ratio: Annotated[Number, says("nu, from 0 to 0.5", 0.5)] = 0.5
+
+    @model_validator(mode="after")
+    def _one_of_two(self) -> MaterialSection:
+        if (self.composite_modulus is None) == (self.young_modulus is None):
+            raise InvalidInput("needs composite_modulus or young_modulus, one of the two")
+        return self
+
+    def material(self) -> Material:
+        """Return the material."""
+        if self.young_modulus is not None:
+            return Material.from_young(self.young_modulus, self.poisson_ratio)
+        assert self.composite_modulus is not None
+        return Material(self.composite_modulus, self.poisson_ratio)
 
 
 class FrictionSection(Section):
@@ -194,7 +208,7 @@ class Sections(Section):
                 problems.append(f"{section}.{error}")
                 return None
 
-        material = made("material", Material, self.material.model_dump())
+        material = made("material", self.material.material, {})
         friction = self.friction and made("friction", Friction, self.friction.model_dump())
         block = None if self.block is None else made("block", Block, self.block.model_dump())
         limits = made("limits", Limits, self.limits.model_dump())

@@ -12,6 +12,7 @@ KINDS = sorted({key.kind for key in KEYS if key.kind})
 
 # Keys that exclude others, and a table that is not there.
 FIRST = {
+    "composite_modulus",
     "load",
     "friction_force",
     "friction_coefficient",
@@ -21,7 +22,17 @@ FIRST = {
     "range",
     "mixed",
 }
-SECOND = {"rescaled_load", "rescaled_friction", "slope", "slopes", "file", "radius", "tools", "mixed"}
+SECOND = {
+    "young_modulus",
+    "rescaled_load",
+    "rescaled_friction",
+    "slope",
+    "slopes",
+    "file",
+    "radius",
+    "tools",
+    "mixed",
+}
 THIRD = FIRST - {"radius"} | {"tools"}
 
 

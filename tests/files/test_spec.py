@@ -61,6 +61,17 @@ def test_hardness_is_read(read):
     assert read(LINEAR + '[checks]\nhardness = "10 MPa"\n').hardness == 10.0
 
 
+def test_a_material_may_be_given_by_its_youngs_modulus(read):
+    text = LINEAR.replace('composite_modulus = "1.36 MPa"', 'young_modulus = "1020 kPa"')
+    assert read(text).template.material == mf.Material.from_young(1.02, 0.5)
+
+
+@pytest.mark.parametrize("keys", ['composite_modulus = "1.36 MPa"\nyoung_modulus = "1.02 MPa"', ""])
+def test_a_material_has_one_modulus(read, keys):
+    with pytest.raises(mf.InvalidInput, match="material needs composite_modulus or young_modulus, one of"):
+        read(LINEAR.replace('composite_modulus = "1.36 MPa"', keys))
+
+
 def test_target_from_a_friction_coefficient(read):
     spec = read(LINEAR.replace("slope = 6.87", "friction_coefficient = 1.5"))
     expected = mf.LinearLaw.from_friction_coefficient(1.5, spec.template.material, spec.template.friction)
