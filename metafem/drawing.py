@@ -27,6 +27,9 @@ MICROMETRES = 1e3
 # most radii that it explains.
 LARGEST_DOT, LEGEND_DOT, MOST_DOTS = 0.8, 11.0, 3
 
+# Marks beyond which they are drawn as pixels, and how fine those are [per inch].
+MANY, RESOLUTION = 1000, 200
+
 # Fixed salt: the names of an SVG's elements must not change from run to run.
 SALT = "metafem"
 
@@ -65,7 +68,8 @@ def svg(figure: Figure, title: str) -> str:
         "font.family": "sans-serif",
     }
     with rc_context(style):
-        figure.savefig(buffer, format="svg", metadata=dict.fromkeys(("Date", "Creator", "Format", "Type")))
+        metadata = dict.fromkeys(("Date", "Creator", "Format", "Type"))
+        figure.savefig(buffer, format="svg", metadata=metadata, dpi=RESOLUTION)
     text = buffer.getvalue()
     start = text.index(">", text.index("<svg")) + 1
     return f"{text[text.index('<svg') : start]}<title>{escape(title)}</title>{text[start:]}"
@@ -85,10 +89,8 @@ def summits(ax: Axes, position: FloatArray, height: FloatArray, radius: FloatArr
 
     The diameters are in proportion to radii [mm] that differ, and are explained below.
     """
-    extent = np.ptp(position, axis=0)
-    apart = max(float(np.sqrt(extent.prod() / len(height))), float(extent.max()) / len(height))
     share = radius / radius.max()
-    dots = circles(ax, position, LARGEST_DOT * (apart or 1.0) * share, height * MICROMETRES)
+    dots = circles(ax, position, LARGEST_DOT * spacing(position) * share, height * MICROMETRES)
     ax.figure.colorbar(dots, ax=ax, label="summit height [µm]", shrink=0.85)
     if np.ptp(radius) > 0.0:
         shown = np.unique(radius)
@@ -106,7 +108,20 @@ def summits(ax: Axes, position: FloatArray, height: FloatArray, radius: FloatArr
 def empty_places(ax: Axes, position: FloatArray) -> None:
     """Draw places (m, 2) [mm] without an asperity as rings."""
     x, y = position.T
-    ax.scatter(x, y, s=60, facecolors="none", edgecolors=QUIET, lw=0.8)
+    ax.scatter(x, y, s=60, facecolors="none", edgecolors=QUIET, lw=0.8, rasterized=len(position) > MANY)
+
+
+def spacing(position: FloatArray) -> float:
+    """Return about the distance [mm] between neighbours of places (n, 2), 1 for a single one."""
+    extent = np.ptp(position, axis=0)
+    count = len(position)
+    return max(float(np.sqrt(extent.prod() / count)), float(extent.max()) / count) or 1.0
+
+
+def rings(ax: Axes, position: FloatArray, diameter: float) -> None:
+    """Draw rings of a diameter [mm] about places (m, 2) [mm]."""
+    drawn = circles(ax, position, np.full(len(position), diameter))
+    drawn.set(facecolor="none", edgecolor=QUIET, linewidth=0.8 if len(position) <= MANY else 0.2)
 
 
 def circles(
@@ -123,6 +138,7 @@ def circles(
         offsets=position,
         offset_transform=ax.transData,
         facecolors=ACHIEVED,
+        rasterized=len(position) > MANY,
     )
     if value is not None:
         dots.set_array(value)

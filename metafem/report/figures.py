@@ -1,4 +1,4 @@
-"""Figures of laws and surfaces."""
+"""Figures of laws."""
 
 from __future__ import annotations
 
@@ -9,12 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from metafem import drawing
 from metafem.drawing import ACHIEVED, QUIET, TARGET, new_figure
 from metafem.inversion import Design, feasible_region
 from metafem.inversion.wanted import Wanted
 from metafem.law import friction_law
-from metafem.models import equilibrium
 from metafem.report.comparison import Comparison
 from metafem.report.names import model_name
 
@@ -22,9 +20,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-
-# The three loads of the contact views, as shares of the largest load of the law.
-VIEWED_LOADS = (0.1, 0.4, 1.0)
 
 # Loads at which sensitivities are drawn, of a law's hundred.
 SENSITIVITY_LOADS = 33
@@ -100,6 +95,21 @@ def _draw_density(design: Design, ax: Axes) -> None:
         ax.axvline(branch.load_range[1], color=TARGET, ls=":", lw=1.2, label="target crossover")
 
 
+def force_figure(design: Design) -> Figure:
+    """Friction force, and friction coefficient F/P, over the load in newtons."""
+    law = design.law
+    figure = new_figure(9.0, 3.2)
+    left, right = figure.subplots(1, 2)
+    law.plot(left, units="N")
+    right.plot(law.load, law.friction_force / law.load, color=ACHIEVED, lw=1.8)
+    right.set(xlabel="load  P [N]", ylabel="friction coefficient  μ = F/P")
+    right.set_xlim(left=0.0)
+    right.set_ylim(bottom=0.0)
+    for ax in (left, right):
+        ax.spines[["top", "right"]].set_visible(False)
+    return figure
+
+
 def comparison_figure(comparisons: tuple[Comparison, ...]) -> Figure:
     """Change of A0 by elastic interaction, in percent of the independent law, over the load."""
     figure = new_figure(7.0, 3.0)
@@ -131,41 +141,6 @@ def sensitivity_figure(design: Design) -> Figure:
     figure.colorbar(picture, label="dA0/dh [mm]")
     ax.set_xlabel("asperity, the tallest first")
     ax.set_ylabel("rescaled load  P/E* [mm²]")
-    return figure
-
-
-def several_radii(design: Design) -> bool:
-    """Whether the summits differ in their radii."""
-    return bool(np.ptp(design.surface.radius) > 0.0)
-
-
-def height_figure(design: Design) -> Figure:
-    """Heights at their places, the diameters in proportion to radii that differ; empty places as rings."""
-    figure = new_figure(5.0, 4.2)
-    ax = figure.add_subplot()
-    empty = np.setdiff1d(np.arange(design.template.count), design.sites)
-    drawing.empty_places(ax, design.template.position[empty])
-    design.surface.plot(ax)
-    if empty.size:
-        ax.set_title(f"{empty.size} places stay empty (rings)", fontsize=10, color=QUIET)
-    return figure
-
-
-def contact_figure(design: Design) -> Figure:
-    """Top views of the real contacts, to scale, at three loads."""
-    figure = new_figure(9.6, 3.6)
-    axes = figure.subplots(1, len(VIEWED_LOADS), sharex=True, sharey=True)
-    for ax, share in zip(axes, VIEWED_LOADS, strict=True):
-        load = share * float(design.law.load[-1])
-        state = equilibrium(design.surface, design.law.model, load=load)
-        closed = state.asperity_area > 0.0
-        diameter = 2.0 * np.sqrt(state.asperity_area[closed] / np.pi)
-        x, y = design.surface.position[~closed].T
-        ax.scatter(x, y, s=2, color=QUIET)
-        drawing.circles(ax, design.surface.position[closed], diameter)
-        drawing.plan(ax)
-        ax.set_title(f"P = {load:.3g} N: {closed.sum()} contacts, {state.area:.3g} mm²", fontsize=10)
-        ax.label_outer()
     return figure
 
 

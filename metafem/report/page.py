@@ -14,21 +14,21 @@ from metafem.models import equilibrium
 from metafem.progress import doing
 from metafem.report.comparison import MOST_COMPARED, Comparison, compared
 from metafem.report.elements import elements_section
-from metafem.report.figures import (
-    comparison_figure,
-    contact_figure,
-    height_figure,
-    law_figure,
-    sensitivity_figure,
-    several_radii,
-)
+from metafem.report.figures import comparison_figure, force_figure, law_figure, sensitivity_figure
 from metafem.report.names import misfit_words, model_name
 from metafem.report.notes import all_notes
+from metafem.report.views import MOST_SHAPED, contact_figure, height_figure, several_radii, shape_figure
 
 Row = tuple[str, str, str]
 
 # Radii of the summits that are named one by one.
 MOST_NAMED = 5
+
+# Summits that are listed; all of them stand in heights.csv.
+MOST_LISTED = 200
+
+# Numbers of one parameter that are printed.
+MOST_PRINTED = 24
 
 # Units and words of the parameters that inversions report.
 PARAMETERS = {
@@ -97,9 +97,14 @@ def page(design: Design, hardness: float | None = None, *, checks: bool = False)
         tiles=_tiles(design),
         notes=notes,
         warned=not achieved or any(note.warns for note in notes),
+        excerpt=design.surface.count > MOST_SHAPED,
         arranged=design.layout is not None,
         hardness=hardness,
         law=svg(law_figure(design), "Target and achieved friction law"),
+        forces=svg(force_figure(design), "Friction force and friction coefficient")
+        if design.surface.friction is not None
+        else "",
+        shape=svg(shape_figure(design), "The surface seen at an angle"),
         heights=svg(height_figure(design), "Summit heights at their places"),
         sensitivities=svg(sensitivity_figure(design), "Sensitivity of A0 to each height")
         if design.surface.count <= MOST_COMPARED
@@ -114,21 +119,7 @@ def page(design: Design, hardness: float | None = None, *, checks: bool = False)
         parameters=parameter_rows(design),
         fits=_fits(design),
         inputs=_inputs(design),
-        summit_columns=("site", "x [mm]", "y [mm]", "height [µm]", "radius [µm]")[
-            : 4 + several_radii(design)
-        ],
-        summits=[
-            (str(site), f"{x:.4f}", f"{y:.4f}", f"{h * 1e3:.2f}", f"{r * 1e3:.6g}")[
-                : 4 + several_radii(design)
-            ]
-            for site, (x, y), h, r in zip(
-                design.sites.tolist(),
-                design.surface.position,
-                design.surface.height,
-                design.surface.radius,
-                strict=True,
-            )
-        ],
+        summits=_summits(design),
         residual=f"{design.law.residual.max():.1e}",
         model=model_name(design.law.model),
     )
@@ -150,7 +141,9 @@ def parameter_rows(design: Design) -> list[Row]:
     for name, value in design.parameters.items():
         words, unit, factor = PARAMETERS[name]
         numbers = np.atleast_1d(np.asarray(value) * (int(factor) if factor == 1.0 else factor))
-        rows.append((words, ", ".join(f"{number:.6g}" for number in numbers), unit))
+        text = ", ".join(f"{number:.6g}" for number in numbers[:MOST_PRINTED])
+        more = len(numbers) - MOST_PRINTED
+        rows.append((words, f"{text}, and {more} more in design.json" if more > 0 else text, unit))
     return rows
 
 
@@ -169,6 +162,22 @@ def _fits(design: Design) -> list[dict[str, Any]]:
             }
         )
     return rows
+
+
+def _summits(design: Design) -> dict[str, Any]:
+    """Return the table of the summits, the first ones where there are many."""
+    surface = design.surface
+    columns = ("site", "x [mm]", "y [mm]", "height [µm]", "radius [µm]")[: 4 + several_radii(surface)]
+    rows = [
+        (
+            str(design.sites[i]),
+            *(f"{coordinate:.4f}" for coordinate in surface.position[i]),
+            f"{surface.height[i] * 1e3:.2f}",
+            f"{surface.radius[i] * 1e3:.6g}",
+        )[: len(columns)]
+        for i in range(min(surface.count, MOST_LISTED))
+    ]
+    return {"columns": columns, "rows": rows, "count": surface.count}
 
 
 def _comparisons(comparisons: tuple[Comparison, ...]) -> list[tuple[str, ...]]:

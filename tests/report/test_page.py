@@ -28,7 +28,7 @@ def test_page_is_self_contained_and_reproducible(template, kind):
         "#",
         "d",
     }  # elements of the page, and data: images
-    assert text.count("<svg") == 5
+    assert text.count("<svg") == 7
     assert "bonded layer" in text
     assert "radius [µm]" not in text  # a column for radii that differ
     assert design.status.value.split(":")[0] in text
@@ -94,7 +94,7 @@ def test_page_does_not_wait_for_the_true_block(template, tmp_path, monkeypatch):
 def test_page_with_the_finite_element_checks(template):
     design = mf.design(mf.LinearLaw(6.87), template)
     text = page(design, checks=True)
-    assert text.count("<svg") == 5 + 3
+    assert text.count("<svg") == 7 + 3
     assert re.search(r"(\d+) checks, \1 passed", text)
 
 
@@ -130,3 +130,18 @@ def test_seeds_are_told_of_where_places_were_dealt(template):
     dealt = mf.design(mf.LinearLaw(6.87), template, limits=limits)
     placed = replace(dealt, layout=mf.Layout())
     assert ("another seed" in page(dealt), "another seed" in page(placed)) == (True, False)
+
+
+def test_a_page_of_thousands_of_summits_is_small():
+    template = mf.Surface.square_lattice(0.12, (40, 40), radius=0.526, material=mf.Material(1.36))
+    text = page(mf.design(mf.LinearLaw(6.87), template))
+    assert len(text) < 1.5e6  # the 2.8 MB of marks and rows grew with the number of summits
+    assert "The first 200 of 1600 summits; heights.csv lists all of them" in text
+    assert "surroundings of the tallest summit" in text
+
+
+def test_forces_are_shown_where_there_is_a_friction(template):
+    bare = template.replaced(friction=None)
+    bare, rubbed = (page(mf.design(mf.LinearLaw(6.87), each)) for each in (bare, template))
+    for words in ("friction force  F [N]", "friction coefficient  μ = F/P"):
+        assert (words in bare, words in rubbed) == (False, True)

@@ -1,0 +1,140 @@
+"""A surface of caps as it looks from above at an angle, as an image."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from metafem.drawing import FloatArray
+
+# Fields of a million points, for a picture.
+Single = NDArray[np.float32]
+
+# From where the surface is seen: turned about the normal, and above the base plane.
+TURN, RISE = math.radians(30.0), math.radians(38.0)
+
+# Light from the left, the front and above, and the share that is light from everywhere.
+LIGHT, AMBIENT = np.array([-0.5, -0.35, 0.8]), 0.4
+
+# Pixels across; each is the mean of so many samples along both directions.
+PIXELS, SAMPLES = 700, 2
+
+# Height of the tallest summit in the picture over the distance of summits, and the factors in use.
+TALL, FACTORS = 0.45, (1, 2, 3, 5, 10, 20, 50, 100, 200, 500, 1000)
+
+# Thickness of the block's shown sides over its extent, and how bright its faces are.
+SIDE, BASE_TONE, LEFT_TONE, RIGHT_TONE = 0.03, 0.97, 0.72, 0.6
+
+
+@dataclass(frozen=True, eq=False)
+class Relief:
+    """An image, and where it stands in the plane onto which points are projected [mm].
+
+    Attributes
+    ----------
+    image : (rows, columns, 4) ndarray
+        Lowest row first; transparent beside the block.
+    extent : (float, float, float, float)
+        Left, right, lower and upper edge [mm].
+    factor : int
+        By which heights are exaggerated.
+    """
+
+    image: FloatArray
+    extent: tuple[float, float, float, float]
+    factor: int
+
+
+def turned(place: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return how far right and how far away places (..., 2) [mm] are for the viewer."""
+    x, y = place[..., 0], place[..., 1]
+    return x * math.cos(TURN) + y * math.sin(TURN), y * math.cos(TURN) - x * math.sin(TURN)
+
+
+def projected(place: FloatArray, height: float = 0.0) -> FloatArray:
+    """Return where points over places (..., 2) [mm] stand in the picture (..., 2) [mm]."""
+    right, away = turned(place)
+    return np.stack([right, away * math.sin(RISE) + height * math.cos(RISE)], axis=-1)
+
+
+def relief(
+    position: FloatArray, height: FloatArray, radius: FloatArray, colour: FloatArray, corners: FloatArray
+) -> Relief:
+    """Draw caps of colours (n, 4) on the rectangle between two corners (2, 2) [mm]."""
+    distance = math.sqrt(float(np.prod(corners[1] - corners[0])) / len(height))
+    wanted = TALL * distance / max(float(height.max()), 1e-300)
+    factor = max(each for each in FACTORS if each <= max(1.0, wanted))
+    right, away = turned(
+        np.array([[x, y] for x in (corners[0, 0], corners[1, 0]) for y in (corners[0, 1], corners[1, 1])])
+    )
+    step = float(np.ptp(right)) / (PIXELS * SAMPLES)
+    u = np.arange(right.min() + 0.5 * step, right.max(), step)
+    v = np.arange(away.min() + 0.5 * step, away.max(), step)
+    z, owner = _field(u, v, position, factor * height, radius, factor)
+    inside = _inside(u, v, corners)
+    up = np.where(inside, (v[:, None] * math.sin(RISE)).astype(np.float32) + z * math.cos(RISE), -np.inf)
+    top = np.maximum.accumulate(up, axis=0)
+    side = SIDE * float(np.ptp(right))
+    rows = np.arange(float(up[inside].min()) - side, float(up.max()) + step, step)
+    image = np.zeros((len(rows), len(u), 4), np.float32)
+    # what is seen in each column at each height of the picture: the first point that is as high up there
+    seen = np.stack([np.searchsorted(column, rows) for column in top.T], axis=1)
+    front = top[inside.argmax(axis=0), np.arange(len(u))]
+    hit = (rows[:, None] >= front) & (seen < len(v)) & np.isfinite(front)
+    column = np.broadcast_to(np.arange(len(u)), hit.shape)[hit]
+    tone = np.append(colour[:, :3], [[BASE_TONE] * 3], axis=0).astype(np.float32)
+    image[hit, :3] = tone[owner[seen[hit], column]] * _shade(z, step)[seen[hit], column, None]
+    wall = (rows[:, None] < front) & (rows[:, None] >= front - side)
+    corner = float(right[2])  # the one in front: largest x, smallest y
+    image[wall, :3] = np.broadcast_to(np.where(u < corner, LEFT_TONE, RIGHT_TONE), wall.shape)[wall][:, None]
+    image[hit | wall, 3] = 1.0
+    extent = (float(u[0]), float(u[-1]), float(rows[0]), float(rows[-1]))
+    return Relief(_averaged(image), extent, factor)
+
+
+def _field(
+    u: FloatArray, v: FloatArray, position: FloatArray, top: FloatArray, radius: FloatArray, factor: int
+) -> tuple[Single, NDArray[np.int32]]:
+    """Return the drawn height at the grid (v, u), and which cap it is of; -1 for the base."""
+    z, owner = np.zeros((len(v), len(u)), np.float32), np.full((len(v), len(u)), -1, np.int32)
+    right, away = turned(position)
+    for i in np.flatnonzero(top > 0.0):
+        drop = min(top[i] / factor, radius[i])
+        foot = math.sqrt(drop * (2.0 * radius[i] - drop))
+        a, b = np.searchsorted(v, (away[i] - foot, away[i] + foot))
+        c, d = np.searchsorted(u, (right[i] - foot, right[i] + foot))
+        square = (v[a:b, None] - away[i]) ** 2 + (u[c:d] - right[i]) ** 2
+        cap = top[i] - factor * (radius[i] - np.sqrt(np.maximum(radius[i] ** 2 - square, 0.0)))
+        higher = (square < foot**2) & (cap > z[a:b, c:d])
+        z[a:b, c:d][higher] = cap[higher]
+        owner[a:b, c:d][higher] = i
+    return z, owner
+
+
+def _shade(z: Single, step: float) -> FloatArray:
+    """Return how bright each point is, 1 for a plane."""
+    along, across = np.gradient(z, step)
+    light = [float(part) for part in LIGHT / np.linalg.norm(LIGHT)]
+    lit = np.maximum(light[2] - across * light[0] - along * light[1], 0.0)
+    lit /= np.sqrt(1.0 + along**2 + across**2)
+    return np.asarray(AMBIENT + (1.0 - AMBIENT) * lit / light[2])
+
+
+def _inside(u: FloatArray, v: FloatArray, corners: FloatArray) -> NDArray[np.bool_]:
+    x = u * math.cos(TURN) - v[:, None] * math.sin(TURN)
+    y = u * math.sin(TURN) + v[:, None] * math.cos(TURN)
+    (left, front), (right, back) = corners
+    return np.asarray((x >= left) & (x <= right) & (y >= front) & (y <= back))
+
+
+def _averaged(image: Single) -> FloatArray:
+    """Return the image with each square of samples made one pixel."""
+    rows, columns = (size - size % SAMPLES for size in image.shape[:2])
+    image[..., :3] *= image[..., 3:]
+    parts = image[:rows, :columns].reshape(rows // SAMPLES, SAMPLES, columns // SAMPLES, SAMPLES, 4)
+    mean = parts.mean(axis=(1, 3))
+    mean[..., :3] /= np.maximum(mean[..., 3:], 1e-9)
+    return np.asarray(mean.clip(0.0, 1.0))

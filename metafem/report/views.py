@@ -1,0 +1,131 @@
+"""Views of a surface: its heights, its shape and its contacts."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from metafem import drawing
+from metafem._validate import FloatArray
+from metafem.drawing import MICROMETRES, QUIET, new_figure
+from metafem.inversion import Design
+from metafem.models import equilibrium
+from metafem.report.relief import SIDE, projected, relief
+from metafem.surface import Surface
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+# The three loads of the contact views, as shares of the largest load of the law.
+VIEWED_LOADS = (0.1, 0.4, 1.0)
+
+# Diameters of the rings of open summits and of the smallest contacts, over the distance of summits: what is
+# smaller could not be seen.
+RING, LEAST_DOT = 0.3, 0.1
+
+# Places in the view of the shape, at most: of more, those around the tallest summit.
+MOST_SHAPED = 400
+
+
+def several_radii(surface: Surface) -> bool:
+    """Whether the summits differ in their radii."""
+    return bool(np.ptp(surface.radius) > 0.0)
+
+
+def height_figure(design: Design) -> Figure:
+    """Heights at their places, the diameters in proportion to radii that differ; empty places as rings."""
+    figure = new_figure(5.0, 4.2)
+    ax = figure.add_subplot()
+    empty = np.setdiff1d(np.arange(design.template.count), design.sites)
+    drawing.empty_places(ax, design.template.position[empty])
+    design.surface.plot(ax)
+    if empty.size:
+        ax.set_title(f"{empty.size} places stay empty (rings)", fontsize=10, color=QUIET)
+    return figure
+
+
+def contact_figure(design: Design) -> Figure:
+    """Top views at three loads: contacts as discs to scale, summits that are not in contact as rings.
+
+    Of many summits those about the tallest.
+    """
+    figure = new_figure(9.6, 4.0)
+    axes = figure.subplots(1, len(VIEWED_LOADS), sharex=True, sharey=True)
+    corners, shown = _shown(design.surface)
+    place = design.surface.position[shown]
+    apart = drawing.spacing(place)
+    for ax, share in zip(axes, VIEWED_LOADS, strict=True):
+        load = share * float(design.law.load[-1])
+        state = equilibrium(design.surface, design.law.model, load=load)
+        closed = state.asperity_area[shown] > 0.0
+        diameter = 2.0 * np.sqrt(state.asperity_area[shown][closed] / np.pi)
+        drawing.rings(ax, place[~closed], RING * apart)
+        drawing.circles(ax, place[closed], np.maximum(diameter, LEAST_DOT * apart))
+        drawing.plan(ax)
+        ax.set(xlim=corners[:, 0], ylim=corners[:, 1])
+        count = int((state.asperity_area > 0.0).sum())
+        words = f"{count} of {design.surface.count} in contact, {state.area:.3g} mm²"
+        ax.set_title(f"P = {load:.3g} N\n{words}", fontsize=10)
+        ax.label_outer()
+    return figure
+
+
+def shape_figure(design: Design) -> Figure:
+    """The surface seen at an angle, coloured by height; of many summits those about the tallest."""
+    from matplotlib import colormaps
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
+
+    surface = design.surface
+    corners, shown = _shown(surface)
+    height = surface.height[shown]
+    scale = Normalize(*(MICROMETRES * np.array([surface.height.min(), surface.height.max()])))
+    colour = np.asarray(colormaps["viridis"](scale(MICROMETRES * height)))
+    seen = relief(surface.position[shown], height, surface.radius[shown], colour, corners)
+    figure = new_figure(8.0, 4.4)
+    ax = figure.add_subplot()
+    ax.imshow(seen.image, extent=seen.extent, origin="lower", interpolation="none")
+    ax.set_axis_off()
+    _name_edges(ax, corners, SIDE * (seen.extent[1] - seen.extent[0]))
+    figure.colorbar(ScalarMappable(scale, "viridis"), ax=ax, label="summit height [µm]", shrink=0.7)
+    heights = "to scale" if seen.factor == 1 else f"heights exaggerated {seen.factor} times"
+    ax.set_title(heights, fontsize=10, color=QUIET)
+    return figure
+
+
+def _shown(surface: Surface) -> tuple[FloatArray, NDArray[np.bool_]]:
+    """Return two corners [mm] of what is shown, and which summits (n,) stand between them.
+
+    Half a distance of summits beyond the outer ones, within the block.
+    """
+    place = surface.position
+    apart = drawing.spacing(place)
+    low, high = place.min(axis=0), place.max(axis=0)
+    if surface.count > MOST_SHAPED:
+        half = 0.5 * apart * math.sqrt(MOST_SHAPED)
+        centre = np.clip(place[surface.height.argmax()], low + half, np.maximum(high - half, low + half))
+        low, high = np.maximum(low, centre - half), np.minimum(high, centre + half)
+    corners = np.array([low - 0.5 * apart, high + 0.5 * apart])
+    if surface.block is not None:
+        edge = 0.5 * np.array([surface.block.width, surface.block.length])
+        corners = np.clip(corners, -edge, edge)
+    return corners, ((place >= corners[0]) & (place <= corners[1])).all(axis=1)
+
+
+def _name_edges(ax: Axes, corners: FloatArray, side: float) -> None:
+    """Write along the two edges in front which they are and how long."""
+    (left, front), (right, back) = corners
+    edges = (("x", (left, front), (right, front)), ("y", (right, front), (right, back)))
+    for name, begin, end in edges:
+        start, stop = projected(np.array([begin, end]))
+        middle, along = 0.5 * (start + stop), stop - start
+        middle = middle - [0.0, side]
+        angle = math.degrees(math.atan2(along[1], along[0]))
+        ax.annotate(
+            f"{name}: {math.dist(begin, end):.3g} mm", middle, (6.0 if name == "y" else -3.0, -9.0),
+            textcoords="offset points", rotation=angle, ha="center", va="center", color=QUIET, fontsize=9,
+        )  # fmt: skip
