@@ -13,6 +13,7 @@ from metafem.errors import InvalidInput
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.cm import ScalarMappable
     from matplotlib.collections import EllipseCollection
     from matplotlib.figure import Figure
 
@@ -103,6 +104,14 @@ def summits(ax: Axes, position: FloatArray, height: FloatArray, radius: FloatArr
             loc="upper center", bbox_to_anchor=(0.5, 0.0), borderaxespad=3.5,
             ncols=MOST_DOTS, columnspacing=1.0, handletextpad=0.0, frameon=False,
         )  # fmt: skip
+
+
+def height_scale(height: FloatArray) -> ScalarMappable:
+    """Return the colours of summits, by their heights in micrometres, from the lowest to the tallest [mm]."""
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
+
+    return ScalarMappable(Normalize(MICROMETRES * height.min(), MICROMETRES * height.max()), "viridis")
 
 
 def empty_places(ax: Axes, position: FloatArray) -> None:

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from metafem.surface import Friction
 
 # Loads at which sensitivities are drawn, of a law's hundred.
 SENSITIVITY_LOADS = 33
@@ -95,18 +96,31 @@ def _draw_density(design: Design, ax: Axes) -> None:
         ax.axvline(branch.load_range[1], color=TARGET, ls=":", lw=1.2, label="target crossover")
 
 
-def force_figure(design: Design) -> Figure:
-    """Friction force, and friction coefficient F/P, over the load in newtons."""
-    law = design.law
+def force_figure(design: Design, friction: Friction) -> Figure:
+    """Friction force, and friction coefficient F/P, over the load in newtons, with the target."""
+    law, wanted = design.law, design.wanted
+    modulus, strength = law.material.composite_modulus, friction.shear_strength * friction.area_ratio
     figure = new_figure(9.0, 3.2)
     left, right = figure.subplots(1, 2)
-    law.plot(left, units="N")
-    right.plot(law.load, law.friction_force / law.load, color=ACHIEVED, lw=1.8)
+    law.plot(left, units="N", label="achieved")
+    right.plot(law.load, law.friction_force / law.load, color=ACHIEVED, lw=1.8, label="achieved")
+    if design.density is None:
+        load = wanted.load * modulus
+        force = strength * wanted.law(friction_law(design.surface, law.model, load=load).area)
+        size = 6 if _few(wanted) else 2
+        left.plot(load, force, "o", ms=size, color=TARGET, label="target")
+        right.plot(load, force / load, "o", ms=size, color=TARGET, label="target")
+    else:
+        for i, (branch, _) in enumerate(design.fits):
+            slope = branch.slope * strength / modulus
+            label = "target slope dF/dP" if i == 0 else None
+            right.plot(modulus * np.array(branch.load_range), [slope, slope], color=TARGET, label=label)
     right.set(xlabel="load  P [N]", ylabel="friction coefficient  μ = F/P")
     right.set_xlim(left=0.0)
     right.set_ylim(bottom=0.0)
     for ax in (left, right):
         ax.spines[["top", "right"]].set_visible(False)
+        ax.legend(frameon=False)
     return figure
 
 

@@ -101,9 +101,9 @@ def page(design: Design, hardness: float | None = None, *, checks: bool = False)
         arranged=design.layout is not None,
         hardness=hardness,
         law=svg(law_figure(design), "Target and achieved friction law"),
-        forces=svg(force_figure(design), "Friction force and friction coefficient")
-        if design.surface.friction is not None
-        else "",
+        forces=""
+        if (friction := design.surface.friction) is None
+        else svg(force_figure(design, friction), "Friction force and friction coefficient"),
         shape=svg(shape_figure(design), "The surface seen at an angle"),
         heights=svg(height_figure(design), "Summit heights at their places"),
         sensitivities=svg(sensitivity_figure(design), "Sensitivity of A0 to each height")

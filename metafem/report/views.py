@@ -76,22 +76,18 @@ def contact_figure(design: Design) -> Figure:
 
 def shape_figure(design: Design) -> Figure:
     """The surface seen at an angle, coloured by height; of many summits those about the tallest."""
-    from matplotlib import colormaps
-    from matplotlib.cm import ScalarMappable
-    from matplotlib.colors import Normalize
-
     surface = design.surface
     corners, shown = _shown(surface)
     height = surface.height[shown]
-    scale = Normalize(*(MICROMETRES * np.array([surface.height.min(), surface.height.max()])))
-    colour = np.asarray(colormaps["viridis"](scale(MICROMETRES * height)))
+    scale = drawing.height_scale(surface.height)
+    colour = np.asarray(scale.to_rgba(MICROMETRES * height))
     seen = relief(surface.position[shown], height, surface.radius[shown], colour, corners)
     figure = new_figure(8.0, 4.4)
     ax = figure.add_subplot()
     ax.imshow(seen.image, extent=seen.extent, origin="lower", interpolation="none")
     ax.set_axis_off()
     _name_edges(ax, corners, SIDE * (seen.extent[1] - seen.extent[0]))
-    figure.colorbar(ScalarMappable(scale, "viridis"), ax=ax, label="summit height [µm]", shrink=0.7)
+    figure.colorbar(scale, ax=ax, label="summit height [µm]", shrink=0.7)
     heights = "to scale" if seen.factor == 1 else f"heights exaggerated {seen.factor} times"
     ax.set_title(heights, fontsize=10, color=QUIET)
     return figure
