@@ -11,9 +11,13 @@ from metafem.cli.group import NOT_ACHIEVED, json_option, main
 
 
 @main.command()
+@click.option("--clear-cache", is_flag=True, help="Remove compiled kernels and the kept influence of blocks.")
 @json_option
-def doctor(as_json: bool) -> None:
-    """Check the installation: versions, compiled kernels, a known contact, the part's tools."""
+def doctor(clear_cache: bool, as_json: bool) -> None:
+    """Check the installation: versions, caches, compiled kernels, a known contact, the part's tools."""
+    if clear_cache:
+        _clear_cache(as_json)
+        return
     from metafem.cli.examination import examine
 
     findings = list(examine())
@@ -24,3 +28,25 @@ def doctor(as_json: bool) -> None:
             mark = click.style("ok  ", fg="green") if finding.well else click.style("FAIL", fg="red")
             click.echo(f"{mark} {finding.what}: {finding.found}")
     sys.exit(0 if all(finding.well for finding in findings) else NOT_ACHIEVED)
+
+
+def _clear_cache(as_json: bool) -> None:
+    from metafem import _caches
+    from metafem.cli.examination import megabytes
+
+    try:
+        folder = _caches.cache_folder()
+        kernels, blocks = _caches.remove(_caches.kept_kernels()), _caches.remove(_caches.kept_blocks())
+        left = _caches.size([*_caches.kept_kernels(), *_caches.kept_blocks()])
+    except OSError as error:
+        raise click.ClickException(f"the cache cannot be cleared: {error}") from None
+    if as_json:
+        told = {"folder": str(folder), "kernels_bytes": kernels, "blocks_bytes": blocks, "left_bytes": left}
+        click.echo(json.dumps(told))
+    else:
+        click.echo(
+            f"removed from {folder}: compiled kernels, {megabytes(kernels)}; "
+            f"influence of blocks, {megabytes(blocks)}"
+        )
+    if left:
+        raise click.ClickException(f"{megabytes(left)} in {folder} could not be removed")

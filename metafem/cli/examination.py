@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+import json
 import math
 import platform
+import re
 import tempfile
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import PackageNotFoundError, distribution, requires, version
+from pathlib import Path
 from typing import TYPE_CHECKING
+from urllib.parse import urlsplit
+from urllib.request import url2pathname
 
 if TYPE_CHECKING:
     from metafem.inversion import Design
-
-NEEDED = ("numpy", "scipy", "numba", "scikit-fem", "meshio", "matplotlib", "trimesh", "manifold3d", "pint")
 
 
 @dataclass(frozen=True)
@@ -26,14 +29,16 @@ class Finding:
 
 
 def examine() -> Iterator[Finding]:
-    """Look at the versions, the compiled kernels, a known contact, a part and a page."""
+    """Look at the versions, the caches, the compiled kernels, a known contact, a part and a page."""
     yield Finding("python", platform.python_version(), True)
-    for name in NEEDED:
+    yield _tried("metafem", _package)
+    for name in needed():
         try:
             yield Finding(name, version(name), True)
         except PackageNotFoundError:
             yield Finding(name, "not installed; install metafem anew", False)
     for what, trial in (
+        ("cache", _cache),
         ("compiled kernels against Hertz's closed form", _contact),
         ("part of one asperity", _part),
         ("report", _page),
@@ -42,12 +47,61 @@ def examine() -> Iterator[Finding]:
         yield _tried(what, trial)
 
 
+def needed() -> list[str]:
+    """Return the names of the packages that metafem states to need."""
+    try:
+        stated = requires("metafem") or []
+    except PackageNotFoundError:
+        return []
+    return [re.split(r"[^\w.-]", each, maxsplit=1)[0] for each in stated if "extra ==" not in each]
+
+
+def megabytes(size: int) -> str:
+    """Return a size in bytes as a person reads it."""
+    return f"{size / 1e6:.1f} MB"
+
+
 def _tried(what: str, trial: Callable[[], tuple[str, bool]]) -> Finding:
     try:
         found, well = trial()
     except Exception as error:  # whatever is broken in the installation is what is to be told
         return Finding(what, f"{type(error).__name__}: {error}", False)
     return Finding(what, found, well)
+
+
+def _package() -> tuple[str, bool]:
+    """Compare where metafem was imported from with where it is installed."""
+    import metafem
+
+    imported = Path(metafem.__file__).parent
+    try:
+        installed = distribution("metafem")
+    except PackageNotFoundError:
+        return f"imported from {imported}, but not installed", False
+    place = Path(str(installed.locate_file("metafem")))
+    origin = json.loads(installed.read_text("direct_url.json") or "{}")
+    if origin.get("dir_info", {}).get("editable"):
+        place = Path(url2pathname(urlsplit(origin["url"]).path)) / "metafem"
+    if place.resolve() != imported.resolve():
+        found = f"imported from {imported}, but {place} is installed: install it anew, or clear PYTHONPATH"
+        return found, False
+    return f"{installed.version}, imported from {imported}", True
+
+
+def _cache() -> tuple[str, bool]:
+    """Say where caches are and how large, and try to write there."""
+    from metafem import _caches
+
+    folder = _caches.cache_folder()
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        tempfile.TemporaryFile(dir=folder).close()
+    except OSError as error:
+        return (
+            f"{error}; each command compiles its kernels anew, unless {_caches.VARIABLE} names another folder"
+        ), False
+    kernels, blocks = _caches.size(_caches.kept_kernels()), _caches.size(_caches.kept_blocks())
+    return (f"{folder}; compiled kernels {megabytes(kernels)}, influence of blocks {megabytes(blocks)}"), True
 
 
 def _contact() -> tuple[str, bool]:

@@ -1,0 +1,111 @@
+"""`metafem doctor`: what is installed, where caches are, and how they are removed."""
+
+import json
+import sys
+from importlib.metadata import PackageNotFoundError
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+import metafem
+from metafem import _caches
+from metafem.cli import examination, main
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.setenv(_caches.VARIABLE, str(tmp_path / "caches"))
+    return tmp_path / "caches"
+
+
+class Installed:
+    """What an installation says about itself."""
+
+    version = "1.2.3"
+
+    def __init__(self, folder, origin=None):
+        self.folder, self.origin = Path(folder), origin
+
+    def locate_file(self, name):
+        return self.folder / name
+
+    def read_text(self, name):
+        return self.origin and json.dumps(self.origin)
+
+
+def test_all_stated_packages_are_needed(monkeypatch):
+    stated = ["numpy>=2.1", "scikit-fem >=11", "h5py", 'tamaas>=2.9; extra == "peers"']
+    monkeypatch.setattr(examination, "requires", lambda _: stated)
+    assert examination.needed() == ["numpy", "scikit-fem", "h5py"]
+
+
+def test_the_imported_package_is_the_one_installed(tmp_path, monkeypatch):
+    here = Path(metafem.__file__).parents[1]
+    editable = {"url": here.as_uri(), "dir_info": {"editable": True}}
+    for installed, well in (
+        (Installed(here), True),
+        (Installed(tmp_path), False),
+        (Installed(tmp_path, editable), True),
+    ):
+        monkeypatch.setattr(examination, "distribution", lambda _, installed=installed: installed)
+        assert examination._package()[1] is well
+    assert "1.2.3, imported from" in examination._package()[0]
+
+
+def test_a_package_that_is_not_installed_is_said(monkeypatch):
+    def missing(_):
+        raise PackageNotFoundError
+
+    monkeypatch.setattr(examination, "distribution", missing)
+    assert examination._package() == (
+        f"imported from {Path(metafem.__file__).parent}, but not installed",
+        False,
+    )
+
+
+def test_caches_are_told_with_their_size(folder):
+    found, well = examination._cache()
+    assert well
+    assert found == f"{folder}; compiled kernels 0.0 MB, influence of blocks 0.0 MB"
+
+
+def test_a_cache_that_cannot_be_written_is_said(tmp_path, monkeypatch):
+    (tmp_path / "file").touch()
+    monkeypatch.setenv(_caches.VARIABLE, str(tmp_path / "file"))
+    found, well = examination._cache()
+    assert not well
+    assert "compiles its kernels anew, unless METAFEM_CACHE_DIR names another folder" in found
+
+
+def test_clearing_says_how_much_was_freed(folder):
+    (folder / "kernels" / ("a" * 32)).mkdir(parents=True)
+    (folder / "kernels" / ("a" * 32) / "kernel").write_bytes(b"x" * 250_000)
+    (folder / "block-1.npz").write_bytes(b"x" * 100_000)
+    (folder / "mine").touch()
+    result = CliRunner().invoke(main, ["doctor", "--clear-cache"])
+    assert result.exit_code == 0
+    assert result.stdout == (
+        f"removed from {folder}: compiled kernels, 0.2 MB; influence of blocks, 0.1 MB\n"
+    )
+    assert sorted(path.name for path in folder.iterdir()) == ["kernels", "mine"]
+    result = CliRunner().invoke(main, ["doctor", "--clear-cache", "--json"])
+    assert json.loads(result.stdout) == {
+        "folder": str(folder),
+        "kernels_bytes": 0,
+        "blocks_bytes": 0,
+        "left_bytes": 0,
+    }
+
+
+def test_what_could_not_be_removed_is_said(folder, monkeypatch):
+    folder.mkdir()
+    (folder / "block-1.npz").write_bytes(b"x" * 100_000)
+    monkeypatch.setattr(_caches, "remove", lambda _: 0)
+    result = CliRunner().invoke(main, ["doctor", "--clear-cache"])
+    assert result.exit_code == 1
+    assert "0.1 MB in" in result.stderr
+
+
+def test_python_is_told():
+    assert next(examination.examine()).found == ".".join(map(str, sys.version_info[:3]))
