@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from metafem import _validate as check
-from metafem import drawing
+from metafem import drawing, law_tables
 from metafem._validate import FloatArray
 from metafem._values import Value, span
 from metafem.errors import InvalidInput, NotConverged
@@ -21,6 +21,8 @@ from metafem.surface import Friction, Material, Surface
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from pandas import DataFrame
+    from xarray import Dataset
 
 __all__ = ["BranchFit", "FrictionLaw", "friction_law"]
 
@@ -202,6 +204,45 @@ class FrictionLaw(Value):
             (float(low), float(high)),
             count,
         )
+
+    def to_dataframe(self) -> DataFrame:
+        """Return the law as a table with a row for each load.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Columns named by quantity and unit as in ``law.csv``: ``load_N``, ``area_mm2``,
+            ``separation_mm``, ``rescaled_load_mm2``, ``rescaled_friction_mm2``, with a Friction
+            ``friction_force_N``, ``approach_mm``, ``stiffness_N_per_mm`` and ``residual``. Its ``attrs``
+            hold model, status and notes as texts.
+
+        Examples
+        --------
+        >>> surface = Surface.square_lattice(0.1, (2, 2), radius=0.526, material=Material(1.36))
+        >>> table = friction_law(surface, load=[0.1, 0.2]).to_dataframe()
+        >>> table["area_mm2"].round(4).tolist(), table.attrs["model"]
+        ([0.4708, 0.7474], 'Independent()')
+        """
+        return law_tables.dataframe(self)
+
+    def to_xarray(self) -> Dataset:
+        """Return the law over its rescaled loads.
+
+        Returns
+        -------
+        xarray.Dataset
+            ``load``, ``area``, ``separation``, ``rescaled_friction``, with a Friction ``friction_force``,
+            ``approach``, ``stiffness`` and ``residual`` over the dimension ``rescaled_load``, each with its
+            ``units`` and ``long_name``. Its ``attrs`` hold model, status and notes as texts.
+
+        Examples
+        --------
+        >>> surface = Surface.square_lattice(0.1, (2, 2), radius=0.526, material=Material(1.36))
+        >>> data = friction_law(surface).to_xarray()
+        >>> data.sizes["rescaled_load"], data.area.attrs["units"]
+        (100, 'mm2')
+        """
+        return law_tables.dataset(self)
 
     def plot(
         self, ax: Axes | None = None, units: Literal["mm^2", "N"] = "mm^2", label: str | None = None

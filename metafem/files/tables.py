@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from metafem import law_tables
 from metafem._given import Words, printable, speaking
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
@@ -35,15 +36,7 @@ def heights_table(design: Design) -> str:
 
 def law_table(law: FrictionLaw) -> str:
     """Return the friction law, with friction forces where the surface has a Friction."""
-    columns = {
-        "load_N": law.load,
-        "area_mm2": law.area,
-        "separation_mm": law.separation,
-        "rescaled_load_mm2": law.rescaled_load,
-        "rescaled_friction_mm2": law.rescaled_friction,
-    }
-    if law.friction is not None:
-        columns["friction_force_N"] = law.friction_force
+    columns = law_tables.columns(law, without=law_tables.SOLUTION)
     return _csv(tuple(columns), zip(*(column.tolist() for column in columns.values()), strict=True))
 
 
