@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from metafem import _validate as check
 from metafem import drawing, law_tables
+from metafem._calls import checked_call
 from metafem._validate import FloatArray
 from metafem._values import Value, span
 from metafem.errors import InvalidInput, NotConverged
@@ -282,6 +283,7 @@ class FrictionLaw(Value):
         return ax
 
 
+@checked_call
 def friction_law(
     surface: Surface,
     model: Model | None = None,
@@ -323,7 +325,7 @@ def friction_law(
     """
     solver: Model = Independent() if model is None else model
     check.instance("surface", surface, Surface, "a metafem.Surface")
-    check.instance("model", solver, Model, "a model such as metafem.Independent()")
+    check.instance("model", solver, Model, "a model such as metafem.Independent(); loads go by load=")
     if load is not None and separation is not None:
         raise InvalidInput("only one of load and separation can be given")
     top = float(surface.height.max())

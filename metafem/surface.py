@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from metafem import _validate as check
 from metafem import drawing
+from metafem._calls import checked_call
 from metafem._given import called, told
 from metafem._validate import FloatArray
 from metafem._values import Value, span
@@ -184,6 +185,7 @@ class Surface(Value):
     friction: Friction | None
     block: Block | None
 
+    @checked_call
     def __init__(
         self,
         position: ArrayLike,
@@ -213,6 +215,7 @@ class Surface(Value):
             object.__setattr__(self, name, given)
 
     @classmethod
+    @checked_call
     def square_lattice(
         cls,
         height: ArrayLike,

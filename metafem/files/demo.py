@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from importlib.resources import files
 
+from metafem._given import printable
 from metafem.errors import InvalidInput
 from metafem.files.model_names import suggestion
 
@@ -19,5 +20,5 @@ def demo_text(name: str) -> str:
     True
     """
     if name not in DEMOS:
-        raise InvalidInput(f'demo "{name:.60}" is unknown{suggestion(name, DEMOS)}')
+        raise InvalidInput(f'demo "{printable(name, 60)}" is unknown{suggestion(name, DEMOS)}')
     return files("metafem.files").joinpath("demos", f"{name}.toml").read_text(encoding="utf-8")

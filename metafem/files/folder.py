@@ -12,6 +12,7 @@ from types import MappingProxyType
 from typing import Any
 
 from metafem import _validate as check
+from metafem._calls import checked_call
 from metafem.errors import InvalidInput
 from metafem.files.atomic.claim import restore
 from metafem.files.atomic.manifest import FORMAT, digest
@@ -31,6 +32,7 @@ __all__ = ["load", "save", "write_all"]
 NO_PAGES: Mapping[str, str] = MappingProxyType({})
 
 
+@checked_call
 def save(
     design: Design,
     folder: str | Path,
@@ -124,6 +126,7 @@ def write_all(
         raise InvalidInput(f"{folder} cannot be written: {error.strerror}") from None
 
 
+@checked_call
 def load(folder: str | Path) -> Design:
     """Read the design of a result folder, equal to the bit to the one that was saved.
 

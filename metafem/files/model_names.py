@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from difflib import get_close_matches
 
+from metafem._given import printable
 from metafem.errors import InvalidInput
 from metafem.models import Automatic, BoundaryElements, Independent, Interacting, MeanField, Model
 from metafem.substrate import BondedLayer
@@ -44,7 +45,7 @@ def model_named(name: str) -> Model:
     Independent()
     """
     if name not in MODELS:
-        raise InvalidInput(f'model "{name:.60}" is unknown{suggestion(name, MODELS)}')
+        raise InvalidInput(f'model "{printable(name, 60)}" is unknown{suggestion(name, MODELS)}')
     return MODELS[name]()
 
 

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 from pydantic import Field, field_validator, model_validator
 
 from metafem import _validate as check
-from metafem._given import about, told
+from metafem._given import about, printable, told
 from metafem.errors import InvalidInput
 from metafem.files.model_names import MODELS, suggestion
 from metafem.files.section import Angle, Length, Number, Section, Stress, Whether, measured, says
@@ -150,7 +150,7 @@ class ModelSection(Section):
     @classmethod
     def _known(cls, kind: str) -> str:
         if kind not in MODELS:
-            raise InvalidInput(f'= "{kind:.60}" is unknown{suggestion(kind, MODELS)}')
+            raise InvalidInput(f'= "{printable(kind, 60)}" is unknown{suggestion(kind, MODELS)}')
         return kind
 
     def model(self) -> Model:

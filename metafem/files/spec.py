@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from metafem._calls import checked_call
 from metafem._given import Words, printable, speaking
 from metafem.errors import InvalidInput
 from metafem.files.reading import SPECIFICATION, called, decoded, read_bytes
@@ -110,6 +111,7 @@ def refuse_missing_block(model: Model, surface: Surface, remedy: str) -> None:
         ) from None
 
 
+@checked_call
 def read_spec(path: str | Path) -> Specification:
     """Read a specification file.
 
@@ -176,13 +178,25 @@ def _table(name: str, text: str) -> dict[str, Any]:
     if NESTED.search(text):
         raise InvalidInput(f"{name} nests its values too deeply to be a specification")
     try:
-        return tomllib.loads(text)
+        table = tomllib.loads(text)
     except RecursionError:
         raise InvalidInput(f"{name} nests its values too deeply to be a specification") from None
     except ValueError as error:  # among them numbers of thousands of digits
         end = f"at line {len(text.splitlines())}, the end of the file"
         cause = printable(str(error).replace("at end of document", end))
         raise InvalidInput(f"{name}: not valid TOML: {cause}") from None
+    if _holds_too_large(table):
+        raise InvalidInput(f"{name}: holds a whole number beyond 64 bits, which is not valid TOML")
+    return table
+
+
+def _holds_too_large(value: Any) -> bool:
+    """Whether there is a whole number that TOML does not have; most libraries cannot print it."""
+    if isinstance(value, dict):
+        value = list(value.values())
+    if isinstance(value, list):
+        return any(map(_holds_too_large, value))
+    return isinstance(value, int) and not -(2**63) <= value < 2**63
 
 
 def _refused(name: str, problems: list[str]) -> InvalidInput:

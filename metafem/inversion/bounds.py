@@ -7,6 +7,7 @@ import warnings
 from collections.abc import Sequence
 
 from metafem import _validate as check
+from metafem._calls import checked_call
 from metafem.distributions import TruncatedExponential, uniform_slope
 from metafem.errors import InvalidInput, MetafemWarning
 from metafem.inversion.exponential import FINEST_SCALE_IN_SD
@@ -18,6 +19,7 @@ from metafem.surface import Surface
 ELASTIC_LIMIT = 0.6
 
 
+@checked_call
 def achievable_friction_coefficients(
     template: Surface, limits: Limits, radii: RadiusRange | Sequence[float] | None = None
 ) -> tuple[float, float]:
@@ -75,6 +77,7 @@ def achievable_friction_coefficients(
     return low * per_slope, high * per_slope
 
 
+@checked_call
 def plasticity_index(surface: Surface, hardness: float) -> float:
     """Plasticity index of a surface, ``psi = E*/H sqrt(s/R)``.
 

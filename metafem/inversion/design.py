@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from metafem import _validate as check
+from metafem._calls import checked_call
 from metafem._validate import IntArray
 from metafem._values import Value, span
 from metafem.distributions import PiecewiseExponential
@@ -210,6 +211,7 @@ _REFUSALS: dict[type, Callable[[Any, Radii, int, Limits, float], None]] = {
 }
 
 
+@checked_call
 def design(
     target: Target,
     template: Surface,

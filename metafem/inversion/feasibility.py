@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
 from metafem import _validate as check
+from metafem._calls import checked_call
 from metafem._validate import FloatArray
 from metafem.contact import Hertz
 from metafem.errors import Infeasible
@@ -80,6 +81,7 @@ def largest_load(radii: Radii, count: int, limits: Limits) -> float:
     return count * float(Hertz().load_at_indentation(depth, radii.high))
 
 
+@checked_call
 def feasible_region(
     template: Surface,
     rescaled_load: ArrayLike,

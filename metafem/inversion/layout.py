@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from metafem import _validate as check
+from metafem._calls import checked_call
 from metafem._validate import FloatArray, IntArray
 from metafem._values import Value
 from metafem.inversion.exchange import Forecast, after, drawn, exchanged, swap
@@ -87,6 +88,7 @@ class Arrangement(Value):
     model: Model
 
 
+@checked_call
 def arrange(
     surface: Surface,
     objective: Objective,

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from metafem import _validate as check
+from metafem._calls import checked_call
 from metafem._validate import FloatArray
 from metafem.errors import Infeasible
 from metafem.inversion.arranged import Layout
@@ -32,6 +33,7 @@ NEXT_RADII = 4
 MOST_LISTED = 8
 
 
+@checked_call
 def design_radius(
     target: Target,
     template: Surface,
@@ -117,6 +119,7 @@ def design_radius(
     return replace(result, parameters=parameters, notes=result.notes + _notes(refused))
 
 
+@checked_call
 def design_radii(
     target: Target,
     template: Surface,

@@ -5,12 +5,14 @@ from __future__ import annotations
 from dataclasses import replace
 
 from metafem import _validate as check
+from metafem._calls import checked_call
 from metafem.errors import InvalidInput, NotConverged
 from metafem.models.independent import Independent
 from metafem.models.model import ContactState, Model, Status
 from metafem.surface import Surface
 
 
+@checked_call
 def equilibrium(
     surface: Surface,
     model: Model | None = None,
@@ -54,7 +56,7 @@ def equilibrium(
     """
     solver: Model = Independent() if model is None else model
     check.instance("surface", surface, Surface, "a metafem.Surface")
-    check.instance("model", solver, Model, "a model such as metafem.Independent()")
+    check.instance("model", solver, Model, "a model such as metafem.Independent(); loads go by load=")
     given = {"load": load, "approach": approach, "separation": separation}
     named = [name for name, value in given.items() if value is not None]
     if len(named) != 1:

@@ -1,0 +1,50 @@
+"""Calls with the wrong arguments are answered in the package's words."""
+
+import pytest
+
+import metafem as mf
+from metafem._calls import checked_call
+
+SURFACE = mf.Surface.square_lattice(0.1, (2, 2), radius=0.526, material=mf.Material(1.36))
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (
+            lambda: mf.friction_law(SURFACE, [0.1, 0.2]),
+            r"model = \[0.1, 0.2\] must be a model such as metafem.Independent\(\); loads go by load=",
+        ),
+        (
+            lambda: mf.friction_law(SURFACE, [0.1, 0.2], model=mf.MeanField()),
+            r"friction_law: model is given twice; call friction_law\(surface, model, load=..., separation=",
+        ),
+        (
+            lambda: mf.friction_law(SURFACE, None, [0.1]),
+            "friction_law is given 3 arguments by position; call",
+        ),
+        (lambda: mf.friction_law(SURFACE, loads=[0.1]), "no argument loads; did you mean load?"),
+        (lambda: mf.friction_law(), "friction_law: surface must be given"),
+        (lambda: mf.equilibrium(SURFACE, 0.2), "model = 0.2 must be a model .* loads go by load="),
+        (lambda: mf.equilibrium(SURFACE, 0.2, load=0.2, force=1), "equilibrium has no argument force"),
+        (lambda: mf.design(mf.LinearLaw(7.0)), "design: template must be given"),
+        (lambda: mf.design(mf.LinearLaw(7.0), SURFACE, limit=1), "no argument limit; did you mean limits?"),
+        (lambda: mf.Surface([[0, 0]], [0.1]), "Surface: radius, material must be given; call Surface.posit"),
+        (lambda: mf.Surface.square_lattice(0.1), "square_lattice: radius, material must be given"),
+        (lambda: mf.Surface.square_lattice(0.1, pitsch=1), "no argument pitsch; did you mean pitch?"),
+        (lambda: mf.save(), "save: design, folder must be given"),
+    ],
+)
+def test_a_call_that_does_not_fit_says_how_it_should_look(call, words):
+    with pytest.raises(mf.InvalidInput, match=words):
+        call()
+
+
+def test_faults_within_a_function_stay_what_they_are():
+    @checked_call
+    def broken(value):
+        return len(value)
+
+    with pytest.raises(TypeError, match="has no len"):
+        broken(3)
+    assert broken([1]) == 1
