@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -56,6 +56,10 @@ class BranchFit:
         Rescaled loads between which the points were taken [mm^2].
     points : int
         Number of points.
+    friction_coefficient, friction_coefficient_interval : float and (float, float), or None
+        ``dF/dP = sigma B / E* m`` [-] and its 68 % interval; None for a surface without a Friction.
+    intercept_force, intercept_force_interval : float and (float, float), or None
+        Friction force at zero load [N] and its 68 % interval; None for a surface without a Friction.
     """
 
     slope: float
@@ -64,6 +68,10 @@ class BranchFit:
     intercept_interval: tuple[float, float]
     load_range: tuple[float, float]
     points: int
+    friction_coefficient: float | None = None
+    friction_coefficient_interval: tuple[float, float] | None = None
+    intercept_force: float | None = None
+    intercept_force_interval: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -157,15 +165,33 @@ class FrictionLaw(Value):
             )
         return self.friction.shear_strength * self.friction.area_ratio * self.area
 
-    def fit(self, load_range: tuple[float, float]) -> BranchFit:
-        """Fit a straight line to the branch between two rescaled loads [mm^2].
+    @property
+    def friction_coefficient(self) -> FloatArray:
+        """F/P [-], infinite at a load of zero; raises InvalidInput for a surface without a Friction."""
+        force = self.friction_force
+        ratio = np.full(force.shape, np.inf)
+        np.divide(force, self.load, out=ratio, where=self.load > 0.0)
+        return ratio
+
+    def fit(
+        self, load_range: tuple[float, float] | None = None, *, load: tuple[float, float] | None = None
+    ) -> BranchFit:
+        """Fit a straight line to the branch between two loads.
 
         Least squares of `rescaled_friction` against `rescaled_load`, with Student's 68 % intervals.
+
+        Parameters
+        ----------
+        load_range : (float, float), optional
+            P/E* from and to [mm^2].
+        load : (float, float), optional
+            Instead, P from and to [N].
 
         Raises
         ------
         InvalidInput
-            If the range is not increasing or holds fewer than three points.
+            If the range is not increasing or holds fewer than three points, or for none or both of the
+            ranges.
 
         Examples
         --------
@@ -173,10 +199,12 @@ class FrictionLaw(Value):
         >>> law = friction_law(surface, load=np.linspace(0.1, 0.2, 11))
         >>> round(law.fit((0.07, 0.15)).slope, 2)
         3.75
+        >>> law.fit(load=(0.1, 0.2)).points
+        11
         """
         from scipy.special import stdtrit
 
-        low, high = check.array("load_range", load_range, shape=(2,))
+        low, high = self._fitted_range(load_range, load)
         x, y = self.rescaled_load, self.rescaled_friction
         # Loads that were asked for at the very ends belong to the branch in spite of rounding.
         slack = 1e-12 * abs(high)
@@ -197,14 +225,33 @@ class FrictionLaw(Value):
         student = float(stdtrit(count - 2, 0.84))  # 68 % two-sided
         slope_error = student * float(np.sqrt(variance / spread))
         intercept_error = student * float(np.sqrt(variance * (1.0 / count + centre**2 / spread)))
-        return BranchFit(
-            slope,
-            intercept,
-            (slope - slope_error, slope + slope_error),
-            (intercept - intercept_error, intercept + intercept_error),
-            (float(low), float(high)),
-            count,
+        slopes = slope - slope_error, slope + slope_error
+        intercepts = intercept - intercept_error, intercept + intercept_error
+        fit = BranchFit(slope, intercept, slopes, intercepts, (low, high), count)
+        if self.friction is None:
+            return fit
+        stress = self.friction.shear_strength * self.friction.area_ratio
+        per_slope = stress / self.material.composite_modulus
+        return replace(
+            fit,
+            friction_coefficient=per_slope * slope,
+            friction_coefficient_interval=(per_slope * slopes[0], per_slope * slopes[1]),
+            intercept_force=stress * intercept,
+            intercept_force_interval=(stress * intercepts[0], stress * intercepts[1]),
         )
+
+    def _fitted_range(
+        self, load_range: tuple[float, float] | None, load: tuple[float, float] | None
+    ) -> tuple[float, float]:
+        """Return the rescaled loads of a range in mm^2 or N."""
+        if (load_range is None) == (load is None):
+            raise InvalidInput("a fit needs load_range [mm^2] or load [N], one of the two")
+        if load is None:
+            low, high = check.array("load_range", load_range, shape=(2,)).tolist()
+        else:
+            newtons = check.array("load", load, shape=(2,))
+            low, high = (newtons / self.material.composite_modulus).tolist()
+        return low, high
 
     def to_dataframe(self) -> DataFrame:
         """Return the law as a table with a row for each load.

@@ -99,3 +99,30 @@ def test_contacts_too_wide_for_the_models_are_told(rough, model):
     assert told in mf.friction_law(high, model, load=[0.1, state.load]).notes[0].text
     assert any(told in note.text for note in state.notes)
     assert not mf.friction_law(high, model, load=[0.01]).notes
+
+
+def test_friction_coefficient_is_friction_over_load(rough):
+    law = mf.friction_law(rough, load=[0.0, 0.2, 0.4])
+    np.testing.assert_array_equal(law.friction_coefficient[1:], law.friction_force[1:] / law.load[1:])
+    assert law.friction_coefficient[0] == np.inf
+    with pytest.raises(mf.InvalidInput, match="needs the surface's friction"):
+        _ = mf.friction_law(rough.replaced(friction=None), load=[0.2]).friction_coefficient
+
+
+def test_fits_are_in_newtons_too(rough):
+    law = mf.friction_law(rough, load=np.linspace(0.1, 0.6, 26))
+    fit = law.fit(load=(0.136, 0.544))
+    assert fit.load_range == pytest.approx((0.1, 0.4), rel=1e-12)
+    inside = (law.load >= 0.136) & (law.load <= 0.544)
+    slope, intercept = np.polyfit(law.load[inside], law.friction_force[inside], 1)
+    assert fit.friction_coefficient == pytest.approx(slope, rel=1e-9)
+    assert fit.intercept_force == pytest.approx(intercept, rel=1e-9)
+    low, high = fit.friction_coefficient_interval
+    assert high - low == pytest.approx((fit.slope_interval[1] - fit.slope_interval[0]) * slope / fit.slope)
+    low, high = fit.intercept_force_interval
+    assert low < fit.intercept_force < high
+    plain = mf.friction_law(rough.replaced(friction=None), load=law.load).fit((0.1, 0.4))
+    assert (plain.friction_coefficient, plain.intercept_force) == (None, None)
+    for ranges in ({}, {"load_range": (0.1, 0.4), "load": (0.1, 0.4)}):
+        with pytest.raises(mf.InvalidInput, match=r"load_range .* or load .*, one of the two"):
+            law.fit(**ranges)

@@ -11,12 +11,14 @@ import click
 
 from metafem.cli.group import DEMOS, NOT_ACHIEVED, force_option, json_option, main, model_option
 from metafem.cli.progress import progress
-from metafem.cli.terminal import notes_data, tell_notes
+from metafem.cli.terminal import notes_data, tell_notes, tell_table, terminal
 from metafem.errors import InvalidInput
 
 if TYPE_CHECKING:
     from metafem.files import Specification
     from metafem.inversion import Design
+    from metafem.inversion.blueprint import Branch
+    from metafem.law import BranchFit
     from metafem.notes import Note
 
 
@@ -83,17 +85,19 @@ def _run(spec: Path, folder: Path, model: str | None, force: bool, as_json: bool
 def _tell_design(
     result: Design, specification: Specification, folder: Path, notes: tuple[Note, ...], as_json: bool
 ) -> None:
-    from metafem.report import misfit_words, model_name, parameter_rows
+    from metafem.report import fit_table, misfit_words, model_name, parameter_rows
 
     if as_json:
         data = {
             "folder": str(folder),
+            "target": result.target.title,
             "status": result.status.name.lower(),
             "misfit": result.misfit,
+            "misfit_meaning": result.misfit_meaning,
             "asperities": result.surface.count,
             "model": model_name(result.law.model),
             "parameters": {name: _plain(value) for name, value in result.parameters.items()},
-            "slopes": [{"target": b.slope, "fitted": f.slope} for b, f in result.fits],
+            "slopes": [_fit_data(result, branch, fit) for branch, fit in result.fits],
             "notes": notes_data(notes),
         }
         click.echo(json.dumps(data))
@@ -110,8 +114,30 @@ def _tell_design(
     table.add_row(*misfit_words(result), "")
     table.add_row("asperities", f"{result.surface.count} of {result.template.count} places", "")
     console.print(table, highlight=False)
+    if result.fits:
+        tell_table(terminal(), *fit_table(result))
     tell_notes(console, notes)
     console.print(f"wrote {folder}/: open {folder / 'report.html'}", highlight=False, markup=False)
+
+
+def _fit_data(result: Design, branch: Branch, fit: BranchFit) -> dict[str, float | None]:
+    """Return the slope of a branch, and its friction coefficient where the surface has a Friction."""
+    from metafem.inversion.wording import Wording
+
+    data: dict[str, float | None] = {
+        "target": branch.slope,
+        "fitted": fit.slope,
+        "intercept_mm2": fit.intercept,
+    }
+    if result.surface.friction is None:
+        return data
+    pair = Wording.of(result.surface.material, result.surface.friction)
+    return {
+        **data,
+        "target_friction_coefficient": pair.coefficient(branch.slope),
+        "fitted_friction_coefficient": fit.friction_coefficient,
+        "intercept_N": fit.intercept_force,
+    }
 
 
 def _plain(value: Any) -> Any:

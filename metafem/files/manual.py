@@ -15,9 +15,10 @@ HEAD = """\
 # Sections and keys that are not called optional must be there; lengths, areas, forces, stresses and
 # angles carry their unit. `metafem demo linear` writes a whole file to start from.
 # The misfit of a design is the rms of the relative difference of the law and what was asked for or, if
-# larger, the worst relative error of a fitted slope; for operating points the largest relative error. Above
-# 1 % the target is missed. Bilinear laws, and linear ones with an intercept, are compared with the law of
-# their height density, and missed above 10 %.
+# larger, the worst relative error of a fitted slope; for operating points, and for linear and bilinear laws
+# with a load_range, it is the largest relative error. Above 1 % the target is missed. Linear and bilinear
+# laws without a load_range are compared with the law of their height density, warned of above 1 % and missed
+# above 10 %.
 """
 
 # Column of the comments, past most examples.

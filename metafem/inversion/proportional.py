@@ -137,16 +137,26 @@ def _over(target: Line, low: float, high: float) -> Line | None:
 def reached_line(target: Line, radii: Radii, count: int, limits: Limits) -> Line | None:
     """Return the line over the widest range, within its own, that independent asperities are found to have.
 
-    The range is narrowed towards the crossover load, and of one line towards its start. None if no range
-    is reached.
+    The range is narrowed towards the crossover load, and of one line towards its start or its end, whichever
+    leaves more. None if no range is reached.
     """
     start, end = line_range(target, radii, count)
     whole = _over(target, FIRST_LOAD * start, min(end, largest_load(radii, count, limits)))
     if whole is None or whole.load_range is None:
         return None
-    low, high = whole.load_range
-    centre = target.lines[-1][1] or low
-    best, inside, outside = None, 0.0, 1.0
+    crossover = target.lines[-1][1]
+    found = [
+        _narrowed(whole, centre, radii, count, limits)
+        for centre in ((crossover,) if crossover else whole.load_range)
+    ]
+    share, best = max(found, key=lambda each: each[0])
+    return best if share else None
+
+
+def _narrowed(whole: Line, centre: float, radii: Radii, count: int, limits: Limits) -> tuple[float, Line]:
+    """Return the line over the largest share of its range, in the logarithm, about a load, and that share."""
+    low, high = whole.load_range or (centre, centre)
+    best, inside, outside = whole, 0.0, 1.0
     for _ in range(HALVINGS):
         share = 0.5 * (inside + outside)
         trial = replace(
@@ -157,7 +167,7 @@ def reached_line(target: Line, radii: Radii, count: int, limits: Limits) -> Line
             best, inside = trial, share
         else:
             outside = share
-    return best
+    return inside, best
 
 
 def achievable_load_range(
@@ -167,7 +177,7 @@ def achievable_load_range(
 
     That of independent asperities, found by trial: `design` meets the line over it or a part of it. The
     lower end is near the load at which one asperity alone has the line's friction. It is narrowed towards
-    the crossover load of a bilinear law, and towards its start for a linear one.
+    the crossover load of a bilinear law, and towards the start or the end of a linear one.
 
     Parameters
     ----------

@@ -103,7 +103,7 @@ def force_figure(design: Design, friction: Friction) -> Figure:
     figure = new_figure(9.0, 3.2)
     left, right = figure.subplots(1, 2)
     law.plot(left, units="N", label="achieved")
-    right.plot(law.load, law.friction_force / law.load, color=ACHIEVED, lw=1.8, label="achieved")
+    right.plot(law.load, law.friction_coefficient, color=ACHIEVED, lw=1.8, label="achieved")
     if design.density is None:
         load = wanted.load * modulus
         force = strength * wanted.law(friction_law(design.surface, law.model, load=load).area)

@@ -15,6 +15,7 @@ from metafem.progress import doing
 from metafem.report.comparison import MOST_COMPARED, Comparison, compared
 from metafem.report.elements import elements_section
 from metafem.report.figures import comparison_figure, force_figure, law_figure, sensitivity_figure
+from metafem.report.fits import fit_table
 from metafem.report.names import misfit_words, model_name
 from metafem.report.notes import all_notes
 from metafem.report.views import MOST_SHAPED, contact_figure, height_figure, several_radii, shape_figure
@@ -89,6 +90,7 @@ def page(design: Design, hardness: float | None = None, *, checks: bool = False)
     source = resources.files("metafem.report").joinpath("templates/page.html").read_text("utf-8")
     template = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True).from_string(source)
     comparisons, left_out = compared(design)
+    fit_columns, fits = fit_table(design)
     notes, achieved = all_notes(design, hardness), design.status.name != "MISSED"
     return template.render(
         title=design.target.title,
@@ -117,7 +119,9 @@ def page(design: Design, hardness: float | None = None, *, checks: bool = False)
         left_out=left_out,
         elements=elements_section(design) if checks else None,
         parameters=parameter_rows(design),
-        fits=_fits(design),
+        fit_columns=fit_columns,
+        fits=fits,
+        line=design.wanted.pointwise,
         inputs=_inputs(design),
         summits=_summits(design),
         residual=f"{design.law.residual.max():.1e}",
@@ -144,23 +148,6 @@ def parameter_rows(design: Design) -> list[Row]:
         text = ", ".join(f"{number:.6g}" for number in numbers[:MOST_PRINTED])
         more = len(numbers) - MOST_PRINTED
         rows.append((words, f"{text}, and {more} more in design.json" if more > 0 else text, unit))
-    return rows
-
-
-def _fits(design: Design) -> list[dict[str, Any]]:
-    rows = []
-    for branch, fit in design.fits:
-        half = 0.5 * (fit.slope_interval[1] - fit.slope_interval[0])
-        rows.append(
-            {
-                "range": f"{fit.load_range[0]:.4g} – {fit.load_range[1]:.4g}",
-                "target": f"{branch.slope:.4g}",
-                "slope": f"{fit.slope:.4g} ± {half:.1g}",
-                "deviation": f"{100 * (fit.slope / branch.slope - 1):+.2f} %",
-                "intercept": f"{fit.intercept:.4f}",
-                "closed": "–" if branch.intercept is None else f"{branch.intercept:.4f}",
-            }
-        )
     return rows
 
 

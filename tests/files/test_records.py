@@ -104,3 +104,14 @@ def test_notes_read_back_and_texts_of_before_become_notes():
     record["notes"] = [3]
     with pytest.raises(mf.InvalidInput, match=r"record\.notes\[0\] = 3 is not a note"):
         from_record(record)
+
+
+def test_a_law_through_the_origin_of_an_earlier_version_has_the_range_that_was_found():
+    ends = (0.05, 0.2)
+    result = mf.design(mf.LinearLaw(7.0, ends), TEMPLATE, limits=mf.Limits(0.15, offset=0.05))
+    record = to_record(result)
+    record["target"] = {"type": "LinearLaw", "slope": 7.0, "through_origin": True}
+    record["parameters"]["load_range"] = {"float64": list(ends)}
+    assert from_record(record).target == mf.LinearLaw(7.0, ends)
+    plain = {"type": "LinearLaw", "slope": 7.0, "through_origin": False}
+    assert from_record(plain) == mf.LinearLaw(7.0)

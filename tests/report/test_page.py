@@ -8,6 +8,7 @@ import pytest
 
 import metafem as mf
 from metafem.report import all_notes
+from metafem.report.figures import law_figure
 from metafem.report.page import page
 
 TARGETS = {
@@ -145,3 +146,26 @@ def test_forces_are_shown_where_there_is_a_friction(template):
     bare, rubbed = (page(mf.design(mf.LinearLaw(6.87), each)) for each in (bare, template))
     for words in ("friction force  F [N]", "friction coefficient  μ = F/P"):
         assert (words in bare, words in rubbed) == (False, True)
+
+
+def test_a_friction_coefficient_is_what_the_page_speaks_of(template):
+    target = mf.LinearLaw.from_friction_coefficient(1.4, template.material, template.friction, (0.05, 0.2))
+    text = page(mf.design(target, template, limits=mf.Limits(0.27)))
+    assert "<h1>Friction proportional to load: friction coefficient 1.4 from 0.068 to 0.272 N</h1>" in text
+    assert "<th>target friction coefficient</th>" in text
+    assert "slope 6." not in text
+
+
+def test_tile_and_plot_state_one_quantity(template):
+    for target in (
+        mf.LinearLaw(6.87),
+        mf.BilinearLaw((6.0, 9.0), 0.08, (0.05, 0.2)),
+        mf.PowerLaw(1.2, (0.1, 0.2)),
+    ):
+        design = mf.design(target, template, limits=mf.Limits(0.27))
+        load = template.material.composite_modulus * design.wanted.load
+        difference = design.wanted.difference(mf.friction_law(design.surface, load=load).area)
+        deviation = np.abs(difference).max() if design.wanted.pointwise else np.sqrt((difference**2).mean())
+        assert design.misfit == pytest.approx(deviation, rel=1e-9)
+        lines = law_figure(design).axes[1].lines
+        np.testing.assert_allclose(lines[-1].get_ydata(), 100.0 * difference, rtol=1e-9)
