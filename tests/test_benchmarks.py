@@ -7,7 +7,7 @@ import pytest
 from click.testing import CliRunner
 
 import metafem as mf
-from validation.benchmark import interaction, work_precision
+from validation.benchmark import interaction, interruptions, work_precision
 from validation.benchmark.__main__ import MARKS, benchmarks, main
 from validation.readme import README
 
@@ -46,6 +46,12 @@ def test_errors_in_the_readme_are_those_of_the_models():
             abs(work_precision.state(model, load).area / area - 1) for load, (area, _) in reference.items()
         ]
         assert row[4] == work_precision.shown_error(max(errors), doubt)
+
+
+@pytest.mark.slow
+def test_no_file_is_lost_by_stopped_runs_or_by_two_at_once():
+    for row in interruptions.long_rows(10, 5):
+        assert row.measured == row.wanted, row
 
 
 def test_picture_is_drawn():

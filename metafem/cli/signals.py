@@ -3,10 +3,18 @@
 from __future__ import annotations
 
 import signal
+import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
+
+# Seconds after which a signal is repeated whose exception was lost: longer than any destructor takes.
+AGAIN = 0.01
+
+
+class Stopped(SystemExit):
+    """The end of a command by a signal; its exit code is 128 and the signal's number."""
 
 
 @contextmanager
@@ -14,19 +22,32 @@ def stopped_by_signals() -> Iterator[None]:
     """Let Ctrl-C and SIGTERM end the body as an error does: it cleans up, and the exit code is 130 or 143.
 
     A signal that whoever started the process chose to ignore stays ignored. Python delivers signals to the
-    main thread alone, so that nothing changes in others.
+    main thread alone, so that nothing changes in others. Python drops an exception in a destructor or in
+    the callback of a weak reference; the signal is then repeated.
     """
-    before = {}
+    before, hook = {}, sys.unraisablehook
     if threading.current_thread() is threading.main_thread():
         for each in (signal.SIGINT, signal.SIGTERM):
             if signal.getsignal(each) not in (signal.SIG_IGN, None):
                 before[each] = signal.signal(each, _stop)
+        sys.unraisablehook = lambda lost: None if _repeat(lost.exc_value) else hook(lost)
     try:
         yield
     finally:
         for each, handler in before.items():
             signal.signal(each, handler)
+        sys.unraisablehook = hook
 
 
 def _stop(number: int, frame: FrameType | None) -> None:
-    raise SystemExit(128 + number)
+    raise Stopped(128 + number)
+
+
+def _repeat(error: BaseException | None) -> bool:
+    """Repeat the signal of an exception that was dropped."""
+    if not isinstance(error, Stopped) or not isinstance(error.code, int):
+        return False
+    again = threading.Timer(AGAIN, signal.raise_signal, (error.code - 128,))
+    again.daemon = True
+    again.start()
+    return True

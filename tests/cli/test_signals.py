@@ -1,6 +1,8 @@
 """Commands that are stopped, and what others wrote."""
 
 import signal
+import threading
+import weakref
 from pathlib import Path
 
 import pytest
@@ -35,6 +37,23 @@ def test_a_signal_that_is_ignored_stays_so():
         assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
     finally:
         signal.signal(signal.SIGINT, before)
+
+
+def test_a_signal_in_the_callback_of_a_weak_reference_is_not_lost(capsys):
+    class Thing:
+        pass
+
+    things = [Thing()]
+    watched = weakref.ref(things[0], lambda _: signal.raise_signal(signal.SIGTERM))
+
+    def work(things):
+        things.clear()
+        threading.Event().wait(10.0)
+
+    with pytest.raises(SystemExit) as end, stopped_by_signals():
+        work(things)
+    assert (end.value.code, watched()) == (143, None)
+    assert capsys.readouterr().err == ""
 
 
 def test_what_a_person_wrote_is_never_replaced(run):
