@@ -83,3 +83,26 @@ def test_the_same_picture_is_the_same_text(rough):
     assert first == text()
     assert first.startswith("<svg")
     assert "<title>heights &amp; &lt;places&gt;</title>" in first
+
+
+@pytest.mark.parametrize(
+    ("target", "labels"),
+    [
+        (mf.OperatingPoints([0.1, 0.2, 0.4], [0.8, 1.5, 2.9]), ["achieved", "target"]),
+        (mf.PowerLaw(1.1, (0.05, 0.2)), ["achieved", "target"]),
+        (mf.LinearLaw(7.5, load_range=(0.02, 0.1)), ["achieved", "target"]),
+        (mf.LinearLaw(6.87), ["achieved", "law of the height density", "target slope"]),
+    ],
+    ids=["points", "power", "line", "density"],
+)
+def test_a_design_is_drawn_beside_its_target(target, labels, template, ax):
+    design = mf.design(target, template, limits=mf.Limits(0.16, offset=0.084))
+    assert design.plot(ax) is ax
+    assert [text.get_text().split(",")[0] for text in ax.get_legend().get_texts()] == labels
+    np.testing.assert_array_equal(ax.lines[0].get_ydata()[1:], design.law.area)
+    x, y = (np.array(values) for values in ax.lines[1].get_data())
+    # what is drawn beside the law is what the misfit compares it with
+    np.testing.assert_array_equal(x, design.wanted.load)
+    achieved = np.interp(x, design.law.rescaled_load, design.law.area)
+    # between the points of the drawn law A0 is interpolated, to half a percent here
+    assert np.sqrt(np.mean((y / achieved - 1.0) ** 2)) < design.misfit + 5e-3

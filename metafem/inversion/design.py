@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from metafem import _validate as check
+from metafem import drawing
 from metafem._calls import checked_call
 from metafem._validate import IntArray
 from metafem._values import Value, span
@@ -31,6 +32,7 @@ from metafem.inversion.judge import (
 )
 from metafem.inversion.limits import Limits
 from metafem.inversion.mixture import Mixture
+from metafem.inversion.picture import draw_laws
 from metafem.inversion.radii import Radii, RadiusRange
 from metafem.inversion.request import Request
 from metafem.inversion.target import (
@@ -48,6 +50,9 @@ from metafem.models import Model
 from metafem.notes import Note, counted
 from metafem.progress import doing
 from metafem.surface import Surface
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -92,16 +97,16 @@ class Design(Value):
     >>> import metafem as mf
     >>> template = mf.Surface.square_lattice(0.12, radius=0.526, material=mf.Material(1.36))
     >>> mf.design(mf.LinearLaw(6.87), template)
-    Design for LinearLaw(slope=6.87, through_origin=False)
+    Design: Linear friction law of slope 6.87
       status      approximate: the density has the target's slopes at large loads; the law has the misfit
-      misfit      2.8 %
+      misfit      2.8 %, difference of a fitted slope from the target's
       asperities  64 on 64 places
       heights     0.0002997 to 0.1148 mm
       radius      0.526 mm
       model       Independent()
       law         100 loads 0.006527 to 0.6527 N, area 0.06483 to 3.559 mm^2
       parameters  scale, intercept, foot_load
-      notes       no notes
+      notes       1 warning
     """
 
     surface: Surface
@@ -146,9 +151,9 @@ class Design(Value):
         surface, law = self.surface, self.law
         return "\n".join(
             [
-                f"Design for {self.target!r}",
+                f"Design: {self.target.title}",
                 f"  status      {self.status.value}",
-                f"  misfit      {100.0 * self.misfit:.2g} %",
+                f"  misfit      {100.0 * self.misfit:.2g} %, {self.misfit_meaning}",
                 f"  asperities  {surface.count} on {self.template.count} places",
                 f"  heights     {span(surface.height, 'mm')}",
                 f"  radius      {span(surface.radius, 'mm')}",
@@ -171,6 +176,33 @@ class Design(Value):
     def misfit_meaning(self) -> str:
         """What `misfit` is, in words."""
         return misfit_meaning(self.wanted.pointwise, self.density is not None, self.fits, self.misfit)
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draw the achieved law beside the target, rescaled.
+
+        A design with a height density is drawn beside the density's law and straight lines of the
+        target's slopes, whose ranges are shaded.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            Where to draw; without it in a new figure of ``matplotlib.pyplot``.
+
+        Returns
+        -------
+        matplotlib Axes
+
+        Examples
+        --------
+        >>> import metafem as mf
+        >>> template = mf.Surface.square_lattice(0.12, radius=0.526, material=mf.Material(1.36))
+        >>> ax = mf.design(mf.PowerLaw(1.1, (0.05, 0.2)), template).plot()
+        >>> [text.get_text() for text in ax.get_legend().get_texts()]
+        ['achieved', 'target']
+        """
+        ax = drawing.axes(ax)
+        draw_laws(self, ax)
+        return ax
 
 
 def _restored(members: dict[str, Any]) -> Design:

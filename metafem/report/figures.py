@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from metafem.drawing import ACHIEVED, QUIET, TARGET, new_figure
 from metafem.inversion import Design, feasible_region
-from metafem.inversion.wanted import Wanted
+from metafem.inversion.picture import draw_laws, few
 from metafem.law import friction_law
 from metafem.report.comparison import Comparison
 from metafem.report.names import model_name
@@ -25,23 +25,18 @@ if TYPE_CHECKING:
 # Loads at which sensitivities are drawn, of a law's hundred.
 SENSITIVITY_LOADS = 33
 
-# Up to so many loads of a target are marked one by one.
-MOST_MARKED = 10
-
 
 def law_figure(design: Design) -> Figure:
     """Target and achieved law, and below it the relative difference of which the misfit is made."""
     figure = new_figure(7.0, 5.6)
     ax, below = figure.subplots(2, 1, sharex=True, height_ratios=[3, 1])
-    design.law.plot(ax, label="achieved: " + model_name(design.law.model))
-    (_draw_target if design.density is None else _draw_density)(design, ax)
+    _draw_reach(design, ax)
+    draw_laws(design, ax, "achieved: " + model_name(design.law.model))
     _draw_difference(design, below)
     for branch, _ in design.fits:
-        for panel in (ax, below):
-            panel.axvspan(*branch.load_range, color=TARGET, alpha=0.06, lw=0)
+        below.axvspan(*branch.load_range, color=TARGET, alpha=0.06, lw=0)
     below.set_xlabel(ax.get_xlabel())
     ax.set_xlabel("")
-    ax.legend(frameon=False, loc="upper left")
     _force_axes(design, ax)
     return figure
 
@@ -52,7 +47,7 @@ def _draw_difference(design: Design, ax: Axes) -> None:
     load = wanted.load * design.surface.material.composite_modulus
     difference = wanted.difference(friction_law(design.surface, design.law.model, load=load).area)
     ax.axhline(0.0, color=QUIET, lw=0.8)
-    ax.plot(wanted.load, 100.0 * difference, "o" if _few(wanted) else "-", color=ACHIEVED)
+    ax.plot(wanted.load, 100.0 * difference, "o" if few(wanted) else "-", color=ACHIEVED)
     ax.spines[["top", "right"]].set_visible(False)
     ax.set_ylabel(f"A0 against\n{'the target' if design.density is None else 'density law'} [%]")
     if np.abs(difference).max() < 1e-9:
@@ -60,40 +55,15 @@ def _draw_difference(design: Design, ax: Axes) -> None:
         ax.annotate("all points are met to 1e-9", (0.02, 0.75), xycoords="axes fraction", color=QUIET)
 
 
-def _few(wanted: Wanted) -> bool:
-    """Whether loads are so few that each is marked."""
-    return len(wanted.load) <= MOST_MARKED
-
-
-def _draw_target(design: Design, ax: Axes) -> None:
-    """Draw the law that was asked for, between the bounds of all surfaces."""
+def _draw_reach(design: Design, ax: Axes) -> None:
+    """Draw the bounds of all surfaces where the target is a curve."""
     wanted = design.wanted
-    load = wanted.load * design.surface.material.composite_modulus
-    law = wanted.law(friction_law(design.surface, design.law.model, load=load).area)
-    ax.plot(wanted.load, law, "o", ms=7 if _few(wanted) else 3, color=TARGET, label="target", zorder=3)
-    if _few(wanted):
+    if design.density is not None or few(wanted):
         return
     bounds = np.linspace(0.0, float(wanted.load[-1]), 200)[1:]
     low, high = feasible_region(design.template, bounds, design.limits, design.radii)
     ax.fill_between(bounds, low, high, color=QUIET, alpha=0.12, lw=0, label="reach of independent asperities")
     ax.set_ylim(top=1.5 * float(design.law.area[-1]))
-
-
-def _draw_density(design: Design, ax: Axes) -> None:
-    """Draw the law of the height density, and straight lines of the target's slopes along its branches."""
-    density = design.wanted
-    ax.plot(
-        density.load, density.base, color="black", ls=(0, (2, 3)), lw=1.0, label="law of the height density"
-    )
-    for i, (branch, fit) in enumerate(design.fits):
-        load = np.array(branch.load_range)
-        middle = fit.intercept + fit.slope * load.mean()
-        through = middle - branch.slope * load.mean() if branch.intercept is None else branch.intercept
-        label = "target slope" + (", asymptote" if branch.intercept is not None else "") if i == 0 else None
-        wide = np.array([0.0 if branch.intercept is not None else load[0], load[1]])
-        ax.plot(wide, through + branch.slope * wide, color=TARGET, lw=1.4, label=label)
-    for branch, _ in design.fits[:-1]:
-        ax.axvline(branch.load_range[1], color=TARGET, ls=":", lw=1.2, label="target crossover")
 
 
 def force_figure(design: Design, friction: Friction) -> Figure:
@@ -107,7 +77,7 @@ def force_figure(design: Design, friction: Friction) -> Figure:
     if design.density is None:
         load = wanted.load * modulus
         force = strength * wanted.law(friction_law(design.surface, law.model, load=load).area)
-        size = 6 if _few(wanted) else 2
+        size = 6 if few(wanted) else 2
         left.plot(load, force, "o", ms=size, color=TARGET, label="target")
         right.plot(load, force / load, "o", ms=size, color=TARGET, label="target")
     else:

@@ -1,0 +1,69 @@
+"""The law of a design beside what was asked for, on one pair of axes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from metafem._validate import FloatArray
+from metafem.drawing import TARGET
+from metafem.inversion.wanted import Wanted
+from metafem.law import friction_law
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from metafem.inversion.design import Design
+
+# Up to so many loads of a target are marked one by one.
+MOST_MARKED = 10
+
+
+def few(wanted: Wanted) -> bool:
+    """Whether loads are so few that each is marked."""
+    return len(wanted.load) <= MOST_MARKED
+
+
+def target_law(design: Design) -> FloatArray:
+    """Return the target's friction at the loads of `design.wanted`, (k,) [mm^2].
+
+    Parameters that a target leaves open are those nearest to the design's law.
+    """
+    wanted = design.wanted
+    if not wanted.free.shape[1]:
+        return wanted.base
+    load = wanted.load * design.surface.material.composite_modulus
+    return wanted.law(friction_law(design.surface, design.law.model, load=load).area)
+
+
+def draw_laws(design: Design, ax: Axes, label: str = "achieved") -> None:
+    """Draw the achieved law with its label, and the target or the law of its height density."""
+    design.law.plot(ax, label=label)
+    (_draw_target if design.density is None else _draw_density)(design, ax)
+    for branch, _ in design.fits:
+        ax.axvspan(*branch.load_range, color=TARGET, alpha=0.06, lw=0)
+    ax.legend(frameon=False, loc="upper left")
+
+
+def _draw_target(design: Design, ax: Axes) -> None:
+    wanted = design.wanted
+    size = 7 if few(wanted) else 3
+    ax.plot(wanted.load, target_law(design), "o", ms=size, color=TARGET, label="target", zorder=3)
+
+
+def _draw_density(design: Design, ax: Axes) -> None:
+    """Draw the law of the height density, and straight lines of the target's slopes along its branches."""
+    density = design.wanted
+    ax.plot(
+        density.load, density.base, color="black", ls=(0, (2, 3)), lw=1.0, label="law of the height density"
+    )
+    for i, (branch, fit) in enumerate(design.fits):
+        load = np.array(branch.load_range)
+        middle = fit.intercept + fit.slope * load.mean()
+        through = middle - branch.slope * load.mean() if branch.intercept is None else branch.intercept
+        label = "target slope" + (", asymptote" if branch.intercept is not None else "") if i == 0 else None
+        wide = np.array([0.0 if branch.intercept is not None else load[0], load[1]])
+        ax.plot(wide, through + branch.slope * wide, color=TARGET, lw=1.4, label=label)
+    for branch, _ in design.fits[:-1]:
+        ax.axvline(branch.load_range[1], color=TARGET, ls=":", lw=1.2, label="target crossover")
