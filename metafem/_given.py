@@ -21,7 +21,7 @@ UNITS: Mapping[str, str] = {
             *("position", "height", "radius", "pitch", "width", "length", "thickness", "max_height"),
             *("min_height", "offset", "height_step", "height_sd", "low", "high", "radii", "places"),
             *("separation", "approach", "cell", "contact_radius", "block_radius", "cell_radius"),
-            *("alignment_height", "indentation", "r", "tools", "range"),
+            *("alignment_height", "chord_error", "indentation", "r", "tools", "range"),
         ),
         "mm^2": ("rescaled_load", "rescaled_friction", "crossover_load", "crossover_loads", "load_range"),
         "N": ("load", "friction_force"),

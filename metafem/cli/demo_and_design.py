@@ -16,6 +16,7 @@ from metafem.errors import InvalidInput
 
 if TYPE_CHECKING:
     from metafem.files import Specification
+    from metafem.files.part.plan import Part
     from metafem.inversion import Design
     from metafem.inversion.blueprint import Branch
     from metafem.law import BranchFit
@@ -51,39 +52,67 @@ def demo(name: str, model: str | None, force: bool, as_json: bool) -> None:
 @click.argument("spec", type=click.Path(path_type=Path))
 @click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="Result folder to make.")
 @model_option
+@click.option(
+    "--chord-error",
+    metavar="LENGTH",
+    help='Of the triangles of block.stl and mould.stl below the spheres, as "1 um", instead of '
+    "part.chord_error in SPEC.toml. Default: 4e-4 of the smallest radius, and more where a solid would have "
+    "over two million triangles.",
+)
 @force_option
 @json_option
-def design(spec: Path, output: Path, model: str | None, force: bool, as_json: bool) -> None:
+def design(
+    spec: Path, output: Path, model: str | None, chord_error: str | None, force: bool, as_json: bool
+) -> None:
     """Design a surface from the specification SPEC.toml and write all its files.
 
     A specification has the sections target (of kind operating-points, linear, bilinear, sampled, power or
     multilinear), material, lattice and limits and, where wanted, friction, radii, block, layout, model,
     part and checks. `metafem spec` prints every key with an example; `metafem demo` writes whole files.
     """
-    _run(spec, output, model, force, as_json)
+    _run(spec, output, model, force, as_json, chord_error)
 
 
-def _run(spec: Path, folder: Path, model: str | None, force: bool, as_json: bool) -> None:
+def _run(
+    spec: Path, folder: Path, model: str | None, force: bool, as_json: bool, chord_error: str | None = None
+) -> None:
     import metafem as mf
-    from metafem.files import check_free, model_named, result_folder, write_all
+    from metafem.files import (
+        check_free,
+        model_named,
+        part_notes,
+        planned,
+        quantity,
+        result_folder,
+        write_all,
+    )
     from metafem.inversion import DesignStatus
     from metafem.report import all_notes, page
 
     check_free(folder, force)
     with progress():
         specification = mf.read_spec(spec)
+        if chord_error is not None:
+            specification = specification.with_chord_error(quantity("--chord-error", chord_error, "mm"))
         chosen = model_named(model) if model else specification.model
         with result_folder(folder, specification, force=force) as fresh:
             result = specification.design(chosen)
             text = page(result, specification.hardness)
             write_all(result, fresh, specification, {"report.html": text})
-    _tell_design(result, specification, folder, all_notes(result, specification.hardness), as_json)
+    part = planned(result.surface, result.template, specification.part)
+    notes = all_notes(result, specification.hardness) + part_notes(part, specification.part)
+    _tell_design(result, specification, folder, notes, part, as_json)
     if result.status is DesignStatus.MISSED:
         sys.exit(NOT_ACHIEVED)
 
 
 def _tell_design(
-    result: Design, specification: Specification, folder: Path, notes: tuple[Note, ...], as_json: bool
+    result: Design,
+    specification: Specification,
+    folder: Path,
+    notes: tuple[Note, ...],
+    part: Part | None,
+    as_json: bool,
 ) -> None:
     from metafem.report import fit_table, misfit_words, model_name, parameter_rows
 
@@ -98,6 +127,7 @@ def _tell_design(
             "model": model_name(result.law.model),
             "parameters": {name: _plain(value) for name, value in result.parameters.items()},
             "slopes": [_fit_data(result, branch, fit) for branch, fit in result.fits],
+            "part": None if part is None else part.record(),
             "notes": notes_data(notes),
         }
         click.echo(json.dumps(data))

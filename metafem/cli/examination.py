@@ -117,8 +117,9 @@ def _part() -> tuple[str, bool]:
     import metafem as mf
     from metafem.files.part.block import block_mesh
 
-    mesh = block_mesh(mf.Surface([[0.0, 0.0]], [0.1], 0.5, mf.Material(1.0), block=mf.Block(2.0, 2.0, 1.0)))
-    return f"{len(mesh.faces)} triangles, {'closed' if mesh.is_watertight else 'open'}", mesh.is_watertight
+    surface = mf.Surface([[0.0, 0.0]], [0.1], 0.5, mf.Material(1.0))
+    mesh = block_mesh(surface, mf.Block(2.0, 2.0, 1.0), 2e-4)
+    return f"{len(mesh.faces)} triangles, {'closed' if mesh.closed else 'open'}", mesh.closed
 
 
 def _page() -> tuple[str, bool]:

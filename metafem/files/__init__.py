@@ -6,6 +6,7 @@ from metafem.files.demo import demo_text
 from metafem.files.folder import load, result_folder, same_design, save, stored_hardness, write_all
 from metafem.files.manual import all_keys, manual
 from metafem.files.model_names import MODELS, model_named
+from metafem.files.part.plan import PartOptions, part_notes, planned
 from metafem.files.spec import Specification, read_spec, refuse_missing_block
 from metafem.files.study import study_data, study_path, write_study
 from metafem.files.tables import is_law_table, law_table, read_heights, read_surface
@@ -13,6 +14,7 @@ from metafem.files.units import option_words, quantity
 
 __all__ = [
     "MODELS",
+    "PartOptions",
     "Specification",
     "all_keys",
     "check_free",
@@ -23,6 +25,8 @@ __all__ = [
     "manual",
     "model_named",
     "option_words",
+    "part_notes",
+    "planned",
     "quantity",
     "read_heights",
     "read_spec",

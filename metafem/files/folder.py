@@ -17,7 +17,8 @@ from metafem.errors import InvalidInput
 from metafem.files.atomic.claim import restore
 from metafem.files.atomic.manifest import FORMAT, digest
 from metafem.files.atomic.staged import staged
-from metafem.files.part.block import alignment_asperities, block_mesh, stl_bytes
+from metafem.files.part.caps import alignment_asperities
+from metafem.files.part.plan import Part, PartOptions, part_notes, planned
 from metafem.files.reading import called, read_record
 from metafem.files.records import from_record, to_record
 from metafem.files.spec import Specification
@@ -38,16 +39,17 @@ def save(
     folder: str | Path,
     *,
     specification: Specification | None = None,
+    part: PartOptions | None = None,
     pages: Mapping[str, str] = NO_PAGES,
     force: bool = False,
 ) -> None:
     """Write a design and the files to make the part into a new folder.
 
     ``design.json`` (everything that `load` needs, and the versions it was made with), ``heights.csv``,
-    ``law.csv``, ``mould.csv``, ``surface.vtu``, with a block ``block.stl``, and ``spec.toml`` where a
-    specification is given, with the table of its wanted law beside it. The folder appears when all of
-    them are written. A hidden ``.metafem-files`` lists them with their sha256, by which `force` knows
-    what metafem wrote.
+    ``law.csv``, ``mould.csv``, ``surface.vtu``, and ``spec.toml`` where a specification is given, with the
+    table of its wanted law beside it; with a block the solids ``block.stl`` and ``mould.stl`` and the drawing
+    ``mould.svg``. The folder appears when all of them are written. A hidden ``.metafem-files`` lists them
+    with their sha256, by which `force` knows what metafem wrote.
 
     Parameters
     ----------
@@ -55,7 +57,9 @@ def save(
     folder : str or Path
         Does not exist yet, its parent does.
     specification : Specification, optional
-        What the design was made from; its alignment asperities go into the mould and the part.
+        What the design was made from.
+    part : PartOptions, optional
+        How the files of the part are made. Default: as in the specification.
     pages : mapping of str to str, optional
         Names and texts of further files, such as ``report.html``.
     force : bool
@@ -84,7 +88,7 @@ def save(
     if not isinstance(design, Design):
         raise InvalidInput(f"design = {design!r:.60} must be a metafem.Design")
     with result_folder(folder, specification, force=force) as fresh:
-        write_all(design, fresh, specification, pages)
+        write_all(design, fresh, specification, pages, part)
 
 
 def result_folder(
@@ -101,13 +105,17 @@ def write_all(
     folder: Path,
     specification: Specification | None = None,
     pages: Mapping[str, str] = NO_PAGES,
+    part: PartOptions | None = None,
 ) -> None:
     """Write all files of a design into an existing folder."""
     surface = design.surface
-    height = None if specification is None else specification.alignment_height
+    options = part or (PartOptions() if specification is None else specification.part)
+    height = options.alignment_height
+    made = planned(surface, design.template, options)
     alignment = None if height is None else alignment_asperities(surface, design.template, height)
     texts = {
-        "design.json": json.dumps(_record(design, specification), indent=1, allow_nan=False) + "\n",
+        "design.json": json.dumps(_record(design, specification, made, options), indent=1, allow_nan=False)
+        + "\n",
         "heights.csv": heights_table(design),
         "law.csv": law_table(design.law),
         "mould.csv": mould_table(surface, alignment),
@@ -119,8 +127,8 @@ def write_all(
     try:
         for name, content in contents.items():
             (folder / name).write_bytes(content)
-        if surface.block is not None:
-            (folder / "block.stl").write_bytes(stl_bytes(block_mesh(surface, height, design.template)))
+        if made is not None:
+            made.write(folder)
         write_surface(design, folder / "surface.vtu")
     except OSError as error:
         raise InvalidInput(f"{folder} cannot be written: {error.strerror}") from None
@@ -189,10 +197,9 @@ def _read(folder: str | Path) -> tuple[Path, dict[str, Any]]:
     return path, record
 
 
-def _record(design: Design, specification: Specification | None) -> dict[str, Any]:
-    notes = []
-    if design.surface.block is None:
-        notes.append("block.stl is left out: the surface has no block")
+def _record(
+    design: Design, specification: Specification | None, part: Part | None, options: PartOptions
+) -> dict[str, Any]:
     return {
         "format": FORMAT,
         "versions": versions(),
@@ -201,12 +208,13 @@ def _record(design: Design, specification: Specification | None) -> dict[str, An
         else {
             "sha256": specification.sha256,
             "seed": specification.seed,
-            "alignment_height": specification.alignment_height,
+            "alignment_height": specification.part.alignment_height,
             "hardness": specification.hardness,
             "model": to_record(specification.model),
             "text": specification.text,
         },
-        "notes": notes,
+        "part": None if part is None else part.record(),
+        "notes": [note.text for note in part_notes(part, options)],
         "design": to_record(design),
     }
 

@@ -11,6 +11,7 @@ from metafem import _validate as check
 from metafem._given import about, printable, told
 from metafem.errors import InvalidInput
 from metafem.files.model_names import MODELS, suggestion
+from metafem.files.part.plan import PartOptions, planned
 from metafem.files.section import Angle, Length, Number, Section, Stress, Whether, measured, says
 from metafem.files.target_sections import (
     BilinearSection,
@@ -165,6 +166,23 @@ class PartSection(Section):
         Annotated[float, measured("mm", "400 um"), Field(gt=0.0)] | None,
         says("of four asperities outside the corners, cut off in the end", "400 um"),
     ] = None
+    chord_error: Annotated[
+        Annotated[float, measured("mm", "1 um"), Field(gt=0.0)] | None,
+        says("of the triangles below the spheres; 4e-4 R or for 2 million triangles unless given", "1 um"),
+    ] = None
+    formats: Annotated[
+        tuple[Annotated[str, Field(strict=True)], ...],
+        says("of the part and its mould: stl, 3mf, obj", ["stl", "3mf"]),
+    ] = ("stl",)
+
+    @field_validator("formats")
+    @classmethod
+    def _known_formats(cls, formats: tuple[str, ...]) -> tuple[str, ...]:
+        return PartOptions(formats=formats).formats
+
+    def options(self) -> PartOptions:
+        """Return how the files of the part are made."""
+        return PartOptions(self.alignment_height, self.chord_error, self.formats)
 
 
 class ChecksSection(Section):
@@ -197,7 +215,7 @@ class Sections(Section):
     checks: Annotated[ChecksSection, says("what is checked beside the law")] = ChecksSection()
 
     def build(self) -> tuple[dict[str, Any], list[str]]:
-        """Return target, template, limits, layout and radii, and what is wrong, one problem each."""
+        """Return target, template, limits, layout, radii and part, and what is wrong, one problem each."""
         problems: list[str] = []
 
         def made(section: str, kind: Any, values: dict[str, Any]) -> Any:
@@ -232,7 +250,15 @@ class Sections(Section):
                 f"{heights} exceed the radius of {told(source, largest)}: no cap is higher than its radius; "
                 "lower them, or leave out [block] and with it the part's files"
             )
+        part = self.part.options()
+        if template and radii is None and not problems:
+            try:
+                planned(template, template, part)
+            except InvalidInput as error:
+                heights = f"limits.offset + limits.max_height = {told('limits.max_height', top)}"
+                problems.append(f"with summits of {heights}, {error}")
         parts = {"target": target, "template": template, "limits": limits, "layout": layout, "radii": radii}
+        parts["part"] = part
         return parts, problems
 
     def _radius(self, problems: list[str]) -> tuple[float, RadiusRange | tuple[float, ...] | None, str]:

@@ -6,13 +6,14 @@ import hashlib
 import re
 import tomllib
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from metafem._calls import checked_call
 from metafem._given import Words, printable, speaking
 from metafem.errors import InvalidInput
+from metafem.files.part.plan import PartOptions, planned
 from metafem.files.reading import SPECIFICATION, called, decoded, read_bytes
 from metafem.files.spec_words import worded
 from metafem.files.units import written_units
@@ -59,8 +60,8 @@ class Specification:
         From which the radius is chosen [mm]; that of the template then counts for nothing.
     mixed : bool
         Whether each asperity may have its own radius.
-    alignment_height : float or None
-        Height of the four alignment asperities [mm].
+    part : PartOptions
+        Alignment asperities, and how finely and in which formats the part is written.
     hardness : float or None
         H [MPa] for the plasticity index.
     text : str
@@ -79,7 +80,7 @@ class Specification:
     layout: Layout | None
     radii: RadiusRange | tuple[float, ...] | None
     mixed: bool
-    alignment_height: float | None
+    part: PartOptions
     hardness: float | None
     text: str
     sha256: str
@@ -96,6 +97,18 @@ class Specification:
         return search(
             self.target, self.template, self.radii, chosen, self.limits, self.seed, layout=self.layout
         )
+
+    def with_chord_error(self, chord_error: float) -> Specification:
+        """Return the specification with another chord error of the part [mm].
+
+        Raises
+        ------
+        InvalidInput
+            If it is not positive, or so small that the part's files would be too large.
+        """
+        part = replace(self.part, chord_error=chord_error)
+        planned(self.template, self.template, part)
+        return replace(self, part=part)
 
 
 def refuse_missing_block(model: Model, surface: Surface, remedy: str) -> None:
@@ -166,7 +179,6 @@ def read_spec(path: str | Path) -> Specification:
         model=sections.model.model(),
         seed=sections.layout.seed,
         mixed=mixed,
-        alignment_height=sections.part.alignment_height,
         hardness=sections.checks.hardness,
         text=raw.decode("utf-8"),
         sha256=hashlib.sha256(raw).hexdigest(),

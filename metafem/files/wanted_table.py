@@ -25,8 +25,8 @@ EXAMPLE = "load_N,friction_force_N"
 # Files of a design in its result folder, beside which the table is kept.
 RESULT_FILES = frozenset(
     {
-        *("design.json", "heights.csv", "law.csv", "mould.csv", "surface.vtu", "block.stl", "spec.toml"),
-        "report.html",
+        *("design.json", "heights.csv", "law.csv", "mould.csv", "surface.vtu", "spec.toml", "report.html"),
+        *("block.stl", "block.3mf", "block.obj", "mould.stl", "mould.3mf", "mould.obj", "mould.svg"),
     }
 )
 

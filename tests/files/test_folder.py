@@ -28,8 +28,8 @@ def test_the_whole_folder(tmp_path, linear):
     spec, design = linear
     mf.save(design, tmp_path / "out", specification=spec, pages={"report.html": "<p>µ</p>"})
     assert {path.name for path in (tmp_path / "out").iterdir()} == {
-        "design.json", "heights.csv", "law.csv", "mould.csv", "block.stl", "surface.vtu", "spec.toml",
-        "report.html", MANIFEST,
+        "design.json", "heights.csv", "law.csv", "mould.csv", "mould.svg", "mould.stl", "block.stl",
+        "surface.vtu", "spec.toml", "report.html", MANIFEST,
     }  # fmt: skip
     assert {path.name for path in (tmp_path / "out").iterdir()} <= RESERVED | {MANIFEST}
     record = json.loads((tmp_path / "out" / "design.json").read_text())

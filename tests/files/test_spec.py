@@ -38,7 +38,7 @@ def test_the_linear_demo_is_the_published_surface(read):
     assert template.block == mf.Block(20.0, 20.0, 7.2)
     assert (template.count, set(template.radius)) == (64, {0.526})
     np.testing.assert_array_equal(np.ptp(template.position, axis=0), [10.5, 10.5])
-    assert (spec.model, spec.seed, spec.alignment_height) == (mf.Independent(), 0, 0.4)
+    assert (spec.model, spec.seed, spec.part.alignment_height) == (mf.Independent(), 0, 0.4)
 
 
 def test_text_and_hash_are_those_of_the_file(read):
@@ -54,7 +54,7 @@ def test_optional_sections_may_be_left_out(read):
     spec = read(required + lattice + '[limits]\nmax_height = "120 um"\n')
     assert spec.template.friction is None
     assert spec.template.block is None
-    assert (spec.seed, spec.alignment_height, spec.hardness) == (0, None, None)
+    assert (spec.seed, spec.part.alignment_height, spec.hardness) == (0, None, None)
 
 
 def test_hardness_is_read(read):

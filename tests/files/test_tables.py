@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import metafem as mf
-from metafem.files.part.block import alignment_asperities
+from metafem.files.part.caps import alignment_asperities
 from metafem.files.tables import heights_table, law_table, mould_table, read_heights, read_surface
 
 TEMPLATE = mf.Surface.square_lattice(

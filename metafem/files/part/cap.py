@@ -1,4 +1,4 @@
-"""Triangles of one spherical cap."""
+"""Triangles of spherical caps: rings of points on each, the more the finer."""
 
 from __future__ import annotations
 
@@ -9,42 +9,46 @@ import numpy as np
 
 from metafem._validate import FloatArray, IntArray
 
-# Largest depth of the triangles below the sphere, in radii: 0.2 um on the source paper's summits of
-# 526 um, a quarter of the 0.9 um with which its moulds are made (doi:10.1126/science.adk4234).
-CHORD_ERROR = 4e-4
-
 # Neighbours in a ring of six points are 60 degrees apart: an arc of pi/3 ring spacings.
 _RING_ARC = math.pi / 3.0
 
+# One ring would make a pyramid of the flattest caps.
+_FEWEST = 2
 
-def cap_mesh(height: float, radius: float) -> tuple[FloatArray, IntArray, IntArray]:
-    """Return vertices (m, 3) [mm], outward faces (k, 3) and the rim of a cap, summit over the origin.
+
+def ring_count(height: FloatArray, radius: FloatArray, chord_error: float) -> IntArray:
+    """Return numbers of rings (n,) that keep triangles within the chord error [mm] of the spheres.
+
+    Neighbouring rings are at most D apart along a meridian and pi/3 D along a ring, so no triangle has a
+    circumradius above that of the right triangle of these sides, which lies ``(1 + (pi/3)^2) D^2 / (8 R)``
+    below the sphere.
+    """
+    step = np.sqrt(8.0 * chord_error / ((1.0 + _RING_ARC**2) * radius))
+    return np.maximum(_FEWEST, np.ceil(_opening(height, radius) / step)).astype(np.int64)
+
+
+def cap_vertices(height: FloatArray, radius: FloatArray, rings: int) -> FloatArray:
+    """Return vertices (n, m, 3) [mm] of caps whose summits stand over the origin.
 
     The summit and rings of 6, 12, 18, ... points lie on the sphere, at equal polar angles down to the
-    base plane z = 0, where the last ring is the rim, counterclockwise. Neighbouring rings are at most
-    D apart along a meridian and pi/3 D along a ring, so no triangle has a circumradius above that of
-    the right triangle of these sides, which lies ``(1 + (pi/3)^2) D^2 / (8 R)`` below the sphere.
+    base plane z = 0. The last ring is the rim: the last ``6 rings`` points, counterclockwise.
     """
-    angle = 2.0 * math.asin(math.sqrt(0.5 * height / radius))  # h = R (1 - cos) = 2 R sin^2(angle/2)
-    step = math.sqrt(8.0 * CHORD_ERROR / (1.0 + _RING_ARC**2))
-    rings = max(2, math.ceil(angle / step))
     size = np.arange(rings + 1) * 6
     size[0] = 1
     ring = np.repeat(np.arange(rings + 1), size)
     place = np.arange(len(ring)) - np.repeat(np.cumsum(size) - size, size)
     turn = 2.0 * math.pi * place / size[ring]
-    polar = angle * ring / rings
-    across = radius * np.sin(polar)
-    z = height - 2.0 * radius * np.sin(0.5 * polar) ** 2
-    rim = np.flatnonzero(ring == rings)
-    across[rim] = math.sqrt(height * (2.0 * radius - height))
-    z[rim] = 0.0
-    return np.column_stack([across * np.cos(turn), across * np.sin(turn), z]), _faces(rings), rim
+    polar = _opening(height, radius)[:, None] * np.arange(rings + 1) / rings
+    across = radius[:, None] * np.sin(polar)
+    z = height[:, None] - 2.0 * radius[:, None] * np.sin(0.5 * polar) ** 2
+    across[:, -1] = np.sqrt(height * (2.0 * radius - height))
+    z[:, -1] = 0.0
+    return np.stack([across[:, ring] * np.cos(turn), across[:, ring] * np.sin(turn), z[:, ring]], axis=2)
 
 
 @cache
-def _faces(rings: int) -> IntArray:
-    """Return faces of the disc of rings: between two rings, six sectors of alternating triangles."""
+def cap_faces(rings: int) -> IntArray:
+    """Return outward faces (6 rings^2, 3): between two rings, six sectors of alternating triangles."""
     faces: list[tuple[int, int, int]] = []
 
     def point(ring: int, place: int) -> int:
@@ -61,3 +65,9 @@ def _faces(rings: int) -> IntArray:
     result = np.array(faces, dtype=np.int64)
     result.flags.writeable = False
     return result
+
+
+def _opening(height: FloatArray, radius: FloatArray) -> FloatArray:
+    """Return the polar angles of rims, from ``h = R (1 - cos) = 2 R sin^2(angle/2)``."""
+    opening: FloatArray = 2.0 * np.arcsin(np.sqrt(0.5 * height / radius))
+    return opening

@@ -1,0 +1,116 @@
+"""Alignment asperities, and which caps can be made."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from metafem import _validate as check
+from metafem._validate import FloatArray
+from metafem.errors import InvalidInput
+from metafem.surface import Block, Surface
+
+__all__ = ["alignment_asperities", "alignment_positions", "refuse_impossible", "with_alignment"]
+
+
+def alignment_positions(template: Surface) -> FloatArray:
+    """Return places of four alignment asperities, (4, 2) [mm].
+
+    One lattice pitch outside the corners of the template, along x and along y; the pitch is the
+    smallest distance between two of its sites.
+
+    Examples
+    --------
+    >>> import metafem as mf
+    >>> template = mf.Surface.square_lattice(0.1, (8, 8), 1.5, radius=0.5, material=mf.Material(1.36))
+    >>> alignment_positions(template)[-1]
+    array([6.75, 6.75])
+    """
+    from scipy.spatial import KDTree
+
+    if template.count < 2:
+        raise InvalidInput("alignment asperities need a template of at least two sites, for its pitch")
+    distance, _ = KDTree(template.position).query(template.position, k=2)
+    pitch = float(distance[:, 1].min())
+    (west, south), (east, north) = (
+        template.position.min(axis=0) - pitch,
+        template.position.max(axis=0) + pitch,
+    )
+    return np.array([(west, south), (east, south), (west, north), (east, north)])
+
+
+def alignment_asperities(surface: Surface, template: Surface, height: float) -> Surface:
+    """Return the four alignment asperities as a surface of their own.
+
+    Their radius is the smallest in use that is no less than their height: the part needs no further tool,
+    and no other of its tools makes narrower caps of that height.
+
+    Raises
+    ------
+    InvalidInput
+        If `height` [mm] does not exceed the tallest summit, or exceeds the largest radius in use.
+    """
+    tallest = float(surface.height.max())
+    top = check.number("part.alignment_height", height)
+    if top <= tallest:
+        raise InvalidInput(
+            f"part.alignment_height = {top:g} mm must exceed the tallest summit, {tallest:g} mm, "
+            "so that the alignment asperities touch first"
+        )
+    largest = float(surface.radius.max())
+    if top > largest:
+        raise InvalidInput(
+            f"part.alignment_height = {top:g} mm exceeds the largest radius in use, {largest:g} mm; a cap is "
+            "at most as high as its radius"
+        )
+    radius = float(surface.radius[surface.radius >= top].min())
+    return surface.replaced(
+        position=alignment_positions(template), height=np.full(4, top), radius=np.full(4, radius)
+    )
+
+
+def with_alignment(surface: Surface, template: Surface, height: float | None) -> Surface:
+    """Return the asperities of a part and, last, its alignment asperities of a height [mm], if any."""
+    if height is None:
+        return surface
+    extra = alignment_asperities(surface, template, height)
+    return surface.replaced(
+        position=np.vstack([surface.position, extra.position]),
+        height=np.concatenate([surface.height, extra.height]),
+        radius=np.concatenate([surface.radius, extra.radius]),
+    )
+
+
+def refuse_impossible(surface: Surface, block: Block, asperities: int) -> None:
+    """Raise InvalidInput for caps that are no caps, overlap or leave the block.
+
+    Those after the first `asperities` are of the alignment.
+    """
+    from scipy.spatial import KDTree
+
+    def name(i: int) -> str:
+        x, y = surface.position[i]
+        where = f"at ({x:g}, {y:g}) mm"
+        if i < asperities:
+            return f"asperity {i} {where}"
+        return f"alignment asperity {i - asperities} {where} (part.alignment_height)"
+
+    h, R = surface.height, surface.radius
+    for i in np.flatnonzero((h <= 0.0) | (h > R))[:1]:
+        raise InvalidInput(
+            f"{name(i)} has the height {h[i]:g} mm; a cap of radius {R[i]:g} mm needs a height above 0 "
+            "and at most its radius"
+        )
+    base = np.sqrt(h * (2.0 * R - h))
+    room = 0.5 * np.array([block.width, block.length])
+    for i in np.flatnonzero((np.abs(surface.position) + base[:, None] >= room).any(axis=1))[:1]:
+        raise InvalidInput(
+            f"{name(i)} has a cap of base radius {base[i]:g} mm, which leaves the block of "
+            f"{2 * room[0]:g} by {2 * room[1]:g} mm; make the block larger or the lattice smaller"
+        )
+    pairs = KDTree(surface.position).query_pairs(2.0 * float(base.max()), output_type="ndarray")
+    distance = np.linalg.norm(np.diff(surface.position[pairs], axis=1)[:, 0], axis=1)
+    for i, j in pairs[distance <= base[pairs].sum(axis=1)][:1]:
+        raise InvalidInput(
+            f"{name(i)} and {name(j)} overlap: their caps have base radii of {base[i]:g} and {base[j]:g} mm; "
+            "increase the pitch or lower the summits"
+        )

@@ -1,0 +1,227 @@
+"""The mould as a dimensioned drawing, in SVG and true to scale.
+
+Each hole is one short element, so that 10,000 holes stay below a megabyte; lengths are millimetres of the
+sheet.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from html import escape
+
+import numpy as np
+
+from metafem._validate import FloatArray
+from metafem.surface import Block, Surface
+
+# Scales of ISO 5455, largest first, and the room for the plan view on an A3 sheet [mm].
+_SCALES = tuple(a * 10.0**k for k in range(2, -4, -1) for a in (5.0, 2.0, 1.0))
+_ROOM = 240.0
+
+# Margins round the plan view, room below it for the notes, and between lines of text [mm].
+_LEFT, _TOP, _RIGHT, _BELOW, _LINE = 32.0, 36.0, 32.0, 28.0, 5.5
+
+# Distance of dimension lines from the outline, and size of arrows and letters [mm].
+_FAR, _ARROW, _TEXT = 10.0, 2.5, 3.5
+
+# Sheets are at least as wide as their notes [mm].
+_NARROWEST = 190.0
+
+# Up to this number of holes each is marked by its row in mould.csv.
+_MOST_NUMBERED = 144
+
+# Lines of tools that are told apart: colour and dashes.
+_TOOLS = (
+    ("#1b6f8a", ""),
+    ("#c8553d", "1.5 .8"),
+    ("#5b8c3a", "3 .8"),
+    ("#7a4fa3", ".6 .6"),
+    ("#a07d1c", "3 .8 .6 .8"),
+)
+
+# Places that differ by less than this share of the block are in one column or row.
+_SAME = 1e-9
+
+
+def mould_drawing(surface: Surface, asperities: int, block: Block) -> str:
+    """Return the drawing of the holes of a mould, seen from its open face.
+
+    Parameters
+    ----------
+    surface : Surface
+        Caps of the part; those after the first `asperities` are of the alignment.
+    asperities : int
+    block : Block
+        Of the outline of the part.
+    """
+    place = surface.position * (-1.0, 1.0)
+    scale = next((s for s in _SCALES if s * max(block.width, block.length) <= _ROOM), _SCALES[-1])
+    wide, high = scale * block.width, scale * block.length
+    left = _LEFT + 0.5 * max(_NARROWEST - _LEFT - _RIGHT - wide, 0.0)
+    tools = _tools(surface)
+    notes = _notes(surface, asperities, block, scale)
+    bottom = _TOP + high
+    sheet = (max(_NARROWEST, _LEFT + wide + _RIGHT), bottom + _BELOW + _LINE * (len(notes) + len(tools) + 1))
+    lines = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{sheet[0]:.7g}mm" height="{sheet[1]:.7g}mm" '
+        f'viewBox="0 0 {sheet[0]:.7g} {sheet[1]:.7g}" font-family="sans-serif" font-size="{_TEXT}">',
+        f"<title>Mould: {surface.count} holes</title>",
+        f'<rect width="{sheet[0]:.7g}" height="{sheet[1]:.7g}" fill="#fff"/>',
+        f'<text x="{_LEFT}" y="8" font-size="5">Mould, seen from its open face</text>',
+        '<g fill="none" stroke="#000">',
+        f'<rect x="{left:.7g}" y="{_TOP}" width="{wide:.7g}" height="{high:.7g}" stroke-width=".5"/>',
+        _centre_lines(left, wide, high),
+    ]
+    x, y = left + 0.5 * wide + scale * place[:, 0], _TOP + 0.5 * high - scale * place[:, 1]
+    rim = scale * np.sqrt(surface.height * (2.0 * surface.radius - surface.height))
+    for (colour, dashes), (which, _) in zip(_TOOLS, tools, strict=False):
+        lines.append(f'<g stroke="{colour}" stroke-width=".25" stroke-dasharray="{dashes or "none"}">')
+        lines += [f'<circle cx="{x[i]:.6g}" cy="{y[i]:.6g}" r="{rim[i]:.3g}"/>' for i in which]
+        lines.append("</g>")
+    lines += [_cross(x[i], y[i], 1.4 * rim[i]) for i in range(asperities, surface.count)]
+    lines += ["</g>", '<g text-anchor="middle" fill="#333">']
+    if surface.count <= _MOST_NUMBERED:
+        size = min(_TEXT, 0.9 * float(rim.min()))
+        shift = np.where(np.arange(surface.count) < asperities, 0.0, rim + 0.5 * size)  # beside a cross
+        lines += [
+            f'<text x="{x[i] + shift[i]:.6g}" y="{y[i] + 0.35 * size - shift[i]:.6g}" '
+            f'font-size="{size:.3g}">{i + 1}</text>'
+            for i in range(surface.count)
+        ]
+    lines.append("</g>")
+    lines.append('<g stroke="#000" fill="#000" stroke-width=".2">')
+    lines += _horizontal(left, left + wide, bottom, bottom + _FAR, f"{block.width:.7g}")
+    lines += _vertical(_TOP, bottom, left, left - _FAR, f"{block.length:.7g}")
+    lines += _horizontal_chain(np.sort(x), left, scale)
+    lines += _vertical_chain(np.sort(y)[::-1], bottom, left + wide, scale)
+    lines.append("</g>")
+    start = bottom + _BELOW
+    for k, ((colour, dashes), (_, words)) in enumerate(zip(_TOOLS, tools, strict=False)):
+        level = start + _LINE * k
+        lines.append(
+            f'<circle cx="{_LEFT + 2}" cy="{level - 1.2:.7g}" r="1.6" fill="none" stroke="{colour}" '
+            f'stroke-width=".35" stroke-dasharray="{dashes or "none"}"/>'
+            f'<text x="{_LEFT + 6}" y="{level:.7g}">{escape(words)}</text>'
+        )
+    for k, words in enumerate(notes, len(tools)):
+        lines.append(f'<text x="{_LEFT}" y="{start + _LINE * k:.7g}">{escape(words)}</text>')
+    return "\n".join([*lines, "</svg>"]) + "\n"
+
+
+def _tools(surface: Surface) -> list[tuple[list[int], str]]:
+    """Return the holes of each tool and what is said of them; many tools count as one."""
+    radii = np.unique(surface.radius)
+    if len(radii) > len(_TOOLS):
+        words = f"{surface.count} holes, {len(radii)} tool radii R from {radii[0]:.6g} to {radii[-1]:.6g}"
+        return [(list(range(surface.count)), f"{words}, {_depths(surface.height)}")]
+    found = []
+    for radius in radii:
+        which = np.flatnonzero(surface.radius == radius)
+        depth = _depths(surface.height[which])
+        found.append((which.tolist(), f"{len(which)} holes, tool radius R {radius:.6g}, {depth}"))
+    return found
+
+
+def _depths(height: FloatArray) -> str:
+    low, high = float(height.min()), float(height.max())
+    return f"depth {low:.5g}" if low == high else f"depths from {low:.5g} to {high:.5g}"
+
+
+def _notes(surface: Surface, asperities: int, block: Block, scale: float) -> list[str]:
+    ratio = f"{scale:g}:1" if scale >= 1.0 else f"1:{1.0 / scale:g}"
+    rows = "by the numbers of its rows" if surface.count <= _MOST_NUMBERED else "one row for each"
+    notes = [
+        f"Lengths in mm. Scale {ratio}. Circles: rims of the holes in the face.",
+        "Datum: centre of the outline, on the face. The part lies face down on it: x is mirrored, x -> -x.",
+        f"Place, depth and tool radius of each hole: mould.csv, {rows}.",
+        f"Depths are below the face; the part above it is {block.thickness:.7g} thick.",
+    ]
+    if asperities < surface.count:
+        notes.insert(3, "Holes with a cross: alignment, cut off the part in the end.")
+    return notes
+
+
+def _centre_lines(left: float, wide: float, high: float) -> str:
+    x, y, over = left + 0.5 * wide, _TOP + 0.5 * high, 3.0
+    return (
+        f'<path d="M{left - over:.6g} {y:.6g}H{left + wide + over:.6g}M{x:.6g} {_TOP - over:.6g}'
+        f'V{_TOP + high + over:.6g}" stroke="#888" stroke-width=".15" stroke-dasharray="6 1 1 1"/>'
+    )
+
+
+def _cross(x: float, y: float, size: float) -> str:
+    return (
+        f'<path d="M{x - size:.6g} {y:.6g}h{2 * size:.4g}M{x:.6g} {y - size:.6g}v{2 * size:.4g}" '
+        'stroke-width=".15"/>'
+    )
+
+
+def _horizontal_chain(places: FloatArray, edge: float, scale: float) -> Iterator[str]:
+    """Yield dimensions above the plan view: the first column from the edge, and the pitch."""
+    first, pitch = float(places[0]), _pitch(places)
+    yield from _horizontal(edge, first, _TOP, _TOP - _FAR, f"{(first - edge) / scale:.5g}")
+    if pitch is not None:
+        step = f"pitch {pitch / scale:.6g}"
+        yield from _horizontal(first, first + pitch, _TOP, _TOP - _FAR, step, beside=True)
+
+
+def _vertical_chain(places: FloatArray, edge: float, right: float, scale: float) -> Iterator[str]:
+    """Yield dimensions on the right of the plan view: the first row from the edge, and the pitch."""
+    first, pitch = float(places[0]), _pitch(-places)
+    yield from _vertical(first, edge, right, right + _FAR, f"{(edge - first) / scale:.5g}")
+    if pitch is not None:
+        step = f"pitch {pitch / scale:.6g}"
+        yield from _vertical(first - pitch, first, right, right + _FAR, step, beside=True)
+
+
+def _pitch(places: FloatArray) -> float | None:
+    """Return the step of increasing places that lie on equal steps, or None."""
+    extent = float(np.ptp(places))
+    steps = np.diff(places)
+    steps = steps[steps > _SAME * extent]
+    if not len(steps):
+        return None
+    pitch = float(steps.min())
+    multiples = steps / pitch
+    return pitch if np.allclose(multiples, np.round(multiples), rtol=0.0, atol=1e-6) else None
+
+
+def _horizontal(
+    start: float, end: float, edge: float, level: float, words: str, beside: bool = False
+) -> Iterator[str]:
+    """Yield a dimension line with its extension lines from the edge; the words above it or at its end."""
+    over = level + np.sign(level - edge)
+    yield f'<path d="M{start:.6g} {edge:.6g}V{over:.6g}M{end:.6g} {edge:.6g}V{over:.6g}" fill="none"/>'
+    yield f'<path d="{_arrows(start, end, level, "{0:.6g} {1:.6g}")}"/>'
+    x, anchor = (end + _ARROW + 1.0, "start") if beside else (0.5 * (start + end), "middle")
+    y = level + 0.35 * _TEXT if beside else level - 1.0
+    if not beside and end - start < 0.6 * _TEXT * len(words):
+        x, anchor = end - 0.5 * (end - start) - _ARROW, "end"
+    yield f'<text x="{x:.6g}" y="{y:.6g}" text-anchor="{anchor}" stroke="none">{words}</text>'
+
+
+def _vertical(
+    start: float, end: float, edge: float, level: float, words: str, beside: bool = False
+) -> Iterator[str]:
+    """Yield a dimension line along y, from a smaller to a larger one, as `_horizontal`."""
+    over = level + np.sign(level - edge)
+    yield f'<path d="M{edge:.6g} {start:.6g}H{over:.6g}M{edge:.6g} {end:.6g}H{over:.6g}" fill="none"/>'
+    yield f'<path d="{_arrows(start, end, level, "{1:.6g} {0:.6g}")}"/>'
+    y, anchor = (start - _ARROW - 1.0, "start") if beside else (0.5 * (start + end), "middle")
+    x = level + 0.35 * _TEXT if beside else level - 1.0
+    turned = f'transform="rotate(-90 {x:.6g} {y:.6g})"'
+    yield f'<text x="{x:.6g}" y="{y:.6g}" text-anchor="{anchor}" stroke="none" {turned}>{words}</text>'
+
+
+def _arrows(start: float, end: float, level: float, pair: str) -> str:
+    """Return the path of a dimension line: arrows inside it or, where it is short, pointing at it."""
+    inside = end - start > 3.0 * _ARROW
+    reach = 0.0 if inside else 2.0 * _ARROW
+    path = f"M{pair.format(start - reach, level)}L{pair.format(end + reach, level)}"
+    for tip, back in ((start, 1.0), (end, -1.0)):
+        tail = tip + (back if inside else -back) * _ARROW
+        path += f"M{pair.format(tip, level)}L" + "L".join(
+            pair.format(tail, level + side) for side in (0.4, -0.4)
+        )
+        path += "Z"
+    return path

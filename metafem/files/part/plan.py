@@ -1,0 +1,184 @@
+"""What is written of a part: its caps, how finely, and how much."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from metafem import _validate as check
+from metafem._given import shown
+from metafem.errors import InvalidInput
+from metafem.files.part.block import block_mesh, mould_mesh, triangle_count
+from metafem.files.part.caps import refuse_impossible, with_alignment
+from metafem.files.part.formats import WRITERS, stl_size
+from metafem.files.part.mould_drawing import mould_drawing
+from metafem.notes import Note, information
+from metafem.progress import doing, fact
+from metafem.surface import Block, Surface
+
+__all__ = ["FORMATS", "Part", "PartOptions", "part_notes", "planned"]
+
+FORMATS = tuple(WRITERS)
+
+# Default chord error in smallest radii: 0.2 um on the source paper's summits of 526 um, a quarter of the
+# 0.9 um with which its moulds are made (doi:10.1126/science.adk4234).
+FINE = 4e-4
+
+# Most triangles of a solid by default: 100 MB of STL, which common viewers and CAM programs open. A cap has
+# some pi h / (chord error) of them, whatever its radius.
+MOST_BY_DEFAULT = 2_000_000
+
+# Most triangles that can be asked for: 500 MB of STL, and a gigabyte of memory.
+MOST = 10_000_000
+
+# Steps in which the default chord error is increased.
+COARSER = 1.1
+
+MICROMETRES = 1e3
+
+
+@dataclass(frozen=True)
+class PartOptions:
+    """How the files of a part are made.
+
+    Parameters
+    ----------
+    alignment_height : float, optional
+        Height of four alignment asperities outside the corners of the template [mm].
+    chord_error : float, optional
+        Largest depth of the faces of the caps below their spheres [mm]. At a given separation it changes
+        the real contact area of an asperity by at most ``pi R`` times it, as an error of height would;
+        most of it is a shift of all caps, which leaves A0(P) as it is. Default: 4e-4 of the smallest
+        radius, and more where a solid would otherwise have over two million triangles.
+    formats : sequence of str
+        Of the solids: "stl", "3mf" and "obj".
+
+    Examples
+    --------
+    >>> PartOptions(chord_error=1e-3, formats=("stl", "3mf")).formats
+    ('stl', '3mf')
+    """
+
+    alignment_height: float | None = None
+    chord_error: float | None = None
+    formats: tuple[str, ...] = ("stl",)
+
+    def __post_init__(self) -> None:
+        for name in ("alignment_height", "chord_error"):
+            if getattr(self, name) is not None:
+                object.__setattr__(self, name, check.number(name, getattr(self, name), above=0.0))
+        if isinstance(self.formats, str) or not all(name in FORMATS for name in self.formats):
+            raise InvalidInput(f"formats = {shown(self.formats)} must be a list of {', '.join(FORMATS)}")
+        object.__setattr__(self, "formats", tuple(dict.fromkeys(self.formats)))
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """A part that can be made.
+
+    Attributes
+    ----------
+    surface : Surface
+        Its asperities and, last, its alignment asperities.
+    asperities : int
+        How many there are without those of the alignment.
+    block : Block
+    chord_error : float
+        [mm]
+    coarsened : bool
+        Whether the chord error was increased for the size of the files.
+    formats : tuple of str
+    """
+
+    surface: Surface
+    asperities: int
+    block: Block
+    chord_error: float
+    coarsened: bool
+    formats: tuple[str, ...]
+
+    @cached_property
+    def triangles(self) -> int:
+        """Number of triangles of the part, and of its mould."""
+        return triangle_count(self.surface.height, self.surface.radius, self.chord_error)
+
+    def record(self) -> dict[str, Any]:
+        """Return what the files hold, for JSON."""
+        return {
+            "chord_error_mm": self.chord_error,
+            "triangles": self.triangles,
+            "files": [f"{solid}.{kind}" for kind in self.formats for solid in ("block", "mould")]
+            + ["mould.svg"],
+        }
+
+    def size(self) -> str:
+        """Return the size of the solids in words."""
+        names = " and ".join(f"block.{kind}, mould.{kind}" for kind in self.formats)
+        stl = f", {stl_size(self.triangles) / 1e6:.3g} MB as STL" if "stl" in self.formats else ""
+        return (
+            f"{names}: {self.triangles:,} triangles each{stl}, "
+            f"at most {self.chord_error * MICROMETRES:.2g} um below the spheres"
+        )
+
+    def write(self, folder: Path) -> None:
+        """Write the solids and the drawing of the mould into a folder."""
+        (folder / "mould.svg").write_text(
+            mould_drawing(self.surface, self.asperities, self.block), encoding="utf-8", newline="\n"
+        )
+        if not self.formats:
+            return
+        fact(self.size())
+        with doing("meshing the part"):
+            block = block_mesh(self.surface, self.block, self.chord_error)
+            mould = mould_mesh(block, self.surface, self.block, self.chord_error)
+        with doing("writing the part"):
+            for kind in self.formats:
+                WRITERS[kind](block, folder / f"block.{kind}", "block")
+                WRITERS[kind](mould, folder / f"mould.{kind}", "mould")
+
+
+def planned(surface: Surface, template: Surface, options: PartOptions) -> Part | None:
+    """Return the part of a surface, or None where it has no block.
+
+    Raises
+    ------
+    InvalidInput
+        For caps that cannot be made, and for a chord error that asks for too many triangles.
+    """
+    whole = with_alignment(surface, template, options.alignment_height)
+    if surface.block is None:
+        return None
+    refuse_impossible(whole, surface.block, surface.count)
+    fine = FINE * float(whole.radius.min())
+    chosen = fine if options.chord_error is None else options.chord_error
+    height, radius = whole.height, whole.radius
+    if options.chord_error is None:
+        while triangle_count(height, radius, chosen) > MOST_BY_DEFAULT and chosen < float(radius.max()):
+            chosen *= COARSER
+    elif (count := triangle_count(height, radius, chosen)) > MOST:
+        raise InvalidInput(
+            f"part.chord_error = {chosen * MICROMETRES:g} um needs {count:.2g} triangles; at most {MOST:,} "
+            "are written; choose a larger one, or leave it out"
+        )
+    return Part(whole, surface.count, surface.block, chosen, chosen > fine, options.formats)
+
+
+def part_notes(part: Part | None, options: PartOptions) -> tuple[Note, ...]:
+    """Return what is to be said of the files of a part."""
+    if part is None:
+        return (
+            information(
+                "no part was written: the surface has no block; add a block with width, length and thickness"
+            ),
+        )
+    if options.chord_error is None and part.coarsened:
+        return (
+            information(
+                f"the solids have {part.triangles:,} triangles, "
+                f"up to {part.chord_error * MICROMETRES:.2g} um below the spheres; "
+                "part.chord_error or --chord-error sets this depth"
+            ),
+        )
+    return ()

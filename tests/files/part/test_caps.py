@@ -1,0 +1,50 @@
+import numpy as np
+import pytest
+
+import metafem as mf
+from metafem.files import PartOptions, planned
+from metafem.files.part.caps import alignment_asperities, alignment_positions
+
+MATERIAL = mf.Material(1.36)
+
+
+def surface(height=0.1, shape=(2, 3), pitch=1.5, block=(8.0, 7.0, 3.0)):
+    return mf.Surface.square_lattice(
+        height, shape, pitch, radius=0.526, material=MATERIAL, block=mf.Block(*block) if block else None
+    )
+
+
+def test_alignment_stands_one_pitch_outside_the_corners():
+    places = alignment_positions(surface(shape=(2, 3)))
+    assert {tuple(place) for place in places} == {(x, y) for x in (-3.0, 3.0) for y in (-2.25, 2.25)}
+
+
+def test_alignment_asperities_are_the_tallest():
+    with pytest.raises(mf.InvalidInput, match="must exceed the tallest summit"):
+        alignment_asperities(surface(0.2), surface(), 0.2)
+
+
+def test_one_site_has_no_pitch():
+    with pytest.raises(mf.InvalidInput, match="at least two sites"):
+        alignment_positions(surface(shape=(1, 1)))
+
+
+def test_the_holes_of_the_alignment_are_made_by_the_smallest_tool_that_is_large_enough():
+    part = surface(0.1).replaced(radius=np.array([0.3, 0.526, 0.8, 0.8, 0.3, 0.526]))
+    for top, tool in ((0.25, 0.3), (0.4, 0.526), (0.6, 0.8)):
+        assert alignment_asperities(part, surface(), top).radius.tolist() == [tool] * 4
+    with pytest.raises(mf.InvalidInput, match=r"part\.alignment_height = 0\.9 mm exceeds the largest radius"):
+        alignment_asperities(part, surface(), 0.9)
+
+
+@pytest.mark.parametrize(("part", "alignment", "message"), [
+    (surface([0.1, 0.1, 0.0, 0.1, 0.1, 0.1]), None, r"asperity 2 at \(1.5, -0.75\) mm has the height 0 mm"),
+    (surface([0.1, 0.1, 0.1, -0.1, 0.1, 0.1]), None, "asperity 3 .* height -0.1 mm"),
+    (surface([0.1, 0.6, 0.1, 0.1, 0.1, 0.1]), None, "asperity 1 .* height 0.6 mm"),
+    (surface(pitch=0.6), None, "asperity 0 .* and asperity 1 .* overlap"),
+    (surface(pitch=4.0), None, "asperity 0 .* leaves the block"),
+    (surface(block=(6.8, 7, 3)), 0.4, "alignment asperity 0 .* leaves the block"),
+])  # fmt: skip
+def test_what_cannot_be_made_is_refused_by_asperity(part, alignment, message):
+    with pytest.raises(mf.InvalidInput, match=message):
+        planned(part, part, PartOptions(alignment))
