@@ -53,7 +53,11 @@ def claimed(work: Path, goal: Path) -> Iterator[Path]:
         yield work
     finally:
         if held is not None:
-            _released(work, held)
+            try:
+                _released(work, held)
+            except BaseException:  # a signal while it was tidied: what is left is tidied first
+                _released(work, held)
+                raise
 
 
 def sweep(folder: Path) -> None:
@@ -159,14 +163,17 @@ def _clear(work: Path) -> None:
 def _released(work: Path, held: int) -> None:
     """Remove a working folder; one whose replacement cannot be undone now is left for the next run."""
     try:
+        os.fstat(held)  # closed, when a signal came after that: the lock may be another process's now
         _clear(work)
         (work / UNFINISHED).unlink(missing_ok=True)
         with suppress(PermissionError):  # Windows removes no open file
-            (work / LOCK).unlink()
+            (work / LOCK).unlink(missing_ok=True)
     except (OSError, ValueError, KeyError):
+        with suppress(OSError):
+            os.close(held)
+            return
+    else:
         os.close(held)
-        return
-    os.close(held)
     with suppress(OSError):
         if sys.platform == "win32":
             (work / LOCK).unlink()

@@ -52,7 +52,7 @@ def staged(
     target = check_free(folder, force, expected)
     inside = target.is_dir()
     with claimed(target / SUFFIX if inside else beside(target), target) as work:
-        check_free(target, force, expected)
+        _usable(target, force, expected, held=True)
         yield work / NEW
         try:
             _finish(work, target, inside)
@@ -95,14 +95,18 @@ def check_free(
         raise InvalidInput(f"{str(target)!r:.80} is not a path: it holds a null character")
     if not target.name:
         raise InvalidInput(f"{folder} cannot be a result folder; name a new one")
-    try:
-        _check(target, force, expected)
-    except OSError as error:
-        raise InvalidInput(f"{target} cannot be used: {reason(error)}; choose another folder") from None
+    _usable(target, force, expected, held=False)
     return target
 
 
-def _check(target: Path, force: bool, expected: Mapping[str, bytes | None]) -> None:
+def _usable(target: Path, force: bool, expected: Mapping[str, bytes | None], held: bool) -> None:
+    try:
+        _check(target, force, expected, held)
+    except OSError as error:
+        raise InvalidInput(f"{target} cannot be used: {reason(error)}; choose another folder") from None
+
+
+def _check(target: Path, force: bool, expected: Mapping[str, bytes | None], held: bool) -> None:
     if not target.parent.is_dir():
         raise InvalidInput(f"{target.parent} is not a folder; create it first")
     try:
@@ -114,6 +118,8 @@ def _check(target: Path, force: bool, expected: Mapping[str, bytes | None]) -> N
     if not force:
         raise InvalidInput(f"{target} exists; choose another folder, or replace it with force=True")
     sweep(target)
+    if not held and (target / SUFFIX).exists():
+        return  # another run may be replacing files just now; claiming the folder tells of it
     names = [path.name for path in target.iterdir() if not path.name.endswith(SUFFIX)]
     if names and MANIFEST not in names and not is_result_folder(target):
         raise InvalidInput(

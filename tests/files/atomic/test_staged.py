@@ -209,6 +209,8 @@ def test_the_second_writer_is_told_who_is_the_first(tmp_path, exists):
         put(target, a="0")
     with staged(target, exists) as fresh:
         (fresh / "a.txt").write_text("1")
+        if exists:
+            (target / "a.txt").write_text("1")  # as while the files are being replaced
         with pytest.raises(mf.InvalidInput, match=rf"being written by another run .*process {os.getpid()} "):
             put(target, exists, a="2")
     assert texts(target) == {"a": "1"}
@@ -351,3 +353,25 @@ def test_a_link_in_the_place_of_the_working_folder_is_refused(tmp_path):
     with pytest.raises(mf.InvalidInput, match="is a link"):
         put(tmp_path / "out")
     assert (tmp_path / "theirs" / "new").exists()
+
+
+@pytest.mark.parametrize("n", range(8))
+def test_a_signal_while_the_working_folder_is_removed_leaves_nothing(tmp_path, monkeypatch, n):
+    count = iter(range(n))
+
+    def once(change):
+        def call(*arguments, **options):
+            if next(count, None) is None and not stopped:
+                stopped.append(True)
+                raise KeyboardInterrupt
+            return change(*arguments, **options)
+
+        return call
+
+    stopped = []
+    with contextlib.suppress(KeyboardInterrupt), staged(tmp_path / "out") as fresh:
+        (fresh / "a.txt").write_text("1")
+        for owner, name in ((os, "unlink"), (os, "rmdir"), (os, "close"), (Path, "unlink"), (Path, "rmdir")):
+            monkeypatch.setattr(owner, name, once(getattr(owner, name)))
+    monkeypatch.undo()
+    assert {path.name for path in tmp_path.iterdir()} <= {"out"}
