@@ -257,6 +257,8 @@ def design(
     Parameters
     ----------
     target : OperatingPoints, LinearLaw, BilinearLaw, SampledLaw, PowerLaw or MultilinearLaw
+        Linear and bilinear laws with a load range are met as lines through the origin, those without by the
+        heights of a density, with an intercept of its own.
     template : Surface
         Places, common radius, material, friction and block; its heights are not used, but for the
         tallest where `limits` is left out.

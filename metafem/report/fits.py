@@ -10,8 +10,9 @@ from metafem.law import BranchFit
 def fit_table(design: Design) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     """Return headings and rows: as slopes of rescaled values, or as friction coefficients and newtons.
 
-    A law asked for by slopes on a surface with a Friction has its friction coefficients and its intercepts
-    in newtons in two columns more.
+    The target's intercept is that of the line, or of the density's asymptote where it is known. A law asked
+    for by slopes on a surface with a Friction has its friction coefficients, and its intercepts in newtons,
+    in two more columns.
 
     Examples
     --------
@@ -24,7 +25,7 @@ def fit_table(design: Design) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     forces = wording.per_slope is not None
     load, area = ("loads [N]", "N") if forces else ("rescaled loads [mm²]", "mm²")
     columns = [load, f"target {wording.name()}", "fitted (68 %)", "deviation"]
-    columns += [f"fitted intercept [{area}]", f"intercept of density or line [{area}]"]
+    columns += [f"fitted intercept [{area}]", f"target intercept [{area}]"]
     both = design.surface.friction is not None and not forces
     if both:
         columns += ["friction coefficient dF/dP", "intercept [N]"]

@@ -106,6 +106,16 @@ def test_existing_files_are_kept_without_force(run):
     assert "force=True" not in result.output
 
 
+def test_a_friction_coefficient_is_told_at_the_terminal_and_as_json(run):
+    asked = 'friction_coefficient = 1.5\nload_range = ["0.2 N", "0.5 N"]'
+    Path("mu.toml").write_text(demo_text("linear").replace("slope = 6.87", asked), "utf-8")
+    told = json.loads(run("design", "mu.toml", "-o", "mu", "--json").stdout)
+    assert told["target"] == "Friction proportional to load: friction coefficient 1.5 from 0.2 to 0.5 N"
+    assert told["misfit_meaning"] == "largest difference from the target"
+    assert told["slopes"][0]["target_friction_coefficient"] == 1.5
+    assert "target friction coefficient" in run("design", "mu.toml", "-o", "again").output
+
+
 def test_an_edited_specification_gives_another_design(run):
     text = demo_text("linear").replace("slope = 6.87", "slope = 7.5")
     Path("mine.toml").write_text(text, "utf-8")
@@ -119,6 +129,7 @@ def test_an_edited_specification_gives_another_design(run):
     ("old", "new", "code", "words"),
     [
         ("slope = 6.87", "slope = 3.0", 1, "slope 3 is not above the bound"),
+        ("slope = 6.87", "friction_coefficient = 0.9", 1, "friction coefficient 0.9 is not above the bound"),
         ('"120 um"', "120", 2, "limits.max_height"),
         ("[target]", "[target", 2, "line"),
         ('kind = "linear"', 'kind = "linar"', 2, "linear"),
