@@ -16,8 +16,8 @@ from metafem._validate import FloatArray
 from metafem._values import Value, span
 from metafem.errors import InvalidInput, NotConverged
 from metafem.models import Curve, Independent, Model, Status
-from metafem.models.range_notes import WIDEST, wide_notes
-from metafem.notes import Note, counted
+from metafem.models.validity import law_notes
+from metafem.notes import Note, counted, late_notes, when_read
 from metafem.surface import Friction, Material, Surface
 
 if TYPE_CHECKING:
@@ -95,7 +95,7 @@ class FrictionLaw(Value):
     material : Material
     friction : Friction or None
     notes : tuple of Note
-        Where the law leaves its range.
+        What was skipped and by which bound, and what the model leaves out; estimated when first read.
 
     Examples
     --------
@@ -117,7 +117,7 @@ class FrictionLaw(Value):
     model: Model
     material: Material
     friction: Friction | None = None
-    notes: tuple[Note, ...] = ()
+    notes: tuple[Note, ...] = late_notes()
 
     def __post_init__(self) -> None:
         arrays = {name: getattr(self, name) for name in ARRAYS}
@@ -409,34 +409,11 @@ def _law(surface: Surface, model: Model, curve: Curve, separation: FloatArray) -
         model=model,
         material=surface.material,
         friction=surface.friction,
-        notes=(*curve.notes, *_notes(surface, model, curve, separation)),
+        notes=when_read(law_notes, surface, model, curve),
     )
     if status is not Status.CONVERGED:
         raise NotConverged(f"{status.value}: largest residual {worst:.2g}", law)
     return law
-
-
-def _notes(surface: Surface, model: Model, curve: Curve, separation: FloatArray) -> tuple[Note, ...]:
-    """Say from which load on the plane reaches the base plane, and how wide the widest contact is."""
-    notes: list[Note] = []
-    modulus = surface.material.composite_modulus
-    touching = np.flatnonzero(separation <= 0.0)
-    if touching.size:
-        first = touching[0]
-        onset = model.curve_at(surface, np.array([surface.height.max()])).load[0]
-        notes.append(
-            Note(
-                f"the base plane would touch from a load of {modulus * min(onset, curve.load[first]):.4g} N "
-                f"on: at {modulus * curve.load[first]:.4g} N the plane is at the separation "
-                f"{separation[first]:.4g} mm; the load the base would carry is not counted"
-            )
-        )
-    # neighbours only lessen an indentation, so that most laws are cleared without another state
-    deepest = float(((surface.height - separation[-1]) / surface.radius).max())
-    if deepest > WIDEST**2:
-        state = model.solve_load(surface, float(curve.load[-1]))
-        notes += wide_notes(surface, np.sqrt(state.asperity_area / np.pi), state.load)
-    return tuple(notes)
 
 
 def _grid_end(surface: Surface) -> float:

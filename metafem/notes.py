@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from enum import Enum
+from functools import partial
+from typing import Any, cast
 
 
 class Level(Enum):
@@ -73,3 +75,34 @@ def from_lines(text: str) -> tuple[Note, ...]:
     """Return the notes that `to_lines` wrote."""
     parts = (line.partition(": ") for line in text.splitlines())
     return tuple(Note(rest, Level(word)) for word, _, rest in parts)
+
+
+class LateNotes:
+    """A field of notes, given as a tuple or by a function that is called when they are first read.
+
+    What a model leaves out costs more to estimate than one equilibrium, and few who solve read of it.
+    """
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self._name = f"_{name}"
+
+    def __get__(self, instance: Any, owner: type | None = None) -> tuple[Note, ...]:
+        if instance is None:
+            return ()
+        notes = instance.__dict__[self._name]
+        if callable(notes):
+            notes = instance.__dict__[self._name] = notes()
+        return cast("tuple[Note, ...]", notes)
+
+    def __set__(self, instance: Any, notes: tuple[Note, ...] | Callable[[], tuple[Note, ...]]) -> None:
+        instance.__dict__[self._name] = notes
+
+
+def late_notes() -> Any:
+    """Return a field of notes for a dataclass; it is read as a tuple."""
+    return LateNotes()
+
+
+def when_read(function: Callable[..., tuple[Note, ...]], *arguments: Any) -> Any:
+    """Return what stands for a tuple of notes until it is read."""
+    return partial(function, *arguments)

@@ -47,7 +47,7 @@ from metafem.inversion.target import (
 from metafem.inversion.wanted import Wanted
 from metafem.law import BranchFit, FrictionLaw, friction_law
 from metafem.models import Model
-from metafem.notes import Note, counted
+from metafem.notes import Note, counted, late_notes, when_read
 from metafem.progress import doing
 from metafem.surface import Surface
 
@@ -84,7 +84,7 @@ class Design(Value):
     density : PiecewiseExponential or None
         The height density behind the heights, measured from `limits.foot`.
     notes : tuple of Note
-        What a user should know before making the part.
+        What a user should know before making the part, what the law's model leaves out among it.
     layout : Layout or None
         What the places were chosen for.
 
@@ -120,7 +120,7 @@ class Design(Value):
     limits: Limits
     fits: tuple[tuple[Branch, BranchFit], ...] = ()
     density: PiecewiseExponential | None = None
-    notes: tuple[Note, ...] = ()
+    notes: tuple[Note, ...] = late_notes()
     radii: RadiusRange | tuple[float, ...] | None = None
     layout: Layout | None = None
 
@@ -329,9 +329,12 @@ def designed(request: Request, generator: np.random.Generator) -> Design:
     fits = branch_fits(surface, solver, blueprint)
     misfit = largest_misfit(surface, solver, blueprint, fits)
     status = status_of(solver, blueprint, misfit, bool(moved))
+    law = _drawn_law(surface, request)
+    told = design_notes(request, blueprint, surface, fits, misfit, status)
+    own = blueprint.notes + placing + moved + told
     return Design(
         surface=surface,
-        law=_drawn_law(surface, request),
+        law=law,
         misfit=misfit,
         status=status,
         parameters=parameters | placed | stepped,
@@ -341,12 +344,14 @@ def designed(request: Request, generator: np.random.Generator) -> Design:
         limits=limits,
         fits=fits,
         density=blueprint.density,
-        notes=blueprint.notes
-        + placing
-        + moved
-        + design_notes(request, blueprint, surface, fits, misfit, status),
+        notes=when_read(_with_those_of_the_law, own, law),
         layout=request.layout,
     )
+
+
+def _with_those_of_the_law(own: tuple[Note, ...], law: FrictionLaw) -> tuple[Note, ...]:
+    """Return a design's own notes and what its law's model leaves out, each once."""
+    return tuple(dict.fromkeys((*own, *law.notes)))
 
 
 def _refuse_infeasible(request: Request) -> None:

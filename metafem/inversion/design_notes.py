@@ -81,13 +81,4 @@ def _made(surface: Surface, limits: Limits, status: DesignStatus) -> tuple[Note,
                 f"{limits.height_sd:g} mm: raise the offset"
             )
         )
-    high = int((surface.height > surface.radius).sum())
-    if high:
-        notes.append(
-            Note(
-                f"{high} of {surface.count} summits stand higher than their radius and cannot be made as "
-                f"caps: lower max_height and offset to {float(surface.radius.min()):g} mm together, or use "
-                "larger radii"
-            )
-        )
     return tuple(notes)

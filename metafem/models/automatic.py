@@ -9,26 +9,15 @@ import numpy as np
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
-from metafem.errors import NotConverged
+from metafem.errors import InvalidInput, NotConverged
 from metafem.models.boundary_elements import BoundaryElements
 from metafem.models.independent import Independent
 from metafem.models.interacting import DENSE_LIMIT, Interacting
 from metafem.models.model import ContactState, Curve, Model
-from metafem.notes import Note, information
+from metafem.models.validity import converged, truncation
+from metafem.notes import Level, Note, information
 from metafem.substrate import HalfSpace, Radial, Substrate
 from metafem.surface import Surface
-
-# Neighbours whose fields are counted; on a lattice those farther away add a quarter.
-NEIGHBOURS = 24
-
-# Relative error of A0 at a given load per sum of (a/r)^3, order 1: the curvature 1/2 sum p lap G that it
-# leaves out changes an area by its 2/3, with p = 4 a^3/3R. Resolved contacts on a 3 x 3 lattice
-# err by that within 3 %.
-ORDER_1 = 4.0 / (9.0 * math.pi)
-
-# The same per sum of (a/r)^5, order 3: on a 3 x 3 lattice resolved contacts err by up to 0.20 of the mean
-# sum (0.066 % at 0.0034, 0.01 % at 0.0006); a quarter more for safety.
-ORDER_3 = 0.25
 
 # Relative error of the area times the square of the cells a radius, as `BoundaryElements` states it, and
 # the fewest that it should have.
@@ -38,16 +27,17 @@ FEWEST_CELLS = 10.0
 # The asperity models in the notes.
 NAMES = ("independent", "order 1", "order 3")
 
+ASIDE = "the surface's block is left aside: the contacts are coupled through a half-space"
+
 
 @dataclass(frozen=True)
 class Automatic:
     """Choose among `Independent`, `Interacting` and `BoundaryElements` by estimates of their errors.
 
-    The contacts of the independent model tell the sizes: its own error by the spread of the
-    displacements that it neglects, over the mean indentation; that of order 1 by the curvature of the
-    neighbours' fields, (a/r)^3; that of order 3 by (a/r)^5. The first that stays within the tolerance
-    is solved; where none does, `BoundaryElements` with cells fine enough for it. Above 2000 asperities
-    order 3 stays the last, and the notes say when it does not suffice.
+    The contacts of the independent model tell the error of order 3, as (a/r)^5; the others are compared
+    with order 3 at up to three of the loads. The first that stays within the tolerance is solved; where none
+    does, `BoundaryElements` with cells fine enough for it. Above 2000 asperities order 3 stays the last, and
+    the notes say when it does not suffice.
 
     Parameters
     ----------
@@ -65,7 +55,7 @@ class Automatic:
     --------
     >>> from metafem import Material, equilibrium
     >>> surface = Surface.square_lattice(0.1, (8, 8), radius=0.526, material=Material(1.36))
-    >>> equilibrium(surface, Automatic(1e-2), load=1e-3).model
+    >>> equilibrium(surface, Automatic(1e-3), load=0.5).model
     Interacting(order=1, substrate=HalfSpace(), contact=Hertz(), pedestal=False)
     """
 
@@ -86,6 +76,11 @@ class Automatic:
     def gradient_model(self) -> Interacting:
         """`Interacting` on the same substrate."""
         return Interacting(substrate=self.substrate)
+
+    @property
+    def reference(self) -> Interacting:
+        """`Interacting` on the same substrate: resolved contacts hold more where it does not suffice."""
+        return self.gradient_model
 
     def solve(self, surface: Surface, approach: float) -> ContactState:
         """Equilibrium at a given approach [mm] by the model that is chosen for it.
@@ -111,7 +106,7 @@ class Automatic:
         loads = np.asarray(load)
         parts = []
         for model, rows, notes in self._parts(surface, loads):
-            parts.append(replace(_converged(model, model.curve(surface, loads[rows])), notes=notes))
+            parts.append(replace(converged(model, model.curve(surface, loads[rows])), notes=notes))
         return Curve.joined(parts)
 
     def curve_at(self, surface: Surface, approach: FloatArray) -> Curve:
@@ -121,7 +116,7 @@ class Automatic:
         parts = []
         for model, rows, notes in self._parts(surface, point.curve_at(surface, values).load):
             chosen = point if isinstance(model, Independent) else model
-            curve = _converged(chosen, chosen.curve_at(surface, values[rows]))
+            curve = converged(chosen, chosen.curve_at(surface, values[rows]))
             parts.append(replace(curve, notes=notes))
         return Curve.joined(parts)
 
@@ -133,7 +128,7 @@ class Automatic:
         low, high = 0, len(load) - 1  # the last one needs them: errors grow with the load
         while low < high:
             middle = (low + high) // 2
-            held = load[middle] <= 0.0 or self._estimates(surface, float(load[middle]))[2] <= self.tolerance
+            held = load[middle] <= 0.0 or self._truncation(surface, float(load[middle])) <= self.tolerance
             low, high = (middle + 1, high) if held else (low, middle)
         parts: list[tuple[Model, slice, tuple[Note, ...]]] = []
         for rows in (slice(0, low), slice(low, len(load))):
@@ -145,88 +140,56 @@ class Automatic:
 
     def _choice(self, surface: Surface, load: FloatArray) -> tuple[Model, tuple[Note, ...]]:
         """Return the model, and what is to be said of it."""
-        model, name, why = self._chosen(surface, load)
-        notes = [information(f"chosen: {name}; {why}")]
+        loads = load[load > 0.0]
+        if not loads.size:
+            return Independent(), (information(f"chosen: {NAMES[0]}; there are no contacts"),)
+        errors = self._errors(surface, loads)
+        found = next(((name, model) for name, model, error in errors if error <= self.tolerance), None)
+        stated = ", ".join(f"{name} {error:.1e}" for name, _, error in errors)
+        why, level = f"estimated errors of A0(P): {stated}", Level.INFORMATION
+        if found is None:
+            why = f"{why}; more than {self.tolerance:g}"
+            bound = self.substrate.for_surface(surface)
+            if surface.count > DENSE_LIMIT or not isinstance(bound, Radial):
+                found, level = (NAMES[-1], self.gradient_model), Level.WARNING
+                why = f"{why}: resolved contacts are needed"
+            else:
+                cells = max(FEWEST_CELLS, math.sqrt(CELL_ERROR / self.tolerance))
+                largest = float(_contact_radius(surface, loads[0]).max())
+                found = "resolved contacts", BoundaryElements(largest / cells, bound)
+                why = f"{why}: resolved by {cells:.0f} cells a radius"
+        name, model = found
+        notes = [Note(f"chosen: {name}; {why}", level)]
         if surface.block is not None and isinstance(self.substrate, HalfSpace):
-            notes.append(
-                information(
-                    "the surface's block is left aside: the contacts are coupled through a half-space"
-                )
-            )
+            notes.append(information(ASIDE))
         return model, tuple(notes)
 
-    def _chosen(self, surface: Surface, load: FloatArray) -> tuple[Model, str, str]:
-        """Return the model, its name, and the estimates that chose it."""
-        loads = load[load > 0.0]
-        if loads.size == 0 or surface.count == 1:
-            return Independent(), NAMES[0], "no neighbours in contact, so without estimates"
-        probed = np.unique(loads[[0, loads.size // 2, -1]])
-        alone, first, third = np.max([self._estimates(surface, float(p)) for p in probed], axis=0)
-        candidates: tuple[tuple[Model, float], ...] = (
-            (Independent(), alone + first),
-            (Interacting(order=1, substrate=self.substrate), first),
-            (Interacting(order=3, substrate=self.substrate), third),
-        )
-        said = "estimated errors of A0(P): " + ", ".join(
-            f"{name} {error:.1e}" for name, (_, error) in zip(NAMES, candidates, strict=True)
-        )
-        for name, (model, error) in zip(NAMES, candidates, strict=True):
-            if error <= self.tolerance:
-                return model, name, said
-        said = f"{said}; all exceed {self.tolerance:g}"
-        bound = self.substrate.for_surface(surface)
-        if surface.count > DENSE_LIMIT or not isinstance(bound, Radial):
-            return candidates[-1][0], NAMES[-1], f"{said}: resolved contacts are needed"
-        largest = float(
-            np.sqrt(Independent().solve_load(surface, float(probed[0])).asperity_area.max() / math.pi)
-        )
-        cells = max(FEWEST_CELLS, math.sqrt(CELL_ERROR / self.tolerance))
-        model = BoundaryElements(largest / cells, bound)
-        return model, "resolved contacts", f"{said}: resolved by {cells:.0f} cells a radius"
+    def _errors(self, surface: Surface, load: FloatArray) -> list[tuple[str, Model, float]]:
+        """Return the asperity models with relative errors of A0 at positive loads, the cheapest first.
 
-    def _estimates(self, surface: Surface, load: float) -> tuple[float, float, float]:
-        """Return what is neglected by independence, by order 1 and by order 3, relative to A0."""
-        from scipy.spatial import cKDTree
+        Those of the cheaper ones are their change from order 3, and its own added; they are left out where
+        order 3 does not suffice, or has no solution.
+        """
+        reference = self.gradient_model
+        last = self._truncation(surface, load[-1])
+        models: tuple[Model, ...] = (Independent(), replace(reference, order=1))
+        probed = np.unique(load[[0, load.size // 2, -1]])
+        errors = []
+        if last <= self.tolerance:
+            try:
+                full = converged(reference, reference.curve(surface, probed)).area
+                areas = [converged(model, model.curve(surface, probed)).area for model in models]
+                errors = [float(np.abs(area / full - 1.0).max()) + last for area in areas]
+            except (NotConverged, InvalidInput):
+                last = math.inf
+        names = NAMES[: len(errors)]
+        return [*zip(names, models, errors, strict=False), (NAMES[-1], reference, last)]
 
-        solved = Independent().solve_load(surface, load)
-        closed = np.flatnonzero(solved.asperity_load > 0.0)
-        if closed.size == 0:
-            return 0.0, 0.0, 0.0
-        rescaled = solved.asperity_load / surface.material.composite_modulus
-        area = solved.asperity_area[closed]
-        radius = np.sqrt(area / math.pi)
-        spread = self._displacement(surface, rescaled)[closed]
-        # a uniform sinking leaves A0(P) as it is; contacts answer in proportion to their radii
-        spread = spread - (radius @ spread) / radius.sum()
-        indentation = area / (math.pi * surface.radius[closed])
-        alone = math.sqrt(float(np.mean(spread**2))) / float(indentation.mean())
-        if closed.size == 1:
-            return alone, 0.0, 0.0
-        near = min(NEIGHBOURS + 1, closed.size)
-        tree = cKDTree(surface.position[closed])
-        distance, other = tree.query(surface.position[closed], k=near)
-        ratio = radius[other[:, 1:]] / distance[:, 1:]
-        share = area / area.sum()
-        # the curvature a source lends is p/r^3 = 4 a^3/(3 R r^3), felt in proportion to the own radius
-        relative = surface.radius[closed, None] / surface.radius[closed][other[:, 1:]]
-        first = ORDER_1 * float(share @ (ratio**3 * relative).sum(axis=1))
-        third = ORDER_3 * float(share @ (ratio**5 * relative).sum(axis=1))
-        return alone, first, third
-
-    def _displacement(self, surface: Surface, load: FloatArray) -> FloatArray:
-        """Return the displacement of every asperity by point loads, its own regular part included."""
-        from metafem.models.large import fast_sums
-
-        bound = self.substrate.for_surface(surface)
-        if surface.count > DENSE_LIMIT and isinstance(bound, Radial):
-            product = fast_sums(surface, bound, 1).displacement(load)
-            return np.asarray(product + bound.self_influence * load)
-        return np.asarray(bound.influence_matrix(surface) @ load)
+    def _truncation(self, surface: Surface, load: float) -> float:
+        """Return the estimated relative error of A0 by order 3 at a rescaled load."""
+        return truncation(surface, _contact_radius(surface, load), self.substrate)
 
 
-def _converged(model: Model, curve: Curve) -> Curve:
-    """Return the curve if it holds its model's own tolerance; `Automatic.tolerance` means another error."""
-    worst = float(curve.residual.max())
-    if worst > max(model.tolerance, curve.tolerance):
-        raise NotConverged(f"not converged: largest residual {worst:.2g}", curve)
-    return curve
+def _contact_radius(surface: Surface, load: float) -> FloatArray:
+    """Return the contact radii of independent asperities (n,) [mm]; coupled ones hardly exceed them."""
+    return np.sqrt(Independent().solve_load(surface, float(load)).asperity_area / math.pi)

@@ -13,7 +13,6 @@ from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.models import far_field
 from metafem.models.contact_field import ContactField
-from metafem.models.independent import range_notes
 from metafem.models.interacting import Interacting
 from metafem.models.model import ContactState, Curve, Status
 from metafem.models.resolved_scene import COARSEST, TOLERANCE, Scene, Solution
@@ -89,6 +88,11 @@ class BoundaryElements:
     def gradient_model(self) -> Interacting:
         """`Interacting` on the same substrate."""
         return Interacting(substrate=self.substrate)
+
+    @property
+    def reference(self) -> Interacting:
+        """`Interacting` on the same substrate: what resolved contacts hold beyond it is not counted."""
+        return self.gradient_model
 
     def solve(self, surface: Surface, approach: float) -> ContactState:
         """Equilibrium at a given approach [mm]."""
@@ -168,7 +172,7 @@ class BoundaryElements:
             residual=0.0,
             status=Status.CONVERGED,
             model=self,
-            notes=range_notes(separation),
+            base_gap=separation,
             _field=ContactField(self.cell, NONE, NONE.astype(np.int64), *(NONE[:, 0] for _ in range(3))),
         )
 
@@ -192,7 +196,8 @@ class BoundaryElements:
             residual=residual,
             status=Status.CONVERGED if converged else Status.NOT_CONVERGED,
             model=self,
-            notes=_notes(scene, solution) + range_notes(separation),
+            base_gap=separation + float((scene.coupling @ load).min()),
+            notes=_notes(scene, solution),
             _field=_field(scene, solution),
         )
 

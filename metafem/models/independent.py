@@ -12,10 +12,9 @@ from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.contact import Hertz
 from metafem.errors import InvalidInput
+from metafem.models.interacting import Interacting
 from metafem.models.model import ContactState, Curve, Sensitivity, Status
-from metafem.models.range_notes import wide_notes
 from metafem.models.rows import run_rows
-from metafem.notes import Note
 from metafem.surface import Surface
 
 # The load is solved for by the indentation of the shallowest contact, which keeps its digits.
@@ -57,6 +56,11 @@ class Independent:
         """The model itself."""
         return self
 
+    @property
+    def reference(self) -> Interacting:
+        """Order 3 on the half-space."""
+        return Interacting()
+
     def solve(self, surface: Surface, approach: float) -> ContactState:
         """Equilibrium at a given approach [mm]."""
         return self._state(surface, approach, approach - surface.gap)
@@ -93,7 +97,7 @@ class Independent:
             residual=0.0,
             status=Status.CONVERGED,
             model=self,
-            notes=range_notes(separation) + wide_notes(surface, np.sqrt(area / math.pi), total),
+            base_gap=separation,
         )
 
     def curve(self, surface: Surface, load: FloatArray) -> Curve:
@@ -174,18 +178,6 @@ class Independent:
         back = np.argsort(order, kind="stable")
         approach, carried, area, slope = (part[:, back] for part in results)
         return approach, carried, area, slope
-
-
-def range_notes(separation: float) -> tuple[Note, ...]:
-    """Say where the plane would reach the base plane, which no model lets carry load."""
-    if separation <= 0.0:
-        return (
-            Note(
-                f"the base plane would touch: separation {separation:.4g} mm; "
-                "the load it would carry is not counted",
-            ),
-        )
-    return ()
 
 
 def _sorted_by_gap(height: FloatArray, radius: FloatArray) -> tuple[FloatArray, FloatArray]:

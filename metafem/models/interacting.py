@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,9 +18,8 @@ from metafem.models.memory import require_memory
 from metafem.models.model import ContactState, Curve, Sensitivity, Status
 from metafem.models.newton_krylov import TOLERANCE as FAST_TOLERANCE
 from metafem.models.pedestal import pedestal_influence, pedestal_notes
-from metafem.models.range_notes import interaction_notes, refuse_thin_layer, wide_notes
 from metafem.models.rows import run_rows
-from metafem.substrate import HalfSpace, Radial, Substrate
+from metafem.substrate import BondedLayer, HalfSpace, Radial, Substrate
 from metafem.surface import Surface
 
 if TYPE_CHECKING:
@@ -116,6 +115,11 @@ class Interacting:
         """The model itself."""
         return self
 
+    @property
+    def reference(self) -> Interacting:
+        """Itself by order 3."""
+        return replace(self, order=3)
+
     def solve(self, surface: Surface, approach: float) -> ContactState:
         """Equilibrium at a given approach [mm]."""
         return self._state(surface, approach, by_load=False)
@@ -173,7 +177,7 @@ class Interacting:
         heights = check.lists("height", height, surface.count)
         loads = check.loads("rescaled_load", rescaled_load)
         results, _ = self._run(surface, heights, loads, by_load=True)
-        refuse_thin_layer(self.substrate.for_surface(surface), float(results.radius.max()))
+        _refuse_thin_layer(self.substrate.for_surface(surface), float(results.radius.max()))
         worst = float(results.residual.max())
         promise = self._promise(surface)
         if not worst <= promise:
@@ -187,7 +191,7 @@ class Interacting:
 
     def _curve(self, surface: Surface, control: FloatArray, by_load: bool) -> Curve:
         results, _ = self._run(surface, surface.height[None, :], control, by_load)
-        refuse_thin_layer(self.substrate.for_surface(surface), float(results.radius.max()))
+        _refuse_thin_layer(self.substrate.for_surface(surface), float(results.radius.max()))
         approach, load, area, stiffness, residual = (results[k][0] for k in range(5))
         return Curve(approach, load, area, stiffness, residual, self._promise(surface))
 
@@ -195,13 +199,14 @@ class Interacting:
         results, last = self._run(surface, surface.height[None, :], np.array([control]), by_load)
         modulus = surface.material.composite_modulus
         bound = self.substrate.for_surface(surface)
-        refuse_thin_layer(bound, float(results.radius.max()))
+        _refuse_thin_layer(bound, float(results.radius.max()))
         approach = float(results.approach[0, 0])
+        separation = float(surface.height.max()) - approach
         residual = float(results.residual[0, 0])
         return ContactState(
             load=modulus * float(results.load[0, 0]),
             area=float(results.area[0, 0]),
-            separation=float(surface.height.max()) - approach,
+            separation=separation,
             approach=approach,
             stiffness=modulus * float(results.stiffness[0, 0]),
             asperity_load=modulus * last.load,
@@ -209,13 +214,18 @@ class Interacting:
             residual=residual,
             status=Status.CONVERGED if residual <= self._promise(surface) else Status.NOT_CONVERGED,
             model=self,
-            notes=(
-                *last.notes,
-                *(pedestal_notes(surface) if self.pedestal else ()),
-                *interaction_notes(surface, np.sqrt(last.square), last.indentation),
-                *wide_notes(surface, np.sqrt(last.square), modulus * float(results.load[0, 0])),
-            ),
+            base_gap=self._base_gap(surface, separation, last),
+            notes=(*last.notes, *(pedestal_notes(surface) if self.pedestal else ())),
         )
+
+    def _base_gap(self, surface: Surface, separation: float, last: Last) -> float:
+        """Return what is left beside a summit; the shift of a contact adds less than a micron to it."""
+        if not last.load.any():
+            return separation
+        left = surface.height - last.indentation
+        if self.pedestal:  # the cap's foot sinks, the base beside it hardly
+            left = left - pedestal_influence(surface.height, surface.radius)[0] * last.load
+        return float(left.min())
 
     def _run(
         self, surface: Surface, height: FloatArray, control: FloatArray, by_load: bool
@@ -317,3 +327,13 @@ class Interacting:
             return Field(influence, *(np.empty((0, 0)) for _ in range(6))), own
         derivatives = [np.ascontiguousarray(d) for d in self.substrate.influence_derivatives(surface)]
         return Field(influence, *derivatives, *(np.ascontiguousarray(d.T) for d in derivatives)), own
+
+
+def _refuse_thin_layer(substrate: Substrate, contact_radius: float) -> None:
+    """Raise InvalidInput where contacts are wider than the layer is thick: no expansion holds there."""
+    thickness = substrate.thickness if isinstance(substrate, BondedLayer) else None
+    if thickness is not None and contact_radius > thickness:
+        raise InvalidInput(
+            f"the layer of {thickness:g} mm is thinner than the contacts, whose radius is "
+            f"{contact_radius:.4g} mm; use resolved contacts or a thicker layer"
+        )

@@ -9,6 +9,7 @@ import numpy as np
 
 from metafem._validate import FloatArray
 from metafem.models.independent import TOLERANCE, Independent
+from metafem.models.interacting import Interacting
 from metafem.models.model import ContactState, Curve, Sensitivity
 from metafem.notes import information
 from metafem.surface import Surface
@@ -52,6 +53,11 @@ class MeanField:
     def gradient_model(self) -> MeanField:
         """The model itself."""
         return self
+
+    @property
+    def reference(self) -> Interacting:
+        """Order 3 on the half-space."""
+        return Interacting()
 
     def solve(self, surface: Surface, approach: float) -> ContactState:
         """Equilibrium at a given approach [mm]."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
-from typing import Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -12,8 +12,11 @@ from metafem._validate import FloatArray
 from metafem._values import Value
 from metafem.errors import InvalidInput
 from metafem.models.contact_field import ContactField
-from metafem.notes import Note, counted
+from metafem.notes import Note, counted, late_notes
 from metafem.surface import Surface
+
+if TYPE_CHECKING:
+    from metafem.models.interacting import Interacting
 
 
 class Status(Enum):
@@ -94,11 +97,24 @@ class ContactState(Value):
     status : Status
     model : object
         The model that was solved.
+    base_gap : float
+        Smallest distance left between the plane and the base plane beside a summit [mm], see below.
     notes : tuple of Note
-        What was skipped and by which bound, and where the model leaves its range.
+        What was skipped and by which bound, and what the model leaves out.
     field : ContactField
         Pressure, gap and displacement on cells, of `BoundaryElements` alone; any other model raises
         InvalidInput.
+
+    Notes
+    -----
+    The base between the summits sinks with them. A load on asperity j displaces the whole surface, the base
+    beside asperity i as much as its summit: by u_i, the sum over the other asperities and over what the
+    block adds to a half-space's answer to its own load. What is left beside asperity i is then
+    ``separation + u_i``, and where it is in contact that is ``h_i - d_i``, its height less its indentation.
+    The base gap is the least of these: the separation itself for independent asperities, and more by the
+    common sinking in the mean field. The contact's own Hertzian displacement of the ground around it, and
+    that of its cap's foot, are not counted: both only widen the gap. Base that lies beside the array does not
+    sink with it; a plane that reaches far beyond the array touches there at zero separation.
 
     Examples
     --------
@@ -121,7 +137,8 @@ class ContactState(Value):
     residual: float
     status: Status
     model: Model
-    notes: tuple[Note, ...] = ()
+    base_gap: float
+    notes: tuple[Note, ...] = late_notes()
     _field: ContactField | None = None
 
     @property
@@ -160,6 +177,11 @@ class Model(Protocol):
     @property
     def gradient_model(self) -> Sensitive:
         """Model whose sensitivities an inversion under this one uses: itself where it has its own."""
+        ...
+
+    @property
+    def reference(self) -> Interacting:
+        """What this model is judged by: asperities that interact by order 3, on its substrate."""
         ...
 
     def solve(self, surface: Surface, approach: float) -> ContactState:

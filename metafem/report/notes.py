@@ -6,12 +6,11 @@ import warnings
 
 from metafem.errors import MetafemWarning
 from metafem.inversion import Design, plasticity_index
-from metafem.models import equilibrium
 from metafem.notes import Note
 
 
 def all_notes(design: Design, hardness: float | None = None) -> tuple[Note, ...]:
-    """Return what is to be said of a design, warnings first: its notes, its law's, the plasticity index.
+    """Return what is to be said of a design, warnings first: its notes and the plasticity index.
 
     Parameters
     ----------
@@ -20,7 +19,6 @@ def all_notes(design: Design, hardness: float | None = None) -> tuple[Note, ...]
         H of the softer material [MPa]; without it the plasticity index is not evaluated.
     """
     found = [*design.notes]
-    found += equilibrium(design.surface, design.law.model, load=float(design.law.load[-1])).notes
     if hardness is not None:
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always", MetafemWarning)

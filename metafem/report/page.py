@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 
 from metafem.drawing import svg
+from metafem.errors import MetafemError
 from metafem.inversion import Design
-from metafem.models import equilibrium
+from metafem.models.validity import base_contact_load
 from metafem.progress import doing
 from metafem.report.comparison import MOST_COMPARED, Comparison, compared
 from metafem.report.elements import elements_section
@@ -208,6 +209,10 @@ def _inputs(design: Design) -> list[Row]:
     for name, value in (("level step", design.limits.height_step), ("height error", design.limits.height_sd)):
         if value is not None:
             rows.append((name, f"{value * 1e3:g}", "µm"))
-    contact = equilibrium(design.surface, design.law.model, separation=0.0)
-    rows.append(("load at which the plane reaches the base plane", f"{contact.load:.4g}", "N"))
+    words = "load at which the plane reaches the base plane"
+    try:
+        onset = surface.material.composite_modulus * base_contact_load(design.surface, design.law.model)
+        rows.append((words, f"{onset:.4g}", "N"))
+    except MetafemError as reason:
+        rows.append((words, f"not known: {reason}", ""))
     return rows

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from metafem._validate import FloatArray
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, NotConverged
 from metafem.law import FrictionLaw, friction_law
 from metafem.models import Independent, Interacting, Model
 from metafem.notes import Note, information
@@ -21,7 +21,8 @@ class Laws:
     Attributes
     ----------
     law : dict of str to FrictionLaw
-        By the models' names on the command line; "independent" is the first.
+        By the models' names on the command line; "independent" is the first. Those that have no solution
+        under these loads are left out.
     notes : tuple of Note
         What was left out, and why.
     """
@@ -53,7 +54,18 @@ def laws_on_substrates(surface: Surface, load: FloatArray, *, wait: bool) -> Law
             notes.append(information(reason))
         else:
             models["block"] = model
-    laws = {name: friction_law(surface, models[name], load=load) for name in each("law", list(models))}
+    laws = {}
+    for name in each("law", list(models)):
+        try:
+            laws[name] = friction_law(surface, models[name], load=load)
+        except (InvalidInput, NotConverged) as reason:
+            if not models[name].couples:
+                raise
+            notes.append(
+                information(
+                    f"the {name} is left out: order 3 has no solution up to {load[-1]:.4g} N ({reason})"
+                )
+            )
     return Laws(laws, tuple(notes))
 
 

@@ -250,3 +250,35 @@ def test_a_model_without_its_block_names_the_section(run, model):
     Path("bare.toml").write_text(text[:start] + text[end:], "utf-8")
     result = run("design", "bare.toml", "-o", "bare", "--model", model)
     assert (result.exit_code, "add [block]" in result.output) == (2, True), result.output
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({'"7.2 mm"': '"0.2 mm"'}, "changes A0 at a given load by"),
+        ({'"1.5 mm"': '"0.3 mm"', "[block]": ""}, "pairs reach into each other"),
+        ({'"1.5 mm"': '"0.2 mm"', "[block]": ""}, "order 3 has no solution at"),
+    ],
+    ids=["thin block", "narrow lattice", "no comparison"],
+)
+def test_a_design_is_warned_of_what_its_model_leaves_out(run, changes, words):
+    text = demo_text("linear")
+    for old, new in changes.items():
+        end = text.index("[", text.index(old) + 1) if not new else text.index(old) + len(old)
+        text = text[: text.index(old)] + new + text[end:]
+    Path("bad.toml").write_text(text, "utf-8")
+    result = run("design", "bad.toml", "-o", "bad", "--json")
+    assert result.exit_code == 0, result.output
+    notes = json.loads(result.stdout)["notes"]
+    assert any(words in note["text"] for note in notes if note["level"] == "warning")
+    assert "No warnings" not in Path("bad/report.html").read_text("utf-8")
+    told = " ".join(run("predict", "bad").output.split())
+    assert "warning: " in told
+    assert words in told
+
+
+@pytest.mark.parametrize("name", DEMOS)
+def test_the_demos_are_free_of_false_alarms(run, name):
+    notes = json.loads(run("demo", name, "--json").stdout)["notes"]
+    warnings = [note["text"] for note in notes if note["level"] == "warning"]
+    assert not [text for text in warnings if "A0" in text or "contacts" in text or "base plane" in text]

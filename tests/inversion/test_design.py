@@ -11,6 +11,7 @@ import metafem as mf
 from metafem.distributions import TruncatedExponential
 from metafem.inversion import DesignStatus
 from metafem.inversion.exponential import level_counts
+from tests.models.scenes import said
 
 LIMITS = mf.Limits(max_height=0.12, offset=0.05)
 LATTICE = mf.Surface.square_lattice(0.12, radius=0.526, material=mf.Material(1.36))
@@ -274,7 +275,7 @@ def test_no_summit_stands_below_the_foot(template):
 def test_levels_are_not_told_where_interaction_moved_them(template):
     result = mf.design(POINTS, template, mf.Interacting(order=1), mf.Limits(0.27))
     assert result.surface.count == 64
-    assert "6 asperities were added" in result.notes[-1].text
+    assert "6 asperities were added" in said(result)
     assert "levels" not in result.parameters
 
 

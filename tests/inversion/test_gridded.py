@@ -5,6 +5,7 @@ import pytest
 
 import metafem as mf
 from metafem.inversion import DesignStatus
+from tests.models.scenes import said
 
 STEP = 0.006
 LIMITS = mf.Limits(0.27, offset=0.05, height_step=STEP)
@@ -24,7 +25,7 @@ def test_heights_stand_on_steps_and_the_loss_is_told(template, name, model):
     np.testing.assert_allclose(steps, np.rint(steps), atol=1e-9)
     assert result.misfit < 0.006
     assert result.status is DesignStatus.REFINED
-    assert f"the misfit is {100 * result.misfit:.3g} %" in result.notes[-1].text
+    assert f"the misfit is {100 * result.misfit:.3g} %" in said(result)
     before = mf.design(TARGETS[name], template, model, mf.Limits(0.27, offset=0.05)).misfit
     assert result.parameters["step_loss"] == pytest.approx(result.misfit - before, abs=1e-12)
     used, counts = np.unique(result.surface.height, return_counts=True)

@@ -29,3 +29,8 @@ def lattice(height, radius=0.526, **material):
     side = round(np.sqrt(np.size(height)))
     x = 1.5 * np.arange(side)
     return scene(np.column_stack([np.tile(x, side), np.repeat(x, side)]), height, radius, **material)
+
+
+def said(result):
+    """The notes of a state, a law or a design, as one text."""
+    return "\n".join(map(str, result.notes))

@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 
 import metafem as mf
 from metafem.models.pedestal import pedestal_influence
-from tests.models.scenes import HEIGHT, MODELS, PLACE, RADIUS, lattice, scene
+from tests.models.scenes import HEIGHT, MODELS, PLACE, RADIUS, lattice, said, scene
 
 SUBSTRATES = [mf.HalfSpace(), mf.BondedLayer(7.2, 0.5), mf.BondedLayer(1.0, 0.3)]
 
@@ -165,11 +165,11 @@ def test_pedestal_adds_its_compliance():
 
 def test_overlap_wide_contacts_and_the_base_plane_are_noted():
     near = scene([[0, 0], [0.3, 0]], [0.5, 0.5], 0.5)
-    assert "overlap" in mf.equilibrium(near, mf.Interacting(), approach=0.1).notes[0].text
+    assert "overlap" in said(mf.equilibrium(near, mf.Interacting(), approach=0.1))
     wide = scene([[0, 0], [0.5, 0]], [0.5, 0.5], 0.5)
-    assert "exceeds 0.32" in mf.equilibrium(wide, mf.Interacting(), approach=0.1).notes[0].text
+    assert "exceeds 0.32" in said(mf.equilibrium(wide, mf.Interacting(), approach=0.1))
     low = scene([[0, 0], [5.0, 0]], [0.1, 0.0], 0.5)
-    assert "base plane would touch" in mf.equilibrium(low, mf.Interacting(), approach=0.11).notes[0].text
+    assert "base plane would touch" in said(mf.equilibrium(low, mf.Interacting(), approach=0.11))
 
 
 def test_a_sharp_summit_beside_a_blunt_one_is_noted():
@@ -179,7 +179,7 @@ def test_a_sharp_summit_beside_a_blunt_one_is_noted():
     contact = np.sqrt(state.asperity_area / math.pi)
     assert contact.min() > 0.0
     assert contact.max() / 0.6 < 0.32
-    assert f"a/r = {250 ** (1 / 3) * contact[0] / 0.6:.2f} exceeds 0.32" in state.notes[0].text
+    assert f"a/r = {250 ** (1 / 3) * contact[0] / 0.6:.2f} exceeds 0.32" in said(state)
 
 
 def test_batch_agrees_with_single_laws():

@@ -169,3 +169,37 @@ def test_tile_and_plot_state_one_quantity(template):
         assert design.misfit == pytest.approx(deviation, rel=1e-9)
         lines = law_figure(design).axes[1].lines
         np.testing.assert_allclose(lines[-1].get_ydata(), 100.0 * difference, rtol=1e-9)
+
+
+def crowded(template, **changes):
+    """The linear demo on another block or lattice."""
+    return mf.design(mf.LinearLaw(6.87), template.replaced(**changes), limits=mf.Limits(0.12, offset=0.084))
+
+
+@pytest.mark.parametrize(
+    "changes", [{"block": mf.Block(20.0, 20.0, 0.2)}, {"position": 0.2}], ids=["thin block", "narrow lattice"]
+)
+def test_page_warns_of_what_interaction_changes(template, changes):
+    if "position" in changes:
+        changes = {"position": 0.2 * template.position}
+    design = crowded(template, **changes)
+    text = page(design)
+    assert '<section class="warned">' in text
+    assert "No warnings" not in text
+    assert "the elastic interaction of the asperities, which this model leaves out, changes A0" in text
+    assert any("changes A0" in note.text for note in design.notes if note.warns)
+
+
+@pytest.mark.parametrize("kind", TARGETS)
+def test_page_of_the_paper_is_free_of_false_alarms(template, kind):
+    target, limits = TARGETS[kind]
+    text = page(mf.design(target, template, limits=limits))
+    assert not re.findall("use the model (layer|half-space|resolved)", text)
+    assert "base plane would touch" not in text
+
+
+def test_a_comparison_that_has_no_solution_is_left_out(template):
+    design = crowded(template, position=0.2 / 1.5 * template.position, block=None)
+    text = page(design)
+    assert "the half-space is left out: order 3 has no solution up to" in text
+    assert "order 3 has no solution at" in text
