@@ -261,8 +261,8 @@ class FrictionLaw(Value):
         pandas.DataFrame
             Columns named by quantity and unit as in ``law.csv``: ``load_N``, ``area_mm2``,
             ``separation_mm``, ``rescaled_load_mm2``, ``rescaled_friction_mm2``, with a Friction
-            ``friction_force_N``, ``approach_mm``, ``stiffness_N_per_mm`` and ``residual``. Its ``attrs``
-            hold model, status and notes as texts.
+            ``friction_force_N`` and ``friction_coefficient``, ``approach_mm``, ``stiffness_N_per_mm`` and
+            ``residual``. Its ``attrs`` hold model, status and notes as texts.
 
         Examples
         --------
@@ -279,7 +279,8 @@ class FrictionLaw(Value):
         Returns
         -------
         xarray.Dataset
-            ``load``, ``area``, ``separation``, ``rescaled_friction``, with a Friction ``friction_force``,
+            ``load``, ``area``, ``separation``, ``rescaled_friction``, with a Friction ``friction_force``
+            and ``friction_coefficient``,
             ``approach``, ``stiffness`` and ``residual`` over the dimension ``rescaled_load``, each with its
             ``units`` and ``long_name``. Its ``attrs`` hold model, status and notes as texts.
 

@@ -21,16 +21,17 @@ QUANTITIES = {
     "rescaled_load": ("mm2", "load over composite modulus, P/E*"),
     "rescaled_friction": ("mm2", "friction over shear strength and area ratio, F/(sigma B)"),
     "friction_force": ("N", "friction force F"),
+    "friction_coefficient": ("1", "friction force over load, F/P"),
     "approach": ("mm", "tallest summit minus separation"),
     "stiffness": ("N/mm", "normal contact stiffness"),
     "residual": ("1", "relative error of the equations"),
 }
 
 # Those that a law has only where its surface has a Friction.
-FORCES = ("friction_force",)
+FORCES = ("friction_force", "friction_coefficient")
 
-# Those that tell of the solution, and are left out of the table of a result folder.
-SOLUTION = ("approach", "stiffness", "residual")
+# Those that are left out of the table of a result folder.
+UNWRITTEN = ("friction_coefficient", "approach", "stiffness", "residual")
 
 
 def quantities(law: FrictionLaw) -> dict[str, FloatArray]:

@@ -20,6 +20,7 @@ def test_a_table_holds_every_quantity_with_its_unit(law):
         "rescaled_load_mm2": law.rescaled_load,
         "rescaled_friction_mm2": law.area,
         "friction_force_N": law.friction_force,
+        "friction_coefficient": law.friction_coefficient,
         "approach_mm": law.approach,
         "stiffness_N_per_mm": law.stiffness,
         "residual": law.residual,

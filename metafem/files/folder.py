@@ -142,6 +142,17 @@ def load(folder: str | Path) -> Design:
     ------
     InvalidInput
         If the folder holds no ``design.json``, or one that is damaged or not of this version.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import metafem as mf
+    >>> template = mf.Surface.square_lattice(0.12, (2, 2), radius=0.526, material=mf.Material(1.36))
+    >>> design = mf.design(mf.OperatingPoints([0.01], [0.1]), template)
+    >>> with tempfile.TemporaryDirectory() as parent:
+    ...     save(design, Path(parent, "result"))
+    ...     load(Path(parent, "result")) == design
+    True
     """
     path, record = _read(folder)
     try:

@@ -72,11 +72,10 @@ class ContactField(Value):
             getattr(self, name).flags.writeable = False
 
     def __repr__(self) -> str:
+        count = len(self.shape)
+        patches = f"{count} patch{'es' * (count != 1)}"
         pressure = f", pressure {span(self.pressure, 'MPa')}" if self.pressure.size else ""
-        return (
-            f"<ContactField: {len(self.pressure)} cells of {self.cell:g} mm in {len(self.shape)} patches"
-            f"{pressure}>"
-        )
+        return f"<ContactField: {len(self.pressure)} cells of {self.cell:g} mm in {patches}{pressure}>"
 
     @cached_property
     def patch(self) -> IntArray:

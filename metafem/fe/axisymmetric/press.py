@@ -56,6 +56,15 @@ class PressedContact:
     residual : float
         Scaled residual of the linear system, recomputed.
     status : Status
+
+    Examples
+    --------
+    >>> import metafem as mf
+    >>> contact = mf.fe.press(contact_radius=0.2, radius=0.526)
+    >>> round(contact.indentation, 6), round(contact.rescaled_load, 6)
+    (0.076046, 0.020279)
+    >>> contact.pressure([0.0, 0.1, 0.3]).round(4)
+    array([0.2421, 0.2096, 0.    ])
     """
 
     contact_radius: float
