@@ -114,7 +114,7 @@ def _tell_design(
     part: Part | None,
     as_json: bool,
 ) -> None:
-    from metafem.report import fit_table, misfit_words, model_name, parameter_rows
+    from metafem.report import fit_table, misfit_words, model_data, parameter_rows
 
     if as_json:
         data = {
@@ -124,7 +124,7 @@ def _tell_design(
             "misfit": result.misfit,
             "misfit_meaning": result.misfit_meaning,
             "asperities": result.surface.count,
-            "model": model_name(result.law.model),
+            "model": model_data(result.law.model),
             "parameters": {name: _plain(value) for name, value in result.parameters.items()},
             "slopes": [_fit_data(result, branch, fit) for branch, fit in result.fits],
             "part": None if part is None else part.record(),

@@ -75,9 +75,11 @@ class Commands(click.Group):
 def model_option(command: Callable[..., Any]) -> Callable[..., Any]:
     """Add --model to a command."""
     choice = click.Choice(MODELS)
-    return click.option("--model", type=choice, help="Model of the predicted law; the file's unless told.")(
-        command
-    )
+    return click.option(
+        "--model",
+        type=choice,
+        help="Model of the law; default: the model of the specification or folder, independent for a table.",
+    )(command)
 
 
 json_option = click.option(

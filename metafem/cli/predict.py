@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import math
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,14 +17,22 @@ from metafem.errors import InvalidInput
 from metafem.progress import doing
 
 if TYPE_CHECKING:
+    from metafem._validate import FloatArray
     from metafem.law import FrictionLaw
-    from metafem.surface import Block
+    from metafem.surface import Block, Surface
+
+# Sizes of a block, as options and as arguments.
+BLOCK = ("width", "length", "thickness")
 
 
 @main.command()
 @click.argument("source", type=click.Path(path_type=Path))
 @click.option("--load", multiple=True, help='A load, such as "0.2 N"; may be repeated.')
 @click.option("--composite-modulus", help='E* for a table of heights, such as "1.36 MPa".')
+@click.option("--young-modulus", help='E for a table of heights in place of E*, such as "1.02 MPa".')
+@click.option("--poisson-ratio", type=float, help="ν for a table of heights; default: 0.5.")
+@click.option("--shear-strength", help='σ for a table of heights, such as "0.404 MPa"; adds the friction.')
+@click.option("--area-ratio", type=float, help="B, sheared over initial area, with --shear-strength.")
 @click.option("--radius", help='Radius of all summits where the table has none, such as "526 um".')
 @click.option("--thickness", help='Of the block under a table of heights, such as "7.2 mm".')
 @click.option("--width", help='Of that block along x, such as "20 mm"; for --model block.')
@@ -34,66 +44,52 @@ if TYPE_CHECKING:
 def predict(
     source: Path,
     load: tuple[str, ...],
-    composite_modulus: str | None,
-    radius: str | None,
-    thickness: str | None,
-    width: str | None,
-    length: str | None,
     model: str | None,
     output: Path | None,
     force: bool,
     as_json: bool,
+    **scene: str | float | None,
 ) -> None:
     """Predict the friction law of a result folder or of a table of heights.
 
     SOURCE is a folder that `metafem design` made, or a CSV file with the columns x_mm, y_mm, height_um
-    and radius_um (or in other units). A table needs --composite-modulus, and a block for --model layer
-    (--thickness) or block (--thickness, --width and --length).
+    and radius_um (or in other units). A table needs --composite-modulus or --young-modulus, and a block for
+    --model layer (--thickness) or block (--thickness, --width and --length). With --shear-strength and
+    --area-ratio friction forces are printed too.
     """
     import metafem as mf
-    from metafem._given import printable, speaking
+    from metafem._given import printable
     from metafem.files import (
         is_law_table,
         law_table,
         model_named,
-        option_words,
         quantity,
-        read_surface,
         refuse_existing,
         refuse_missing_block,
         write_text,
     )
 
-    sizes = {"thickness": thickness, "width": width, "length": length}
-    given = {name: quantity(f"--{name}", text, "mm") for name, text in sizes.items() if text is not None}
+    given = {name: value for name, value in scene.items() if value is not None}
     if source.is_dir():
-        if composite_modulus is not None or radius is not None or given:
+        if given:
+            options = ", ".join(f"--{name.replace('_', '-')}" for name in given)
             raise InvalidInput(
-                "--composite-modulus, --radius and the sizes of a block are for tables of heights; "
-                "a folder states its own"
+                f"{options}: for tables of heights alone; the folder {printable(str(source))} states its "
+                "own material, friction, radii and block"
             )
         stored = mf.load(source)
         surface, used = stored.surface, stored.law.model
     else:
         if not source.exists():
             raise InvalidInput(f"{printable(str(source))}: no such file or folder")
-        if composite_modulus is None:
-            raise InvalidInput(
-                f'a table of heights such as {source} needs --composite-modulus, for example "1.36 MPa"'
-            )
-        modulus = quantity("--composite-modulus", composite_modulus, "MPa")
-        common = None if radius is None else quantity("--radius", radius, "mm")
-        options = {**sizes, "composite_modulus": composite_modulus, "radius": radius}
-        with speaking(option_words(options)):
-            material, block = mf.Material(modulus), _block(given, model)
-        surface = read_surface(source, material, common, block=block)
-        used = mf.Independent()
+        surface, used = _surface(source, given, model), mf.Independent()
     if output is not None:
         refuse_existing(output, force, is_law_table)
     newtons = [quantity("--load", text, "N") for text in load]
     chosen = model_named(model) if model else used
     if model == "layer" and "thickness" in given and surface.block is None:
-        chosen = mf.Interacting(substrate=mf.BondedLayer(given["thickness"]))
+        thickness = quantity("--thickness", given["thickness"], "mm")
+        chosen = mf.Interacting(substrate=mf.BondedLayer(thickness))
     remedy = "a folder without one has none to offer; design it anew with a section [block]"
     refuse_missing_block(chosen, surface, remedy)
     with progress(), doing("predicting the law"):
@@ -106,46 +102,79 @@ def predict(
         _tell_law(law, whole=bool(load))
 
 
+def _surface(source: Path, given: Mapping[str, str | float], model: str | None) -> Surface:
+    """Return the surface of a table of heights, its material, friction and block from options."""
+    from metafem._given import speaking
+    from metafem.files import option_words, quantity, read_surface
+    from metafem.surface import Friction, Material
+
+    if ("composite_modulus" in given) == ("young_modulus" in given):
+        raise InvalidInput(
+            f"a table of heights such as {source} needs --composite-modulus or --young-modulus, one of them, "
+            'for example --composite-modulus "1.36 MPa"'
+        )
+    if ("shear_strength" in given) != ("area_ratio" in given):
+        raise InvalidInput(
+            "--shear-strength and --area-ratio are needed together, for example "
+            '--shear-strength "0.404 MPa" --area-ratio 0.85; without both no friction force is known'
+        )
+    units = {"radius": "mm", "thickness": "mm", "width": "mm", "length": "mm"}
+    units |= dict.fromkeys(("composite_modulus", "young_modulus", "shear_strength"), "MPa")
+    number = {
+        name: quantity(f"--{name.replace('_', '-')}", value, units[name]) if name in units else float(value)
+        for name, value in given.items()
+    }
+    with speaking(option_words({name: str(value) for name, value in given.items()})):
+        ratio = number.get("poisson_ratio", 0.5)
+        if "young_modulus" in number:
+            material = Material.from_young(number["young_modulus"], ratio)
+        else:
+            material = Material(number["composite_modulus"], ratio)
+        friction = (
+            Friction(number["shear_strength"], number["area_ratio"]) if "area_ratio" in number else None
+        )
+        block = _block({name: number[name] for name in BLOCK if name in number}, model)
+    return read_surface(source, material, number.get("radius"), friction, block)
+
+
 def _block(given: dict[str, float], model: str | None) -> Block | None:
     """Return the block of a table whose sizes are given; a layer needs its thickness alone."""
     from metafem.surface import Block
 
-    names = ("width", "length", "thickness")
-    needed = {"layer": names[2:], "block": names}.get(model or "", names if given else ())
+    needed = {"layer": BLOCK[2:], "block": BLOCK}.get(model or "", BLOCK if given else ())
     missing = [f'--{name} "{7.2 if name == "thickness" else 20} mm"' for name in needed if name not in given]
     if missing:
         what = f"--model {model}" if model in ("layer", "block") else "a block"
         raise InvalidInput(
             f"{what} needs the block's sizes, which a table does not hold: add {' '.join(missing)}"
         )
-    return Block(*(given[name] for name in names)) if set(names) <= set(given) else None
+    return Block(*(given[name] for name in BLOCK)) if set(BLOCK) <= set(given) else None
 
 
 def _tell_law(law: FrictionLaw, whole: bool) -> None:
-    from metafem.report import model_name
-
     columns = ["load [N]", "area [mm²]", "separation [mm]", "stiffness [N/mm]"]
     if law.friction is not None:
-        columns.append("friction [N]")
+        columns += ["friction [N]", "F/P"]
     # Ten lines tell the shape of a curve; loads that were asked for are all shown.
     step = 1 if whole else max(1, len(law.load) // 10)
+    coefficient = _coefficient(law)
     rows = []
     for i in range(step - 1, len(law.load), step):
         numbers = [law.load[i], law.area[i], law.separation[i], law.stiffness[i]]
         if law.friction is not None:
-            numbers.append(law.friction_force[i])
+            numbers += [law.friction_force[i], coefficient[i]]
         rows.append(tuple(f"{number:.6g}" for number in numbers))
     console = terminal()
     tell_table(console, columns, rows)
-    console.print(f"{model_name(law.model)}: {law.status.value}", highlight=False, markup=False)
+    console.print(f"model {law.model.name}, {law.status.value}", highlight=False, markup=False)
     tell_notes(console, law.notes)
 
 
 def _law_data(law: FrictionLaw) -> dict[str, Any]:
-    from metafem.report import model_name
+    from metafem.report import model_data
 
     data = {
-        "model": model_name(law.model),
+        "model": model_data(law.model),
         "status": law.status.name.lower(),
         "load_N": law.load.tolist(),
         "area_mm2": law.area.tolist(),
@@ -157,4 +186,18 @@ def _law_data(law: FrictionLaw) -> dict[str, Any]:
     }
     if law.friction is not None:
         data["friction_force_N"] = law.friction_force.tolist()
+        # JSON knows no infinity: without load there is no coefficient
+        data["friction_coefficient"] = [
+            value if math.isfinite(value) else None for value in _coefficient(law).tolist()
+        ]
     return data
+
+
+def _coefficient(law: FrictionLaw) -> FloatArray:
+    """Return F/P [-], not a number at no load; nothing without a friction."""
+    import numpy as np
+
+    if law.friction is None:
+        return np.empty(0)
+    with np.errstate(invalid="ignore"):
+        return np.asarray(law.friction_force / law.load)

@@ -96,7 +96,7 @@ def adapted(
         return surface, sites, ()
     change = 1e3 * float(np.abs(result.height - start.height).max())
     cause = "the scatter of so few asperities" if alone else "the interaction of the asperities"
-    under = "" if solver == model else f"; the gradients were those of {solver}"
+    under = "" if solver == model else f"; the gradients were those of the model {solver.name}"
     note = f"heights were moved by at most {change:.3g} um for {cause}{added}{under}"
     return result, sites, (information(note),)
 

@@ -78,7 +78,7 @@ def arranged(
     if layout is None:
         return surface, {}, ()
     solver = model.gradient_model
-    under = "" if solver == model else f" under {solver}"
+    under = "" if solver == model else f" under the model {solver.name}"
     asked = asked_for(layout, surface, solver, wanted)
     if not asked:
         return surface, {}, (information(NO_EFFECT),)

@@ -68,6 +68,11 @@ class Automatic:
         Interacting(substrate=self.substrate)  # refuses what is no substrate
 
     @property
+    def name(self) -> str:
+        """What a person calls the model; a substrate other than the half-space is added."""
+        return "automatic" if self.substrate == HalfSpace() else f"automatic, {self.gradient_model.name}"
+
+    @property
     def couples(self) -> bool:
         """Whether contacts change one another's load: yes."""
         return True

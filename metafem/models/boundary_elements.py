@@ -80,6 +80,11 @@ class BoundaryElements:
         return TOLERANCE
 
     @property
+    def name(self) -> str:
+        """What a person calls the model; a substrate other than the half-space is added."""
+        return "resolved" if self.substrate == HalfSpace() else f"resolved, {self.substrate.name}"
+
+    @property
     def couples(self) -> bool:
         """Whether contacts change one another's load: yes."""
         return True
@@ -139,8 +144,8 @@ class BoundaryElements:
         first = predict(surface, light)
         end = surface.material.composite_modulus * first.load[-1]
         note = information(
-            f"up to {end:.4g} N the law is that of {self.gradient_model}: the largest contact spans fewer "
-            f"than {COARSEST:g} cells of {self.cell:g} mm a radius"
+            f"up to {end:.4g} N the law is that of the model {self.gradient_model.name}: the largest contact "
+            f"spans fewer than {COARSEST:g} cells of {self.cell:g} mm a radius"
         )
         return Curve.joined([replace(first, notes=(*first.notes, note)), resolved])
 

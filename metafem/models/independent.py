@@ -47,6 +47,11 @@ class Independent:
         return TOLERANCE
 
     @property
+    def name(self) -> str:
+        """What a person calls the model, also as ``--model``."""
+        return "independent"
+
+    @property
     def couples(self) -> bool:
         """Whether contacts change one another's load: no."""
         return False

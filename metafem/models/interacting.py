@@ -106,6 +106,13 @@ class Interacting:
         return TOLERANCE
 
     @property
+    def name(self) -> str:
+        """What a person calls the model: its substrate, and what differs from the default."""
+        substrate = getattr(self.substrate, "name", type(self.substrate).__name__)  # of one's own
+        order = "" if self.order == 3 else f", order {self.order}"
+        return f"{substrate}{order}{', with pedestals' if self.pedestal else ''}"
+
+    @property
     def couples(self) -> bool:
         """Whether contacts change one another's load: yes."""
         return True

@@ -45,6 +45,11 @@ class MeanField:
         return TOLERANCE
 
     @property
+    def name(self) -> str:
+        """What a person calls the model, also as ``--model``."""
+        return "mean-field"
+
+    @property
     def couples(self) -> bool:
         """Whether contacts change one another's load: no, all sink alike."""
         return False

@@ -170,6 +170,11 @@ class Model(Protocol):
         ...
 
     @property
+    def name(self) -> str:
+        """What a person calls the model, also as ``--model``."""
+        ...
+
+    @property
     def couples(self) -> bool:
         """Whether contacts change one another's load, so that A0(P) depends on the sites."""
         ...

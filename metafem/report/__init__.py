@@ -1,8 +1,8 @@
 """Figures and pages; the only part that draws."""
 
 from metafem.report.fits import fit_table
-from metafem.report.names import misfit_words, model_name
+from metafem.report.names import misfit_words, model_data
 from metafem.report.notes import all_notes
 from metafem.report.page import page, parameter_rows
 
-__all__ = ["all_notes", "fit_table", "misfit_words", "model_name", "page", "parameter_rows"]
+__all__ = ["all_notes", "fit_table", "misfit_words", "model_data", "page", "parameter_rows"]

@@ -11,13 +11,10 @@ from metafem.inversion import Design
 from metafem.law import FrictionLaw
 from metafem.models import Independent
 from metafem.notes import Note
-from metafem.report.names import model_name
 from metafem.studies.substrates import laws_on_substrates
 
 # A page is drawn in a second or two; beyond this number of asperities interacting laws take longer.
 MOST_COMPARED = 1500
-
-NAMES = {"half-space": "half-space", "layer": "bonded layer", "block": "true block"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,10 +48,10 @@ def compared(design: Design) -> tuple[tuple[Comparison, ...], tuple[Note, ...]]:
         return (), ()
     found = laws_on_substrates(design.surface, design.law.load, wait=False)
     independent = found.law["independent"]
-    laws = {NAMES[name]: law for name, law in found.law.items() if name in NAMES}
+    laws = {law.model.name: law for law in found.law.values() if law.model.couples}
     # a law whose own coupling is one of these has the same model
     if design.law.model not in (Independent(), *(law.model for law in laws.values())):
-        laws[model_name(design.law.model)] = design.law
+        laws[design.law.model.name] = design.law
     comparisons = tuple(
         Comparison(
             name,

@@ -14,7 +14,6 @@ from metafem.inversion import Design, feasible_region
 from metafem.inversion.picture import draw_laws, few
 from metafem.law import friction_law
 from metafem.report.comparison import Comparison
-from metafem.report.names import model_name
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -31,7 +30,7 @@ def law_figure(design: Design) -> Figure:
     figure = new_figure(7.0, 5.6)
     ax, below = figure.subplots(2, 1, sharex=True, height_ratios=[3, 1])
     _draw_reach(design, ax)
-    draw_laws(design, ax, "achieved: " + model_name(design.law.model))
+    draw_laws(design, ax, "achieved: " + design.law.model.name)
     _draw_difference(design, below)
     for branch, _ in design.fits:
         below.axvspan(*branch.load_range, color=TARGET, alpha=0.06, lw=0)

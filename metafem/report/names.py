@@ -5,18 +5,19 @@ from __future__ import annotations
 from dataclasses import fields, is_dataclass
 
 from metafem.inversion import Design
+from metafem.models import Model
 
 # Misfits at or below this are not told apart from none: the promise of an exact design.
 EXACT = 1e-9
 
 
-def model_name(value: object) -> str:
-    """Return a model as a user would type it, without what is left at its default.
+def in_python(value: object) -> str:
+    """Return a model as it is written in Python, without what is left at its default.
 
     Examples
     --------
     >>> from metafem import BondedLayer, Interacting
-    >>> model_name(Interacting(order=3, substrate=BondedLayer()))
+    >>> in_python(Interacting(order=3, substrate=BondedLayer()))
     'Interacting(substrate=BondedLayer())'
     """
     if not is_dataclass(value):
@@ -26,8 +27,20 @@ def model_name(value: object) -> str:
         member = getattr(value, field.name)
         default = field.default_factory() if callable(field.default_factory) else field.default
         if member != default:
-            given.append(f"{field.name}={model_name(member)}")
+            given.append(f"{field.name}={in_python(member)}")
     return f"{type(value).__name__}({', '.join(given)})"
+
+
+def model_data(model: Model) -> dict[str, str]:
+    """Return a model's name and how it is written in Python, for JSON.
+
+    Examples
+    --------
+    >>> from metafem import Independent
+    >>> model_data(Independent())
+    {'name': 'independent', 'python': 'Independent()'}
+    """
+    return {"name": model.name, "python": in_python(model)}
 
 
 def misfit_words(design: Design) -> tuple[str, str]:

@@ -17,7 +17,7 @@ from metafem.report.comparison import MOST_COMPARED, Comparison, compared
 from metafem.report.elements import elements_section
 from metafem.report.figures import comparison_figure, force_figure, law_figure, sensitivity_figure
 from metafem.report.fits import fit_table
-from metafem.report.names import misfit_words, model_name
+from metafem.report.names import in_python, misfit_words
 from metafem.report.notes import all_notes
 from metafem.report.views import MOST_SHAPED, contact_figure, height_figure, several_radii, shape_figure
 
@@ -126,7 +126,8 @@ def page(design: Design, hardness: float | None = None, *, checks: bool = False)
         inputs=_inputs(design),
         summits=_summits(design),
         residual=f"{design.law.residual.max():.1e}",
-        model=model_name(design.law.model),
+        model=design.law.model.name,
+        python=in_python(design.law.model),
     )
 
 

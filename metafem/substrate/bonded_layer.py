@@ -66,6 +66,11 @@ class BondedLayer(Radial):
             ratio = check.number("poisson_ratio", self.poisson_ratio, at_least=0.0, at_most=0.5)
             object.__setattr__(self, "poisson_ratio", ratio)
 
+    @property
+    def name(self) -> str:
+        """What a person calls the substrate."""
+        return "layer"
+
     def for_surface(self, surface: Surface) -> BondedLayer:
         """Return the layer with the thickness and Poisson ratio of a surface."""
         ratio = _agreed("poisson_ratio", self.poisson_ratio, surface.material.poisson_ratio)

@@ -24,6 +24,11 @@ class HalfSpace(Radial):
     """
 
     @property
+    def name(self) -> str:
+        """What a person calls the substrate."""
+        return "half-space"
+
+    @property
     def self_influence(self) -> float:
         """Zero [1/mm]: Hertz's law is the half-space's own answer."""
         return 0.0

@@ -16,6 +16,11 @@ from metafem.surface import Surface
 class Radial:
     """A half-space's influence 1/(pi r) and a regular part; subclasses supply the regular part."""
 
+    @property
+    def name(self) -> str:
+        """What a person calls the substrate."""
+        raise NotImplementedError
+
     def for_surface(self, surface: Surface) -> Self:
         """Return the substrate with what it takes from the surface filled in."""
         return self

@@ -30,6 +30,7 @@ def run(tmp_path, monkeypatch):
 
 def test_models_of_the_command_are_those_of_the_files():
     assert tuple(MODELS) == COMMAND_MODELS
+    assert tuple(model().name for model in MODELS.values()) == COMMAND_MODELS
 
 
 def test_help_and_readme_name_every_section_and_kind_of_target(run):
@@ -167,10 +168,16 @@ def test_predict_reads_a_folder_and_a_table(run):
     ("arguments", "words"),
     [
         (("predict", "none.csv"), "none.csv: no such file or folder"),
-        (("predict", "table.csv"), "needs --composite-modulus"),
+        (("predict", "table.csv"), "needs --composite-modulus or --young-modulus"),
+        (("predict", "table.csv", "--composite-modulus", "1 MPa", "--young-modulus", "1 MPa"), "one of them"),
+        (("predict", "table.csv", "--composite-modulus", "1 MPa", "--area-ratio", "0.85"), "needed together"),
+        (("predict", ".", "--poisson-ratio", "0.3"), "--poisson-ratio: for tables of heights alone"),
         (("predict", "table.csv", "--composite-modulus", "1.36 mm"), "--composite-modulus"),
         (("predict", "table.csv", "--composite-modulus", "1.36 MPa"), "table.csv is empty"),
-        (("predict", ".", "--composite-modulus", "1 MPa"), "are for tables of heights"),
+        (
+            ("predict", ".", "--composite-modulus", "1 MPa"),
+            "--composite-modulus: for tables of heights alone",
+        ),
         (("predict", "."), "no such file; name a result folder"),
         (("report", "."), "no such file; name a result folder"),
         (("study", "fidelity", "."), "no such file; name a result folder"),
@@ -238,7 +245,7 @@ def test_a_table_is_predicted_on_a_layer_of_a_thickness(run):
 )
 def test_what_a_table_lacks_is_named(run, arguments, words):
     run("demo", "linear")
-    result = run(*TABLE, *arguments)
+    result = run(*TABLE[:-1], *arguments)  # errors as a person reads them
     assert result.exit_code == 2
     assert re.search(words, " ".join(result.output.split()))
 
@@ -282,3 +289,23 @@ def test_the_demos_are_free_of_false_alarms(run, name):
     notes = json.loads(run("demo", name, "--json").stdout)["notes"]
     warnings = [note["text"] for note in notes if note["level"] == "warning"]
     assert not [text for text in warnings if "A0" in text or "contacts" in text or "base plane" in text]
+
+
+def test_a_table_is_predicted_with_its_material_and_friction(run):
+    Path("h.csv").write_text("x_mm,y_mm,height_um,radius_um\n0,0,100,526\n1.5,0,120,526\n", "utf-8")
+    composite = run("predict", "h.csv", "--composite-modulus", "1.2 MPa", "--load", "0.1 N", "--json")
+    young = ("--young-modulus", "1.092 MPa", "--poisson-ratio", "0.3", "--load", "0.1 N")
+    rubbed = ("--shear-strength", "358 kPa", "--area-ratio", "0.85")
+    plain, found = (
+        json.loads(each.stdout) for each in (composite, run("predict", "h.csv", *young, *rubbed, "--json"))
+    )
+    assert found["area_mm2"] == pytest.approx(plain["area_mm2"], rel=1e-12)
+    assert plain["model"] == {"name": "independent", "python": "Independent()"}
+    assert "friction_coefficient" not in plain
+    assert found["friction_force_N"] == pytest.approx([0.358 * 0.85 * found["area_mm2"][0]])
+    assert found["friction_coefficient"] == pytest.approx([found["friction_force_N"][0] / 0.1])
+    told = run("predict", "h.csv", *young, *rubbed).output
+    assert "F/P" in told
+    assert "model independent, converged" in told
+    refused = run("predict", "h.csv", *young[:3], "0.7")
+    assert (refused.exit_code, "--poisson-ratio" in refused.output) == (2, True), refused.output

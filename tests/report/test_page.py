@@ -30,7 +30,8 @@ def test_page_is_self_contained_and_reproducible(template, kind):
         "d",
     }  # elements of the page, and data: images
     assert text.count("<svg") == 7
-    assert "bonded layer" in text
+    assert "<td>layer</td>" in text
+    assert "Model: independent, in Python Independent()" in text
     assert "radius [µm]" not in text  # a column for radii that differ
     assert design.status.value.split(":")[0] in text
 

@@ -83,6 +83,11 @@ class Block3D:
             size = check.number(name, getattr(self, name), above=0.0, at_most=1.0)
             object.__setattr__(self, name, size)
 
+    @property
+    def name(self) -> str:
+        """What a person calls the substrate."""
+        return "block"
+
     def for_surface(self, surface: Surface) -> Block3D:
         """Return the substrate with the block and the Poisson ratio of a surface, checked against it."""
         block = _agreed("block", self.block, surface.block)
