@@ -18,7 +18,7 @@ def fits(value: Any, hint: Any) -> bool:
     >>> fits((1.0, 2.0), tuple[float, float]), fits((1.0, True), tuple[float, ...])
     (True, False)
     """
-    origin, parts = get_origin(hint), get_args(hint)
+    origin, parts = _taken_apart(hint)
     if origin in (Union, UnionType):
         return any(fits(value, part) for part in parts)
     if origin is tuple:
@@ -41,7 +41,7 @@ def fits(value: Any, hint: Any) -> bool:
 
 def in_words(hint: Any) -> str:
     """Return a short name of an annotation for an error."""
-    origin, parts = get_origin(hint), get_args(hint)
+    origin, parts = _taken_apart(hint)
     if origin in (Union, UnionType):
         return " or ".join(dict.fromkeys(in_words(part) for part in parts))
     if origin is np.ndarray:
@@ -51,3 +51,12 @@ def in_words(hint: Any) -> str:
     simple = {float: "a finite number", int: "a whole number", str: "a text", bool: "true or false"}
     simple |= {type(None): "null"}
     return simple.get(hint, f"a {getattr(origin or hint, '__name__', hint)}")
+
+
+def _taken_apart(hint: Any) -> tuple[Any, tuple[Any, ...]]:
+    """Return the class and the parameters of an annotation, or of what its alias stands for (NDArray)."""
+    origin, parts = get_origin(hint), get_args(hint)
+    if hasattr(origin, "__value__"):
+        hint = origin.__value__[parts]
+        origin, parts = get_origin(hint), get_args(hint)
+    return origin, parts
