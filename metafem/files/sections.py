@@ -10,6 +10,7 @@ from pydantic import Field, field_validator, model_validator
 from metafem import _validate as check
 from metafem._given import about, printable, told
 from metafem.errors import InvalidInput
+from metafem.files.cost import refuse_too_many
 from metafem.files.model_names import MODELS, suggestion
 from metafem.files.part.plan import PartOptions, planned
 from metafem.files.section import Angle, Length, Number, Section, Stress, Whether, measured, says
@@ -235,7 +236,8 @@ class Sections(Section):
         top = limits.offset + limits.max_height if limits else 1.0
         stuff = material or Material(1.0)
         radius, radii, source = self._radius(problems)
-        if self._lost_beside(radius, source, limits, block, problems):
+        lost = self._lost_beside(radius, source, limits, block, problems)
+        if self._too_many(problems) or lost:
             template = None
         else:
             others = {"material": stuff, "friction": friction, "block": block}
@@ -244,7 +246,7 @@ class Sections(Section):
         pair = friction or (Friction(1.0) if self.friction else None)
         target = made("target", self.target.target, {"material": stuff, "friction": pair})
         largest = radius if radii is None else radii.high if isinstance(radii, RadiusRange) else max(radii)
-        if limits and block and top > largest:
+        if limits and block and not lost and top > largest:
             heights = f"limits.offset + limits.max_height = {told('limits.max_height', top)}"
             problems.append(
                 f"{heights} exceed the radius of {told(source, largest)}: no cap is higher than its radius; "
@@ -282,6 +284,16 @@ class Sections(Section):
             problems.append(str(error))
             return 1.0, None, source
         return min(values), given, source
+
+    def _too_many(self, problems: list[str]) -> bool:
+        """Add a lattice that is too large, before its places are made; return whether it is."""
+        rows, columns = self.lattice.shape
+        try:
+            refuse_too_many(max(0, rows) * max(0, columns))
+        except InvalidInput as error:
+            problems.append(f"lattice.shape = [{rows}, {columns}] {error}")
+            return True
+        return False
 
     def _lost_beside(
         self, radius: float, source: str, limits: Limits | None, block: Block | None, problems: list[str]

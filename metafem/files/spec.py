@@ -13,6 +13,7 @@ from typing import Any
 from metafem._calls import checked_call
 from metafem._given import Words, printable, speaking
 from metafem.errors import InvalidInput
+from metafem.files.cost import tell_cost
 from metafem.files.part.plan import PartOptions, planned
 from metafem.files.reading import SPECIFICATION, called, decoded, read_bytes
 from metafem.files.spec_words import worded
@@ -91,6 +92,7 @@ class Specification:
         chosen = self.model if model is None else model
         remedy = "add [block] with width, length and thickness"
         refuse_missing_block(chosen, self.template, remedy)
+        tell_cost(self.template.count)
         if self.radii is None:
             return design(self.target, self.template, chosen, self.limits, self.seed, layout=self.layout)
         search = SEARCHES[self.mixed]

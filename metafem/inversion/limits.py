@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from metafem import _validate as check
+from metafem._given import told
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 
@@ -58,7 +59,9 @@ class Limits:
         values: dict[str, float | None] = {"max_height": top, "min_height": low}
         values["offset"] = check.number("offset", self.offset, at_least=0.0)
         if low >= top:
-            raise InvalidInput(f"min_height = {low:g} must be below max_height = {top:g}")
+            raise InvalidInput(
+                f"min_height = {told('min_height', low)} must be below max_height = {told('max_height', top)}"
+            )
         if self.height_step is not None:
             finest = (top - low) / MOST_LEVELS
             values["height_step"] = check.number(

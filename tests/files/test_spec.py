@@ -1,10 +1,12 @@
 import hashlib
 import math
+import re
 
 import numpy as np
 import pytest
 
 import metafem as mf
+from metafem.files.cost import tell_cost
 from metafem.files.demo import DEMOS, demo_text
 
 LINEAR = demo_text("linear")
@@ -185,6 +187,8 @@ WRONG = {
     "bad block": ('"7.2 mm"', '"0 mm"', ["block.thickness = 0"]),
     "bad radius": ('"526 um"', '"-526 um"', ["lattice.radius = -526 um must be greater than 0 um"]),
     "bad limits": ('"6 um"', '"6 m"', ["limits.height_step"]),
+    "endless shape": ("[8, 8]", "[3000, 3000]", ["shape = [3000, 3000] has 9,000,000 places; at most 2,"]),
+    "absurd shape": ("[8, 8]", "[1000000000, 1000000000]", ["places; at most 2,"]),
     "short shape": ("[8, 8]", "[8]", ["lattice.shape[1] is missing", "[8, 8]"]),
     "bad seed": ("seed = 0", "seed = -1", ["layout.seed = -1"]),
     "unknown model": ('"independent"', '"indpendent"', ["model.kind", "did you mean independent?"]),
@@ -255,6 +259,49 @@ def test_all_problems_are_reported_one_a_line(read):
     with pytest.raises(mf.InvalidInput) as error:
         read(text)
     assert len(str(error.value).splitlines()) == 3
+
+
+def test_the_cost_of_many_places_is_said_before_they_are_designed(read):
+    facts = []
+    with mf.progress.listening(lambda step, done: None, facts.append):
+        tell_cost(64)
+        tell_cost(1_000_000)
+    assert len(facts) == 1
+    assert re.match(r"1,000,000 places: about \d+ s and \d\.\d GiB of memory", facts[0])
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('"120 um"', '"1e-90 mm"', "limits.max_height = 1e-90 mm is beyond the numbers"),
+        (
+            '"1.5 mm"',
+            '"1.5 parsecs"',
+            "lattice.pitch = 1.5 parsecs and radius = 526 um differ by a factor of 9e",
+        ),
+        ('"20 mm"', '"1e20 m"', r"block.width = 1e\+20 m and lattice.radius = 526 um differ"),
+        ('"84 um"', '"1e20 m"', r"limits.offset = 1e\+20 m and lattice.radius = 526 um differ"),
+        ('"84 um"', '"-84 um"', "limits.offset = -84 um must be at least 0 um"),
+        ('"6 um"', '"200 um"', "limits.height_step = 200 um must be at most 120 um"),
+        (
+            'height_step = "6 um"',
+            'min_height = "130 um"',
+            "min_height = 130 um must be below max_height = 120",
+        ),
+        ("slope = 6.87", "slope = 1979-05-27", "target.slope = 1979-05-27 must be a number, without quotes"),
+        ("slope = 6.87", "slope = true", "target.slope = true must be a number"),
+        ("poisson_ratio = 0.5", "poisson_ratio = 0x" + "f" * 5000, "holds a whole number beyond 64 bits"),
+        ("poisson_ratio = 0.5", "poisson_ratio = " + "9" * 5000, "not valid TOML"),
+        ("poisson_ratio = 0.5", "a" + ".a" * 9000 + " = 1", "nests its values too deeply"),
+        ('"independent"', '"in\\nde"', r'model.kind = "in\\nde" is unknown'),
+        ('"1.5 mm"', '"1,5 mm"', "write decimals with a point"),
+    ],
+)
+def test_errors_speak_of_what_was_written(read, old, new, words):
+    with pytest.raises(mf.InvalidInput, match=words) as error:
+        read(LINEAR.replace(old, new, 1))
+    assert len(str(error.value).splitlines()) == 1
+    assert "Input should" not in str(error.value)
 
 
 def test_all_values_out_of_range_are_reported(read):
