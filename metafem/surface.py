@@ -355,8 +355,10 @@ class Surface(Value):
 
 
 def _refuse_coincident(position: FloatArray) -> None:
-    order = np.lexsort(position.T)
-    same = np.flatnonzero((position[order[1:]] == position[order[:-1]]).all(axis=1))
+    # coordinates may be as small as they like, but what lies closer together is not told apart
+    places = np.where(np.abs(position) < check.SMALLEST, 0.0, position)
+    order = np.lexsort(places.T)
+    same = np.flatnonzero((places[order[1:]] == places[order[:-1]]).all(axis=1))
     if same.size:
         i, j = sorted(order[same[0] : same[0] + 2].tolist())
         x, y = (told("position", float(value)) for value in position[i])

@@ -137,6 +137,7 @@ def test_a_duration_is_no_count():
             lambda: pair(position=[[0, 0], [0, 1e20]]),
             r"position\[1\] = 1e\+20 and radius\[0\] = 0.526 differ",
         ),
+        (lambda: pair(position=[[0, 1e-320], [0, 0]]), r"position\[0\] and position\[1\] coincide"),
         (lambda: pair(height=[1e308, 0]), r"height\[0\] = 1e\+308 is beyond"),
         (lambda: pair(radius=1e-320), "radius = 9.99.*e-321 is beyond"),
         (lambda: pair(radius=[1e-25, 1]), r"radius\[1\] = 1 and radius\[0\] = 1e-25 differ"),
