@@ -1,0 +1,42 @@
+"""Time and memory of the files of parts, each in a process of its own."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+from validation.benchmark.timing import Row
+
+# Rows of a square lattice, and what is wanted: seconds and megabytes.
+CASES = ((8, 5.0, 300.0), (100, 30.0, 1024.0))
+
+WORK = """
+import resource, sys, tempfile, time
+from pathlib import Path
+import numpy as np
+import metafem as mf
+from metafem.files import PartOptions, planned
+
+rows = int(sys.argv[1])
+height = 0.084 + np.random.default_rng(0).uniform(0.0, 0.12, rows**2)
+block = mf.Block(1.6 * rows, 1.6 * rows, 7.2)
+lattice = {"radius": 0.526, "material": mf.Material(1.36), "block": block}
+surface = mf.Surface.square_lattice(height, (rows, rows), **lattice)
+start = time.perf_counter()
+with tempfile.TemporaryDirectory() as folder:
+    planned(surface, surface, PartOptions()).write(Path(folder))
+print(time.perf_counter() - start, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0)
+"""
+
+
+def rows() -> list[Row]:
+    """Measure the part, its mould and its drawing."""
+    measured = []
+    for lattice, seconds, megabytes in CASES:
+        command = [sys.executable, "-c", WORK, str(lattice)]
+        told = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+        spent, used = (float(number) for number in told.split())
+        what = f"files of a part of {lattice**2:,} asperities"
+        measured.append(Row(what, seconds, spent, "s"))
+        measured.append(Row(f"{what}, peak memory", megabytes, used, "MiB"))
+    return measured
