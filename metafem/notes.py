@@ -33,7 +33,7 @@ class Note:
     >>> surface = mf.Surface.square_lattice(0.1, (1, 2), radius=0.526, material=mf.Material(1.36))
     >>> (note,) = mf.equilibrium(surface, separation=-0.01).notes
     >>> note.level.value, str(note)[:30]
-    ('warning', 'the base plane would touch: se')
+    ('warning', 'the base plane would touch fro')
     """
 
     text: str
