@@ -157,6 +157,8 @@ def increasing(name: str, value: FloatArray) -> FloatArray:
     """Return `value`, all of it positive and strictly increasing."""
     if value[0] <= 0.0:
         raise InvalidInput(f"{called(f'{name}[0]')} = {told(name, value[0])} must be greater than 0")
+    if value[0] < SMALLEST and unit_of(name) != "1":
+        raise _beyond(name, f"{called(f'{name}[0]')} = {told(name, value[0])}")
     bad = np.flatnonzero(np.diff(value) <= 0.0)
     if bad.size:
         i = int(bad[0]) + 1
