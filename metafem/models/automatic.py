@@ -172,23 +172,25 @@ class Automatic:
     def _errors(self, surface: Surface, load: FloatArray) -> list[tuple[str, Model, float]]:
         """Return the asperity models with relative errors of A0 at positive loads, the cheapest first.
 
-        Those of the cheaper ones are their change from order 3, and its own added; they are left out where
-        order 3 does not suffice, or has no solution.
+        Those of the cheaper ones are their change from order 3, and its own added; they are left out after
+        the first that suffices, and where order 3 does not suffice or has no solution.
         """
         reference = self.gradient_model
         last = self._truncation(surface, load[-1])
         models: tuple[Model, ...] = (Independent(), replace(reference, order=1))
         probed = np.unique(load[[0, load.size // 2, -1]])
-        errors = []
+        errors: list[float] = []
         if last <= self.tolerance:
             try:
                 full = converged(reference, reference.curve(surface, probed)).area
-                areas = [converged(model, model.curve(surface, probed)).area for model in models]
-                errors = [float(np.abs(area / full - 1.0).max()) + last for area in areas]
+                for model in models:
+                    area = converged(model, model.curve(surface, probed)).area
+                    errors.append(float(np.abs(area / full - 1.0).max()) + last)
+                    if errors[-1] <= self.tolerance:  # it will be chosen
+                        break
             except (NotConverged, InvalidInput):
                 last = math.inf
-        names = NAMES[: len(errors)]
-        return [*zip(names, models, errors, strict=False), (NAMES[-1], reference, last)]
+        return [*zip(NAMES, models, errors, strict=False), (NAMES[-1], reference, last)]
 
     def _truncation(self, surface: Surface, load: float) -> float:
         """Return the estimated relative error of A0 by order 3 at a rescaled load."""
