@@ -67,7 +67,7 @@ def printing() -> Iterator[None]:
             sys.exit(1)
         with suppress(OSError):
             click.echo(f"Error: the output cannot be written: {error.strerror}", err=True)
-        sys.exit(2)
+        sys.exit(1)
 
 
 def _abandon_output() -> None:

@@ -57,7 +57,7 @@ def test_what_stands_for_a_character_can_be_printed_anywhere():
 def test_an_output_that_is_full_is_said(arguments):
     with open("/dev/full", "w") as full:
         done = started(*arguments, stdout=full)
-    assert done.returncode == 2
+    assert done.returncode == 1
     assert done.stderr == "Error: the output cannot be written: No space left on device\n"
 
 
