@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import math
+import sys
 from collections.abc import Mapping
 from types import UnionType
 from typing import Any, Union, get_args, get_origin
@@ -35,7 +35,7 @@ def fits(value: Any, hint: Any) -> bool:
         return isinstance(value, np.ndarray) and value.dtype == dtype and bool(np.isfinite(value).all())
     if hint in (float, int):
         number = isinstance(value, (int, float) if hint is float else int) and not isinstance(value, bool)
-        return number and math.isfinite(value)
+        return number and abs(value) <= (sys.float_info.max if hint is float else 2**63 - 1)
     return isinstance(value, hint)
 
 

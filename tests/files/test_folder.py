@@ -123,6 +123,7 @@ WRONG = [
     ("sites.int64", [1.5, 0, 1, 2, 3, 4, 5, 6, 7], "design.sites = .* is not an array of int64"),
     ("sites", None, "design.sites = None must be finite numbers"),
     ("misfit", "small", "design.misfit = 'small' must be a finite number"),
+    ("misfit", 10**400, "design.misfit = 10.* must be a finite number"),
     ("misfit", -1.0, "design: misfit = -1 must be at least 0"),
     ("misfit", True, "design.misfit = True must be a finite number"),
     ("status", {"type": "Status", "name": "CONVERGED"}, "design.status = .* must be a DesignStatus"),
