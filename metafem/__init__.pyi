@@ -35,8 +35,6 @@ from .inversion import feasible_region as feasible_region
 from .inversion import plasticity_index as plasticity_index
 from .inversion.design import Design as Design
 from .inversion.design import design as design
-from .law import FrictionLaw as FrictionLaw
-from .law import friction_law as friction_law
 from .models import Automatic as Automatic
 from .models import BoundaryElements as BoundaryElements
 from .models import ContactState as ContactState
@@ -44,8 +42,10 @@ from .models import Independent as Independent
 from .models import Interacting as Interacting
 from .models import MeanField as MeanField
 from .models import Status as Status
-from .models.equilibrium import equilibrium as equilibrium
 from .notes import Note as Note
+from .prediction import FrictionLaw as FrictionLaw
+from .prediction import equilibrium as equilibrium
+from .prediction import friction_law as friction_law
 from .substrate import BondedLayer as BondedLayer
 from .substrate import HalfSpace as HalfSpace
 from .surface import Block as Block

@@ -8,8 +8,8 @@ import numpy as np
 
 import metafem as mf
 from metafem.drawing import new_figure
-from metafem.inversion.proportional import line_range
 from metafem.inversion.radii import Radii
+from metafem.inversion.strategies.proportional import line_range
 from validation.check import Check, Claim, below
 from validation.paper_surfaces import template
 

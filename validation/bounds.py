@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import metafem as mf
-from metafem.distributions import slope_excess
+from metafem.inversion.height_density import slope_excess
 from validation.check import Claim, near
 from validation.paper_surfaces import template
 from validation.published import PAPER, paper

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.integrate import quad
 
 import metafem as mf
-from metafem.distributions import PiecewiseExponential, TruncatedExponential, TwoBranchExponential
+from metafem.inversion.height_density import PiecewiseExponential, TruncatedExponential, TwoBranchExponential
 from metafem.reference import height_densities as printed
 from validation.check import Check, Claim, below
 from validation.paper_surfaces import fig3, template

@@ -10,7 +10,7 @@ import metafem as mf
 from metafem.drawing import new_figure
 from metafem.inversion.feasibility import largest_exponent, least_exponent
 from metafem.inversion.radii import Radii
-from metafem.inversion.sampled import wanted_law
+from metafem.inversion.strategies.sampled import wanted_law
 from validation.check import Check, Claim, below, near
 from validation.paper_surfaces import template
 

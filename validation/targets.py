@@ -8,7 +8,7 @@ import numpy as np
 
 import metafem as mf
 from metafem.drawing import new_figure
-from metafem.inversion.sampled import wanted_law
+from metafem.inversion.strategies.sampled import wanted_law
 from validation.check import Check, Claim, below
 from validation.paper_surfaces import template
 

@@ -18,9 +18,9 @@ if TYPE_CHECKING:
     from metafem.files import Specification
     from metafem.files.part.plan import Part
     from metafem.inversion import Design
-    from metafem.inversion.blueprint import Branch
-    from metafem.law import BranchFit
+    from metafem.inversion.candidate import Branch
     from metafem.notes import Note
+    from metafem.prediction.friction_law import BranchFit
 
 
 @main.command()
@@ -152,7 +152,7 @@ def _tell_design(
 
 def _fit_data(result: Design, branch: Branch, fit: BranchFit) -> dict[str, float | None]:
     """Return the slope of a branch, and its friction coefficient where the surface has a Friction."""
-    from metafem.inversion.wording import Wording
+    from metafem.inversion.targets.wording import Wording
 
     data: dict[str, float | None] = {
         "target": branch.slope,

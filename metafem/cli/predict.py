@@ -18,7 +18,7 @@ from metafem.progress import doing
 
 if TYPE_CHECKING:
     from metafem._validate import FloatArray
-    from metafem.law import FrictionLaw
+    from metafem.prediction.friction_law import FrictionLaw
     from metafem.surface import Block, Surface
 
 # Sizes of a block, as options and as arguments.

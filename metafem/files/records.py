@@ -12,7 +12,6 @@ import numpy as np
 
 from metafem._given import plain, printable, shown
 from metafem.contact import Hertz
-from metafem.distributions import TruncatedExponential, TwoBranchExponential
 from metafem.errors import InvalidInput
 from metafem.files.hints import fits, in_words
 from metafem.inversion import (
@@ -28,11 +27,12 @@ from metafem.inversion import (
     RadiusRange,
     SampledLaw,
 )
-from metafem.inversion.blueprint import Branch
-from metafem.inversion.wording import Wording
-from metafem.law import BranchFit, FrictionLaw
+from metafem.inversion.candidate import Branch
+from metafem.inversion.height_density import TruncatedExponential, TwoBranchExponential
+from metafem.inversion.targets.wording import Wording
 from metafem.models import Automatic, BoundaryElements, Independent, Interacting, MeanField, Status
 from metafem.notes import Level, Note
+from metafem.prediction.friction_law import BranchFit, FrictionLaw
 from metafem.substrate import BondedLayer, HalfSpace
 from metafem.surface import Block, Friction, Material, Surface
 

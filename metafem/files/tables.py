@@ -9,14 +9,14 @@ from pathlib import Path
 
 import numpy as np
 
-from metafem import law_tables
 from metafem._given import Words, printable, speaking
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.files.csv_rows import Table, read_table
 from metafem.files.units import factor
 from metafem.inversion import Design
-from metafem.law import FrictionLaw
+from metafem.prediction import tables
+from metafem.prediction.friction_law import FrictionLaw
 from metafem.surface import Block, Friction, Material, Surface
 
 __all__ = ["heights_table", "is_law_table", "law_table", "mould_table", "read_heights", "read_surface"]
@@ -36,7 +36,7 @@ def heights_table(design: Design) -> str:
 
 def law_table(law: FrictionLaw) -> str:
     """Return the friction law, with friction forces where the surface has a Friction."""
-    columns = law_tables.columns(law, without=law_tables.UNWRITTEN)
+    columns = tables.columns(law, without=tables.UNWRITTEN)
     return _csv(tuple(columns), zip(*(column.tolist() for column in columns.values()), strict=True))
 
 

@@ -19,7 +19,7 @@ from metafem.inversion import (
     SampledLaw,
     Target,
 )
-from metafem.inversion.wording import RESCALED, Wording
+from metafem.inversion.targets.wording import RESCALED, Wording
 from metafem.surface import Friction, Material
 
 LOADS, FRICTIONS = ["0.144 mm^2", "0.336 mm^2"], ["0.84 mm^2", "1.68 mm^2"]

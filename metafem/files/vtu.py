@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from metafem.inversion import Design
-from metafem.models import equilibrium
+from metafem.prediction import equilibrium
 
 __all__ = ["write_surface"]
 

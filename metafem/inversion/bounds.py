@@ -8,11 +8,11 @@ from collections.abc import Sequence
 
 from metafem import _validate as check
 from metafem._calls import checked_call
-from metafem.distributions import TruncatedExponential, uniform_slope
 from metafem.errors import InvalidInput, MetafemWarning
-from metafem.inversion.exponential import FINEST_SCALE_IN_SD
+from metafem.inversion.height_density import TruncatedExponential, uniform_slope
 from metafem.inversion.limits import Limits
 from metafem.inversion.radii import Radii, RadiusRange
+from metafem.inversion.strategies.exponential import FINEST_SCALE_IN_SD
 from metafem.surface import Surface
 
 # Greenwood and Williamson's limit of mostly elastic contact.

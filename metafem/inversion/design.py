@@ -14,15 +14,9 @@ from metafem import drawing
 from metafem._calls import checked_call
 from metafem._validate import IntArray
 from metafem._values import Value, span
-from metafem.distributions import PiecewiseExponential
 from metafem.errors import Infeasible, InvalidInput
-from metafem.inversion import exponential, feasibility, operating_points, proportional, sampled
-from metafem.inversion.adapt import adapted, interaction_margin
-from metafem.inversion.arranged import Layout, arranged
-from metafem.inversion.blueprint import Blueprint, Branch, Parameter
-from metafem.inversion.design_notes import design_notes
-from metafem.inversion.gridded import gridded
-from metafem.inversion.judge import (
+from metafem.inversion import feasibility
+from metafem.inversion.assessment import (
     DesignStatus,
     branch_fits,
     found_parameters,
@@ -30,12 +24,19 @@ from metafem.inversion.judge import (
     misfit_meaning,
     status_of,
 )
+from metafem.inversion.candidate import Blueprint, Branch, Parameter
+from metafem.inversion.design_notes import design_notes
+from metafem.inversion.height_density import PiecewiseExponential
+from metafem.inversion.height_steps import gridded
 from metafem.inversion.limits import Limits
-from metafem.inversion.mixture import Mixture
 from metafem.inversion.picture import draw_laws
+from metafem.inversion.placement.layout import Layout, arranged
+from metafem.inversion.problem import Request
 from metafem.inversion.radii import Radii, RadiusRange
-from metafem.inversion.request import Request
-from metafem.inversion.target import (
+from metafem.inversion.refinement import adapted, interaction_margin
+from metafem.inversion.strategies import exponential, operating_points, proportional, sampled
+from metafem.inversion.strategies.mixture import Mixture
+from metafem.inversion.targets.laws import (
     BilinearLaw,
     LinearLaw,
     MultilinearLaw,
@@ -44,10 +45,10 @@ from metafem.inversion.target import (
     SampledLaw,
     Target,
 )
-from metafem.inversion.wanted import Wanted
-from metafem.law import BranchFit, FrictionLaw, friction_law
+from metafem.inversion.targets.wanted import Wanted
 from metafem.models import Model
 from metafem.notes import Note, counted, late_notes, when_read
+from metafem.prediction.friction_law import BranchFit, FrictionLaw, friction_law
 from metafem.progress import doing
 from metafem.surface import Surface
 

@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from metafem.inversion.blueprint import Blueprint, Branch
-from metafem.inversion.judge import REACHED, DesignStatus, independent_misfit, misfit_meaning
+from metafem.inversion.assessment import REACHED, DesignStatus, independent_misfit, misfit_meaning
+from metafem.inversion.candidate import Blueprint, Branch
 from metafem.inversion.limits import Limits
-from metafem.inversion.proportional import reached_line
-from metafem.inversion.request import Request
-from metafem.law import BranchFit
+from metafem.inversion.problem import Request
+from metafem.inversion.strategies.proportional import reached_line
 from metafem.notes import Note
+from metafem.prediction.friction_law import BranchFit
 from metafem.surface import Surface
 
 # Heights should be this many times larger than the errors with which they are made.

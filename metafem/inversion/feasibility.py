@@ -27,8 +27,8 @@ from metafem.contact import Hertz
 from metafem.errors import Infeasible
 from metafem.inversion.limits import Limits
 from metafem.inversion.radii import Radii, RadiusRange
-from metafem.inversion.target import MultilinearLaw, PowerLaw, SampledLaw
-from metafem.inversion.wording import Wording
+from metafem.inversion.targets.laws import MultilinearLaw, PowerLaw, SampledLaw
+from metafem.inversion.targets.wording import Wording
 from metafem.surface import Surface
 
 # A value this close to a bound is on it: rounding must not refuse what a surface was read off.

@@ -12,15 +12,15 @@ from metafem import _validate as check
 from metafem._calls import checked_call
 from metafem._validate import FloatArray
 from metafem.errors import Infeasible
-from metafem.inversion.arranged import Layout
-from metafem.inversion.blueprint import Parameter
 from metafem.inversion.bounds import achievable_friction_coefficients
+from metafem.inversion.candidate import Parameter
 from metafem.inversion.design import Design, designed
 from metafem.inversion.limits import Limits
-from metafem.inversion.mixture import unreachable
+from metafem.inversion.placement.layout import Layout
+from metafem.inversion.problem import Request
 from metafem.inversion.radii import Radii, RadiusRange
-from metafem.inversion.request import Request
-from metafem.inversion.target import Target
+from metafem.inversion.strategies.mixture import unreachable
+from metafem.inversion.targets.laws import Target
 from metafem.models import Model
 from metafem.notes import Note, information
 from metafem.progress import each

@@ -3,7 +3,6 @@
 from metafem.models.automatic import Automatic
 from metafem.models.boundary_elements import BoundaryElements
 from metafem.models.contact_field import ContactField
-from metafem.models.equilibrium import equilibrium
 from metafem.models.independent import Independent
 from metafem.models.interacting import Interacting
 from metafem.models.mean_field import MeanField
@@ -22,5 +21,4 @@ __all__ = [
     "Sensitive",
     "Sensitivity",
     "Status",
-    "equilibrium",
 ]

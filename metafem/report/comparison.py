@@ -8,9 +8,9 @@ import numpy as np
 
 from metafem._validate import FloatArray
 from metafem.inversion import Design
-from metafem.law import FrictionLaw
 from metafem.models import Independent
 from metafem.notes import Note
+from metafem.prediction.friction_law import FrictionLaw
 from metafem.studies.substrates import laws_on_substrates
 
 # A page is drawn in a second or two; beyond this number of asperities interacting laws take longer.

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from metafem.inversion import Design
-from metafem.inversion.blueprint import Branch
-from metafem.law import BranchFit
+from metafem.inversion.candidate import Branch
+from metafem.prediction.friction_law import BranchFit
 
 
 def fit_table(design: Design) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:

@@ -12,7 +12,7 @@ from metafem import drawing
 from metafem._validate import FloatArray
 from metafem.drawing import MICROMETRES, QUIET, new_figure
 from metafem.inversion import Design
-from metafem.models import equilibrium
+from metafem.prediction import equilibrium
 from metafem.report.relief import SIDE, projected, relief
 from metafem.surface import Surface
 

@@ -8,9 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import metafem as mf
-from metafem.distributions import TruncatedExponential
 from metafem.inversion import DesignStatus
-from metafem.inversion.exponential import level_counts
+from metafem.inversion.height_density import TruncatedExponential
+from metafem.inversion.strategies.exponential import level_counts
 from tests.models.scenes import said
 
 LIMITS = mf.Limits(max_height=0.12, offset=0.05)

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.distributions import TruncatedExponential
 from metafem.inversion import DesignStatus
-from metafem.inversion.mixture import Mixture
-from metafem.inversion.nearest import Asperities
+from metafem.inversion.height_density import TruncatedExponential
 from metafem.inversion.radii import Radii
+from metafem.inversion.search.multistart import Asperities
+from metafem.inversion.strategies.mixture import Mixture
 
 TOOLS = [0.2, 0.8]
 RANGE = mf.RadiusRange(0.2, 0.8)

@@ -15,8 +15,8 @@ from metafem._validate import FloatArray, IntArray
 from metafem._values import Value
 from metafem.contact import Hertz
 from metafem.errors import InvalidInput
-from metafem.inversion.exchange import Coupled, Forecast, Joined, Tilted
-from metafem.inversion.places import Places
+from metafem.inversion.placement.exchange import Coupled, Forecast, Joined, Tilted
+from metafem.inversion.placement.sites import Places
 from metafem.models import Independent, Model, Sensitivity
 from metafem.surface import STEEPEST, Surface
 

@@ -5,7 +5,7 @@ import pytest
 
 import metafem as mf
 from metafem.files.records import from_record, to_record
-from metafem.inversion.wording import Wording
+from metafem.inversion.targets.wording import Wording
 
 PAIR = mf.Material(1.36), mf.Friction(0.358, 0.85)
 LIMITS = mf.Limits(0.12, offset=0.05, height_sd=0.0009)

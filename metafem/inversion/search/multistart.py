@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from metafem._validate import FloatArray
-from metafem.inversion.march import march, slowest
 from metafem.inversion.radii import Radii
-from metafem.inversion.refine import Evaluate, Heights, moved, search
-from metafem.inversion.wanted import Wanted
+from metafem.inversion.search.initial_guess import march, slowest
+from metafem.inversion.search.levenberg_marquardt import Evaluate, Heights, moved, search
+from metafem.inversion.targets.wanted import Wanted
 from metafem.models import Independent
 from metafem.models.model import Sensitivity
 from metafem.surface import Material, Surface

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
-from metafem.inversion.wording import RESCALED, Wording, in_title
+from metafem.inversion.targets.wording import RESCALED, Wording, in_title
 from metafem.surface import Friction, Material
 
 __all__ = ["BilinearLaw", "LinearLaw", "MultilinearLaw"]

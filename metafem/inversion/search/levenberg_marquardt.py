@@ -14,7 +14,7 @@ from typing import Protocol
 import numpy as np
 
 from metafem._validate import FloatArray, IntArray
-from metafem.inversion.wanted import Wanted
+from metafem.inversion.targets.wanted import Wanted
 from metafem.progress import each
 
 # Law (k,) [mm^2] and its gradient by the unknowns (k, n) [mm], lengths (n,) [mm].

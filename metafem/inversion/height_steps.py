@@ -7,10 +7,10 @@ from collections.abc import Callable
 import numpy as np
 
 from metafem._validate import FloatArray, IntArray
-from metafem.inversion.blueprint import Blueprint, Parameter
-from metafem.inversion.judge import branch_fits, largest_misfit
+from metafem.inversion.assessment import branch_fits, largest_misfit
+from metafem.inversion.candidate import Blueprint, Parameter
 from metafem.inversion.limits import Limits
-from metafem.inversion.wanted import Wanted
+from metafem.inversion.targets.wanted import Wanted
 from metafem.models import Model
 from metafem.notes import Note, information
 from metafem.surface import Surface

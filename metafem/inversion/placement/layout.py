@@ -10,10 +10,10 @@ import numpy as np
 from metafem import _validate as check
 from metafem._validate import FloatArray, IntArray
 from metafem.errors import InvalidInput
-from metafem.inversion.blueprint import Parameter
-from metafem.inversion.layout import arrange
-from metafem.inversion.objectives import FollowLaw, InsensitiveToTilt, Objective, Together
-from metafem.inversion.wanted import Wanted
+from metafem.inversion.candidate import Parameter
+from metafem.inversion.placement.arrange import arrange
+from metafem.inversion.placement.objectives import FollowLaw, InsensitiveToTilt, Objective, Together
+from metafem.inversion.targets.wanted import Wanted
 from metafem.models import Independent, Model
 from metafem.notes import Note, information
 from metafem.progress import doing

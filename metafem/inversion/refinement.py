@@ -5,12 +5,19 @@ from __future__ import annotations
 import numpy as np
 
 from metafem._validate import FloatArray, IntArray
-from metafem.inversion.blueprint import Blueprint
-from metafem.inversion.judge import MISSED, branch_fits, independent_misfit, largest_misfit
-from metafem.inversion.nearest import GOAL, law_of_heights
-from metafem.inversion.refine import POINT_GOAL, Evaluate, Heights, Refined, descend, search
-from metafem.inversion.request import Request
-from metafem.inversion.wanted import Wanted
+from metafem.inversion.assessment import MISSED, branch_fits, independent_misfit, largest_misfit
+from metafem.inversion.candidate import Blueprint
+from metafem.inversion.problem import Request
+from metafem.inversion.search.levenberg_marquardt import (
+    POINT_GOAL,
+    Evaluate,
+    Heights,
+    Refined,
+    descend,
+    search,
+)
+from metafem.inversion.search.multistart import GOAL, law_of_heights
+from metafem.inversion.targets.wanted import Wanted
 from metafem.models import Independent
 from metafem.notes import Note, information
 from metafem.progress import doing, each

@@ -7,12 +7,12 @@ from functools import singledispatch
 import numpy as np
 
 from metafem._validate import FloatArray
-from metafem.inversion.blueprint import Blueprint, Branch, Parameter
+from metafem.inversion.candidate import Blueprint, Branch, Parameter
 from metafem.inversion.feasibility import friction_bounds
 from metafem.inversion.limits import Limits
-from metafem.inversion.nearest import Quest, independent_law, nearest_law
 from metafem.inversion.radii import Radii
-from metafem.inversion.target import (
+from metafem.inversion.search.multistart import Quest, independent_law, nearest_law
+from metafem.inversion.targets.laws import (
     BilinearLaw,
     LinearLaw,
     MultilinearLaw,
@@ -20,7 +20,7 @@ from metafem.inversion.target import (
     PowerLaw,
     SampledLaw,
 )
-from metafem.inversion.wanted import Wanted
+from metafem.inversion.targets.wanted import Wanted
 
 # Loads at which a power law or all branches of a multilinear law are asked for.
 POINTS = 30

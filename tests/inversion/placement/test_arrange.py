@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.inversion.exchange import swap
-from metafem.inversion.places import places_for
+from metafem.inversion.placement.exchange import swap
+from metafem.inversion.placement.sites import places_for
 
 LOAD = np.array([0.05, 0.15, 0.3])
 LAYER = mf.Interacting(substrate=mf.BondedLayer())

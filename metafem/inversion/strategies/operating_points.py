@@ -10,15 +10,15 @@ from __future__ import annotations
 import numpy as np
 
 from metafem.errors import Infeasible
-from metafem.inversion.blueprint import Blueprint, Parameter
+from metafem.inversion.candidate import Blueprint, Parameter
 from metafem.inversion.feasibility import refuse_sampled
-from metafem.inversion.level import Level, Step
 from metafem.inversion.limits import Limits
-from metafem.inversion.nearest import MIXED_RESTARTS, Quest, law_of_heights, nearest_law
 from metafem.inversion.radii import Radii
-from metafem.inversion.refine import POINT_GOAL, Heights, descend
-from metafem.inversion.sampled import wanted_law
-from metafem.inversion.target import OperatingPoints, SampledLaw
+from metafem.inversion.search.levenberg_marquardt import POINT_GOAL, Heights, descend
+from metafem.inversion.search.multistart import MIXED_RESTARTS, Quest, law_of_heights, nearest_law
+from metafem.inversion.strategies.level import Level, Step
+from metafem.inversion.strategies.sampled import wanted_law
+from metafem.inversion.targets.laws import OperatingPoints, SampledLaw
 from metafem.models import Independent
 from metafem.notes import information
 

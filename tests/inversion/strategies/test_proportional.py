@@ -6,8 +6,8 @@ import pytest
 import metafem as mf
 from metafem.inversion import DesignStatus
 from metafem.inversion.feasibility import friction_bounds
-from metafem.inversion.proportional import line_range
 from metafem.inversion.radii import Radii
+from metafem.inversion.strategies.proportional import line_range
 
 TALL, DEMO = mf.Limits(0.27), mf.Limits(0.12, offset=0.084)
 ONE = Radii.of(0.526)

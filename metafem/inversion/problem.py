@@ -8,10 +8,10 @@ from typing import get_args
 
 from metafem import _validate as check
 from metafem.errors import InvalidInput
-from metafem.inversion.arranged import Layout
 from metafem.inversion.limits import Limits
+from metafem.inversion.placement.layout import Layout
 from metafem.inversion.radii import Radii, RadiusRange
-from metafem.inversion.target import Target
+from metafem.inversion.targets.laws import Target
 from metafem.models import Independent, Model
 from metafem.surface import Surface
 

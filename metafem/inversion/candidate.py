@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from metafem._validate import FloatArray, IntArray
-from metafem.distributions import PiecewiseExponential
-from metafem.inversion.wanted import Wanted
+from metafem.inversion.height_density import PiecewiseExponential
+from metafem.inversion.targets.wanted import Wanted
 from metafem.notes import Note
 
 Parameter = float | int | FloatArray | IntArray

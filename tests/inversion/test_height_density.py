@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import metafem as mf
-from metafem.distributions import (
+from metafem.inversion.height_density import (
     TruncatedExponential,
     TwoBranchExponential,
     equal_masses,

@@ -11,7 +11,9 @@ from scipy.optimize import brentq
 
 from metafem._validate import FloatArray, IntArray
 from metafem.contact import Hertz
-from metafem.distributions import (
+from metafem.errors import Infeasible
+from metafem.inversion.candidate import Blueprint, Branch, Parameter
+from metafem.inversion.height_density import (
     PiecewiseExponential,
     TruncatedExponential,
     TwoBranchExponential,
@@ -19,14 +21,12 @@ from metafem.distributions import (
     scale_from_slope,
     uniform_slope,
 )
-from metafem.errors import Infeasible
-from metafem.inversion.blueprint import Blueprint, Branch, Parameter
 from metafem.inversion.limits import Limits
-from metafem.inversion.mixture import Mixture, best_mixture
 from metafem.inversion.radii import Radii
-from metafem.inversion.target import BilinearLaw, LinearLaw
-from metafem.inversion.wanted import Wanted
-from metafem.inversion.wording import Wording
+from metafem.inversion.strategies.mixture import Mixture, best_mixture
+from metafem.inversion.targets.laws import BilinearLaw, LinearLaw
+from metafem.inversion.targets.wanted import Wanted
+from metafem.inversion.targets.wording import Wording
 from metafem.notes import Note
 
 # A straight branch is judged over its last three quarters: below, the law still bends towards its

@@ -11,8 +11,8 @@ import numpy as np
 
 from metafem._validate import FloatArray
 from metafem.errors import Infeasible
-from metafem.inversion.blueprint import Blueprint
-from metafem.inversion.judge import MISSED, independent_misfit
+from metafem.inversion.assessment import MISSED, independent_misfit
+from metafem.inversion.candidate import Blueprint
 from metafem.inversion.radii import Radii
 
 # A mixture must win this factor in the misfit over a single tool, whose part is easier to make.

@@ -11,8 +11,8 @@ from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem._values import Value
 from metafem.errors import InvalidInput
-from metafem.inversion.straight import BilinearLaw, LinearLaw, MultilinearLaw
-from metafem.inversion.wording import RESCALED, Wording, in_title
+from metafem.inversion.targets.straight import BilinearLaw, LinearLaw, MultilinearLaw
+from metafem.inversion.targets.wording import RESCALED, Wording, in_title
 from metafem.surface import Friction, Material
 
 __all__ = [

@@ -6,10 +6,10 @@ from enum import Enum
 
 import numpy as np
 
-from metafem.inversion.blueprint import Blueprint, Branch, Parameter
-from metafem.inversion.sampled import open_parameters
-from metafem.law import BranchFit, friction_law
+from metafem.inversion.candidate import Blueprint, Branch, Parameter
+from metafem.inversion.strategies.sampled import open_parameters
 from metafem.models import Independent, Model
+from metafem.prediction.friction_law import BranchFit, friction_law
 from metafem.surface import Material, Surface
 
 # Promise of an exact design: relative error of the friction at each load asked for.

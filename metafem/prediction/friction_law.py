@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from metafem import _validate as check
-from metafem import drawing, law_tables
+from metafem import drawing
 from metafem._calls import checked_call
 from metafem._validate import FloatArray
 from metafem._values import Value, span
@@ -18,6 +18,7 @@ from metafem.errors import InvalidInput, NotConverged
 from metafem.models import Curve, Independent, Model, Status
 from metafem.models.validity import law_notes
 from metafem.notes import Note, counted, late_notes, when_read
+from metafem.prediction import tables
 from metafem.surface import Friction, Material, Surface
 
 if TYPE_CHECKING:
@@ -271,7 +272,7 @@ class FrictionLaw(Value):
         >>> table["area_mm2"].round(4).tolist(), table.attrs["model"]
         ([0.4708, 0.7474], 'Independent()')
         """
-        return law_tables.dataframe(self)
+        return tables.dataframe(self)
 
     def to_xarray(self) -> Dataset:
         """Return the law over its rescaled loads.
@@ -291,7 +292,7 @@ class FrictionLaw(Value):
         >>> data.sizes["rescaled_load"], data.area.attrs["units"]
         (100, 'mm2')
         """
-        return law_tables.dataset(self)
+        return tables.dataset(self)
 
     def plot(
         self, ax: Axes | None = None, units: Literal["mm^2", "N"] = "mm^2", label: str | None = None

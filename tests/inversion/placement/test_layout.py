@@ -7,8 +7,8 @@ import pytest
 
 import metafem as mf
 from metafem.inversion import DesignStatus
-from metafem.inversion.arranged import LAW_LOADS, NO_EFFECT, TILT_LOADS, arranged, asked_for
-from metafem.inversion.wanted import Wanted
+from metafem.inversion.placement.layout import LAW_LOADS, NO_EFFECT, TILT_LOADS, arranged, asked_for
+from metafem.inversion.targets.wanted import Wanted
 from metafem.notes import information
 
 LAYER = mf.Interacting(substrate=mf.BondedLayer())

@@ -12,9 +12,9 @@ from metafem import _validate as check
 from metafem._calls import checked_call
 from metafem._validate import FloatArray, IntArray
 from metafem._values import Value
-from metafem.inversion.exchange import Forecast, after, drawn, exchanged, swap
-from metafem.inversion.objectives import Objective
-from metafem.inversion.places import Places, places_for
+from metafem.inversion.placement.exchange import Forecast, after, drawn, exchanged, swap
+from metafem.inversion.placement.objectives import Objective
+from metafem.inversion.placement.sites import Places, places_for
 from metafem.models import Independent, Interacting, Model
 from metafem.progress import each
 from metafem.surface import Surface

@@ -18,7 +18,7 @@ import numpy as np
 
 from metafem import _validate as check
 from metafem.errors import Infeasible, InvalidInput
-from metafem.inversion import sampled
+from metafem.inversion.assessment import REACHED, independent_misfit
 from metafem.inversion.feasibility import (
     ROUNDING,
     largest_load,
@@ -27,10 +27,10 @@ from metafem.inversion.feasibility import (
     refuse_load,
     single_friction,
 )
-from metafem.inversion.judge import REACHED, independent_misfit
 from metafem.inversion.limits import Limits
 from metafem.inversion.radii import Radii, RadiusRange
-from metafem.inversion.straight import BilinearLaw, LinearLaw
+from metafem.inversion.strategies import sampled
+from metafem.inversion.targets.straight import BilinearLaw, LinearLaw
 from metafem.surface import Surface
 
 Line = LinearLaw | BilinearLaw

@@ -1,0 +1,1 @@
+"""Which asperity stands at which site."""

@@ -1,0 +1,1 @@
+"""Searches for heights whose law is nearest to a wanted one."""

@@ -1,0 +1,1 @@
+"""From each kind of target to heights for independent asperities."""

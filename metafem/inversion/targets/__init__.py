@@ -1,0 +1,1 @@
+"""Wanted friction laws."""
