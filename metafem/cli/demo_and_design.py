@@ -13,6 +13,7 @@ from metafem.cli.group import DEMOS, NOT_ACHIEVED, force_option, json_option, ma
 from metafem.cli.progress import progress
 from metafem.cli.terminal import notes_data, tell_notes, tell_table, terminal
 from metafem.errors import InvalidInput
+from metafem.progress import doing
 
 if TYPE_CHECKING:
     from metafem.files import Specification
@@ -90,7 +91,7 @@ def _run(
     from metafem.report import all_notes, page
 
     check_free(folder, force)
-    with progress():
+    with progress(), doing("designing"):
         specification = mf.read_spec(spec)
         if chord_error is not None:
             specification = specification.with_chord_error(quantity("--chord-error", chord_error, "mm"))
