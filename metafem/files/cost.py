@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from metafem.errors import InvalidInput
 from metafem.files.reading import RECORD
-from metafem.models.memory import require_memory
+from metafem.models._resources import require_memory
 from metafem.progress import fact
 
 # Of each place under the independent model, measured on lattices of 10^5 and 10^6 places: bytes of the record

@@ -1,10 +1,10 @@
 """From heights to loads: models of the whole interface."""
 
 from metafem.models.automatic import Automatic
-from metafem.models.boundary_elements import BoundaryElements
-from metafem.models.contact_field import ContactField
+from metafem.models.boundary_elements.field import ContactField
+from metafem.models.boundary_elements.model import BoundaryElements
 from metafem.models.independent import Independent
-from metafem.models.interacting import Interacting
+from metafem.models.interacting.model import Interacting
 from metafem.models.mean_field import MeanField
 from metafem.models.model import ContactState, Curve, Model, Sensitive, Sensitivity, Status
 

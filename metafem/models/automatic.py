@@ -10,9 +10,9 @@ import numpy as np
 from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput, NotConverged
-from metafem.models.boundary_elements import BoundaryElements
+from metafem.models.boundary_elements.model import BoundaryElements
 from metafem.models.independent import Independent
-from metafem.models.interacting import DENSE_LIMIT, Interacting
+from metafem.models.interacting.model import DENSE_LIMIT, Interacting
 from metafem.models.model import ContactState, Curve, Model
 from metafem.models.validity import converged, truncation
 from metafem.notes import Level, Note, information

@@ -12,9 +12,9 @@ from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.contact import Hertz
 from metafem.errors import InvalidInput
-from metafem.models.interacting import Interacting
+from metafem.models._resources import run_rows
+from metafem.models.interacting.model import Interacting
 from metafem.models.model import ContactState, Curve, Sensitivity, Status
-from metafem.models.rows import run_rows
 from metafem.surface import Surface
 
 # The load is solved for by the indentation of the shallowest contact, which keeps its digits.

@@ -9,7 +9,7 @@ import numpy as np
 
 from metafem._validate import FloatArray
 from metafem.models.independent import TOLERANCE, Independent
-from metafem.models.interacting import Interacting
+from metafem.models.interacting.model import Interacting
 from metafem.models.model import ContactState, Curve, Sensitivity
 from metafem.notes import information
 from metafem.surface import Surface

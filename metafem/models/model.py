@@ -11,12 +11,12 @@ import numpy as np
 from metafem._validate import FloatArray
 from metafem._values import Value
 from metafem.errors import InvalidInput
-from metafem.models.contact_field import ContactField
+from metafem.models.boundary_elements.field import ContactField
 from metafem.notes import Note, counted, late_notes
 from metafem.surface import Surface
 
 if TYPE_CHECKING:
-    from metafem.models.interacting import Interacting
+    from metafem.models.interacting.model import Interacting
 
 
 class Status(Enum):

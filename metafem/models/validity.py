@@ -17,7 +17,7 @@ import numpy as np
 
 from metafem._validate import FloatArray, IntArray
 from metafem.errors import MetafemError, NotConverged
-from metafem.models.interacting import DENSE_LIMIT, Interacting
+from metafem.models.interacting.model import DENSE_LIMIT, Interacting
 from metafem.models.model import ContactState, Curve, Model, Status
 from metafem.notes import Note, information
 from metafem.substrate import BondedLayer, HalfSpace, Substrate

@@ -11,8 +11,8 @@ import numpy as np
 import metafem as mf
 import metafem.substrate
 from metafem._kernels import continuation
-from metafem.models.interacting import NO_TRAIL
-from metafem.models.large import LargeScene
+from metafem.models.interacting.large import LargeScene
+from metafem.models.interacting.model import NO_TRAIL
 from validation.benchmark.timing import Row, best
 
 # Rescaled load per asperity at which two thirds of them touch [mm^2].

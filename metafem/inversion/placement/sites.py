@@ -11,7 +11,7 @@ from metafem import _validate as check
 from metafem._validate import FloatArray, IntArray
 from metafem.errors import InvalidInput
 from metafem.models import Interacting, Model
-from metafem.models.memory import require_memory
+from metafem.models._resources import require_memory
 from metafem.substrate import HalfSpace, Radial
 from metafem.surface import Surface
 

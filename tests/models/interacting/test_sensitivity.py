@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.models import interacting
+from metafem.models.interacting import model as interacting
 
 MODELS = [
     mf.Independent(),

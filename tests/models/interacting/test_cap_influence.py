@@ -4,7 +4,7 @@ import numpy as np
 
 import metafem as mf
 from metafem.contact import pedestal_compliance
-from metafem.models.pedestal import pedestal_influence
+from metafem.models.interacting.cap_influence import pedestal_influence
 
 HEIGHT, RADIUS = np.array([0.03, 0.12, 0.30]), np.array([0.526, 0.526, 0.6])
 

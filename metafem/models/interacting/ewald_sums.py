@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from metafem._validate import FloatArray
-from metafem.models.lattice import WORKERS
+from metafem.models.interacting.fft_sums import WORKERS
 from metafem.substrate import BondedLayer, Radial
 
 # Pairs are summed up to REACH s, where erfc = 3e-11.

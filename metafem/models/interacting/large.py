@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from metafem._validate import FloatArray
-from metafem.models.coarse import coarsen
-from metafem.models.lattice import LatticeSums, find_lattice
-from metafem.models.memory import require_memory
-from metafem.models.newton_krylov import TOLERANCE, Contacts, Iterate, Sums
-from metafem.models.scattered import ScatteredSums
+from metafem.models._resources import require_memory
+from metafem.models.interacting.coarse import coarsen
+from metafem.models.interacting.ewald_sums import ScatteredSums
+from metafem.models.interacting.fft_sums import LatticeSums, find_lattice
+from metafem.models.interacting.newton_krylov import TOLERANCE, Contacts, Iterate, Sums
 from metafem.notes import Note, information
 from metafem.progress import each
 from metafem.substrate import Radial

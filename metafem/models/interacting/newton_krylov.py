@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from metafem._validate import FloatArray
 from metafem.contact import Hertz
-from metafem.models.coarse import Coarse
+from metafem.models.interacting.coarse import Coarse
 
 # Residual that is promised with sums that are not exact to the last digit, and the one aimed at.
 TOLERANCE = 1e-9
@@ -34,7 +34,7 @@ SENSITIVITY = 1e-9
 
 
 class Sums(Protocol):
-    """Products of one surface's influence; `metafem.models.lattice.LatticeSums` says what they are."""
+    """Products of one surface's influence; see `fft_sums.LatticeSums`."""
 
     products: int
 

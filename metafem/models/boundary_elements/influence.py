@@ -10,8 +10,8 @@ import numpy as np
 from scipy import fft
 
 from metafem._validate import FloatArray
-from metafem.models.far_field import FarField
-from metafem.models.resolved_grid import Patch
+from metafem.models.boundary_elements.far_field import FarField
+from metafem.models.boundary_elements.patches import Patch
 
 # Threads for the patches' transforms; more bring nothing on the two cores the timings are quoted for.
 THREADS = 2

@@ -6,10 +6,10 @@ from numpy.testing import assert_allclose
 
 import metafem as mf
 from metafem._kernels.continuation import Results
-from metafem.models import interacting
-from metafem.models.coarse import coarsen
-from metafem.models.lattice import LatticeSums, find_lattice
-from metafem.models.scattered import ScatteredSums
+from metafem.models.interacting import model as interacting
+from metafem.models.interacting.coarse import coarsen
+from metafem.models.interacting.ewald_sums import ScatteredSums
+from metafem.models.interacting.fft_sums import LatticeSums, find_lattice
 from tests.models.scenes import lattice, scene
 
 SUBSTRATES = [mf.HalfSpace(), mf.BondedLayer(7.2, 0.5)]
@@ -188,7 +188,7 @@ def test_coarse_influence_is_the_mean_over_its_cells():
 
 
 def test_memory_is_refused_before_it_is_allocated():
-    from metafem.models.memory import require_memory
+    from metafem.models._resources import require_memory
 
     with pytest.raises(mf.InvalidInput, match="GiB"):
         require_memory(1e18, "a scene")

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from metafem._validate import FloatArray
-from metafem.models.resolved_grid import IntArray, Patch
+from metafem.models.boundary_elements.patches import IntArray, Patch
 
 # Moments of a pressure (1 - rho^2)^m on an ellipse give m; Hertz has 1/2. Where m is off by more than
 # this, the second moments would err by 0.2 % in the area (measured on thin layers).

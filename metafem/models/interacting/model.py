@@ -13,12 +13,11 @@ from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.contact import Contact, Hertz
 from metafem.errors import InvalidInput, NotConverged
-from metafem.models.large import LargeScene, Last
-from metafem.models.memory import require_memory
+from metafem.models._resources import require_memory, run_rows
+from metafem.models.interacting.cap_influence import pedestal_influence, pedestal_notes
+from metafem.models.interacting.large import LargeScene, Last
+from metafem.models.interacting.newton_krylov import TOLERANCE as FAST_TOLERANCE
 from metafem.models.model import ContactState, Curve, Sensitivity, Status
-from metafem.models.newton_krylov import TOLERANCE as FAST_TOLERANCE
-from metafem.models.pedestal import pedestal_influence, pedestal_notes
-from metafem.models.rows import run_rows
 from metafem.substrate import BondedLayer, HalfSpace, Radial, Substrate
 from metafem.surface import Surface
 
@@ -297,7 +296,7 @@ class Interacting:
         solver by conjugate gradients, to 1e-9.
         """
         from metafem._kernels import continuation as kernel
-        from metafem.models.interacting_sensitivity import area_gradients
+        from metafem.models.interacting.sensitivity import area_gradients
 
         own, rate = np.zeros((1, surface.count)), np.zeros(surface.count)
         if self.pedestal:

@@ -11,12 +11,12 @@ import numpy as np
 from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
-from metafem.models import far_field
-from metafem.models.contact_field import ContactField
-from metafem.models.interacting import Interacting
+from metafem.models.boundary_elements import far_field
+from metafem.models.boundary_elements.field import ContactField
+from metafem.models.boundary_elements.solve import COARSEST, TOLERANCE, Scene, Solution
+from metafem.models.boundary_elements.start import Start
+from metafem.models.interacting.model import Interacting
 from metafem.models.model import ContactState, Curve, Status
-from metafem.models.resolved_scene import COARSEST, TOLERANCE, Scene, Solution
-from metafem.models.resolved_start import Start
 from metafem.notes import Note, information
 from metafem.progress import each
 from metafem.substrate import HalfSpace, Radial

@@ -7,7 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import metafem as mf
-from metafem.models import resolved_grid, resolved_scene
+from metafem.models import _resources
+from metafem.models.boundary_elements import patches, solve
 from metafem.substrate import Radial
 
 MATERIAL = mf.Material(1.36)
@@ -239,8 +240,8 @@ def test_radii_may_differ_a_thousandfold():
 
 def test_neighbourhoods_grow_until_they_hold_the_contacts(monkeypatch):
     full = mf.equilibrium(PAIR, COARSE, load=0.05)
-    monkeypatch.setattr(resolved_scene, "MARGIN_CELLS", 1.0)
-    monkeypatch.setattr(resolved_scene, "MARGIN_SHARE", -0.5)
+    monkeypatch.setattr(solve, "MARGIN_CELLS", 1.0)
+    monkeypatch.setattr(solve, "MARGIN_SHARE", -0.5)
     grown = mf.equilibrium(PAIR, COARSE, load=0.05)
     assert grown.area == pytest.approx(full.area, rel=1e-7)
 
@@ -279,13 +280,13 @@ def test_memory_is_that_of_the_machine_or_a_guess(monkeypatch):
     def unknown(name):
         raise ValueError(name)
 
-    assert resolved_scene.memory() > 2**28
-    monkeypatch.setattr(resolved_scene.os, "sysconf", unknown)
-    assert resolved_scene.memory() == resolved_scene.DEFAULT_MEMORY
+    assert _resources.memory() > 2**28
+    monkeypatch.setattr(_resources.os, "sysconf", unknown)
+    assert _resources.memory() == _resources.DEFAULT_MEMORY
 
 
 def test_memory_is_estimated_before_it_is_taken():
-    with pytest.raises(mf.InvalidInput, match="of memory; the machine has"):
+    with pytest.raises(mf.InvalidInput, match="of memory, and the machine has"):
         mf.equilibrium(PAIR, mf.BoundaryElements(1e-6), load=0.05)
 
 
@@ -311,8 +312,8 @@ def test_random_scenes_end_certified(height, seed, spread, approach):
 
 
 def test_stopping_early_raises_with_the_state(monkeypatch):
-    monkeypatch.setattr(resolved_scene, "MAX_ITERATIONS", 1)
-    monkeypatch.setattr(resolved_scene, "MAX_GROWTHS", 1)
+    monkeypatch.setattr(solve, "MAX_ITERATIONS", 1)
+    monkeypatch.setattr(solve, "MAX_GROWTHS", 1)
     with pytest.raises(mf.NotConverged) as caught:
         mf.equilibrium(PAIR, COARSE, load=0.05)
     assert caught.value.state.residual > 1e-9
@@ -322,7 +323,7 @@ def test_patches_give_what_one_grid_gives(monkeypatch):
     surface = mf.Surface.square_lattice([0.1, 0.11, 0.12, 0.1], (2, 2), 0.9, radius=RADIUS, material=MATERIAL)
     apart = mf.equilibrium(surface, COARSE, load=0.1)
     assert "4 patches" in apart.notes[1].text
-    monkeypatch.setattr(resolved_grid, "SLOWEST_RATE", math.inf)
+    monkeypatch.setattr(patches, "SLOWEST_RATE", math.inf)
     whole = mf.equilibrium(surface, COARSE, load=0.1)
     assert len(whole.notes) == 1
     np.testing.assert_allclose(apart.asperity_load, whole.asperity_load, rtol=1e-8)

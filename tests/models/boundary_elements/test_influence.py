@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from metafem._kernels import love
-from metafem.models import far_field
-from metafem.models.resolved_grid import Patch, Summits, boxes, patch
-from metafem.models.resolved_influence import Influence
+from metafem.models.boundary_elements import far_field
+from metafem.models.boundary_elements.influence import Influence
+from metafem.models.boundary_elements.patches import Patch, Summits, boxes, patch
 
 
 def point(r):

@@ -14,7 +14,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from metafem._validate import FloatArray
-from metafem.models.far_field import convergence_rate
+from metafem.models.boundary_elements.far_field import convergence_rate
 from metafem.surface import Surface
 
 IntArray = NDArray[np.int64]

@@ -4,7 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import nnls
 
-from metafem.models import projected_cg
+from metafem.models.boundary_elements import quadratic_program
 
 
 class Dense:
@@ -29,7 +29,7 @@ def random_program(seed, size):
 
 
 def solve(matrix, gap, start, total=None, multiplier=0.0):
-    return projected_cg.minimise(
+    return quadratic_program.minimise(
         Dense(matrix),
         gap,
         start,
@@ -71,7 +71,7 @@ def test_given_sum_is_kept_and_its_multiplier_found(seed, size):
 
 def test_error_is_that_of_the_pressure_returned_when_stopped_early():
     matrix, gap = random_program(0, 30)
-    found = projected_cg.minimise(
+    found = quadratic_program.minimise(
         Dense(matrix), gap, np.ones(30), multiplier=0.0, total=None, tolerance=1e-9, max_iterations=2
     )
     w = matrix @ found.pressure + gap
@@ -84,7 +84,7 @@ def test_projection_on_a_sum_is_the_nearest_point(start, seed):
     start = np.array(start) + 0.1
     change = np.random.default_rng(seed).standard_normal(start.size)
     trial = start + change - change.mean()
-    found = projected_cg.project(trial, float(start.sum()))
+    found = quadratic_program.project(trial, float(start.sum()))
     assert found.sum() == pytest.approx(start.sum(), rel=1e-12)
     assert found.min() >= 0.0
     # optimality: one shift for all that is kept, and no less for what is dropped
@@ -96,6 +96,6 @@ def test_projection_on_a_sum_is_the_nearest_point(start, seed):
 def test_system_on_a_face_is_solved_there():
     matrix, _ = random_program(1, 20)
     face = np.arange(20) % 3 > 0
-    found = projected_cg.solve_on(Dense(matrix), face, np.ones(20), 1e-10, 500)
+    found = quadratic_program.solve_on(Dense(matrix), face, np.ones(20), 1e-10, 500)
     assert (found[~face] == 0.0).all()
     np.testing.assert_allclose((matrix @ found)[face], 1.0, rtol=1e-9)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,12 +10,13 @@ import numpy as np
 from metafem._validate import FloatArray
 from metafem.contact import Hertz
 from metafem.errors import InvalidInput
-from metafem.models import projected_cg
-from metafem.models.far_field import table_bytes
-from metafem.models.resolved_contacts import Contacts, measure
-from metafem.models.resolved_grid import Patch, Summits, box_rate, boxes, patch
-from metafem.models.resolved_influence import Influence
-from metafem.models.resolved_start import Start, start
+from metafem.models._resources import require_memory
+from metafem.models.boundary_elements import quadratic_program
+from metafem.models.boundary_elements.contact_areas import Contacts, measure
+from metafem.models.boundary_elements.far_field import table_bytes
+from metafem.models.boundary_elements.influence import Influence
+from metafem.models.boundary_elements.patches import Patch, Summits, box_rate, boxes, patch
+from metafem.models.boundary_elements.start import Start, start
 from metafem.substrate import Radial
 from metafem.surface import Surface
 
@@ -54,9 +54,6 @@ TRANSFORM_BYTES = 4 * 16 * 3 * 2
 # the rates of the expansions.
 PAIR_MATRICES = 16
 
-# Assumed where the operating system does not tell.
-DEFAULT_MEMORY = 8 * 2**30
-
 
 @dataclass(frozen=True, eq=False)
 class Solution:
@@ -64,7 +61,7 @@ class Solution:
 
     Attributes
     ----------
-    minimum : projected_cg.Minimum
+    minimum : quadratic_program.Minimum
     contacts : Contacts
     patches : list of Patch
     covered : bool
@@ -75,7 +72,7 @@ class Solution:
         Derivative of the load by the approach on the cells that carry pressure.
     """
 
-    minimum: projected_cg.Minimum
+    minimum: quadratic_program.Minimum
     contacts: Contacts
     patches: list[Patch]
     covered: bool
@@ -91,7 +88,7 @@ class Scene:
         self.cell = cell
         self.substrate = substrate.for_surface(surface)
         self.summits = Summits.of(surface, cell)
-        _refuse_beyond_memory(8 * PAIR_MATRICES * surface.count**2, f"{surface.count} asperities")
+        require_memory(8 * PAIR_MATRICES * surface.count**2, f"{surface.count} asperities")
         self.coupling = self.substrate.influence_matrix(surface)
         self.slope_x, self.slope_y, self.laplacian = self.substrate.influence_derivatives(surface)
 
@@ -142,7 +139,7 @@ class Scene:
             pressure = _moved(old, parts, patches)
         face = minimum.pressure > 0.0
         ones = np.ones(operator.size)
-        rise = projected_cg.solve_on(operator, face, ones, STIFFNESS_TOLERANCE, MAX_ITERATIONS)
+        rise = quadratic_program.solve_on(operator, face, ones, STIFFNESS_TOLERANCE, MAX_ITERATIONS)
         return Solution(minimum, contacts, patches, covered, indentation, float(rise.sum()))
 
     def _reach(self, indentation: FloatArray, factor: float) -> FloatArray:
@@ -155,7 +152,7 @@ class Scene:
         cells = (last - first + 1).astype(np.float64).prod(axis=1)
         rate = box_rate(first, last)[np.triu_indices(len(cells), 1)]
         needed = 8 * VECTORS * cells.sum() + TRANSFORM_BYTES * cells.max() + table_bytes(rate)
-        _refuse_beyond_memory(needed, f"cell = {self.cell:g} mm, with {cells.sum():.3g} cells,")
+        require_memory(needed, f"cell = {self.cell:g} mm, with {cells.sum():.3g} cells,")
         return [patch(self.summits, *box) for box in zip(members, first, last, strict=True)]
 
     def _influence(self, patches: list[Patch]) -> Influence:
@@ -197,9 +194,9 @@ class Scene:
         approach: float,
         load: float | None,
         tolerance: float,
-    ) -> projected_cg.Minimum:
+    ) -> quadratic_program.Minimum:
         total = None if load is None else load / self.cell**2
-        return projected_cg.minimise(
+        return quadratic_program.minimise(
             operator,
             np.concatenate([p.gap.ravel() for p in patches]),
             pressure if total is None else pressure * (total / pressure.sum()),
@@ -215,7 +212,7 @@ class Scene:
         patches: list[Patch],
         pressure: list[FloatArray],
         contacts: Contacts,
-        minimum: projected_cg.Minimum,
+        minimum: quadratic_program.Minimum,
     ) -> FloatArray:
         """Return wider neighbourhoods where a contact reached the edge or a summit should be closed."""
         result = half_width.copy()
@@ -227,22 +224,6 @@ class Scene:
         load = self.cell**2 * contacts.load
         d = minimum.multiplier * self.cell - self.surface.gap - self.coupling @ load
         return np.where((half_width == 0.0) & (d > 0.0), self._reach(d, 1.0), result)
-
-
-def memory() -> int:
-    """Return the machine's memory in bytes."""
-    try:
-        return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
-    except (AttributeError, ValueError, OSError):
-        return DEFAULT_MEMORY
-
-
-def _refuse_beyond_memory(needed: float, what: str) -> None:
-    there = memory()
-    if needed > there:
-        raise InvalidInput(
-            f"{what} needs about {needed / 2**30:.3g} GiB of memory; the machine has {there / 2**30:.3g} GiB"
-        )
 
 
 def _moved(old: list[Patch], pressure: list[FloatArray], new: list[Patch]) -> FloatArray:
