@@ -18,8 +18,8 @@ class Radial:
 
     @property
     def name(self) -> str:
-        """What a person calls the substrate."""
-        raise NotImplementedError
+        """What a person calls the substrate; its class's name where a subclass says nothing else."""
+        return type(self).__name__
 
     def for_surface(self, surface: Surface) -> Self:
         """Return the substrate with what it takes from the surface filled in."""
