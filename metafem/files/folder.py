@@ -233,7 +233,7 @@ def _record(
 def versions() -> dict[str, str]:
     """Return the versions of what a design's numbers depend on."""
     found = {"python": platform.python_version()}
-    for name in ("metafem", "numpy", "scipy", "numba", "trimesh", "manifold3d", "meshio"):
+    for name in ("metafem", "numpy", "scipy", "numba", "meshio"):
         try:
             found[name] = version(name)
         except PackageNotFoundError:  # a checkout that is run in place

@@ -19,7 +19,7 @@ def fit_table(design: Design) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     >>> import metafem as mf
     >>> template = mf.Surface.square_lattice(0.12, radius=0.526, material=mf.Material(1.36))
     >>> fit_table(mf.design(mf.LinearLaw(6.87), template))[1][0][:2]
-    ('0.1192 – 0.4769', '6.87')
+    ('0.1203 – 0.4814', '6.87')
     """
     wording = design.target.wording
     forces = wording.per_slope is not None

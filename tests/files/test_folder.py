@@ -35,7 +35,7 @@ def test_the_whole_folder(tmp_path, linear):
     record = json.loads((tmp_path / "out" / "design.json").read_text())
     assert record["specification"]["sha256"] == spec.sha256
     assert record["specification"]["seed"] == 0
-    assert set(record["versions"]) >= {"python", "metafem", "numpy", "scipy", "numba", "manifold3d"}
+    assert set(record["versions"]) >= {"python", "metafem", "numpy", "scipy", "numba", "meshio"}
     assert (tmp_path / "out" / "report.html").read_text(encoding="utf-8") == "<p>µ</p>"
     assert mf.read_spec(tmp_path / "out" / "spec.toml").sha256 == spec.sha256
     assert (tmp_path / "out" / "mould.csv").read_text().count("alignment") == 4

@@ -35,7 +35,7 @@ SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGKILL)
 CONTEXT = multiprocessing.get_context("forkserver")
 # What a command reads first: without these signals would mostly meet imports.
 LOADED = ("metafem.files.sections", "metafem.report.page", "metafem.drawing", "matplotlib.figure", "pint")
-LOADED += ("trimesh", "manifold3d", "meshio", "rich.console", "rich.table", "scipy.optimize", "numba")
+LOADED += ("meshio", "rich.console", "rich.table", "scipy.optimize", "numba")
 NOTES = {"notes.txt": "mine", "photos/first.txt": "mine, too"}
 # A quarter of the demo's asperities reaches a quarter of its areas.
 CHEAP = {

@@ -89,6 +89,10 @@ class Lifted(Radial):
     """A half-space whose surface rises everywhere alike under load."""
 
     @property
+    def name(self):
+        return "lifted"
+
+    @property
     def self_influence(self):
         return -0.2
 
