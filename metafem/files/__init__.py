@@ -2,14 +2,14 @@
 
 from metafem.files.atomic.staged import check_free
 from metafem.files.atomic.text import refuse_existing, write_text
-from metafem.files.demo import demo_text
-from metafem.files.folder import load, result_folder, same_design, save, stored_hardness, write_all
-from metafem.files.manual import all_keys, manual
-from metafem.files.model_names import MODELS, model_named
 from metafem.files.part.plan import PartOptions, part_notes, planned
-from metafem.files.spec import Specification, read_spec, refuse_missing_block
-from metafem.files.study import study_data, study_path, write_study
-from metafem.files.tables import is_law_table, law_table, read_heights, read_surface
+from metafem.files.result.folder import load, result_folder, same_design, save, stored_hardness, write_all
+from metafem.files.result.study import study_data, study_path, write_study
+from metafem.files.result.tables import is_law_table, law_table, read_heights, read_surface
+from metafem.files.specification.demos import demo_text
+from metafem.files.specification.manual import all_keys, manual
+from metafem.files.specification.models import MODELS, model_named
+from metafem.files.specification.read import Specification, read_spec, refuse_missing_block
 from metafem.files.units import option_words, quantity
 
 __all__ = [

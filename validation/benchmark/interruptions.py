@@ -34,7 +34,13 @@ KILLS, PAIRS = 200, 50
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGKILL)
 CONTEXT = multiprocessing.get_context("forkserver")
 # What a command reads first: without these signals would mostly meet imports.
-LOADED = ("metafem.files.sections", "metafem.report.page", "metafem.drawing", "matplotlib.figure", "pint")
+LOADED = (
+    "metafem.files.specification.sections",
+    "metafem.report.page",
+    "metafem.drawing",
+    "matplotlib.figure",
+    "pint",
+)
 LOADED += ("meshio", "rich.console", "rich.table", "scipy.optimize", "numba")
 NOTES = {"notes.txt": "mine", "photos/first.txt": "mine, too"}
 # A quarter of the demo's asperities reaches a quarter of its areas.

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.files.records import from_record, to_record
+from metafem.files.result.records import from_record, to_record
 from metafem.inversion.targets.wording import Wording
 
 PAIR = mf.Material(1.36), mf.Friction(0.358, 0.85)

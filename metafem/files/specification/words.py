@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, get_args
 
 from metafem._given import printable
-from metafem.files.manual import all_keys, as_toml
-from metafem.files.model_names import suggestion
+from metafem.files.specification.manual import all_keys, as_toml
+from metafem.files.specification.models import suggestion
 from metafem.files.units import as_written
 
 if TYPE_CHECKING:

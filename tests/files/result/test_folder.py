@@ -10,9 +10,9 @@ import metafem as mf
 from metafem.files.atomic import claim
 from metafem.files.atomic.manifest import MANIFEST
 from metafem.files.atomic.text import write_text
-from metafem.files.demo import demo_text
-from metafem.files.folder import same_design, stored_hardness, write_all
-from metafem.files.wanted_table import RESERVED
+from metafem.files.result.folder import same_design, stored_hardness, write_all
+from metafem.files.specification.demos import demo_text
+from metafem.files.specification.target_table import RESERVED
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from metafem.files.hints import fits, in_words
+from metafem.files.result.hints import fits, in_words
 
 
 def test_arrays_are_judged_by_their_type():

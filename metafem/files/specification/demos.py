@@ -6,7 +6,7 @@ from importlib.resources import files
 
 from metafem._given import printable
 from metafem.errors import InvalidInput
-from metafem.files.model_names import suggestion
+from metafem.files.specification.models import suggestion
 
 DEMOS = ("operating-points", "linear", "bilinear")
 
@@ -21,4 +21,8 @@ def demo_text(name: str) -> str:
     """
     if name not in DEMOS:
         raise InvalidInput(f'demo "{printable(name, 60)}" is unknown{suggestion(name, DEMOS)}')
-    return files("metafem.files").joinpath("demos", f"{name}.toml").read_text(encoding="utf-8")
+    return (
+        files("metafem.files.specification")
+        .joinpath("demo_files", f"{name}.toml")
+        .read_text(encoding="utf-8")
+    )

@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import metafem as mf
-from metafem.files.model_names import MODELS
-from metafem.files.records import from_record, to_record
+from metafem.files.result.records import from_record, to_record
+from metafem.files.specification.models import MODELS
 from metafem.notes import Level
 
 # lengths of one surface may differ by fifteen orders of magnitude, and heights may vanish

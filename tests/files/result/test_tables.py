@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 import metafem as mf
 from metafem.files.part.caps import alignment_asperities
-from metafem.files.tables import heights_table, law_table, mould_table, read_heights, read_surface
+from metafem.files.result.tables import heights_table, law_table, mould_table, read_heights, read_surface
 
 TEMPLATE = mf.Surface.square_lattice(
     0.12, (3, 3), radius=0.526, material=mf.Material(1.36), friction=mf.Friction(0.358, 0.85)

@@ -49,7 +49,7 @@ def all_keys() -> tuple[Key, ...]:
     >>> next(key.example for key in all_keys() if key.name == "max_height")
     '120 um'
     """
-    from metafem.files.sections import Sections
+    from metafem.files.specification.sections import Sections
 
     return tuple(
         key
@@ -69,7 +69,7 @@ def manual() -> str:
     [checks]                                        # optional: what is checked beside the law
     hardness = "10 MPa"                             # optional: H of the softer material, for plasticity
     """
-    from metafem.files.sections import Sections
+    from metafem.files.specification.sections import Sections
 
     lines = [HEAD]
     for name, field in Sections.model_fields.items():

@@ -20,11 +20,11 @@ from metafem.files.atomic.staged import staged
 from metafem.files.part.caps import alignment_asperities
 from metafem.files.part.plan import Part, PartOptions, part_notes, planned
 from metafem.files.reading import called, read_record
-from metafem.files.records import from_record, to_record
-from metafem.files.spec import Specification
-from metafem.files.tables import heights_table, law_table, mould_table
-from metafem.files.vtu import write_surface
-from metafem.files.wanted_table import RESULT_FILES
+from metafem.files.result.records import from_record, to_record
+from metafem.files.result.tables import heights_table, law_table, mould_table
+from metafem.files.result.vtu import write_surface
+from metafem.files.specification.read import Specification
+from metafem.files.specification.target_table import RESULT_FILES
 from metafem.inversion import Design
 from metafem.progress import doing
 

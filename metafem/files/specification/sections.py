@@ -10,11 +10,11 @@ from pydantic import Field, field_validator, model_validator
 from metafem import _validate as check
 from metafem._given import about, printable, told
 from metafem.errors import InvalidInput
-from metafem.files.cost import refuse_too_many
-from metafem.files.model_names import MODELS, suggestion
 from metafem.files.part.plan import PartOptions, planned
-from metafem.files.section import Angle, Length, Number, Section, Stress, Whether, measured, says
-from metafem.files.target_sections import (
+from metafem.files.specification.cost import refuse_too_many
+from metafem.files.specification.fields import Angle, Length, Number, Section, Stress, Whether, measured, says
+from metafem.files.specification.models import MODELS, suggestion
+from metafem.files.specification.targets import (
     BilinearSection,
     LinearSection,
     MultilinearSection,

@@ -2,7 +2,7 @@ import meshio
 import numpy as np
 
 import metafem as mf
-from metafem.files.vtu import write_surface
+from metafem.files.result.vtu import write_surface
 
 
 def test_the_field_file_holds_the_contacts_at_the_largest_load(tmp_path):

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.files.cost import tell_cost
-from metafem.files.demo import DEMOS, demo_text
+from metafem.files.specification.cost import tell_cost
+from metafem.files.specification.demos import DEMOS, demo_text
 
 LINEAR = demo_text("linear")
 RADIUS = 'radius = "526 um"'

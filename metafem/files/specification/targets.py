@@ -8,7 +8,7 @@ from pydantic import BeforeValidator, model_validator
 
 from metafem import _validate as check
 from metafem.errors import InvalidInput
-from metafem.files.section import Area, Force, Number, Section, says
+from metafem.files.specification.fields import Area, Force, Number, Section, says
 from metafem.files.units import converted
 from metafem.inversion import (
     BilinearLaw,

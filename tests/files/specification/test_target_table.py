@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.files.demo import demo_text
+from metafem.files.specification.demos import demo_text
 
 REST = demo_text("linear").split("[material]")[1].replace('height_step = "6 um"', "")
 

@@ -13,12 +13,12 @@ from typing import Any
 from metafem._calls import checked_call
 from metafem._given import Words, printable, speaking
 from metafem.errors import InvalidInput
-from metafem.files.cost import tell_cost
 from metafem.files.part.plan import PartOptions, planned
 from metafem.files.reading import SPECIFICATION, called, decoded, read_bytes
-from metafem.files.spec_words import worded
+from metafem.files.specification.cost import tell_cost
+from metafem.files.specification.target_table import with_samples
+from metafem.files.specification.words import worded
 from metafem.files.units import written_units
-from metafem.files.wanted_table import with_samples
 from metafem.inversion import (
     Design,
     Layout,
@@ -150,7 +150,7 @@ def read_spec(path: str | Path) -> Specification:
     Examples
     --------
     >>> import tempfile
-    >>> from metafem.files.demo import demo_text
+    >>> from metafem.files.specification.demos import demo_text
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     path = Path(folder, "linear.toml")
     ...     _ = path.write_text(demo_text("linear"), encoding="utf-8")
@@ -164,7 +164,7 @@ def read_spec(path: str | Path) -> Specification:
     table, kept = with_samples(raw.decode("utf-8"), table, Path(path).parent)
     from pydantic import ValidationError
 
-    from metafem.files.sections import Sections
+    from metafem.files.specification.sections import Sections
 
     with speaking(Words(units=written_units(table))):
         try:

@@ -13,7 +13,7 @@ import numpy as np
 from metafem._given import plain, printable, shown
 from metafem.contact import Hertz
 from metafem.errors import InvalidInput
-from metafem.files.hints import fits, in_words
+from metafem.files.result.hints import fits, in_words
 from metafem.inversion import (
     BilinearLaw,
     Design,

@@ -1,0 +1,1 @@
+"""The result folder of a design, written and read."""

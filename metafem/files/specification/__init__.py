@@ -1,0 +1,1 @@
+"""Specification files, read into the package's own types."""
