@@ -99,7 +99,7 @@ def test_arrays_of_something_else_are_refused(height, words):
     "value",
     [
         *(True, np.True_, 1 + 0j, np.complex128(1), "1.36", b"1", None, np.array([1.36]), 10**400),
-        *(datetime.datetime(2020, 1, 1), np.datetime64("2020"), np.timedelta64(5), object(), []),
+        *(datetime.datetime(2020, 1, 1), np.datetime64("2020"), np.timedelta64(5), slice(3), []),
     ],
     ids=repr,
 )
