@@ -35,11 +35,22 @@ MANY, RESOLUTION = 1000, 200
 SALT = "metafem"
 
 
-def new_figure(width: float, height: float) -> Figure:
-    """Return an empty figure of a size [inch] that shares no global state."""
+def new_figure(
+    width: float, height: float, margins: tuple[float, float, float, float] | None = None
+) -> Figure:
+    """Return an empty figure of a size [inch] that shares no global state.
+
+    Margins on the left, on the right, below and above [inch] hold the labels of the axes. To have them
+    measured, without `margins`, takes as long as to draw the figure.
+    """
     from matplotlib.figure import Figure
 
-    return Figure(figsize=(width, height), layout="constrained")
+    if margins is None:
+        return Figure(figsize=(width, height), layout="constrained")
+    figure = Figure(figsize=(width, height))
+    left, right, below, above = margins
+    figure.subplots_adjust(left / width, below / height, 1.0 - right / width, 1.0 - above / height)
+    return figure
 
 
 def axes(ax: Axes | None, width: float = 5.0, height: float = 3.6) -> Axes:

@@ -24,11 +24,14 @@ if TYPE_CHECKING:
 # Loads at which sensitivities are drawn, of a law's hundred.
 SENSITIVITY_LOADS = 33
 
+# For labels on the left and below, whose numbers have seven characters at most [inch].
+MARGINS = (0.9, 0.2, 0.6, 0.2)
+
 
 def law_figure(design: Design) -> Figure:
     """Target and achieved law, and below it the relative difference of which the misfit is made."""
-    figure = new_figure(7.0, 5.6)
-    ax, below = figure.subplots(2, 1, sharex=True, height_ratios=[3, 1])
+    figure = new_figure(7.0, 5.6, (0.9, 0.8, 0.6, 0.6))
+    ax, below = figure.subplots(2, 1, sharex=True, height_ratios=[3, 1], gridspec_kw={"hspace": 0.08})
     _draw_reach(design, ax)
     draw_laws(design, ax, "achieved: " + design.law.model.name)
     _draw_difference(design, below)
@@ -69,8 +72,8 @@ def force_figure(design: Design, friction: Friction) -> Figure:
     """Friction force, and friction coefficient F/P, over the load in newtons, with the target."""
     law, wanted = design.law, design.wanted
     modulus, strength = law.material.composite_modulus, friction.shear_strength * friction.area_ratio
-    figure = new_figure(9.0, 3.2)
-    left, right = figure.subplots(1, 2)
+    figure = new_figure(9.0, 3.2, MARGINS)
+    left, right = figure.subplots(1, 2, gridspec_kw={"wspace": 0.25})
     law.plot(left, units="N", label="achieved")
     right.plot(law.load, law.friction_coefficient, color=ACHIEVED, lw=1.8, label="achieved")
     if design.density is None:
@@ -95,7 +98,7 @@ def force_figure(design: Design, friction: Friction) -> Figure:
 
 def comparison_figure(comparisons: tuple[Comparison, ...]) -> Figure:
     """Change of A0 by elastic interaction, in percent of the independent law, over the load."""
-    figure = new_figure(7.0, 3.0)
+    figure = new_figure(7.0, 3.0, MARGINS)
     ax = figure.add_subplot()
     ax.axhline(0.0, color=QUIET, lw=0.8)
     for comparison, style in zip(comparisons, cycle(("-", "--", ":")), strict=False):
@@ -115,7 +118,7 @@ def sensitivity_figure(design: Design) -> Figure:
     load = design.law.rescaled_load[:: max(1, len(design.law.load) // SENSITIVITY_LOADS)]
     gradient = model.sensitivity(design.surface, load).gradient[:, np.argsort(-design.surface.height)]
     largest = float(np.abs(gradient).max())
-    figure = new_figure(7.0, 3.2)
+    figure = new_figure(7.0, 3.2, MARGINS)
     ax = figure.add_subplot()
     picture = ax.pcolormesh(
         np.arange(design.surface.count) + 1, load, gradient, cmap="RdBu_r", vmin=-largest, vmax=largest,

@@ -38,7 +38,7 @@ def several_radii(surface: Surface) -> bool:
 
 def height_figure(design: Design) -> Figure:
     """Heights at their places, the diameters in proportion to radii that differ; empty places as rings."""
-    figure = new_figure(5.0, 4.2)
+    figure = new_figure(5.0, 4.2, (0.7, 0.4, 0.8, 0.3))
     ax = figure.add_subplot()
     empty = np.setdiff1d(np.arange(design.template.count), design.sites)
     drawing.empty_places(ax, design.template.position[empty])
@@ -53,8 +53,8 @@ def contact_figure(design: Design) -> Figure:
 
     Of many summits those about the tallest.
     """
-    figure = new_figure(9.6, 4.0)
-    axes = figure.subplots(1, len(VIEWED_LOADS), sharex=True, sharey=True)
+    figure = new_figure(9.6, 4.0, (0.7, 0.1, 0.6, 0.6))
+    axes = figure.subplots(1, len(VIEWED_LOADS), sharex=True, sharey=True, gridspec_kw={"wspace": 0.05})
     corners, shown = _shown(design.surface)
     place = design.surface.position[shown]
     apart = drawing.spacing(place)
@@ -82,7 +82,7 @@ def shape_figure(design: Design) -> Figure:
     scale = drawing.height_scale(surface.height)
     colour = np.asarray(scale.to_rgba(MICROMETRES * height))
     seen = relief(surface.position[shown], height, surface.radius[shown], colour, corners)
-    figure = new_figure(8.0, 4.4)
+    figure = new_figure(8.0, 4.4, (0.1, 0.5, 0.1, 0.4))
     ax = figure.add_subplot()
     ax.imshow(seen.image, extent=seen.extent, origin="lower", interpolation="none")
     ax.set_axis_off()

@@ -1,3 +1,4 @@
+import re
 from decimal import Decimal
 
 import pytest
@@ -5,7 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from metafem.errors import InvalidInput
-from metafem.files.units import decimal, quantity
+from metafem.files import units
+from metafem.files.units import EXAMPLES, decimal, quantity
 
 
 @pytest.mark.parametrize(
@@ -30,6 +32,18 @@ def test_one_area_in_many_spellings(text):
 ])  # fmt: skip
 def test_units_of_every_dimension(text, unit, value):
     assert quantity("key", text, unit) == value
+
+
+def test_usual_units_are_as_pint_has_them(monkeypatch):
+    usual = dict(units._USUAL)
+    units.factor.cache_clear()
+    monkeypatch.setattr(units, "_USUAL", {})
+    for name, (own, size) in usual.items():
+        assert units.factor(name, own) == size
+        for other in EXAMPLES.keys() - {own}:
+            with pytest.raises(InvalidInput, match=f"does not measure in .*{re.escape(other)}"):
+                units.factor(name, other)
+    units.factor.cache_clear()
 
 
 @given(st.decimals(min_value=-(10**6), max_value=10**6, places=4))
