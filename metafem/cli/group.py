@@ -88,7 +88,7 @@ json_option = click.option(
     is_flag=True,
     help="Print data alone, as JSON; errors too, as an object error with type and message.",
 )
-force_option = click.option("--force", is_flag=True, help="Overwrite what is there.")
+force_option = click.option("--force", is_flag=True, help="Replace what metafem wrote there.")
 
 
 @click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})

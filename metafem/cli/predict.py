@@ -17,7 +17,6 @@ from metafem.errors import InvalidInput
 from metafem.progress import doing
 
 if TYPE_CHECKING:
-    from metafem._validate import FloatArray
     from metafem.prediction.friction_law import FrictionLaw
     from metafem.surface import Block, Surface
 
@@ -157,12 +156,11 @@ def _tell_law(law: FrictionLaw, whole: bool) -> None:
         columns += ["friction [N]", "F/P"]
     # Ten lines tell the shape of a curve; loads that were asked for are all shown.
     step = 1 if whole else max(1, len(law.load) // 10)
-    coefficient = _coefficient(law)
     rows = []
     for i in range(step - 1, len(law.load), step):
         numbers = [law.load[i], law.area[i], law.separation[i], law.stiffness[i]]
         if law.friction is not None:
-            numbers += [law.friction_force[i], coefficient[i]]
+            numbers += [law.friction_force[i], law.friction_coefficient[i]]
         rows.append(tuple(f"{number:.6g}" for number in numbers))
     console = terminal()
     tell_table(console, columns, rows)
@@ -188,16 +186,6 @@ def _law_data(law: FrictionLaw) -> dict[str, Any]:
         data["friction_force_N"] = law.friction_force.tolist()
         # JSON knows no infinity: without load there is no coefficient
         data["friction_coefficient"] = [
-            value if math.isfinite(value) else None for value in _coefficient(law).tolist()
+            value if math.isfinite(value) else None for value in law.friction_coefficient.tolist()
         ]
     return data
-
-
-def _coefficient(law: FrictionLaw) -> FloatArray:
-    """Return F/P [-], not a number at no load; nothing without a friction."""
-    import numpy as np
-
-    if law.friction is None:
-        return np.empty(0)
-    with np.errstate(invalid="ignore"):
-        return np.asarray(law.friction_force / law.load)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from metafem.errors import InvalidInput
 from metafem.files.atomic.manifest import is_result_folder
 from metafem.files.atomic.text import refuse_existing, write_file
+from metafem.files.reading import read_record
 from metafem.notes import from_lines
 
 if TYPE_CHECKING:
@@ -18,8 +19,10 @@ if TYPE_CHECKING:
 
 def study_path(folder: str | Path, name: str, force: bool) -> Path:
     """Return where a study of a result folder goes; raises InvalidInput if `write_study` would refuse it."""
+    record = Path(folder) / "design.json"
+    read_record(record, "no such file; name a result folder of metafem")  # which says what is damaged
     if not is_result_folder(Path(folder)):
-        raise InvalidInput(f"{Path(folder) / 'design.json'}: no such file; name a result folder of metafem")
+        raise InvalidInput(f"{record} is not a design of metafem")
     path = Path(folder) / f"{name}.nc"
     refuse_existing(path, force)
     return path
