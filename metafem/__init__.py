@@ -1,7 +1,7 @@
 """Surfaces with a friction law of your choice.
 
-metafem inverts a wanted friction law into the heights of spherical asperities, predicts the law of a
-surface under models of increasing truth, and writes the files to make the part.
+metafem computes the heights of spherical asperities from a target friction law, predicts the law of a
+surface under models of increasing detail, and writes the files to make the part.
 
 Units are mm, N and MPa everywhere, angles are in radians, compression is positive. The separation is
 the distance from the rigid plane to the undeformed base plane of the asperities; the approach is the
@@ -11,5 +11,5 @@ mm^2.
 
 import lazy_loader
 
-# Where each public name lives stands in the stub; each is imported when it is first used.
+# The stub lists the module of each public name; a name is imported when it is first used.
 __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,4 +1,4 @@
-"""Where metafem keeps what it need not compute twice: compiled kernels and the influence of blocks."""
+"""The cache on disk: compiled kernels and the influence of blocks."""
 
 from __future__ import annotations
 
@@ -9,21 +9,21 @@ from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
 
-# Names a folder for all caches, in place of the user's own.
+# Environment variable with the folder of all caches; default: the user's cache folder.
 VARIABLE = "METAFEM_CACHE_DIR"
 
-# Everything metafem writes there; whatever else lies there is not touched.
+# Names of everything that metafem writes there; other files are left alone.
 _KERNELS = re.compile(r"[0-9a-f]{32}")
 _BLOCK = re.compile(r"\.?block-.*\.npz")
 
 
 def cache_folder() -> Path:
-    """Return ``$METAFEM_CACHE_DIR``, or metafem's folder among the user's caches.
+    """Return ``$METAFEM_CACHE_DIR``, or metafem's folder in the user's cache folder.
 
     Raises
     ------
     OSError
-        Where the user has no home folder and the variable is not set.
+        If the user has no home folder and the variable is not set.
     """
     wanted = os.environ.get(VARIABLE)
     if wanted:
@@ -32,7 +32,7 @@ def cache_folder() -> Path:
 
     folder = user_cache_path("metafem")
     if not folder.is_absolute():
-        raise OSError(f"no home folder for a cache; {VARIABLE} can name another")
+        raise OSError(f"there is no home folder for a cache; set {VARIABLE} to a folder")
     return folder
 
 
@@ -42,7 +42,7 @@ def kernel_folder() -> Path:
 
 
 def kept_kernels() -> list[Path]:
-    """Return the folders of compiled kernels, the last used first."""
+    """Return the folders of compiled kernels, the most recently used first."""
     return sorted(_children(kernel_folder(), _KERNELS), key=_time, reverse=True)
 
 
@@ -61,8 +61,8 @@ def size(paths: list[Path]) -> int:
 def remove(paths: list[Path]) -> int:
     """Remove files and folders, and return how much was freed [bytes].
 
-    Other processes may read, write or remove the same at any time: each file is whole, and is made anew
-    where it is missing.
+    Other processes may read, write or remove the same files at any time: each file is written whole, and a
+    missing one is computed again.
     """
     before = size(paths)
     for path in paths:
@@ -82,7 +82,7 @@ def _children(folder: Path, name: re.Pattern[str]) -> Iterator[Path]:
 def _time(path: Path) -> float:
     try:
         return path.stat().st_mtime
-    except OSError:  # removed meanwhile by another process
+    except OSError:  # removed by another process in the meantime
         return 0.0
 
 

@@ -1,4 +1,4 @@
-"""Calls that do not fit a function, answered in words of the package."""
+"""Errors of calls that do not fit a function's signature, as `InvalidInput`."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ R = TypeVar("R")
 
 
 def checked_call(function: Callable[P, R]) -> Callable[P, R]:
-    """Answer a call with too many, unknown or missing arguments by InvalidInput, not by TypeError.
+    """Raise InvalidInput, not TypeError, for a call with too many, unknown or missing arguments.
 
     Examples
     --------
@@ -33,14 +33,14 @@ def checked_call(function: Callable[P, R]) -> Callable[P, R]:
             return function(*args, **kwargs)
         except TypeError as error:
             if error.__traceback__ is not None and error.__traceback__.tb_next is not None:
-                raise  # from within the function
+                raise  # raised inside the function
             raise InvalidInput(_fault(function, args, kwargs)) from None
 
     return call
 
 
 def _fault(function: Callable[..., Any], args: tuple[Any, ...], kwargs: dict[str, Any]) -> str:
-    """Return what is wrong with a call, and how it should look."""
+    """Return what is wrong with a call, and the correct form."""
     parameters = inspect.signature(function).parameters
     hidden = [name for name in parameters if name in ("self", "cls")]
     name = function.__qualname__.removesuffix(".__init__")

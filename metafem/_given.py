@@ -1,4 +1,4 @@
-"""What a user passed in: its numbers without their units, and the words in which errors answer."""
+"""Values that a user passed in: conversion to plain numbers, and how errors print them."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ UNITS: Mapping[str, str] = {
     for name in names
 }
 
-# What an array must not hold, by numpy's letter of its kind.
+# Kinds of arrays that are refused, by numpy's letter of the kind.
 FOREIGN = {
     "b": "a truth value",
     "c": "complex",
@@ -49,10 +49,11 @@ def unit_of(name: str) -> str:
 
 @dataclass(frozen=True)
 class Words:
-    """How errors call arguments, entries and numbers: as in Python, or as in the file they came from.
+    """How errors name arguments, entries and numbers: as in Python, or as in the file they came from.
 
-    `units` holds the unit in which a quantity was written and its size in the package's own; `lines` the
-    line of a file on which each entry stands, `names` what the file calls an argument and `file` its name.
+    `units` holds the unit in which a quantity was written and the size of that unit in the package's unit;
+    `lines` holds the line number of each entry in the file, `names` the file's names of arguments, and
+    `file` the name of the file.
     """
 
     section: str = ""
@@ -71,7 +72,7 @@ class Words:
         return f"{value / size:g} {unit}".removesuffix(" 1").rstrip()
 
     def called(self, name: str) -> str:
-        """Return what the file calls an argument or an entry of it, such as ``radius[3]``."""
+        """Return the file's name of an argument or of an entry, such as ``radius[3]``."""
         base, bracket, index = name.partition("[")
         if self.lines and bracket:
             line = self.lines[int(index.rstrip("]").partition(",")[0])]
@@ -84,14 +85,14 @@ _WORDS: ContextVar[Words] = ContextVar("_WORDS", default=Words())  # noqa: B039 
 
 @contextmanager
 def about(section: str) -> Iterator[None]:
-    """Let errors within the body answer about a section of the file."""
+    """Make errors raised in the body refer to a section of the file."""
     with speaking(replace(_WORDS.get(), section=section)):
         yield
 
 
 @contextmanager
 def speaking(words: Words) -> Iterator[None]:
-    """Let errors within the body answer in these words."""
+    """Make errors raised in the body use these names and units."""
     token = _WORDS.set(words)
     try:
         yield
@@ -100,17 +101,17 @@ def speaking(words: Words) -> Iterator[None]:
 
 
 def told(name: str, value: float) -> str:
-    """Return a number for an error about an argument."""
+    """Return the number of an argument as errors print it."""
     return _WORDS.get().number(name, value)
 
 
 def called(name: str) -> str:
-    """Return what an argument, or an entry such as ``radius[3]``, is called in an error."""
+    """Return the name of an argument, or of an entry such as ``radius[3]``, as errors print it."""
     return _WORDS.get().called(name)
 
 
 def shown(value: Any, most: int = 60) -> str:
-    """Return a value on one line for an error, whatever it is.
+    """Return any value on one line, for an error.
 
     Examples
     --------
@@ -121,36 +122,36 @@ def shown(value: Any, most: int = 60) -> str:
         value = value[: 2 * most]
     try:
         text = repr(value)
-    except Exception:  # an object of somebody else's, or an integer of too many digits
+    except Exception:  # an object of another library, or an integer with too many digits
         text = f"{'an' if type(value).__name__[0] in 'aeiou' else 'a'} {type(value).__name__}"
     return printable(" ".join(text.split()), most)
 
 
 def printable(text: str, most: int = 200) -> str:
-    """Return a text on one line: what cannot be printed as its number, and the end left out if long."""
+    """Return a text on one line: unprintable characters are escaped, and a long text is cut."""
     cut = text if len(text) <= most else text[: most - 1] + "…"
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in cut)
 
 
 def plain(name: str, value: Any) -> Any:
-    """Return what was given as numbers in the unit of its name.
+    """Return a value as plain numbers in the unit that belongs to its name.
 
-    A quantity of pint, astropy or the like is converted by its own method; what has a unit and no such
-    method is refused, and so are masked entries.
+    A quantity of pint, astropy or a similar library is converted by its own method. A value that has a unit
+    but no such method is refused, and so are masked entries.
 
     Raises
     ------
     InvalidInput
-        For a unit of another dimension, and a masked entry.
+        For a unit of another dimension, and for a masked entry.
     TypeError
-        For anything else that is no number; says what it is.
+        For anything else that is not a number; the message says what it is.
     """
     if isinstance(value, (int, float)) and not isinstance(value, bool):
         return value
     if isinstance(value, (list, tuple, range)):
         return [v if type(v) in (float, int) else plain(f"{name}[{i}]", v) for i, v in enumerate(value)]
     with warnings.catch_warnings():
-        warnings.simplefilter("error")  # a conversion that loses something says so by a warning
+        warnings.simplefilter("error")  # a lossy conversion raises a warning
         return _plain(name, value)
 
 
@@ -179,13 +180,13 @@ def _without_unit(name: str, value: Any) -> Any:
     """Return the numbers of a quantity, recognised by its attributes, in the unit of the name."""
     wanted = unit_of(name)
     inner = getattr(value, "data", None)
-    if hasattr(inner, "to") and hasattr(inner, "units"):  # a labelled array around a quantity
+    if hasattr(inner, "to") and hasattr(inner, "units"):  # a labelled array that wraps a quantity
         value = inner
     for numbers, unit in (("magnitude", "units"), ("value", "unit")):
         if hasattr(value, unit) and hasattr(value, numbers) and hasattr(value, "to"):
             try:
                 return getattr(value.to("" if wanted == "1" else wanted), numbers)
-            except Exception:  # each library has its own errors
+            except Exception:  # each library raises its own errors
                 raise _wrong_unit(name, getattr(value, unit), wanted) from None
     label = getattr(value, "units", None) or getattr(value, "unit", None)
     if isinstance(label, str) and label != wanted:

@@ -1,4 +1,4 @@
-"""Checks of what a user passes in; each names the argument, the value and what would be right."""
+"""Checks of user input; each error names the argument, the value and what is allowed."""
 
 from __future__ import annotations
 
@@ -15,10 +15,11 @@ from metafem.errors import InvalidInput
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-# Products of up to five lengths, loads or moduli occur; each must be a normal number of double precision.
+# Products of up to five lengths, loads or moduli occur; each product must be a normal number in double
+# precision.
 SMALLEST, LARGEST = sys.float_info.min**0.2, sys.float_info.max**0.2
 
-# Beside a length that is larger by more than this, another is lost when the two are added.
+# If the ratio of two lengths is larger than this, the smaller one is lost when they are added.
 PROPORTION = 1.0 / sys.float_info.epsilon
 
 
@@ -36,7 +37,7 @@ def number(
     except InvalidInput:
         raise
     except (TypeError, ValueError, OverflowError, Warning):
-        raise InvalidInput(f"{name} = {shown(value)} is not a number of double precision") from None
+        raise InvalidInput(f"{name} = {shown(value)} is not a number in double precision") from None
     if not math.isfinite(result):
         raise InvalidInput(f"{name} = {result} must be finite")
     given = f"{called(name)} = {told(name, result)}"
@@ -59,13 +60,13 @@ def _one(value: Any) -> Any:
 
 def _beyond(name: str, given: str) -> InvalidInput:
     return InvalidInput(
-        f"{given} is beyond the numbers whose products double precision can hold: 0, or {SMALLEST:.0e} to "
-        f"{LARGEST:.0e} {unit_of(name)} in magnitude"
+        f"{given} is outside the range in which products fit double precision; it must be 0, or "
+        f"{SMALLEST:.0e} to {LARGEST:.0e} {unit_of(name)} in magnitude"
     )
 
 
 def integer(name: str, value: Any, *, at_least: int) -> int:
-    """Return `value` as an int that is not below `at_least`."""
+    """Return `value` as an int of at least `at_least`."""
     whole = isinstance(value, (int, np.integer)) and not isinstance(value, (bool, np.timedelta64))
     if not whole or value < at_least:
         raise InvalidInput(f"{name} = {shown(value)} must be a whole number of at least {at_least}")
@@ -93,7 +94,7 @@ def array(name: str, value: Any, *, shape: tuple[int | None, ...], positive: boo
         where = first[0] if len(first) == 1 else first
         raise InvalidInput(f"{name} holds {result[first]} at entry {where}; all must be finite")
     if unit_of(name) != "1":
-        # a coordinate or a height may be as small as it likes, nothing is divided by it
+        # a coordinate or a height may be arbitrarily small: nothing is divided by it
         beyond = np.argwhere((np.abs(result) > LARGEST) | (positive & (result > 0.0) & (result < SMALLEST)))
         if beyond.size:
             first = tuple(beyond[0].tolist())
@@ -106,13 +107,13 @@ def array(name: str, value: Any, *, shape: tuple[int | None, ...], positive: boo
 
 
 def proportion(name: str, value: float, other: str, beside: float) -> None:
-    """Refuse two lengths of which one is lost beside the other."""
+    """Refuse two lengths whose ratio exceeds the resolution of double precision."""
     small, large = sorted((abs(value), abs(beside)))
     if large > PROPORTION * small:
         both = f"{called(name)} = {told(name, value)} and {called(other)} = {told(other, beside)}"
         raise InvalidInput(
-            f"{both} differ by a factor of {large / small:.1g}; beyond {PROPORTION:.1g} one is lost beside "
-            "the other in double precision"
+            f"{both} differ by a factor of {large / small:.1g}; it must be at most {PROPORTION:.1g}, the "
+            "resolution of double precision"
         )
 
 
@@ -136,25 +137,25 @@ def loads(name: str, value: Any) -> FloatArray:
 
 
 def instance(name: str, value: Any, kind: type, wanted: str) -> None:
-    """Refuse a value that is not of a kind, or is a class where an object is due."""
+    """Refuse a value that is not an instance of `kind`, and a class in place of an instance."""
     if isinstance(value, type) or not isinstance(value, kind):
         raise InvalidInput(f"{name} = {shown(value)} must be {wanted}")
 
 
 def scalar(value: Any) -> bool:
-    """Whether a value is one thing, a number or a quantity perhaps, rather than a list of them."""
+    """Whether a value is a single number or quantity, and not a list of them."""
     return not isinstance(value, range) and depth(value) == 0
 
 
 def depth(value: Any) -> int:
-    """Return how deeply lists, or the axes of an array, are nested: 0 for one thing."""
+    """Return the nesting depth of lists, or the number of axes of an array: 0 for a single value."""
     if isinstance(value, (list, tuple)):
         return 1 + (depth(value[0]) if value else 0)
     return int(getattr(value, "ndim", 0))
 
 
 def increasing(name: str, value: FloatArray) -> FloatArray:
-    """Return `value`, all of it positive and strictly increasing."""
+    """Return `value`, whose entries must be positive and strictly increasing."""
     if value[0] <= 0.0:
         raise InvalidInput(f"{called(f'{name}[0]')} = {told(name, value[0])} must be greater than 0")
     if value[0] < SMALLEST and unit_of(name) != "1":

@@ -1,4 +1,4 @@
-"""What frozen dataclasses that hold arrays share: equality to the bit, a hash and a short repr."""
+"""Base of frozen dataclasses that hold arrays: bitwise equality, a hash and a short repr."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-# Entries that a repr prints one by one; of more, it says how many there are and their range.
+# Up to this number of entries a repr prints them all; above it, their number and range.
 MOST_PRINTED = 6
 
 
 class Value:
     """Base of dataclasses declared ``frozen=True, eq=False, repr=False``.
 
-    Two values are equal if they are of one type and all compared members are equal: arrays in type, shape
-    and every bit, members of a mapping whatever their order. Equal values have one hash.
+    Two values are equal if they have the same type and all compared members are equal: arrays in type, shape
+    and every bit, mappings irrespective of order. Equal values have the same hash.
     """
 
     def __eq__(self, other: object) -> bool:
@@ -39,7 +39,7 @@ class Value:
 
 
 def span(values: NDArray[Any], unit: str) -> str:
-    """Return the one value of an array or its range, with a unit.
+    """Return the range of an array with a unit, or its value where all entries are equal.
 
     Examples
     --------

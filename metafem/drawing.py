@@ -1,4 +1,4 @@
-"""What every picture shares: figures, axes, colours and marks of plain arrays; matplotlib stays here."""
+"""Drawing of plain arrays: figures, axes, colours and marks. The only module that uses matplotlib."""
 
 from __future__ import annotations
 
@@ -24,24 +24,24 @@ TARGET, ACHIEVED, QUIET = "#c8553d", "#1b6f8a", "#8a8f98"
 
 MICROMETRES = 1e3
 
-# Diameter of the largest marker over the mean distance of summits; the same in a legend [points], and the
-# most radii that it explains.
+# Diameter of the largest marker over the mean distance of summits; the same in a legend [points]; the largest
+# number of radii in a legend.
 LARGEST_DOT, LEGEND_DOT, MOST_DOTS = 0.8, 11.0, 3
 
-# Marks beyond which they are drawn as pixels, and how fine those are [per inch].
+# Number of marks above which they are drawn as pixels; resolution of those [per inch].
 MANY, RESOLUTION = 1000, 200
 
-# Fixed salt: the names of an SVG's elements must not change from run to run.
+# Fixed salt, so that the names of an SVG's elements are the same in every run.
 SALT = "metafem"
 
 
 def new_figure(
     width: float, height: float, margins: tuple[float, float, float, float] | None = None
 ) -> Figure:
-    """Return an empty figure of a size [inch] that shares no global state.
+    """Return an empty figure of a given size [inch], independent of pyplot's state.
 
-    Margins on the left, on the right, below and above [inch] hold the labels of the axes. To have them
-    measured, without `margins`, takes as long as to draw the figure.
+    The margins on the left, on the right, below and above [inch] hold the labels of the axes. Without them
+    matplotlib measures the labels, which takes as long as drawing the figure.
     """
     from matplotlib.figure import Figure
 
@@ -54,7 +54,7 @@ def new_figure(
 
 
 def axes(ax: Axes | None, width: float = 5.0, height: float = 3.6) -> Axes:
-    """Return given axes, or without them those of a new pyplot figure, which notebooks and scripts show."""
+    """Return the given axes, or for None those of a new pyplot figure, which notebooks and scripts show."""
     if ax is None:
         from matplotlib import pyplot
 
@@ -67,9 +67,9 @@ def axes(ax: Axes | None, width: float = 5.0, height: float = 3.6) -> Axes:
 
 
 def svg(figure: Figure, title: str) -> str:
-    """Return a figure as an inline SVG element, with a title for readers that do not see it.
+    """Return a figure as an inline SVG element, with a title for screen readers.
 
-    The text is the same, to the byte, for the same data.
+    Equal data give the same text, byte for byte.
     """
     from matplotlib import rc_context
 
@@ -97,9 +97,9 @@ def law(ax: Axes, load: FloatArray, friction: FloatArray, *, forces: bool, label
 
 
 def summits(ax: Axes, position: FloatArray, height: FloatArray, radius: FloatArray) -> None:
-    """Draw summits at their places (n, 2) [mm] as circles, coloured by height [mm].
+    """Draw summits at their positions (n, 2) [mm] as circles, coloured by height [mm].
 
-    The diameters are in proportion to radii [mm] that differ, and are explained below.
+    If the radii [mm] differ, the diameters are proportional to them, and a legend explains them.
     """
     share = radius / radius.max()
     dots = circles(ax, position, LARGEST_DOT * spacing(position) * share, height * MICROMETRES)
@@ -110,7 +110,7 @@ def summits(ax: Axes, position: FloatArray, height: FloatArray, radius: FloatArr
         for each in shown:
             size = LEGEND_DOT * each / radius.max()
             ax.plot([], [], "o", color=QUIET, ms=size, label=f"R = {each * MICROMETRES:.4g} µm")
-        # below the label of the axis, which is some three lines high
+        # below the label of the axis, which is about three lines high
         ax.legend(
             loc="upper center", bbox_to_anchor=(0.5, 0.0), borderaxespad=3.5,
             ncols=MOST_DOTS, columnspacing=1.0, handletextpad=0.0, frameon=False,
@@ -118,7 +118,7 @@ def summits(ax: Axes, position: FloatArray, height: FloatArray, radius: FloatArr
 
 
 def height_scale(height: FloatArray) -> ScalarMappable:
-    """Return the colours of summits, by their heights in micrometres, from the lowest to the tallest [mm]."""
+    """Return the colour scale of summit heights [mm], in micrometres, from the lowest to the tallest."""
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
 
@@ -126,20 +126,20 @@ def height_scale(height: FloatArray) -> ScalarMappable:
 
 
 def empty_places(ax: Axes, position: FloatArray) -> None:
-    """Draw places (m, 2) [mm] without an asperity as rings."""
+    """Draw sites (m, 2) [mm] without an asperity as rings."""
     x, y = position.T
     ax.scatter(x, y, s=60, facecolors="none", edgecolors=QUIET, lw=0.8, rasterized=len(position) > MANY)
 
 
 def spacing(position: FloatArray) -> float:
-    """Return about the distance [mm] between neighbours of places (n, 2), 1 for a single one."""
+    """Return the approximate distance [mm] between neighbouring points (n, 2); 1 for a single point."""
     extent = np.ptp(position, axis=0)
     count = len(position)
     return max(float(np.sqrt(extent.prod() / count)), float(extent.max()) / count) or 1.0
 
 
 def rings(ax: Axes, position: FloatArray, diameter: float) -> None:
-    """Draw rings of a diameter [mm] about places (m, 2) [mm]."""
+    """Draw rings of a diameter [mm] around points (m, 2) [mm]."""
     drawn = circles(ax, position, np.full(len(position), diameter))
     drawn.set(facecolor="none", edgecolor=QUIET, linewidth=0.8 if len(position) <= MANY else 0.2)
 
@@ -170,10 +170,10 @@ def circles(
 
 
 def grids(ax: Axes, corner: FloatArray, cell: float, values: list[FloatArray], label: str) -> None:
-    """Draw values on rectangles of square cells, where they are not 0.
+    """Draw the non-zero values on rectangles of square cells.
 
-    Centres of the first cells (m, 2) [mm], the cells' side [mm], and one array a rectangle, x along its
-    first axis.
+    `corner` (m, 2) holds the centres of the first cells [mm], `cell` is the side of a cell [mm], and `values`
+    has one array for each rectangle, with x along its first axis.
     """
     highest = max((float(value.max()) for value in values), default=0.0)
     for (x, y), value in zip(corner - 0.5 * cell, values, strict=True):
@@ -187,7 +187,7 @@ def grids(ax: Axes, corner: FloatArray, cell: float, values: list[FloatArray], l
 
 
 def outline(ax: Axes, width: float, length: float) -> None:
-    """Draw the edges [mm] of a block about the origin, seen from above."""
+    """Draw the edges of a block of a width and a length [mm], centred on the origin."""
     from matplotlib.patches import Rectangle
 
     corner = (-0.5 * width, -0.5 * length)
@@ -195,7 +195,7 @@ def outline(ax: Axes, width: float, length: float) -> None:
 
 
 def plan(ax: Axes) -> None:
-    """Make the axes a plan view: x and y [mm] to one scale."""
+    """Make the axes a plan view: x and y [mm] on the same scale."""
     ax.set_aspect("equal")
     ax.autoscale_view()
     ax.margins(0.08)

@@ -1,4 +1,4 @@
-"""What can go wrong, as one family of exceptions."""
+"""The exceptions and the warning of the package."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ from typing import Any
 
 
 class MetafemError(Exception):
-    """Base of every error that metafem raises on purpose."""
+    """Base of all errors that metafem raises for its users."""
 
 
 class InvalidInput(MetafemError, ValueError):
-    """An argument or a key has a value that cannot be used; the message says what would be right."""
+    """An argument or a key has a value that cannot be used; the message says what is allowed."""
 
 
 class Infeasible(MetafemError):
@@ -20,7 +20,7 @@ class Infeasible(MetafemError):
     ----------
     nearest : target or None
         The nearest target of the same kind that can be designed with the same template and
-        limits, where one is known.
+        limits, if one is known.
     """
 
     def __init__(self, message: str, nearest: Any = None) -> None:
@@ -34,7 +34,7 @@ class NotConverged(MetafemError):
     Attributes
     ----------
     state : object or None
-        What the solver had when it stopped, with its status and residual.
+        The solver's last state, with its status and residual.
     """
 
     def __init__(self, message: str, state: Any = None) -> None:
@@ -43,4 +43,4 @@ class NotConverged(MetafemError):
 
 
 class MetafemWarning(UserWarning):
-    """A result that holds, but outside the range in which it should be trusted."""
+    """A result was computed, but outside the range in which it can be trusted."""

@@ -1,4 +1,4 @@
-"""What a result says beside its numbers."""
+"""Notes: sentences that accompany a result, as information or as a warning."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any, cast
 
 
 class Level(Enum):
-    """What a note is; the value is the word before it."""
+    """Level of a note; its value is the word printed before the text."""
 
     INFORMATION = "information"
     WARNING = "warning"
@@ -18,7 +18,7 @@ class Level(Enum):
 
 @dataclass(frozen=True)
 class Note:
-    """One sentence beside a result, and whether it warns.
+    """One sentence that accompanies a result, and its level.
 
     Parameters
     ----------
@@ -44,12 +44,12 @@ class Note:
 
     @property
     def warns(self) -> bool:
-        """Whether it is a warning."""
+        """Whether the note is a warning."""
         return self.level is Level.WARNING
 
 
 def information(text: str) -> Note:
-    """Return a note that warns of nothing."""
+    """Return a note of the level information."""
     return Note(text, Level.INFORMATION)
 
 
@@ -80,7 +80,7 @@ def from_lines(text: str) -> tuple[Note, ...]:
 class LateNotes:
     """A field of notes, given as a tuple or by a function that is called when they are first read.
 
-    What a model leaves out costs more to estimate than one equilibrium, and few who solve read of it.
+    Estimating what a model leaves out takes longer than one equilibrium, and most callers do not read it.
     """
 
     def __set_name__(self, owner: type, name: str) -> None:
@@ -104,5 +104,5 @@ def late_notes() -> Any:
 
 
 def when_read(function: Callable[..., tuple[Note, ...]], *arguments: Any) -> Any:
-    """Return what stands for a tuple of notes until it is read."""
+    """Return a placeholder for a tuple of notes, computed when it is first read."""
     return partial(function, *arguments)

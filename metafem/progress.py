@@ -1,4 +1,4 @@
-"""What a long computation is doing, for whoever listens: a terminal, a notebook, a log."""
+"""Progress of long computations, reported to a terminal, a notebook or a log."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ __all__ = ["listening"]
 
 Item = TypeVar("Item")
 
-# Called with the step in words, and the share of it that is done where that is known.
+# Called with the name of the step and the fraction that is done, None if it is not known.
 OnStep = Callable[[str, float | None], None]
 
 
 @dataclass(frozen=True)
 class _Step:
-    """A step; one of a count, `of` them or at most so many, where it is repeated."""
+    """A step; of a repeated one, its number and the number `of` all, which may be an upper bound."""
 
     name: str
     number: int = 0
@@ -32,14 +32,14 @@ class _Step:
 
 @dataclass(eq=False)
 class _Listener:
-    """The steps that are under way, outermost first, and who is told of them."""
+    """The steps that are running, outermost first, and the functions to call."""
 
     on_step: OnStep
     on_fact: Callable[[str], None] | None
     steps: list[_Step] = field(default_factory=list)
 
     def at(self, depth: int, *step: _Step) -> None:
-        """Replace the steps from a depth on, and tell what is under way."""
+        """Replace the steps from a depth on, and report the running ones."""
         self.steps[depth:] = step
         if self.steps:
             self.on_step(", ".join(map(str, self.steps)), self._done())
@@ -60,15 +60,15 @@ _LISTENER: ContextVar[_Listener | None] = ContextVar("metafem progress", default
 
 @contextmanager
 def listening(on_step: OnStep, on_fact: Callable[[str], None] | None = None) -> Iterator[None]:
-    """Hear what metafem computes within the block.
+    """Report the progress of the computations within the ``with`` block.
 
     Parameters
     ----------
     on_step : callable
-        Called as each step begins, with the step in words and the share that is done, from 0 to 1, or None
-        where it is not known. Quick computations report many steps a second.
+        Called as each step begins, with the name of the step and the fraction that is done, from 0 to 1, or
+        None if it is not known. Quick computations report many steps per second.
     on_fact : callable, optional
-        Called with what should stay readable, such as where a solution is kept.
+        Called with messages that should stay on the screen, such as the file in which a solution is kept.
 
     Examples
     --------
@@ -89,7 +89,7 @@ def listening(on_step: OnStep, on_fact: Callable[[str], None] | None = None) -> 
 
 @contextmanager
 def doing(name: str) -> Iterator[None]:
-    """Report a step for as long as the block runs."""
+    """Report a step while the block runs."""
     listener = _LISTENER.get()
     if listener is None:
         yield
@@ -103,7 +103,7 @@ def doing(name: str) -> Iterator[None]:
 
 
 def each(name: str, items: Sequence[Item], *, at_most: bool = False) -> Iterator[Item]:
-    """Yield items and report each as a step of that name; `at_most` where the loop may end early."""
+    """Yield items and report each as a step of that name; `at_most` if the loop may end early."""
     listener = _LISTENER.get()
     if listener is None:
         yield from items
@@ -118,7 +118,7 @@ def each(name: str, items: Sequence[Item], *, at_most: bool = False) -> Iterator
 
 
 def fact(text: str) -> None:
-    """Report what should stay readable after the step has ended."""
+    """Report a message that should stay on the screen after the step has ended."""
     listener = _LISTENER.get()
     if listener is not None and listener.on_fact is not None:
         listener.on_fact(text)

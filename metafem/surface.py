@@ -1,4 +1,4 @@
-"""The part: its material, its friction, its block and its asperities."""
+"""The surface: material, friction, block and asperities."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ if TYPE_CHECKING:
 
 __all__ = ["Block", "Friction", "Material", "Surface"]
 
-# A plane tilted by more is no misalignment, and the heights no longer lie along its normal.
+# A larger tilt is not a misalignment, and heights would no longer be along the plane's normal.
 STEEPEST = 0.25 * math.pi
 
-# The places and heights of more sites would take gigabytes.
+# The positions and heights of more sites would need gigabytes.
 MOST_SITES = 10**8
 
 
@@ -41,7 +41,7 @@ class Material:
     composite_modulus : float
         E* [MPa], positive.
     poisson_ratio : float
-        nu [-], from 0 to 0.5 (incompressible, the default).
+        nu [-], from 0 to 0.5 (incompressible; default: 0.5).
 
     Raises
     ------
@@ -65,14 +65,14 @@ class Material:
 
     @classmethod
     def from_young(cls, young_modulus: float, poisson_ratio: float = 0.5) -> Material:
-        """Material of a Young's modulus, ``E* = E / (1 - nu^2)``.
+        """Return the material with a Young's modulus, ``E* = E / (1 - nu^2)``.
 
         Parameters
         ----------
         young_modulus : float
             E [MPa], positive.
         poisson_ratio : float
-            nu [-], from 0 to 0.5.
+            nu [-], from 0 to 0.5; default: 0.5.
 
         Raises
         ------
@@ -103,7 +103,7 @@ class Friction:
     shear_strength : float
         sigma [MPa]: friction force per sheared real contact area, positive.
     area_ratio : float
-        B [-]: sheared area over initial area, positive; 1 where shear does not change the area.
+        B [-]: sheared area over initial area, positive; default: 1, no change of the area by shear.
 
     Examples
     --------
@@ -123,7 +123,7 @@ class Friction:
 
 @dataclass(frozen=True)
 class Block:
-    """The block that carries the asperities, centred on the origin, its base bonded.
+    """The block that carries the asperities. It is centred on the origin, and its base is bonded.
 
     Parameters
     ----------
@@ -152,22 +152,22 @@ class Surface(Value):
     Parameters
     ----------
     position : array_like, (n, 2)
-        Places of the summits in the base plane [mm]; no two may coincide.
+        Positions of the summits in the base plane [mm]; no two may coincide.
     height : array_like, (n,)
         Heights of the summits above the undeformed base plane [mm]; any finite value.
     radius : float or array_like, (n,)
         Radii of curvature of the summits [mm], positive.
     material : Material
     friction : Friction, optional
-        Needed wherever a friction force is asked for.
+        Needed for friction forces.
     block : Block, optional
         Needed by the bonded layer, the true block and the part files.
 
     Raises
     ------
     InvalidInput
-        For arrays that are empty, mis-shaped or not finite, non-positive radii, and coincident
-        asperities.
+        For arrays that are empty, of the wrong shape or not finite, for radii that are not positive, and for
+        coincident asperities.
 
     Examples
     --------
@@ -227,16 +227,16 @@ class Surface(Value):
         friction: Friction | None = None,
         block: Block | None = None,
     ) -> Surface:
-        """Asperities on a square lattice centred on the origin, row by row along x.
+        """Return asperities on a square lattice centred on the origin, row by row along x.
 
         Parameters
         ----------
         height : array_like
-            Summit heights [mm]: one for all, (rows * columns,) or (rows, columns).
+            Summit heights [mm]: one number for all, (rows * columns,) or (rows, columns).
         shape : (int, int)
             Rows (along y) and columns (along x).
         pitch : float
-            Distance of neighbours [mm].
+            Distance between neighbours [mm], positive; default: 1.5.
         radius, material, friction, block
             As for `Surface`.
 
@@ -254,7 +254,7 @@ class Surface(Value):
         columns = check.integer("shape[1]", columns, at_least=1)
         if rows * columns > MOST_SITES:
             raise InvalidInput(
-                f"shape = {shape!r} has {rows * columns:.3g} sites; at most {MOST_SITES:.0g} fit"
+                f"shape = {shape!r} has {rows * columns:.3g} sites; at most {MOST_SITES:.0g} are allowed"
             )
         step = check.number("pitch", pitch, above=0.0)
         if check.scalar(radius):
@@ -295,13 +295,13 @@ class Surface(Value):
         return Surface(**{**{name: getattr(self, name) for name in names}, **changes})
 
     def tilted(self, angle_x: float, angle_y: float) -> Surface:
-        """Return the surface as a misaligned plane sees it, ``h + x tan(angle_x) + y tan(angle_y)``.
+        """Return the surface tilted against the plane: heights ``h + x tan(angle_x) + y tan(angle_y)``.
 
         Parameters
         ----------
         angle_x, angle_y : float
-            Slopes along x and along y, as angles [rad], between -pi/4 and pi/4; the origin of the
-            coordinates keeps its height.
+            Slopes along x and along y, as angles [rad], between -pi/4 and pi/4; the height at the origin
+            of the coordinates does not change.
 
         Examples
         --------
@@ -324,17 +324,17 @@ class Surface(Value):
         return self.replaced(height=self.height + sd * check.generator(rng).standard_normal(self.count))
 
     def shuffled(self, rng: Any = 0) -> Surface:
-        """Return the surface with its asperities (height and radius) dealt anew to its places."""
+        """Return the surface with its asperities (height and radius) randomly reassigned to its sites."""
         order = check.generator(rng).permutation(self.count)
         return self.replaced(height=self.height[order], radius=self.radius[order])
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw the heights at their places, the markers in proportion to radii that differ.
+        """Draw the heights at their sites; the markers are proportional to the radii if these differ.
 
         Parameters
         ----------
         ax : matplotlib Axes, optional
-            Where to draw; without it in a new figure of ``matplotlib.pyplot``.
+            Axes to draw on; default: those of a new figure of ``matplotlib.pyplot``.
 
         Returns
         -------
@@ -355,7 +355,7 @@ class Surface(Value):
 
 
 def _refuse_coincident(position: FloatArray) -> None:
-    # coordinates may be as small as they like, but what lies closer together is not told apart
+    # coordinates may be arbitrarily small, but points closer together than this count as one
     places = np.where(np.abs(position) < check.SMALLEST, 0.0, position)
     order = np.lexsort(places.T)
     same = np.flatnonzero((places[order[1:]] == places[order[:-1]]).all(axis=1))
@@ -363,11 +363,11 @@ def _refuse_coincident(position: FloatArray) -> None:
         i, j = sorted(order[same[0] : same[0] + 2].tolist())
         x, y = (told("position", float(value)) for value in position[i])
         both = " and ".join(called(f"position[{k}]") for k in (i, j))
-        raise InvalidInput(f"{both} coincide at ({x}, {y}); asperities must be apart")
+        raise InvalidInput(f"{both} coincide at ({x}, {y}); no two asperities may share a position")
 
 
 def _refuse_disproportion(radius: FloatArray, lengths: Mapping[str, FloatArray]) -> None:
-    """Refuse lengths beside which the smallest radius is lost."""
+    """Refuse lengths that exceed the smallest radius by more than the resolution of double precision."""
     i = int(radius.argmin())
     for name, values in lengths.items():
         largest = int(np.abs(values).argmax())

@@ -1,7 +1,7 @@
-"""Seconds against error in A0 of every model, on the surface of the paper's red linear law.
+"""Time against error of A0 for every model, on the surface of the paper's red linear law.
 
-The error is that against resolved contacts on a half-space, extrapolated from the two finest cells.
-tamaas is the extra ``[peers]``; without it its line is left out.
+The reference is resolved contacts on a half-space, extrapolated from the two finest cells. tamaas is
+installed by the extra ``[peers]``; without it the picture has no line for it.
 ``python -m validation.benchmark.work_precision`` prints all points and draws the picture.
 """
 
@@ -26,16 +26,16 @@ from validation.paper_surfaces import fig4
 
 PICTURE = Path(__file__).parents[1] / "work_precision.svg"
 
-# Rescaled loads P/E* [mm²]: 18 of the 64 asperities touch, and all of them.
+# Rescaled loads P/E* [mm²]: at the first 18 of the 64 asperities touch, at the second all.
 LOADS = (0.1, 0.6)
 
-# Cells of the resolved line [mm], coarsest first; the reference goes two halvings further.
+# Cells of the resolved line [mm], coarsest first; the finest cell serves the reference alone.
 CELLS = (0.04, 0.02, 0.01, 0.005)
 FINEST = 0.0025
 PEER_CELLS = (0.04, 0.02)
 TOLERANCES = (0.1, 1e-2, 1e-3, 1e-4)
 
-# Loads of the law whose share of the time is that of one.
+# Number of loads of a law, for the time per load.
 LAW_LOADS = 100
 
 LINES: dict[str, dict[str, Model]] = {
@@ -52,33 +52,33 @@ PEER = "tamaas"
 TABLE = (
     (
         "Independent()", "Independent()", "",
-        "each contact obeys Hertz and feels no neighbour",
+        "each contact obeys Hertz; neighbours have no influence",
         "loads up to base contact; a/R up to about 0.5 with a fitted modulus",
     ),
     (
         "MeanField()", "MeanField()", "",
-        "all sink alike, by the mean pressure on a half-space",
+        "the mean pressure on a half-space sinks all asperities equally",
         "many asperities; A0(P) is that of `Independent()`, the separation is not",
     ),
     (
         "Interacting(order=1)", "Interacting(order=1)", "",
-        "contacts feel each other as point loads, on a half-space, a layer or the true block",
+        "each contact acts on the others as a point load, on a half-space, a layer or the true block",
         "a/r up to about 0.15: the error grows as (a/r)³",
     ),
     (
         "Interacting()", "Interacting(order=3)", "",
-        "their size, and the curvature and slope of their fields, are counted too",
-        "compared with resolved contacts up to a/r = 0.32; no overlap; up to 10⁶ asperities",
+        "as order 1, with the size of the contacts and the slope and curvature of their fields",
+        "checked against resolved contacts up to a/r = 0.32; no overlap; up to 10⁶ asperities",
     ),
     (
         "BoundaryElements(0.01)", "BoundaryElements(cell)", "10 µm",
-        "none about single contacts: pressures on cells of 10 µm",
-        "any contacts, merged ones too, with four cells a radius in the largest",
+        "nothing about single contacts; pressures on cells of 10 µm",
+        "any contacts, also merged ones; at least four cells per radius of the largest contact",
     ),
     (
         "Automatic(1e-3)", "Automatic(tolerance)", "0.001",
-        "the first of the others that is estimated to hold the tolerance in A0(P)",
-        "that of the model chosen; `state.notes` says why",
+        "the cheapest of the others whose estimated error of A0(P) is within the tolerance",
+        "that of the chosen model; `state.notes` gives the reason",
     ),
 )  # fmt: skip
 
@@ -110,7 +110,7 @@ def surface() -> mf.Surface:
 
 @cache
 def reference(load: float) -> tuple[float, float]:
-    """Return A0 [mm²] by extrapolation from the two finest cells, and how much that differs from the last."""
+    """Return A0 [mm²] extrapolated from the two finest cells, and its relative change by the finest cell."""
     areas = [state(mf.BoundaryElements(cell), load).area for cell in (*CELLS[-2:], FINEST)]
     # the error falls as the square of the cell, which is halved
     before, last = ((4.0 * fine - coarse) / 3.0 for coarse, fine in pairwise(areas))
@@ -138,7 +138,7 @@ def points() -> tuple[Point, ...]:
 
 
 def rows() -> list[Row]:
-    """Check what is promised of the errors."""
+    """Compare the errors with the required ones."""
     found = {(p.line, p.setting): p.error for p in points() if p.load == LOADS[-1]}
     light = {(p.line, p.setting): p.error for p in points() if p.load == LOADS[0]}
     measured = [Row("A0 of order 3 against resolved contacts", 8e-4, found["Interacting(order=3)", ""], "")]
@@ -167,7 +167,7 @@ def readme_table() -> str:
 
 
 def shown_error(error: float, uncertainty: float) -> str:
-    """Return an error to one digit, or the reference's uncertainty where that hides it."""
+    """Return an error to one digit, or the reference's uncertainty if the error is smaller."""
     return f"{100 * error:.1g} %" if error > uncertainty else f"below {100 * uncertainty:.1g} %"
 
 
@@ -199,7 +199,7 @@ def state(model: Model, load: float) -> mf.ContactState:
 
 
 def _seconds(work: Callable[[], object]) -> float:
-    """Shortest of several runs [s]: many of quick work, which is noisy."""
+    """Shortest of several runs [s]; quick work is noisy and runs more often."""
     first = best(work, 1)
     return first if first > 1.0 else min(first, best(work, 3 if first > 0.05 else 20))
 
@@ -211,7 +211,7 @@ def _law_seconds(model: Model) -> float:
 
 
 def rounded(seconds: float) -> str:
-    """Return a time to the next of 1, 2 and 5 in every decade, which noise does not churn."""
+    """Return a time rounded to 1, 2 or 5 in each decade, so that noise seldom changes it."""
     steps = np.multiply.outer(10.0 ** np.arange(-7, 4), [1.0, 2.0, 5.0]).ravel()
     value = float(steps[np.abs(np.log(steps / seconds)).argmin()])
     scale, unit = next(

@@ -142,7 +142,7 @@ def test_tables_of_every_country_are_read(tmp_path, text):
     [
         ("0,0,5,5\n\n# remark\n1,0,5,-5", "csv, line 5: radius_um = -5 must be greater than 0$"),
         ("0,0,5,5\n1,0,5,5\n0,0,6,5", "csv, line 2: x_mm, y_mm and .*csv, line 4: x_mm, y_mm coincide at"),
-        ("0,0,5,5\n1e70,0,5,5", r"csv, line 3: x_mm, y_mm = 1e\+70 mm is beyond"),
+        ("0,0,5,5\n1e70,0,5,5", r"csv, line 3: x_mm, y_mm = 1e\+70 mm is outside the range"),
         ("0,0,1e30,5\n", r"csv, line 2: height_um = 1e\+30 and .*csv, line 2: radius_um = 5 differ"),
     ],
 )

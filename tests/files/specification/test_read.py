@@ -273,7 +273,7 @@ def test_the_cost_of_many_places_is_said_before_they_are_designed(read):
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
-        ('"120 um"', '"1e-90 mm"', "limits.max_height = 1e-90 mm is beyond the numbers"),
+        ('"120 um"', '"1e-90 mm"', "limits.max_height = 1e-90 mm is outside the range in which products fit"),
         (
             '"1.5 mm"',
             '"1.5 parsecs"',
