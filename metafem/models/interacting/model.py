@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Hashable
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -35,6 +37,10 @@ DENSE_LIMIT = 2000
 # Pairs of asperities, times loads, below which a second thread does not pay: about a millisecond.
 PAIRS_PER_THREAD = 200_000
 
+
+# Influences that are kept for the next call, and the largest scene of which one is: seven matrices of
+# 256 sites take 3.5 MiB.
+KEPT_FIELDS, MOST_KEPT = 8, 256
 
 # Curves whose states nobody asks for.
 NO_TRAIL = np.empty((0, 0))
@@ -322,17 +328,40 @@ class Interacting:
 
     def _coupling(self, surface: Surface) -> tuple[Field, FloatArray]:
         """Return the influence of the asperities on each other, and their own regular terms (n,)."""
-        from metafem._kernels.coupling import Field
+        bound = self.substrate.for_surface(surface)
+        # a radial influence depends on the sites alone
+        if isinstance(bound, Radial) and isinstance(bound, Hashable) and surface.count <= MOST_KEPT:
+            return _kept_field(bound, self.order, _Sites(surface.position.tobytes(), surface))
+        return _field(self.substrate, self.order, surface)
 
-        # the matrices, those with their ends exchanged, the Jacobian, and as much while they are made
-        require_memory(8 * surface.count**2 * (3 if self.order == 1 else 14), f"{surface.count} asperities")
-        influence = np.array(self.substrate.influence_matrix(surface), dtype=np.float64, order="C")
-        own = np.diagonal(influence).copy()
-        np.fill_diagonal(influence, 0.0)
-        if self.order == 1:
-            return Field(influence, *(np.empty((0, 0)) for _ in range(6))), own
-        derivatives = [np.ascontiguousarray(d) for d in self.substrate.influence_derivatives(surface)]
-        return Field(influence, *derivatives, *(np.ascontiguousarray(d.T) for d in derivatives)), own
+
+@dataclass(frozen=True)
+class _Sites:
+    """Sites of a surface, equal where they are equal to the bit."""
+
+    position: bytes
+    surface: Surface = field(compare=False)
+
+
+@lru_cache(maxsize=KEPT_FIELDS)
+def _kept_field(substrate: Radial, order: int, sites: _Sites) -> tuple[Field, FloatArray]:
+    """Return the influence between sites, computed once for all heights on them."""
+    return _field(substrate, order, sites.surface)
+
+
+def _field(substrate: Substrate, order: int, surface: Surface) -> tuple[Field, FloatArray]:
+    """Compute the influence of the asperities on each other, and their own regular terms (n,)."""
+    from metafem._kernels.coupling import Field
+
+    # the matrices, those with their ends exchanged, the Jacobian, and as much while they are made
+    require_memory(8 * surface.count**2 * (3 if order == 1 else 14), f"{surface.count} asperities")
+    influence = np.array(substrate.influence_matrix(surface), dtype=np.float64, order="C")
+    own = np.diagonal(influence).copy()
+    np.fill_diagonal(influence, 0.0)
+    if order == 1:
+        return Field(influence, *(np.empty((0, 0)) for _ in range(6))), own
+    derivatives = [np.ascontiguousarray(d) for d in substrate.influence_derivatives(surface)]
+    return Field(influence, *derivatives, *(np.ascontiguousarray(d.T) for d in derivatives)), own
 
 
 def _refuse_thin_layer(substrate: Substrate, contact_radius: float) -> None:

@@ -270,3 +270,15 @@ def test_curves_agree_with_single_loads_where_many_close_heights_enter(seed):
     assert curve.residual.max() <= 1e-12
     single = [mf.equilibrium(surface, mf.Interacting(), load=float(p)).area for p in load[::13]]
     np.testing.assert_allclose(curve.area[::13], single, rtol=1e-10)
+
+
+def test_an_influence_is_computed_once_for_all_heights_on_the_same_sites(monkeypatch):
+    calls = []
+    plain = mf.HalfSpace.influence_matrix
+    monkeypatch.setattr(mf.HalfSpace, "influence_matrix", lambda *a: calls.append(1) or plain(*a))
+    surface = mf.Surface.square_lattice(0.1, (3, 3), 1.234, radius=0.5, material=mf.Material(1.0))
+    first = mf.equilibrium(surface, mf.Interacting(), load=0.1)
+    again = mf.equilibrium(surface.perturbed(0.0), mf.Interacting(), load=0.1)
+    assert (len(calls), again) == (1, first)
+    mf.equilibrium(surface.replaced(position=1.001 * surface.position), mf.Interacting(), load=0.1)
+    assert len(calls) == 2
