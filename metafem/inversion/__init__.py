@@ -1,4 +1,4 @@
-"""From a wanted friction law to the heights that produce it."""
+"""From a target friction law to the heights that produce it."""
 
 from metafem.inversion.assessment import DesignStatus
 from metafem.inversion.bounds import achievable_friction_coefficients, plasticity_index

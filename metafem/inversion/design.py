@@ -27,13 +27,13 @@ from metafem.inversion.assessment import (
 from metafem.inversion.candidate import Blueprint, Branch, Parameter
 from metafem.inversion.design_notes import design_notes
 from metafem.inversion.height_density import PiecewiseExponential
-from metafem.inversion.height_steps import gridded
+from metafem.inversion.height_steps import rounded_to_steps
 from metafem.inversion.limits import Limits
 from metafem.inversion.picture import draw_laws
 from metafem.inversion.placement.layout import Layout, arranged
 from metafem.inversion.problem import Request
 from metafem.inversion.radii import Radii, RadiusRange
-from metafem.inversion.refinement import adapted, interaction_margin
+from metafem.inversion.refinement import interaction_margin, refined_surface
 from metafem.inversion.strategies import exponential, operating_points, proportional, sampled
 from metafem.inversion.strategies.mixture import Mixture
 from metafem.inversion.targets.laws import (
@@ -320,11 +320,11 @@ def designed(request: Request, generator: np.random.Generator) -> Design:
         radius=blueprint.radius[order],
     )
     surface, placed, placing = arranged(surface, request.layout, solver, blueprint.wanted, generator)
-    surface, sites, moved = adapted(request, surface, sites, blueprint, generator)
+    surface, sites, moved = refined_surface(request, surface, sites, blueprint, generator)
     stepped: dict[str, Parameter] = {}
     coupled = solver.couples
     if limits.height_step is not None and (coupled or not blueprint.stepped):
-        surface, stepped, lost = gridded(surface, solver, blueprint, limits)
+        surface, stepped, lost = rounded_to_steps(surface, solver, blueprint, limits)
         moved += lost
     parameters = found_parameters(surface, solver, blueprint, target, bool(moved))
     fits = branch_fits(surface, solver, blueprint)

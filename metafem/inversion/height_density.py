@@ -1,8 +1,9 @@
 """Height densities made of exponential pieces, and the friction laws that follow from them.
 
-The densities are functions of the height h above the foot of the distribution [mm]. With gamma(s, x)
-the regularised lower incomplete gamma function, every integral is a sum of positive terms
-(Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234, equations S2 to S8).
+The densities are functions of the height h above the foot of the distribution [mm]. With the regularised
+lower incomplete gamma function gamma(s, x) every integral is a sum of positive terms: the same values as
+equations S2 to S8 of Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234, without
+cancellation. `metafem.reference.height_densities` has them as printed.
 """
 
 from __future__ import annotations
@@ -30,11 +31,12 @@ __all__ = [
 
 
 def slope_excess(x: ArrayLike) -> FloatArray:
-    """Return m(x) / m(0) - 1: the slope at x = h_m / lambda against that of a uniform density.
+    """Return m(x) / m(0) - 1: the slope at x = h_m / lambda relative to that of a uniform density, less 1.
 
-    ``m = sqrt(pi R / lambda) g(x)`` and ``m(0) = 3 pi/4 sqrt(R/h_m)`` (S3, S4), so the ratio is
-    ``sqrt(x) (1 - e^-x) / (Gamma(5/2) gamma(3/2, x))``. It grows with x, at first as x/10; below
-    x = 1 both factors are Kummer series whose difference is summed term by term.
+    ``m = sqrt(pi R / lambda) g(x)`` (eqs. S3, S4) and ``m(0) = 3 pi/4 sqrt(R/h_m)``, so the ratio is
+    ``sqrt(x) (1 - e^-x) / (Gamma(5/2) gamma(3/2, x))``, where ``k(x) = gamma(3/2, x)`` (eq. S5). It grows
+    with x, at first as 1 + x/10. Below x = 1 both factors are Kummer series, and their difference is summed
+    term by term.
 
     Examples
     --------
@@ -59,7 +61,7 @@ def slope_excess(x: ArrayLike) -> FloatArray:
 
 
 def scale_from_slope(slope: float, radius: float, max_height: float) -> float:
-    """Return the scale lambda [mm] at which the truncated exponential has this slope (S3, S7).
+    """Return the scale lambda [mm] at which the truncated exponential has this slope (eqs. S3, S7).
 
     The slope must exceed `uniform_slope`, the bound of the uniform density.
     """
@@ -69,10 +71,10 @@ def scale_from_slope(slope: float, radius: float, max_height: float) -> float:
     wanted = (slope - bound) / bound
     # k(x) <= 1 makes the ratio exceed sqrt(x) (1 - e^-x)/Gamma(5/2): the root lies below `upper`.
     upper = 2.0 * (math.gamma(2.5) * (1.0 + wanted)) ** 2
-    # brentq's tightest relative tolerance; the excess is nearly x/10, so x tends to 10 * wanted.
+    # the tightest relative tolerance that brentq accepts; the excess is nearly x/10, so x tends to 10 wanted
     tightest = 4.0 * np.finfo(float).eps
     x = brentq(lambda x: float(slope_excess(x)) - wanted, 0.0, upper, xtol=tightest * wanted, rtol=tightest)
-    return max_height / float(x)
+    return max_height / float(x)  # eq. S3 solved for lambda
 
 
 def uniform_slope(radius: float, max_height: float) -> float:
@@ -90,7 +92,7 @@ class Piece:
 
 
 class PiecewiseExponential:
-    """What every density made of exponential pieces of one scale offers."""
+    """A height density made of exponential pieces of one scale."""
 
     scale: float
     max_height: float
@@ -122,8 +124,8 @@ class PiecewiseExponential:
     def moment(self, power: float, separation: ArrayLike) -> FloatArray:
         """Mean of ``max(h - delta, 0)^power`` [mm^power] at separations from 0 to h_m [mm].
 
-        A piece that ends at b gives ``lambda^(q+1) alpha e^(-delta/lambda) Gamma(q+1)`` times
-        ``gamma(q+1, (b - delta)/lambda)`` less the same at its lower end.
+        A piece from a to b contributes ``lambda^(q+1) alpha e^(-delta/lambda) Gamma(q+1)`` times
+        ``gamma(q+1, (b - delta)/lambda) - gamma(q+1, (a - delta)/lambda)``.
         """
         from scipy.special import gammainc
 
@@ -142,12 +144,13 @@ class PiecewiseExponential:
         return np.asarray(lam ** (q + 1.0) * math.gamma(q + 1.0) * np.exp(-delta / lam) * total)
 
     def area(self, separation: ArrayLike, count: float, radius: float) -> FloatArray:
-        """Expected real contact area A0 = N pi R <d> [mm^2] (S2)."""
-        return count * math.pi * radius * self.moment(1.0, separation)
+        """Expected real contact area A0 = N pi R <d> [mm^2] (eq. S2)."""
+        return count * math.pi * radius * self.moment(1.0, separation)  # eq. S2, F/(sigma B)
 
     def rescaled_load(self, separation: ArrayLike, count: float, radius: float) -> FloatArray:
-        """Expected load P/E* = N 4/3 sqrt(R) <d^(3/2)> [mm^2] (S2)."""
-        return count * float(Hertz().load_at_indentation(1.0, radius)) * self.moment(1.5, separation)
+        """Expected load P/E* = N 4/3 sqrt(R) <d^(3/2)> [mm^2] (eq. S2)."""
+        single = float(Hertz().load_at_indentation(1.0, radius))
+        return count * single * self.moment(1.5, separation)  # eq. S2, P/E*
 
     def slope(self, separation: ArrayLike, radius: float) -> FloatArray:
         """Slope dA0/d(P/E*) = pi sqrt(R)/2 <1>/<sqrt d> [-] at separations below h_m [mm]."""
@@ -157,7 +160,7 @@ class PiecewiseExponential:
 
 @dataclass(frozen=True)
 class TruncatedExponential(PiecewiseExponential):
-    """Exponential density cut at a maximum height, ``exp(-h/lambda) / (lambda (1 - exp(-x)))``.
+    """Exponential density up to a maximum height, ``exp(-h/lambda) / (lambda (1 - exp(-x)))``.
 
     With x = h_m/lambda, on [0, h_m].
 
@@ -184,21 +187,21 @@ class TruncatedExponential(PiecewiseExponential):
 
     @property
     def pieces(self) -> tuple[Piece, ...]:
-        """The one piece."""
+        """The single piece from 0 to h_m."""
         top = self.max_height
         alpha = 1.0 / (self.scale * float(_exponential_mass(0.0, top, self.scale)))
         return (Piece(0.0, top, alpha),)
 
     def asymptotic_slope(self, radius: float) -> float:
-        """Slope m of the law for large loads [-] (S3)."""
+        """Slope m of the law for large loads [-] (eq. S3)."""
         excess = float(slope_excess(self.max_height / self.scale))
-        return uniform_slope(radius, self.max_height) * (1.0 + excess)
+        return uniform_slope(radius, self.max_height) * (1.0 + excess)  # eq. S3
 
     def intercept(self, count: float, radius: float) -> float:
         """Intercept alpha = pi N R lambda Gamma(x) of the asymptote [mm^2].
 
-        ``Gamma(x) = x e^-x/(1 - e^-x) (4/(3 sqrt(pi)) sqrt(x) g(x) - 1)``; the bracket is the excess
-        of the slope over that of the uniform density.
+        ``Gamma(x) = x e^-x/(1 - e^-x) (4/(3 sqrt(pi)) sqrt(x) g(x) - 1)``, whose bracket is
+        `slope_excess`.
         """
         x = self.max_height / self.scale
         factor = x * math.exp(-x) / -math.expm1(-x) * float(slope_excess(x))
@@ -207,7 +210,7 @@ class TruncatedExponential(PiecewiseExponential):
 
 @dataclass(frozen=True)
 class TwoBranchExponential(PiecewiseExponential):
-    """Exponential density with another weight below a crossover height (S6).
+    """Exponential density with a different weight below a crossover height (eq. S6).
 
     ``alpha_1 exp(-h/lambda)`` on [0, h_c] and ``alpha_2 exp(-h/lambda)`` on [h_c, h_m], with
     ``alpha_2 = u / (lambda (1 - exp(-h_m/lambda)))`` and alpha_1 from the unit mass.
@@ -221,8 +224,8 @@ class TwoBranchExponential(PiecewiseExponential):
     crossover_height : float
         h_c [mm], above 0 and below h_m.
     weight : float
-        u [-], positive, and so small that the upper branch holds at most the whole mass; u = 1 is
-        the plain truncated exponential.
+        u [-], positive, and so small that the mass of the upper branch is at most 1; u = 1 is the
+        truncated exponential.
 
     Examples
     --------
@@ -251,7 +254,7 @@ class TwoBranchExponential(PiecewiseExponential):
 
     @property
     def upper_mass(self) -> float:
-        """Share of the asperities above the crossover height."""
+        """Fraction of the asperities above the crossover height."""
         whole = _exponential_mass(0.0, self.max_height, self.scale)
         upper = _exponential_mass(self.crossover_height, self.max_height, self.scale)
         return self.weight * float(upper / whole)
@@ -260,27 +263,27 @@ class TwoBranchExponential(PiecewiseExponential):
     def pieces(self) -> tuple[Piece, ...]:
         """The lower and the upper branch."""
         lam, top, mid = self.scale, self.max_height, self.crossover_height
-        upper = self.weight / (lam * float(_exponential_mass(0.0, top, lam)))
-        lower = max(0.0, 1.0 - self.upper_mass) / (lam * float(_exponential_mass(0.0, mid, lam)))
+        upper = self.weight / (lam * float(_exponential_mass(0.0, top, lam)))  # eq. S6, alpha_2
+        lower = max(0.0, 1.0 - self.upper_mass) / (lam * float(_exponential_mass(0.0, mid, lam)))  # alpha_1
         return Piece(0.0, mid, lower), Piece(mid, top, upper)
 
     def asymptotic_slopes(self, radius: float) -> tuple[float, float]:
-        """Slopes m_1 and m_2 of the two branches for large loads [-] (S7, S8).
+        """Slopes m_1 and m_2 of the two branches for large loads [-] (eqs. S7, S8).
 
-        m_2 is the slope where the plane reaches the foot, m_1 that of the upper density continued
+        m_2 is the slope where the plane reaches the foot. m_1 is the same for the upper density continued
         down to the foot.
         """
-        first = TruncatedExponential(self.scale, self.max_height).asymptotic_slope(radius)
-        return first, float(self.slope(0.0, radius))
+        first = TruncatedExponential(self.scale, self.max_height).asymptotic_slope(radius)  # eq. S7
+        return first, float(self.slope(0.0, radius))  # eq. S8, m_2
 
     def crossover_load(self, count: float, radius: float) -> float:
-        """Load P_c/E* [mm^2] at which the plane reaches the crossover height (S8)."""
-        return float(self.rescaled_load(self.crossover_height, count, radius))
+        """Load P_c/E* [mm^2] at which the plane reaches the crossover height (eq. S8)."""
+        return float(self.rescaled_load(self.crossover_height, count, radius))  # eq. S8, P_c/E*
 
 
 def equal_masses(scale: float, low: float, high: float, parts: int) -> FloatArray:
     """Ends of `parts` intervals of equal mass of exp(-h/lambda) between two heights, (parts + 1,)."""
-    # Measured from the lower end, e^(-(h - low)/lambda) falls linearly with the mass.
+    # measured from the lower end, e^(-(h - low)/lambda) decreases linearly with the mass
     fallen = np.arange(1, parts) / parts * -math.expm1((low - high) / scale)
     return np.concatenate([[low], low - scale * np.log1p(-fallen), [high]])
 

@@ -28,7 +28,7 @@ MOST_MOVES, MOST_MOVED = 60, 512
 Evaluate = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 
 
-def gridded(
+def rounded_to_steps(
     surface: Surface, model: Model, blueprint: Blueprint, limits: Limits
 ) -> tuple[Surface, dict[str, Parameter], tuple[Note, ...]]:
     """Return the surface with heights on the steps of the limits, the loss, and a note that states it.

@@ -1,4 +1,4 @@
-"""Heights found for independent asperities, adapted to another model on their places."""
+"""Heights of independent asperities, refined until their law under another model meets the target."""
 
 from __future__ import annotations
 
@@ -23,57 +23,57 @@ from metafem.notes import Note, information
 from metafem.progress import doing, each
 from metafem.surface import Surface
 
-# Depths below the tallest are stretched, so that no level touches just at a point: interaction lowers
-# free summits by a hundredth to a tenth of their depth.
+# Factors on the summit depths, so that no level first touches exactly at an operating point: interaction
+# lowers open summits by a hundredth to a tenth of their depth.
 STRETCHES = (1.03, 1.0, 1.06, 1.1)
 
-# Depth of spare summits below the last level, in the last level's own depth.
+# Depth of the added summits below the last level, relative to the depth of that level.
 FILL = 0.01
 
-# Misfit at which the search under an interacting model ends, a little above that of the first search:
-# its own noise of entering contacts is left.
-ADAPTED_GOAL = 9e-4
+# Misfit at which the search under an interacting model ends. It is a little above that of the first search,
+# because the scatter from single contacts that enter remains.
+REFINED_GOAL = 9e-4
 
-# A law this near needs no other start than its own heights.
-CLOSE = 5.0 * ADAPTED_GOAL
+# Up to this misfit the heights of the independent inversion are the only initial guess.
+CLOSE = 5.0 * REFINED_GOAL
 
-# Random restarts under an interacting model, whose descents cost ten times those of the independent one.
+# Random restarts under an interacting model, whose descents cost ten times those of independent asperities.
 RESTARTS = 3
 
-# The factor by which interaction changes a law, as a polynomial of the logarithm of the load: without
-# the jags of single contacts, which heights that are moved no longer have.
+# Degree of the polynomial in the logarithm of the load that fits A0(model)/A0(independent). A low degree
+# leaves out the kinks of single contacts, which move with the heights.
 FACTOR_DEGREE = 3
 
-# Random restarts of the independent descents for it, of some 3 ms each.
+# Random restarts with independent asperities for the compensated law, about 3 ms each.
 CHEAP_RESTARTS = 10
 
-# Loads at which the margin of interaction is taken, in shares of the last one asked for.
+# Loads at which the interaction margin is computed, as fractions of the target's last load.
 MARGIN_SHARES = np.array([0.25, 0.5, 1.0])
 
 
 @doing("refining the heights under the model")
-def adapted(
+def refined_surface(
     request: Request, surface: Surface, sites: IntArray, blueprint: Blueprint, rng: np.random.Generator
 ) -> tuple[Surface, IntArray, tuple[Note, ...]]:
-    """Return the surface with heights refined under the model, its sites, and a note that says so.
+    """Return the surface with heights refined under the model, its sites, and a note on the change.
 
-    Heights that stand on steps already stay there, and so do those of independent asperities unless those
-    of a density miss its law. A model without gradients uses those of its `gradient_model`: the heights are
-    refined under that one, and in the last steps under the model itself.
+    Heights on steps are not changed. Heights of independent asperities are changed only where those of a
+    density miss its law. For a model without gradients the heights are refined under its `gradient_model`,
+    and the last steps use its gradients with the law of the model itself.
     """
     model, limits, wanted = request.model, request.limits, blueprint.wanted
     if blueprint.stepped:
         return surface, sites, ()
     alone = not model.couples
-    dealt = independent_misfit(blueprint) if alone and blueprint.density is not None else 0.0
-    if alone and dealt <= MISSED:
+    unrefined = independent_misfit(blueprint) if alone and blueprint.density is not None else 0.0
+    if alone and unrefined <= MISSED:
         return surface, sites, ()
     solver = model.gradient_model
     start, added = surface, ""
     if blueprint.spare_height is not None:
         start, sites = _filled(surface, sites, request.template, blueprint.spare_height)
         if start.count > surface.count:
-            added = f", and {start.count - surface.count} asperities were added that give friction back"
+            added = f", and {start.count - surface.count} asperities were added to raise the friction"
 
     def evaluate(height: FloatArray) -> tuple[FloatArray, FloatArray]:
         found = solver.sensitivity(start.replaced(height=height), wanted.load)
@@ -89,17 +89,17 @@ def adapted(
         space = Heights(limits.span)
         starts = [start.height]
         if wanted.misfit(evaluate(start.height)[0]) > CLOSE:
-            # heights whose places were chosen for this model are moved as little as can be
+            # heights whose sites were chosen for this model should change as little as possible
             starts.insert(
-                0 if request.layout is None else 1, _forestalled(start, evaluate, wanted, space, rng)
+                0 if request.layout is None else 1, _compensated(start, evaluate, wanted, space, rng)
             )
-        found = search(evaluate, starts, wanted, space, ADAPTED_GOAL, RESTARTS, rng)
+        found = search(evaluate, starts, wanted, space, REFINED_GOAL, RESTARTS, rng)
     if solver != model:
-        goal = POINT_GOAL if blueprint.exact else ADAPTED_GOAL
+        goal = POINT_GOAL if blueprint.exact else REFINED_GOAL
         found = descend(evaluate_model, found.unknowns, wanted, Heights(limits.span), goal)
     height = limits.offset + limits.max_height - (found.unknowns.max() - found.unknowns)
     result = start.replaced(height=np.maximum(height, limits.foot))
-    if alone and largest_misfit(result, model, blueprint, branch_fits(result, model, blueprint)) >= dealt:
+    if alone and largest_misfit(result, model, blueprint, branch_fits(result, model, blueprint)) >= unrefined:
         return surface, sites, ()
     change = 1e3 * float(np.abs(result.height - start.height).max())
     cause = "the scatter of so few asperities" if alone else "the interaction of the asperities"
@@ -108,14 +108,13 @@ def adapted(
     return result, sites, (information(note),)
 
 
-def _forestalled(
+def _compensated(
     surface: Surface, coupled: Evaluate, wanted: Wanted, space: Heights, rng: np.random.Generator
 ) -> FloatArray:
-    """Return heights whose independent law has more where interaction takes, and less where it gives.
+    """Return heights whose independent law is the target divided by A0(model)/A0(independent).
 
-    Interaction changes a law by a smooth factor that hardly depends on small changes of the heights.
+    That ratio is a smooth function of the load and depends little on small changes of the heights.
     """
-
     evaluate = law_of_heights(surface.radius, wanted.load)
     area = coupled(surface.height)[0]
     factor = area / evaluate(surface.height)[0]
@@ -128,10 +127,10 @@ def _forestalled(
 def _filled(
     surface: Surface, sites: IntArray, template: Surface, spare_height: float
 ) -> tuple[Surface, IntArray]:
-    """Return the surface with summits on all places of the template, new ones just below a height.
+    """Return the surface with summits on all sites of the template, new ones just below a height.
 
-    Interaction takes friction at every point; without spare asperities the levels could only give it
-    back by reaching into contact before their point. They have the lowest summit's radius.
+    Interaction lowers the friction at every point. Without added summits only an earlier contact of the
+    levels could raise it. The added summits have the radius of the lowest summit.
     """
     height = np.full(template.count, spare_height - FILL * (float(surface.height.max()) - spare_height))
     radius = np.full(template.count, surface.radius[surface.height.argmin()])
@@ -140,7 +139,7 @@ def _filled(
 
 
 def _through_points(evaluate: Evaluate, height: FloatArray, wanted: Wanted, span: float) -> Refined:
-    """Meet points exactly. Each level just touches at the point before it: its kink must be left first."""
+    """Meet the points exactly, from heights moved off the kinks where a level first touches at a point."""
     best: Refined | None = None
     for stretch in each("start", STRETCHES, at_most=True):
         start = height.max() - np.minimum(stretch * (height.max() - height), span)
@@ -152,9 +151,10 @@ def _through_points(evaluate: Evaluate, height: FloatArray, wanted: Wanted, span
 
 
 def interaction_margin(request: Request) -> float:
-    """Return how much interaction changes A0 of equal heights up to the last load asked for, relative.
+    """Return twice the largest relative change of A0 of equal heights by interaction.
 
-    Bounds that are proven for independent asperities are enforced only beyond twice that.
+    The change is taken up to the last load of the target. Bounds that are proven for independent
+    asperities are enforced only beyond this margin.
     """
     template, model = request.template.replaced(radius=request.radii.high), request.model
     if not model.couples or template.count == 1 or request.target.last_load is None:

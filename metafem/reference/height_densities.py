@@ -1,6 +1,7 @@
-"""Equations S3 to S8 as Aymard et al. print them, Science 383, 200 (2024), doi:10.1126/science.adk4234.
+"""Equations S3 to S8 as printed by Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234.
 
-They cancel for small arguments, which is why the package computes them otherwise; lengths in mm.
+They lose digits by cancellation for small arguments; `metafem.inversion.height_density` evaluates them in a
+form that does not. Lengths in mm.
 """
 
 from __future__ import annotations
@@ -9,18 +10,18 @@ from math import erf, exp, pi, sqrt
 
 
 def k(x: float) -> float:
-    """Equation S5."""
-    return erf(sqrt(x)) - 2.0 / sqrt(pi) * sqrt(x) * exp(-x)
+    """Function k(x) of equation S5."""
+    return erf(sqrt(x)) - 2.0 / sqrt(pi) * sqrt(x) * exp(-x)  # eq. S5
 
 
 def g(x: float) -> float:
-    """Equation S4."""
-    return (1.0 - exp(-x)) / k(x)
+    """Function g(x) of equation S4."""
+    return (1.0 - exp(-x)) / k(x)  # eq. S4
 
 
 def slope(scale: float, radius: float, max_height: float) -> float:
     """Asymptotic slope m [-], equations S3 and S7."""
-    return sqrt(pi * radius / scale) * g(max_height / scale)
+    return sqrt(pi * radius / scale) * g(max_height / scale)  # eq. S3
 
 
 def intercept(scale: float, radius: float, max_height: float, count: int) -> float:
@@ -31,28 +32,28 @@ def intercept(scale: float, radius: float, max_height: float, count: int) -> flo
 
 
 def branch_factors(scale: float, max_height: float, crossover: float, weight: float) -> tuple[float, float]:
-    """alpha_1 and alpha_2 of S8 [1/mm]."""
+    """Factors alpha_1 and alpha_2 of equation S8 [1/mm]."""
     second = weight / (scale * (1.0 - exp(-max_height / scale)))
     rest = 1.0 - scale * second * (exp(-crossover / scale) - exp(-max_height / scale))
     return rest / (scale * (1.0 - exp(-crossover / scale))), second
 
 
 def second_slope(scale: float, radius: float, max_height: float, crossover: float, weight: float) -> float:
-    """Asymptotic slope m_2 of the second branch [-], first line of S8."""
+    """Asymptotic slope m_2 of the second branch [-], first line of equation S8."""
     first, second = branch_factors(scale, max_height, crossover, weight)
     top, middle = exp(-max_height / scale), exp(-crossover / scale)
     above = first - second * top - (first - second) * middle
     below = (first - second) * k(crossover / scale) + second * k(max_height / scale)
-    return sqrt(pi * radius / scale) * above / below
+    return sqrt(pi * radius / scale) * above / below  # eq. S8, m_2
 
 
 def crossover_load(
     scale: float, radius: float, max_height: float, crossover: float, weight: float, count: int
 ) -> float:
-    """Load P_c/E* at which the plane reaches the crossover height [mm^2], second line of S8."""
+    """Load P_c/E* at which the plane reaches the crossover height [mm^2], second line of equation S8."""
     _, second = branch_factors(scale, max_height, crossover, weight)
     depth = max_height - crossover
     inner = 0.75 * sqrt(pi * scale) * scale**2 * exp(-crossover / scale) * erf(sqrt(depth / scale))
     outer = scale * exp(-max_height / scale) * 0.5 * sqrt(depth)
     outer *= 2.0 * crossover - 3.0 * scale - 2.0 * max_height
-    return 4.0 / 3.0 * count * sqrt(radius) * second * (inner + outer)
+    return 4.0 / 3.0 * count * sqrt(radius) * second * (inner + outer)  # eq. S8, P_c/E*

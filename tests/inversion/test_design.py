@@ -46,7 +46,7 @@ def test_points_of_any_level_surface_can_be_designed(seed):
     [
         ([0.144, 0.336, 0.649], [0.84, 1.68, 9.0], r"point 3 .* 927 more asperities are needed, 54 are left"),
         ([0.144, 0.336, 0.649], [0.84, 1.0, 4.0], r"point 2 .*from 1.48208 to 2.80861 mm\^2"),
-        ([0.0001], [1e-4], "point 1 .*a single asperity already gives more "),
+        ([0.0001], [1e-4], "point 1 .*a single asperity already has more friction "),
     ],
 )
 def test_unreachable_points_say_why_and_what_is_near(template, load, friction, words):
@@ -129,7 +129,7 @@ def test_crossover_with_too_few_asperities_is_refused(template):
     one = template.replaced(
         position=template.position[:1], height=template.height[:1], radius=template.radius[:1]
     )
-    with pytest.raises(mf.Infeasible, match="leaves less than one of 1 asperities to one of the branches"):
+    with pytest.raises(mf.Infeasible, match="one of the branches has fewer than 1 of 1 asperities"):
         mf.design(mf.BilinearLaw((7.15, 9.0), 0.001), one, limits=LIMITS)
 
 

@@ -1,8 +1,9 @@
-"""A first guess for any law: asperities that enter in the right numbers, load by load.
+"""Initial guess for any law: the number of asperities that enter the contact between its samples.
 
-Between two samples the asperities that are there and a real number of new ones, level with the plane at
-the first sample, carry the second one exactly, as S1 has it for operating points; where they already
-give more friction, none enter. The numbers are then spread over the heights between the levels.
+From each sample to the next, the earlier asperities and a real number of new ones, whose summits are level
+with the plane at the first sample, have exactly the area and load of the second (eq. S1, as for operating
+points). Where the earlier asperities alone have more friction, none enter. The numbers are then spread over
+the heights between the levels.
 """
 
 from __future__ import annotations
@@ -18,18 +19,19 @@ from metafem.contact import Hertz
 from metafem.inversion.feasibility import relative_depth
 from metafem.inversion.radii import Radii
 
-# An indentation this much smaller than where no asperity enters means numbers beyond any surface.
+# Smallest indentation tried, relative to that without new asperities: below it their number would exceed
+# that of any surface.
 SHALLOWEST = 1e-9
 
 
-def march(
+def initial_heights(
     load: FloatArray, friction: FloatArray, radius: FloatArray, count: int
 ) -> tuple[FloatArray, FloatArray]:
-    """Return heights, at most `count`, tallest first at 0, whose law is near the samples, and radii [mm].
+    """Return at most `count` heights, tallest first at 0, whose law is near the samples, and radii [mm].
 
-    Those that enter at sample k have the radius k.
+    Asperities that enter at sample k have the k-th radius.
     """
-    # of equal contacts P/A0 grows with the root of the depth
+    # for equal contacts P/A0 is proportional to the square root of the indentation
     depth = (load[0] / friction[0] / _pressure(radius[0])) ** 2
     levels, numbers, kinds = [0.0], [friction[0] / (math.pi * radius[0] * depth)], [radius[0]]
     plane = -depth
@@ -50,7 +52,7 @@ def march(
                 depth: float, p: float = p, area: float = deepest * whole, whole: float = whole,
                 share: float = share,
             ) -> float:  # fmt: skip
-                return carried(depth) + (area - depth * whole) * share * math.sqrt(depth) - p
+                return carried(depth) + (area - depth * whole) * share * math.sqrt(depth) - p  # eq. S1
 
             low = SHALLOWEST * deepest
             depth = (
@@ -67,14 +69,16 @@ def march(
     return _spread(np.array(levels), np.array(numbers), np.array(kinds), plane, count)
 
 
-def slowest(load: float, friction: float, radii: Radii, count: int) -> tuple[FloatArray, FloatArray]:
-    """Return heights, at most `count`, and radii [mm] of the law that grows most slowly at a point."""
+def slowest_law(load: float, friction: float, radii: Radii, count: int) -> tuple[FloatArray, FloatArray]:
+    """Return at most `count` heights, and radii [mm], of the law of least slope at a point."""
     k, s = math.sqrt(radii.low / radii.high), relative_depth(radii)
-    small = 1.0 / (k * s) ** 3  # to each large one
-    # of one large cap with a/R = 1: sums of a^3/R and of a^2
+    small = 1.0 / (k * s) ** 3  # small caps for each large one
+    # sums of a^3/R and of a^2 for one large cap with a/R = 1 and its small caps
     cubes, squares = (radii.high**2 * (1.0 + small * k**4 * s**power) for power in (6.0, 4.0))
-    ratio = float(Hertz().load(1.0, 1.0)) * cubes / (math.pi * squares)  # P/A0 of large ones with a/R = 1
-    share = load / friction / ratio  # their a/R
+    ratio = (
+        float(Hertz().load(1.0, 1.0)) * cubes / (math.pi * squares)
+    )  # P/A0 where the large caps have a/R = 1
+    share = load / friction / ratio  # a/R of the large caps
     large = friction / (math.pi * squares * share**2)
     large *= min(1.0, count / (large * (1.0 + small)))
     numbers = max(1, round(large)), max(1, round(large * small))
@@ -103,7 +107,7 @@ def _depth_at(carried: Callable[[float], float], load: float, radius: float) -> 
 def _spread(
     levels: FloatArray, numbers: FloatArray, kinds: FloatArray, plane: float, count: int
 ) -> tuple[FloatArray, FloatArray]:
-    """Deal whole asperities evenly over the levels, each spread half-way to its neighbours."""
+    """Return a whole number of asperities, spread evenly from each level half-way to its neighbours."""
     ends = np.append(np.insert(0.5 * (levels[1:] + levels[:-1]), 0, levels[0]), 0.5 * (levels[-1] + plane))
     total = np.insert(np.cumsum(numbers), 0, 0.0)
     whole = min(count, max(1, math.ceil(total[-1])))

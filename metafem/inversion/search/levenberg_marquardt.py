@@ -1,8 +1,8 @@
-"""Asperities whose law under any model is nearest to what is wanted: Levenberg and Marquardt, and restarts.
+"""Asperities whose law is nearest to a target law: the Levenberg–Marquardt method with random restarts.
 
-A0(P) has kinks in the heights where asperities enter the contact, so a descent can end short of the
-target; random changes of the best asperities then start the next one. What is unknown, and within which
-limits, a `Space` knows: here the heights alone.
+A0(P) has kinks in the heights where asperities enter the contact, so a descent can end at a local minimum.
+The next descent then starts from a random change of the best unknowns. A `Space` defines the unknowns and
+their limits; here they are the heights.
 """
 
 from __future__ import annotations
@@ -17,24 +17,24 @@ from metafem._validate import FloatArray, IntArray
 from metafem.inversion.targets.wanted import Wanted
 from metafem.progress import each
 
-# Law (k,) [mm^2] and its gradient by the unknowns (k, n) [mm], lengths (n,) [mm].
+# Law (k,) [mm^2] and its gradient (k, n) [mm] with respect to the unknowns (n,) [mm].
 Evaluate = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 
-# Damping, relative to the mean square of the Jacobian: start, and bounds between which it may move.
+# Damping, relative to the mean square of the Jacobian: initial value and bounds.
 START_DAMPING, LEAST_DAMPING, MOST_DAMPING = 1e-2, 1e-12, 1e4
 DAMPING_STEP = 5.0
 
-# This near to the goal, random changes win sooner than other starts.
+# Below this multiple of the goal, random changes reach the goal sooner than other initial guesses.
 NEAR = 2.0
 
-# Operating points are met to this, a hundredth of what is promised.
+# Misfit at operating points: a hundredth of the tolerance of an exact design.
 POINT_GOAL = 1e-11
 
-# A descent stops when a step wins less than this share of the sum of squares: what it would still win
-# slowly, along kinks, a random change wins at once (measured: a quarter of the time of 1e-4).
+# A descent ends when a step lowers the sum of squares by less than this fraction. Along kinks the progress
+# is slow, and a random change is faster (measured: a quarter of the time needed with 1e-4).
 GAIN = 0.05
 
-# Steps of one descent, and of one that must converge to rounding.
+# Most steps of one descent, and of one that must converge to rounding.
 MAX_STEPS, PATIENT_STEPS = 20, 40
 
 
@@ -47,7 +47,7 @@ class Refined:
 
 
 class Space(Protocol):
-    """What may be changed about the asperities of a surface, as a list of lengths."""
+    """The unknowns of a search, a vector of lengths, with their limits and random changes."""
 
     def project(self, unknowns: FloatArray) -> FloatArray:
         """Return the nearest unknowns within the limits."""
@@ -60,26 +60,26 @@ class Space(Protocol):
 
 @dataclass(frozen=True)
 class Heights:
-    """Heights (n,) that are to differ by `span` [mm] at most.
+    """Heights (n,) that differ by at most `span` [mm].
 
-    A random change may add and take a few asperities, of which there may be `most`; with None their
-    number stays.
+    A random change may add or remove a few asperities, up to `most` in all; with None their number is
+    fixed.
     """
 
     span: float
     most: int | None = None
 
     def project(self, unknowns: FloatArray) -> FloatArray:
-        """Return the heights with none further than `span` below the tallest."""
+        """Return the heights, raised where they are more than `span` below the tallest."""
         return np.asarray(np.maximum(unknowns, unknowns.max() - self.span))
 
     def changed(self, unknowns: FloatArray, rng: np.random.Generator) -> FloatArray:
-        """Return heights moved at random by about their spacing, some added or taken."""
+        """Return heights moved at random by about their spacing, with a few added or removed."""
         return moved(unknowns, self.most, rng)[0]
 
 
 def moved(height: FloatArray, most: int | None, rng: np.random.Generator) -> tuple[FloatArray, IntArray]:
-    """Return heights moved at random by about their spacing, and the asperity that each comes from."""
+    """Return heights moved at random by about their spacing, and the asperity that each derives from."""
     n = len(height)
     every = np.arange(n)
     spacing = float(np.ptp(height)) / n * rng.choice([0.3, 1.0, 3.0])
@@ -104,9 +104,9 @@ def descend(
     goal: float,
     patient: bool = False,
 ) -> Refined:
-    """Lower the misfit from given unknowns until it is within the goal or no step wins.
+    """Lower the misfit from given unknowns until it is within the goal or no step lowers it.
 
-    A patient descent ignores small gains: from near a solution it converges to rounding.
+    A patient descent does not end at small gains: from near a solution it converges to rounding.
     """
     unknowns = start
     area, gradient = evaluate(unknowns)
@@ -145,7 +145,7 @@ def search(
     restarts: int,
     rng: np.random.Generator,
 ) -> Refined:
-    """Descend from every start, then from random changes of the best."""
+    """Descend from every initial guess, then from random changes of the best result."""
     best: Refined | None = None
     for start in each("start", starts, at_most=True):
         found = descend(evaluate, space.project(start), wanted, space, goal)

@@ -1,4 +1,4 @@
-"""Heights, and radii where there is a choice, whose independent law is nearest to a wanted one."""
+"""Heights, and radii where there is a choice, whose independent law is nearest to the target law."""
 
 from __future__ import annotations
 
@@ -9,32 +9,34 @@ import numpy as np
 
 from metafem._validate import FloatArray
 from metafem.inversion.radii import Radii
-from metafem.inversion.search.initial_guess import march, slowest
+from metafem.inversion.search.initial_guess import initial_heights, slowest_law
 from metafem.inversion.search.levenberg_marquardt import Evaluate, Heights, moved, search
 from metafem.inversion.targets.wanted import Wanted
 from metafem.models import Independent
 from metafem.models.model import Sensitivity
 from metafem.surface import Material, Surface
 
-# Misfit at which a search ends: heights of 1 um of error change A0 by more.
+# Misfit at which a search ends: height errors of 1 um change A0 by more than this.
 GOAL = 6e-4
 
-# Random restarts over any radii before they are rounded to tools.
+# Random restarts with continuous radii, before the radii are rounded to tools.
 LOOSE_RESTARTS = 4
 
-# Random restarts with several tools, to each with one: they have to find the tools as well (measured: of
-# 40 laws of random surfaces with radii of .1, .4 and 1.6 mm all are recovered to .1 %, with 4 all but one).
+# Random restarts with several tools for each restart with one, because the radii are unknown too (measured
+# on 40 laws of random surfaces with radii of .1, .4 and 1.6 mm: all are recovered to .1 %; with 4 restarts
+# one is not).
 MIXED_RESTARTS = 10
 
-# A random change deals a new radius to each asperity with one of these probabilities.
-REDEALT = (0.0, 0.1, 0.3)
+# Probabilities, one of which is drawn for each random change, that an asperity gets a new radius.
+REDRAWN = (0.0, 0.1, 0.3)
 
 
 @dataclass(frozen=True, eq=False)
-class Quest:
-    """A law that is wanted, laws (k,) each [mm^2] to start from, and how long to seek the nearest one.
+class LawSearch:
+    """A target law, laws (k,) [mm^2] for the initial guesses, and the effort of the search.
 
-    There may be `count` asperities, of heights within `span` [mm]; a misfit of `goal` is enough.
+    At most `count` asperities are used, with heights within `span` [mm]. The search ends at a misfit of
+    `goal`.
     """
 
     wanted: Wanted
@@ -46,19 +48,19 @@ class Quest:
     goal: float = GOAL
 
 
-def nearest_law(quest: Quest, radii: Radii) -> tuple[FloatArray, FloatArray]:
+def nearest_law(task: LawSearch, radii: Radii) -> tuple[FloatArray, FloatArray]:
     """Return heights, tallest first at 0, and their radii (n,) [mm] whose law is nearest.
 
-    One radius that reaches the goal is preferred; else radii that rise and fall with the depth are tried,
-    then random ones.
+    A single radius is used where it reaches the goal. Otherwise the search starts from radii that rise or
+    fall with the depth, and then from random changes.
     """
-    found = _with_one(quest, radii.low, quest.restarts) if radii.single else _with_several(quest, radii)
+    found = _with_one(task, radii.low, task.restarts) if radii.single else _with_several(task, radii)
     order = np.argsort(-found.height, kind="stable")
     return found.height[order] - found.height.max(), found.radius[order]
 
 
 def independent_law(height: FloatArray, radius: FloatArray, load: FloatArray) -> Sensitivity:
-    """Return the law of independent asperities and its gradient by the heights."""
+    """Return the law of independent asperities and its gradient with respect to the heights."""
     surface = Surface.square_lattice(height, (1, len(height)), radius=radius, material=Material(1.0))
     return Independent().sensitivity(surface, load)
 
@@ -80,48 +82,51 @@ class _Found:
     misfit: float
 
 
-def _with_one(quest: Quest, radius: float, restarts: int) -> _Found:
-    load = quest.wanted.load
-    starts = [march(load, law, np.full(len(law), radius), quest.count)[0] for law in quest.laws]
-    space = Heights(quest.span, quest.count)
-    found = search(law_of_heights(radius, load), starts, quest.wanted, space, quest.goal, restarts, quest.rng)
+def _with_one(task: LawSearch, radius: float, restarts: int) -> _Found:
+    load = task.wanted.load
+    starts = [initial_heights(load, law, np.full(len(law), radius), task.count)[0] for law in task.laws]
+    space = Heights(task.span, task.count)
+    found = search(law_of_heights(radius, load), starts, task.wanted, space, task.goal, restarts, task.rng)
     return _Found(found.unknowns, np.full(len(found.unknowns), radius), found.misfit)
 
 
-def _with_several(quest: Quest, radii: Radii) -> _Found:
+def _with_several(task: LawSearch, radii: Radii) -> _Found:
     singles = []
     for radius in radii.tried.tolist():
-        singles.append(_with_one(quest, radius, 0))
-        if singles[-1].misfit <= quest.goal:
+        singles.append(_with_one(task, radius, 0))
+        if singles[-1].misfit <= task.goal:
             return singles[-1]
     best = min(singles, key=lambda found: found.misfit)
-    load = quest.wanted.load
+    load = task.wanted.load
     rising, middle = np.geomspace(radii.low, radii.high, len(load)), len(load) // 2
-    starts = [march(load, law, ramp, quest.count) for law in quest.laws for ramp in (rising, rising[::-1])]
-    starts += [slowest(load[middle], law[middle], radii, quest.count) for law in quest.laws]
+    starts = [
+        initial_heights(load, law, ramp, task.count) for law in task.laws for ramp in (rising, rising[::-1])
+    ]
+    starts += [slowest_law(load[middle], law[middle], radii, task.count) for law in task.laws]
     starts.append((best.height, best.radius))
     depth = float(Independent().curves(best.height, best.radius, load[-1:])[0].max())
     ranged = radii.tools is None
     tools = radii.extremes if ranged else radii
-    between = Asperities(quest.span, quest.count, radii.between, depth)
-    mixing = Asperities(quest.span, quest.count, tools, depth)
-    relaxed = between.nearest(quest, starts, LOOSE_RESTARTS)
-    if ranged and relaxed.misfit <= quest.goal:
+    between = Asperities(task.span, task.count, radii.between, depth)
+    mixing = Asperities(task.span, task.count, tools, depth)
+    relaxed = between.nearest(task, starts, LOOSE_RESTARTS)
+    if ranged and relaxed.misfit <= task.goal:
         return relaxed
     rounded = (relaxed.height, tools.nearest(relaxed.radius))
-    mixed = mixing.nearest(quest, [rounded, *starts], MIXED_RESTARTS * quest.restarts)
+    mixed = mixing.nearest(task, [rounded, *starts], MIXED_RESTARTS * task.restarts)
     found = [mixed, best]
-    if ranged:  # the extremes can do better than what lies between, and what lies near them better still
-        found.append(between.nearest(quest, [(mixed.height, mixed.radius)], LOOSE_RESTARTS))
+    if ranged:  # the extreme radii can have a smaller misfit, and radii near them a smaller one still
+        found.append(between.nearest(task, [(mixed.height, mixed.radius)], LOOSE_RESTARTS))
     return min(found, key=lambda each: each.misfit)
 
 
 @dataclass(frozen=True)
 class Asperities:
-    """Heights (n,) and radii (n,) as one list of lengths: heights, and ln R times a `depth` [mm].
+    """Heights (n,) and radii (n,) as one vector of lengths: heights, and ln R times a `depth` [mm].
 
-    With the largest indentation as the depth, a change of a radius weighs about as much as one of a
-    height. Tools are changed at random alone. There may be `most` asperities, of heights within `span`.
+    With the largest indentation as the depth, unit changes of both kinds change the law about equally.
+    Tool radii change only in random changes. At most `most` asperities are used, with heights within
+    `span`.
     """
 
     span: float
@@ -144,15 +149,15 @@ class Asperities:
         return self.joined(np.maximum(height, height.max() - self.span), radius)
 
     def changed(self, unknowns: FloatArray, rng: np.random.Generator) -> FloatArray:
-        """Return some heights moved and some radii dealt anew."""
+        """Return unknowns with some heights moved and some radii drawn anew."""
         height, radius = self.split(unknowns)
         height, source = moved(height, self.most, rng)
-        anew = rng.random(len(height)) < rng.choice(REDEALT)
+        anew = rng.random(len(height)) < rng.choice(REDRAWN)
         if self.radii.tools is None:
-            dealt = np.exp(rng.uniform(math.log(self.radii.low), math.log(self.radii.high), len(height)))
+            drawn = np.exp(rng.uniform(math.log(self.radii.low), math.log(self.radii.high), len(height)))
         else:
-            dealt = rng.choice(np.array(self.radii.tools), len(height))
-        return self.joined(height, np.where(anew, dealt, radius[source]))
+            drawn = rng.choice(np.array(self.radii.tools), len(height))
+        return self.joined(height, np.where(anew, drawn, radius[source]))
 
     def law(self, load: FloatArray) -> Evaluate:
         """Return the law of independent asperities and its gradient as a function of the unknowns.
@@ -173,9 +178,9 @@ class Asperities:
 
         return evaluate
 
-    def nearest(self, quest: Quest, starts: list[tuple[FloatArray, FloatArray]], restarts: int) -> _Found:
+    def nearest(self, task: LawSearch, starts: list[tuple[FloatArray, FloatArray]], restarts: int) -> _Found:
         """Search from heights and radii."""
         unknowns = [self.joined(height, radius) for height, radius in starts]
-        law = self.law(quest.wanted.load)
-        found = search(law, unknowns, quest.wanted, self, quest.goal, restarts, quest.rng)
+        law = self.law(task.wanted.load)
+        found = search(law, unknowns, task.wanted, self, task.goal, restarts, task.rng)
         return _Found(*self.split(found.unknowns), found.misfit)

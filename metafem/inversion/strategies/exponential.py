@@ -1,4 +1,4 @@
-"""Heights of linear (S3 to S5) and bilinear (S6 to S8) laws from exponential densities."""
+"""Heights of linear laws (eqs. S3 to S5) and bilinear laws (eqs. S6 to S8) from exponential densities."""
 
 from __future__ import annotations
 
@@ -29,38 +29,39 @@ from metafem.inversion.targets.wanted import Wanted
 from metafem.inversion.targets.wording import Wording
 from metafem.notes import Note
 
-# A straight branch is judged over its last three quarters: below, the law still bends towards its
-# asymptote. Over this range the paper's surfaces give its target slopes and its scatter.
+# A straight branch is fitted over its last three quarters: below, the law still bends towards its
+# asymptote. Over this range the paper's surfaces have the paper's target slopes and scatter.
 BRANCH_START = 0.25
 
-# brentq's tightest relative tolerance.
+# The tightest relative tolerance that brentq accepts.
 TIGHTEST = 4.0 * np.finfo(float).eps
 
-# A bound is left by this relative step where the nearest reachable law is offered.
+# The nearest reachable law is inside its bound by this relative distance.
 INSIDE = 1e-6
 
-# The scale falls as the square of the slope: here it is a rounding error of the largest height.
+# Largest slope, relative to that of the uniform density. The scale falls as the inverse square of the slope;
+# here it is as small as the rounding error of the largest height.
 STEEPEST = 1e7
 
-# Separations from the top of a density to its foot at which its law is asked of other models.
+# Number of separations, from the top of a density to its foot, at which its law is the target of a search.
 LAW_POINTS = 61
 
-# A scale below this many standard deviations of the made heights no longer makes an exponential
-# density: the source paper's rule of thumb, doi:10.1126/science.adk4234.
+# With a scale below this many standard deviations of the heights as made, the density is no longer
+# exponential: rule of thumb of Aymard et al., doi:10.1126/science.adk4234.
 FINEST_SCALE_IN_SD = 10.0
 
 
 def invert_linear(
     target: LinearLaw, radii: Radii, count: int, limits: Limits, rng: np.random.Generator
 ) -> Blueprint:
-    """Return heights of the truncated exponential whose law has the wanted slope."""
+    """Return heights of the truncated exponential whose law has the target slope."""
     return best_mixture(lambda mixture: _linear(target, mixture, limits), radii, count)
 
 
 def invert_bilinear(
     target: BilinearLaw, radii: Radii, count: int, limits: Limits, rng: np.random.Generator
 ) -> Blueprint:
-    """Return heights of the two-branch exponential whose law has the wanted slopes and crossover."""
+    """Return heights of the two-branch exponential whose law has the target slopes and crossover."""
     return best_mixture(lambda mixture: _bilinear(target, mixture, limits), radii, count)
 
 
@@ -82,7 +83,7 @@ def _linear(target: LinearLaw, mixture: Mixture, limits: Limits) -> Blueprint:
     wanted = law_of(density, (branch,), mixture)
     return Blueprint(
         height=limits.foot + height,
-        radius=mixture.dealt(),
+        radius=mixture.interleaved(),
         parameters=parameters,
         wanted=wanted,
         branches=(branch,),
@@ -97,7 +98,7 @@ def _bilinear(target: BilinearLaw, mixture: Mixture, limits: Limits) -> Blueprin
     floor = _lowest_slope(radius, limits)
     scale = _scale(first, radius, limits, replace(target, slopes=(floor, second)))
     density = _two_branches(target, scale, mixture, limits)
-    upper = min(max(round(count * density.upper_mass), 1), count - 1)
+    upper = min(max(round(count * density.upper_mass), 1), count - 1)  # N_1 of regime 1, h > h_c
     middle, top = density.crossover_height, limits.span
     height = np.concatenate(
         [_middles(density, middle, top, upper), _middles(density, 0.0, middle, count - upper)]
@@ -116,7 +117,7 @@ def _bilinear(target: BilinearLaw, mixture: Mixture, limits: Limits) -> Blueprin
     )
     return Blueprint(
         height=limits.foot + height,
-        radius=mixture.dealt(),
+        radius=mixture.interleaved(),
         parameters=parameters,
         wanted=law_of(density, branches, mixture),
         branches=branches,
@@ -137,9 +138,9 @@ def law_of(density: PiecewiseExponential, branches: tuple[Branch, ...], mixture:
 def level_counts(density: PiecewiseExponential, count: int, step: float) -> tuple[FloatArray, IntArray]:
     """Levels [mm] at the middles of steps of the height, and whole numbers of asperities on them.
 
-    The nearest integers to the expectations; while their sum is not `count`, the level changes by one
-    whose number then differs least from its expectation, relative to it. Mass above the last middle
-    that fits below the maximum height goes to that level.
+    The numbers are the integers nearest to the expected ones. While their sum is not `count`, one of them
+    changes by 1: that whose relative difference from its expectation is then the smallest. The mass above
+    the last middle below the maximum height belongs to that level.
     """
     number = max(1, math.floor(density.max_height / step + 0.5))
     levels = np.asarray(step * (np.arange(number) + 0.5), dtype=np.float64)
@@ -171,7 +172,7 @@ def _scale(slope: float, radius: float, limits: Limits, nearest: LinearLaw | Bil
     if slope > STEEPEST * bound:
         raise Infeasible(
             f"{told} exceeds {STEEPEST:g} times the bound {wording.coefficient(bound):.6g}: the heights "
-            f"would differ by less than double precision can tell; lower the {name}",
+            f"would differ by less than double precision resolves; lower the {name}",
         )
     if slope <= bound:
         pair = "" if wording.per_slope is None else " sigma B/E*"
@@ -187,7 +188,10 @@ def _scale(slope: float, radius: float, limits: Limits, nearest: LinearLaw | Bil
 def _two_branches(
     target: BilinearLaw, scale: float, mixture: Mixture, limits: Limits
 ) -> TwoBranchExponential:
-    """Solve S8: the crossover load gives the weight at each crossover height, m_2 then the height."""
+    """Solve eq. S8 for u and h_c.
+
+    P_c is proportional to the weight u, so the crossover load fixes u for each h_c; m_2 then fixes h_c.
+    """
     radius, count, carrying = mixture.radius, mixture.count, mixture.carrying
     (first, second), crossover, top = target.slopes, target.crossover_load, limits.span
     wording = target.wording
@@ -201,17 +205,17 @@ def _two_branches(
         )
 
     def weight(middle: float) -> float:
-        return crossover / float(plain.rescaled_load(middle, carrying, radius))
+        return crossover / float(plain.rescaled_load(middle, carrying, radius))  # eq. S8, P_c/E*
 
     def upper_mass(depth: float) -> float:
         return weight(top - depth) * float(plain.mass(top - depth, top))
 
-    # The whole mass above a crossover height that lies `depth` below the top has <d^1.5> <= depth^1.5;
-    # from there on the mass falls with the depth.
+    # Where all the mass lies above a crossover height that is `depth` below the top, <d^1.5> <= depth^1.5:
+    # the smallest depth. Beyond it the mass above decreases with the depth.
     shallow = float(Hertz().indentation_at_load(crossover / carrying, radius))
     deepest = top * (1.0 - INSIDE)
     ends = []
-    for share in (1.0 - 0.5 / count, 0.5 / count):  # half an asperity rounds to one
+    for share in (1.0 - 0.5 / count, 0.5 / count):  # each branch keeps at least half an asperity
         if upper_mass(deepest) >= share:
             ends.append(deepest)
         elif upper_mass(shallow) <= share:
@@ -225,14 +229,14 @@ def _two_branches(
         return TwoBranchExponential(scale, top, top - depth, weight(top - depth))
 
     def second_slope(depth: float) -> float:
-        return density(depth).asymptotic_slopes(radius)[1]
+        return density(depth).asymptotic_slopes(radius)[1]  # eq. S8, m_2
 
     low, high = second_slope(shallowest), second_slope(deepest)
     if not low < high:
         raise Infeasible(
-            f"crossover_load = {wording.loads(crossover)} leaves less than one of {count} asperities to one "
-            f"of the branches; the law of {wording.slopes(first)} ends at {wording.loads(full_load)}: move "
-            "the crossover towards its middle, or use more asperities",
+            f"with crossover_load = {wording.loads(crossover)} one of the branches has fewer than 1 of "
+            f"{count} asperities; the law of {wording.slopes(first)} ends at {wording.loads(full_load)}: "
+            "move the crossover towards its middle, or use more asperities",
             replace(target, slopes=(first, first / 0.75), crossover_load=0.5 * full_load),
         )
     if not low <= second <= high:
@@ -259,7 +263,7 @@ def _notes(scale: float, mixture: Mixture, limits: Limits, wording: Wording) -> 
     return (
         Note(
             f"the scale {scale:.4g} mm is below {FINEST_SCALE_IN_SD:g} times height_sd, {finest:.4g} mm: "
-            f"errors of made heights will shape the law; {wording.slopes(steepest)} and below are free of "
+            f"height errors will change the law; {wording.slopes(steepest)} and below are free of "
             "that"
         ),
     )

@@ -1,9 +1,9 @@
-"""One level of asperities, and one adjustment asperity, that meet one operating point (S1).
+"""One level of asperities, and one adjustment asperity, that meet one operating point (eq. S1).
 
-With all earlier asperities in contact and n of radius R new at the level, the area fixes the indentation e
-of one more, of radius R', for any indentation d of the level: the sum of ``pi R_i d_i`` is linear in both.
-Between the d at which it stands at the level, e = d, and that at which it just touches, e = 0, the load
-changes its sign against the wanted one for the right n. With one radius that n is unique.
+All earlier asperities are in contact, and n of radius R are new at the level. For each indentation d of the
+level the area, linear in the indentations, fixes the indentation e of the adjustment asperity of radius R'.
+It is at the level where e = d and just touches where e = 0. For the right n the load minus that of the point
+changes its sign between the two. With one radius that n is unique.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ from metafem._validate import FloatArray
 from metafem.contact import Hertz
 from metafem.models import Independent
 
-# brentq's tightest tolerance, so that the points are met to rounding.
+# The tightest tolerance that brentq accepts, so that the points are met to rounding.
 TIGHTEST = 4.0 * np.finfo(float).eps
 
-# A friction this close to a bound counts as the bound: rounding must not ask for one asperity more.
+# A friction this close to a bound counts as the bound: rounding must not add an asperity.
 ROUNDING = 1e-12
 
 
@@ -52,25 +52,25 @@ class Level:
 
 
 class Step:
-    """One point: the earlier asperities, by kinds, stand `lead` above the new level [mm]."""
+    """One operating point: the earlier asperities, by kinds, are `lead` above the new level [mm]."""
 
     def __init__(self, done: tuple[Level, ...], height: float, load: float, friction: float) -> None:
         self.height, self.load, self.friction = height, load, friction
         kinds = [kind for level in done for kind in level.kinds]
         top, self.radius, self.number = np.array(kinds).reshape(-1, 3).T
         self.lead = top - height
-        # what is left of sum R_i d_i as the plane meets the level [mm^2], and its growth with the depth
+        # sum R_i d_i still missing as the plane meets the level [mm^2], and its derivative by the depth
         self.rest = friction / math.pi - float(self.number @ (self.radius * self.lead))
         self.growth = float(self.number @ self.radius)
         self.fewest = 0 if done else 1
 
     def excess(self, depth: FloatArray, number: FloatArray | float, radius: float) -> FloatArray:
-        """Load, less that of the point, with new asperities at indentations of the level, (k,) [mm^2]."""
+        """Load minus that of the point at indentations of the level, (k,) [mm^2]."""
         earlier = Hertz().load_at_indentation(self.lead + depth[:, None], self.radius) @ self.number
         return np.asarray(earlier + number * Hertz().load_at_indentation(depth, radius) - self.load)
 
     def friction_with(self, number: int, radius: float) -> float:
-        """Friction at the load with `number` new asperities at the level [mm^2]."""
+        """Friction at the load of the point with `number` new asperities at the level [mm^2]."""
         times = self.number.astype(np.int64)
         height = np.concatenate([np.repeat(self.lead, times), np.zeros(number)])
         radii = np.concatenate([np.repeat(self.radius, times), np.full(number, radius)])
@@ -78,7 +78,7 @@ class Step:
         return float(area[0, 0])
 
     def needed(self, radius: float) -> float:
-        """Least number of new asperities that meets the point with the level's and the last below it."""
+        """Least number of new asperities, the adjustment asperity included, that meets the point."""
 
         def excess(number: float) -> float:
             depth = self.rest / (self.growth + number * radius)
@@ -108,7 +108,7 @@ class Step:
                         yield self._adjusted(int(n), radius, other)
 
     def _adjusted(self, number: int, radius: float, other: float) -> Level:
-        """Return the level whose adjustment asperity, fixed by the area, carries the rest of the load."""
+        """Return the level whose adjustment asperity meets both the area and the load."""
         growth = self.growth + number * radius
 
         def adjustment(depth: float) -> float:
@@ -123,7 +123,7 @@ class Step:
 
 
 def _root(function: Callable[[float], float], low: float, high: float) -> float:
-    """Root of a function in a bracket; an end where rounding hides the sign."""
+    """Root of a function in a bracket; an end of it where rounding hides the change of sign."""
     first, last = function(low), function(high)
     if first == 0.0 or (first > 0.0) == (last > 0.0):
         return low if abs(first) <= abs(last) else high

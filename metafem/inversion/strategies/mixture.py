@@ -1,4 +1,4 @@
-"""Asperities of several radii that share the heights of one density alike."""
+"""Asperities of several radii whose heights have the same density."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from metafem.inversion.assessment import MISSED, independent_misfit
 from metafem.inversion.candidate import Blueprint
 from metafem.inversion.radii import Radii
 
-# A mixture must win this factor in the misfit over a single tool, whose part is easier to make.
+# A mixture is chosen only if it lowers the misfit by this factor: parts made with one tool are simpler.
 WORTH = 0.5
 
-# Of two neighbouring tools, the shares of the larger one that are tried.
+# Fractions of the larger of two neighbouring tools that are tried.
 SHARES = tuple(i / 16 for i in range(1, 16))
 
 
@@ -26,8 +26,8 @@ SHARES = tuple(i / 16 for i in range(1, 16))
 class Mixture:
     """Numbers of asperities of each radius [mm].
 
-    Under one density of heights they have ``A0 = pi N <R> <d>`` and ``P/E* = 4/3 N <sqrt R> <d^(3/2)>``:
-    the law of ``N <sqrt R>^2/<R>`` asperities of the radius ``(<R>/<sqrt R>)^2``.
+    With one height density ``A0 = pi N <R> <d>`` and ``P/E* = 4/3 N <sqrt R> <d^(3/2)>``. This is the law
+    of ``N <sqrt R>^2/<R>`` asperities of the radius ``(<R>/<sqrt R>)^2``.
     """
 
     radii: tuple[float, ...]
@@ -58,8 +58,8 @@ class Mixture:
         pairs = zip(self.radii, self.numbers, strict=True)
         return math.fsum(number * radius**power for radius, number in pairs) / self.count
 
-    def dealt(self) -> FloatArray:
-        """Return a radius for each height, one after the other, evenly mixed, (N,) [mm]."""
+    def interleaved(self) -> FloatArray:
+        """Return the radius of each height in order, evenly mixed, (N,) [mm]."""
         if len(self.radii) == 1:
             return np.full(self.count, self.radii[0])
         numbers, given = np.array(self.numbers), np.zeros(len(self.numbers))
@@ -72,9 +72,9 @@ class Mixture:
 
 
 def best_mixture(invert: Callable[[Mixture], Blueprint], radii: Radii, count: int) -> Blueprint:
-    """Return the blueprint of the single radius with the least misfit, or of two tools that win by far.
+    """Return the blueprint of the best single radius, or of two tools where their misfit is far smaller.
 
-    A blueprint with warnings, on heights too fine to be made, comes after those without.
+    Blueprints with warnings, whose heights are too fine to be made, come after those without.
     """
     singles = [Mixture((radius,), (count,)) for radius in radii.tried.tolist()]
     if radii.single:
@@ -102,13 +102,13 @@ def best_mixture(invert: Callable[[Mixture], Blueprint], radii: Radii, count: in
 
 
 def _pairs(tools: tuple[float, ...], count: int) -> list[Mixture]:
-    """Return mixtures of neighbouring tools in whole numbers."""
+    """Return mixtures of neighbouring tools with whole numbers of asperities."""
     numbers = sorted({round(share * count) for share in SHARES} - {0, count})
     return [Mixture(pair, (count - n, n)) for pair in pairwise(tools) for n in numbers]
 
 
 def unreachable(refused: dict[float, Infeasible]) -> Infeasible:
-    """Return why no radius reaches a target: the reasons of the smallest and the largest."""
+    """Return why no radius reaches a target: the reasons for the smallest and the largest radius."""
     smallest, largest = min(refused), max(refused)
     reasons = [f"with a radius of {radius:.4g} mm, {refused[radius]}" for radius in {smallest, largest}]
     nearest = refused[smallest].nearest

@@ -1,8 +1,8 @@
-"""Heights whose law passes through given points: one level and one adjustment asperity a point (S1).
+"""Heights whose law passes through given points: one level and one adjustment asperity a point (eq. S1).
 
-With one radius each point is met in one way, given those before it. With several it can be met in many
-ways, below the friction of the earlier asperities too; they are tried in turn. Points that levels do not
-meet and no bound excludes are left to a search over heights without levels.
+With one radius the level of each point is unique, given those before it. With several radii there can be
+many levels, also where the earlier asperities have more friction; they are tried in turn. If no levels meet
+the points and no bound excludes them, heights without levels are searched for.
 """
 
 from __future__ import annotations
@@ -15,29 +15,29 @@ from metafem.inversion.feasibility import refuse_sampled
 from metafem.inversion.limits import Limits
 from metafem.inversion.radii import Radii
 from metafem.inversion.search.levenberg_marquardt import POINT_GOAL, Heights, descend
-from metafem.inversion.search.multistart import MIXED_RESTARTS, Quest, law_of_heights, nearest_law
+from metafem.inversion.search.multistart import MIXED_RESTARTS, LawSearch, law_of_heights, nearest_law
 from metafem.inversion.strategies.level import Level, Step
 from metafem.inversion.strategies.sampled import wanted_law
 from metafem.inversion.targets.laws import OperatingPoints, SampledLaw
 from metafem.models import Independent
 from metafem.notes import information
 
-# Ways to meet a point that are tried in all, of some 0.2 ms each.
+# Most levels that are tried, about 0.2 ms each.
 MOST_TRIED = 5_000
 
-# Where no levels meet the points: misfits at which a random search, of so many restarts, gives way to a
-# descent that converges. A kink can stop that; nearer or further starts then go on.
+# Where no levels meet the points: misfits at which the random search ends and a descent to rounding begins,
+# and the restarts of the search. A descent can end at a kink; the next misfit gives another initial guess.
 FREE_GOALS = (1e-2, 1e-3, 1e-4, 1e-5, 1e-11)
 FREE_RESTARTS = 30
 
-# Points that the search misses by less are designed, and the misfit told: far within what can be made.
+# Largest misfit of heights without levels that is accepted and stated: far below the effect of height errors.
 NEARLY = 1e-3
 
 
 def invert(
     target: OperatingPoints, radii: Radii, count: int, limits: Limits, rng: np.random.Generator
 ) -> Blueprint:
-    """Return the heights that lead the independent law through all points, or raise Infeasible."""
+    """Return heights whose independent law passes through all points, or raise Infeasible."""
     singles = [_Search(target, (radius,), count, limits) for radius in radii.tried.tolist()]
     paths = [path for search in singles if (path := search.path(()))]
     last = singles[-1]
@@ -48,8 +48,10 @@ def invert(
         fewest = min(paths, key=lambda levels: sum(level.count for level in levels))
         return _blueprint(target, fewest, radii, limits)
     if not last.limited and not _proven(target, radii, count, limits):
-        for choice in dict.fromkeys((radii.extremes, radii)):  # the former leave most room for other models
-            if blueprint := _freely(target, choice, count, limits, rng):
+        for choice in dict.fromkeys(
+            (radii.extremes, radii)
+        ):  # the extremes leave more room for the refinement
+            if blueprint := _without_levels(target, choice, count, limits, rng):
                 return blueprint
     raise last.refused if last.refused is not None else Infeasible("no way to meet the points was found")
 
@@ -88,18 +90,18 @@ def _blueprint(target: OperatingPoints, path: tuple[Level, ...], radii: Radii, l
     )
 
 
-def _freely(
+def _without_levels(
     target: OperatingPoints, radii: Radii, count: int, limits: Limits, rng: np.random.Generator
 ) -> Blueprint | None:
-    """Return heights and radii without levels that meet the points, as well as is found, or None."""
+    """Return the best heights and radii found without levels, or None if they miss the points."""
     wanted = wanted_law(target)
     top, load = limits.offset + limits.max_height, wanted.load
     best: Blueprint | None = None
     misfit = NEARLY
     restarts = FREE_RESTARTS if radii.single else FREE_RESTARTS // MIXED_RESTARTS
     for goal in FREE_GOALS:
-        quest = Quest(wanted, [wanted.base], count, limits.span, restarts, rng, goal)
-        height, radius = nearest_law(quest, radii)
+        task = LawSearch(wanted, [wanted.base], count, limits.span, restarts, rng, goal)
+        height, radius = nearest_law(task, radii)
         evaluate = law_of_heights(radius, load)
         found = descend(evaluate, height, wanted, Heights(limits.span), POINT_GOAL, patient=True)
         height = found.unknowns - found.unknowns.max()
@@ -107,7 +109,7 @@ def _freely(
         if found.misfit < misfit and approach <= top:
             misfit, order = found.misfit, np.argsort(-height, kind="stable")
             parameters: dict[str, Parameter] = {"span": float(np.ptp(height))}
-            note = "no levels lead through the points: the heights were found by a search"
+            note = "no levels of equal heights meet the points: the heights were found by a search"
             best = Blueprint(
                 top + height[order], radius[order], parameters, wanted, notes=(information(note),),
                 spare_height=top + float(height.min()),
@@ -118,7 +120,7 @@ def _freely(
 
 
 class _Search:
-    """Ways to meet all points, depth first; `refused` says why the last point reached was not met."""
+    """Depth-first search for levels that meet all points; `refused` says why the last one was not met."""
 
     def __init__(self, target: OperatingPoints, tools: tuple[float, ...], count: int, limits: Limits) -> None:
         self.target, self.tools, self.count, self.limits = target, tools, count, limits
@@ -151,27 +153,27 @@ class _Search:
         return None
 
     def refuse(self, i: int, reason: Infeasible, limited: bool) -> None:
-        """Keep the reason of the first way that came this far, and whether the workshop's limits are it."""
+        """Keep the first reason at the furthest point, and whether it is a manufacturing limit."""
         if i > self.furthest:
             self.furthest, self.refused, self.limited = i, reason, limited
 
 
 def _unmet(target: OperatingPoints, i: int, step: Step, tools: tuple[float, ...], left: int) -> Infeasible:
-    """Return why levels do not meet a point, with the friction that they could have there."""
+    """Return why no level meets a point, with the range of friction that levels can have there."""
     fewest = [step.friction_with(step.fewest, radius) for radius in tools]
     most = [step.friction_with(left, radius) for radius in tools] if left >= step.fewest else []
     low, high = min(fewest + most), max(fewest + most)
     if step.friction < low:
         cause = "the asperities that the earlier points need" if i else "a single asperity"
-        reason = f"{cause} already give{'' if i else 's'} more ({left} asperities are left, none is needed)"
+        reason = f"{cause} already {'have' if i else 'has'} more friction ({left} asperities are left)"
         nearest = low
     elif step.friction > high:
         needed = min(step.needed(radius) for radius in tools)
         reason = f"at least {needed:.0f} more asperities are needed, {left} are left"
-        # so far inside that rounding asks for no further asperity, where there is room
+        # below the bound by more than rounding, so that no further asperity is needed
         nearest = max(high * (1.0 - 1e-9), low)
     else:
-        reason = "no whole numbers of asperities of these radii meet it"
+        reason = "no whole number of asperities of these radii has this load and friction"
         nearest = min(fewest + most, key=lambda friction: abs(friction - step.friction))
     wording = target.wording
     load = wording.loads(target.rescaled_load[i])
@@ -184,7 +186,7 @@ def _unmet(target: OperatingPoints, i: int, step: Step, tools: tuple[float, ...]
 
 
 def _too_low(i: int, level: Level, limits: Limits) -> Infeasible | None:
-    """Return why a level cannot be made: summits below the workshop's lowest, or the base plane in touch."""
+    """Return why a level cannot be made: summits below the limits, or contact with the base plane."""
     lowest = min(height for height, _, number in level.kinds if number) if level.count else level.height
     plane = level.height - level.depth
     short = limits.min_height - lowest

@@ -1,9 +1,9 @@
-"""Friction in proportion to the load, or to two loads: bounds of such lines, and the range that is reached.
+"""Lines through the origin, with one slope or two: bounds of their load range, and the range that is reached.
 
-The least friction of any surface, that of one contact, is ``c p^(2/3)`` at the load p = P/E*, with
-``c = pi R (3/(4 sqrt R))^(2/3)`` of the least radius. A line of slope m lies above it from ``(c/m)^3`` on.
-The steepest slope of a law, of N contacts of the largest radius that enter at once, is ``(2/3) K p/A0^2``
-with ``K = N c^3``: a line of slope m ends at ``(2/3) K/m^3``.
+The least friction of any surface is that of one contact, ``c p^(2/3)`` at the load p = P/E*, with
+``c = pi R (3/(4 sqrt R))^(2/3)`` for the least radius. A line of slope m lies above it for loads above
+``(c/m)^3``. The steepest slope of a law, that of N contacts of the largest radius which enter at once, is
+``(2/3) K p/A0^2`` with ``K = N c^3``. A line of slope m can therefore not go beyond ``(2/3) K/m^3``.
 """
 
 from __future__ import annotations
@@ -35,21 +35,21 @@ from metafem.surface import Surface
 
 Line = LinearLaw | BilinearLaw
 
-# Halvings of the logarithm of the range: to a sixtieth of it.
+# Bisections of the logarithm of the range: to a sixtieth of it.
 HALVINGS = 6
 
-# Random restarts of a range on trial, which most of those that are too wide use up.
+# Random restarts for each range that is tried; most ranges that are too wide use all of them.
 TRIAL_RESTARTS = 4
 
-# Of the difference with which a range counts as reached: leaves room for the other models.
+# Fraction of the allowed difference at which a range counts as reached, which leaves room for other models.
 TRIAL_SHARE = 0.8
 
-# A range on trial starts this factor above the load at which one asperity has the line's friction. Between
-# the entries of the first asperities a law differs from the line by 1.1 % where it starts at that load,
-# and by .7 % from here (measured; the same for every slope and radius, as lengths scale).
+# A range that is tried starts this factor above the load at which one asperity has the friction of the line.
+# Between the entries of the first asperities a law differs from the line by 1.1 % if it starts at that load,
+# and by .7 % if it starts here (measured; independent of slope and radius by scaling).
 FIRST_LOAD = 1.4
 
-# A bound is left by this relative step where the nearest line is offered.
+# The nearest reachable line is inside its bound by this relative distance.
 INSIDE = 1e-6
 
 
@@ -101,7 +101,7 @@ def _refuse_second(target: Any, radii: Radii, count: int, limits: Limits, slack:
 
 
 def _refused(words: str, nearest: Line | None, otherwise: str) -> Infeasible:
-    """Return why a range is refused, with one that is reached or else what to change."""
+    """Return the error for a range that is not reached, with a range that is, or with what to change."""
     if nearest is None or nearest.load_range is None:
         return Infeasible(f"{words}; {otherwise}")
     ends = nearest.wording.inside(*nearest.load_range)
@@ -114,19 +114,19 @@ def line_range(target: Line, radii: Radii, count: int, slack: float = 0.0) -> tu
     """Return the loads P/E* [mm^2] between which surfaces can have the friction and slope of a line."""
     first, (last, load) = target.lines[0][0], target.lines[-1]
     start = (single_friction(radii.low) * (1.0 - slack) / first) ** 3
-    # m (m p + b)^2 = (2/3) K p: between its two loads the slope is possible
+    # m (m p + b)^2 = (2/3) K p: the slope is possible between the two roots
     intercept = (float(target.line(np.array(load))) - last * load) / last
     half = 0.5 * _steepest(radii, count, slack) / last**3 - intercept
     return start, half + math.sqrt(max(half**2 - intercept**2, 0.0))
 
 
 def _steepest(radii: Radii, count: int, slack: float) -> float:
-    """Return (2/3) K [mm^2] of the steepest slope at a load and a friction."""
+    """Return the factor (2/3) K [mm^2] of the steepest slope."""
     return 2.0 / 3.0 * count * (single_friction(radii.high) * (1.0 + slack)) ** 3
 
 
 def _over(target: Line, low: float, high: float) -> Line | None:
-    """Return the target over what its range, if any, shares with another one; None if that is nothing."""
+    """Return the target over the overlap of its range, if any, and another one; None without overlap."""
     inside = low * (1.0 + INSIDE), high * (1.0 - INSIDE)
     asked = target.load_range or inside
     ends = max(inside[0], asked[0]), min(inside[1], asked[1])
@@ -135,10 +135,10 @@ def _over(target: Line, low: float, high: float) -> Line | None:
 
 
 def reached_line(target: Line, radii: Radii, count: int, limits: Limits) -> Line | None:
-    """Return the line over the widest range, within its own, that independent asperities are found to have.
+    """Return the line over the widest part of its range that independent asperities reach.
 
-    The range is narrowed towards the crossover load, and of one line towards its start or its end, whichever
-    leaves more. None if no range is reached.
+    The range is narrowed towards the crossover load; for one line, towards its start or its end, whichever
+    leaves the wider range. None if no range is reached.
     """
     start, end = line_range(target, radii, count)
     whole = _over(target, FIRST_LOAD * start, min(end, largest_load(radii, count, limits)))
@@ -154,7 +154,7 @@ def reached_line(target: Line, radii: Radii, count: int, limits: Limits) -> Line
 
 
 def _narrowed(whole: Line, centre: float, radii: Radii, count: int, limits: Limits) -> tuple[float, Line]:
-    """Return the line over the largest share of its range, in the logarithm, about a load, and that share."""
+    """Return the line over the largest logarithmic fraction of its range about a load, and the fraction."""
     low, high = whole.load_range or (centre, centre)
     best, inside, outside = whole, 0.0, 1.0
     for _ in range(HALVINGS):
@@ -175,19 +175,20 @@ def achievable_load_range(
 ) -> tuple[float, float]:
     """Return the widest range of loads over which a line through the origin is met within 1 %.
 
-    That of independent asperities, found by trial: `design` meets the line over it or a part of it. The
-    lower end is near the load at which one asperity alone has the line's friction. It is narrowed towards
-    the crossover load of a bilinear law, and towards the start or the end of a linear one.
+    The range is that of independent asperities and is found by trial: `design` meets the line over it or a
+    part of it. Its lower end is near the load at which a single asperity has the friction of the line. It
+    is narrowed towards the crossover load of a bilinear law, and towards the start or the end of a linear
+    one.
 
     Parameters
     ----------
     target : LinearLaw or BilinearLaw
         With a load range, the range is sought within it.
     template : Surface
-        Its places count; with one common radius unless `radii` is given.
+        Only its number of sites is used, and its radius, one for all, where `radii` is not given.
     limits : Limits
     radii : RadiusRange or sequence of float, optional
-        What each asperity may have [mm], in place of the template's radius.
+        Radii that each asperity may have [mm]; default: the radius of the template.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Heights of laws of any shape: samples, powers, lines, and straight branches with free intercepts."""
+"""Heights for laws of any shape: samples, powers, lines, and straight branches with free intercepts."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from metafem.inversion.candidate import Blueprint, Branch, Parameter
 from metafem.inversion.feasibility import friction_bounds
 from metafem.inversion.limits import Limits
 from metafem.inversion.radii import Radii
-from metafem.inversion.search.multistart import Quest, independent_law, nearest_law
+from metafem.inversion.search.multistart import LawSearch, independent_law, nearest_law
 from metafem.inversion.targets.laws import (
     BilinearLaw,
     LinearLaw,
@@ -22,17 +22,18 @@ from metafem.inversion.targets.laws import (
 )
 from metafem.inversion.targets.wanted import Wanted
 
-# Loads at which a power law or all branches of a multilinear law are asked for.
+# Number of loads at which a power law, or all branches of a multilinear law, are compared.
 POINTS = 30
 
-# Loads of a line, whose every difference counts: single contacts enter between thirty (measured: the
-# largest difference at these is within a tenth of that at any load).
+# Number of loads at which a line is compared. Its misfit is the largest difference, and with thirty loads
+# contacts enter between them (measured: with this many, the misfit is within a tenth of that at any load).
 LINE_POINTS = 100
 
-# Random restarts of a search, of some 10 ms each; nearly all laws of real surfaces need none or a few.
+# Random restarts of a search, about 10 ms each; nearly all laws of real surfaces need none or a few.
 RESTARTS = 30
 
-# Where a law leaves its level open, it is tried at these shares of what is feasible (of its logarithm).
+# Where the target leaves its level open, levels at these fractions of the feasible range (of its logarithm)
+# are tried.
 TRIED_SHARES = (0.5, 0.25, 0.75, 0.1, 0.9)
 
 
@@ -48,7 +49,7 @@ def invert(
     wanted = wanted_law(target)
     low, high = friction_bounds(wanted.load, radii, count)
     laws = first_laws(target, wanted, low, high)
-    height, radius = nearest_law(Quest(wanted, laws, count, limits.span, restarts, rng), radii)
+    height, radius = nearest_law(LawSearch(wanted, laws, count, limits.span, restarts, rng), radii)
     area = independent_law(height, radius, wanted.load).curve.area
     parameters: dict[str, Parameter] = {"span": float(-height[-1]), **open_parameters(target, wanted, area)}
     branches = tuple(
@@ -66,8 +67,8 @@ def _intercept(wanted: Wanted, slope: float, start: float) -> float:
 
 @singledispatch
 def wanted_law(target: object) -> Wanted:
-    """Return what the target wants at a list of loads."""
-    raise TypeError(f"{type(target).__name__} names no law")
+    """Return the target law at a list of loads."""
+    raise TypeError(f"{type(target).__name__} defines no law")
 
 
 @wanted_law.register
@@ -106,7 +107,7 @@ def _(target: MultilinearLaw) -> Wanted:
     column, offset, last = 0, 0.0, 0.0
     for i, (slope, (start, end)) in enumerate(target.branches):
         load = np.linspace(start, end, each)
-        if i and start > last:  # free between the branches: an intercept of its own
+        if i and start > last:  # free between the branches: the intercept is another open parameter
             column, offset = column + 1, 0.0
         elif i:
             load = load[1:]
@@ -121,7 +122,7 @@ def _(target: MultilinearLaw) -> Wanted:
 
 @singledispatch
 def first_laws(target: object, wanted: Wanted, low: FloatArray, high: FloatArray) -> list[FloatArray]:
-    """Return laws to start from; those that leave their level open at several levels."""
+    """Return laws for the initial guesses; at several levels where the target leaves the level open."""
     return [wanted.base]
 
 
@@ -145,7 +146,7 @@ def _(target: MultilinearLaw, wanted: Wanted, low: FloatArray, high: FloatArray)
             if column == 0:
                 least, most = float((low[rows] - base).max()), float((high[rows] - base).min())
                 level = least + share * (most - least)
-            else:  # across a gap friction keeps its ratio to the load
+            else:  # between the branches friction is proportional to the load
                 last = rows[0] - 1
                 level = float(law[last] * load[0] / wanted.load[last] - base[0])
             law[rows] = base + level
@@ -154,7 +155,7 @@ def _(target: MultilinearLaw, wanted: Wanted, low: FloatArray, high: FloatArray)
 
 
 def open_parameters(target: object, wanted: Wanted, area: FloatArray) -> dict[str, Parameter]:
-    """Return the parameters that the target left open, as the law has them."""
+    """Return the parameters that the target leaves open, fitted to the law."""
     if not wanted.free.shape[1]:
         return {}
     found = np.linalg.lstsq(wanted.free, wanted.law(area) - wanted.base, rcond=None)[0]
