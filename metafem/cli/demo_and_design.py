@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 @force_option
 @json_option
 def demo(name: str, model: str | None, force: bool, as_json: bool) -> None:
-    """Write the paper's specification NAME.toml into this folder and run it into NAME/."""
+    """Write the paper's specification NAME.toml here, and design its surface into the folder NAME."""
     from metafem.files import check_free, demo_text, write_text
 
     path, folder, text = Path(f"{name}.toml"), Path(name), demo_text(name)
@@ -40,10 +40,10 @@ def demo(name: str, model: str | None, force: bool, as_json: bool) -> None:
     except InvalidInput:
         if not path.exists():
             raise
-        # one that is the same to the bit serves as well; one that a person edited is never replaced
+        # an identical file is used; an edited file is never replaced
         if not path.is_file() or path.read_bytes() != text.encode("utf-8"):
             raise InvalidInput(
-                f"{path} exists and is not the demo's; run it by `metafem design {path} -o FOLDER`, "
+                f"{path} exists and differs from the demo's; run it by `metafem design {path} -o FOLDER`, "
                 "or rename it"
             ) from None
     _run(path, folder, model, force, as_json)
@@ -56,8 +56,8 @@ def demo(name: str, model: str | None, force: bool, as_json: bool) -> None:
 @click.option(
     "--chord-error",
     metavar="LENGTH",
-    help='Of the triangles of block.stl and mould.stl below the spheres, as "1 um", instead of '
-    "part.chord_error in SPEC.toml. Default: 4e-4 of the smallest radius, and more where a solid would have "
+    help='Largest depth of the triangles of the solids below the spheres, such as "1 um". Overrides '
+    "part.chord_error in SPEC.toml. Default: 4e-4 of the smallest radius, or more if a solid would have "
     "over two million triangles.",
 )
 @force_option
@@ -68,8 +68,8 @@ def design(
     """Design a surface from the specification SPEC.toml and write all its files.
 
     A specification has the sections target (of kind operating-points, linear, bilinear, sampled, power or
-    multilinear), material, lattice and limits and, where wanted, friction, radii, block, layout, model,
-    part and checks. `metafem spec` prints every key with an example; `metafem demo` writes whole files.
+    multilinear), material, lattice and limits. The sections friction, radii, block, layout, model, part and
+    checks are optional. `metafem spec` prints every key with an example; `metafem demo` writes example files.
     """
     _run(spec, output, model, force, as_json, chord_error)
 
@@ -143,7 +143,7 @@ def _tell_design(
     for name, value, unit in parameter_rows(result):
         table.add_row(name, value, unit)
     table.add_row(*misfit_words(result), "")
-    table.add_row("asperities", f"{result.surface.count} of {result.template.count} places", "")
+    table.add_row("asperities", f"{result.surface.count} of {result.template.count} sites", "")
     console.print(table, highlight=False)
     if result.fits:
         tell_table(terminal(), *fit_table(result))

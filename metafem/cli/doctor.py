@@ -11,10 +11,12 @@ from metafem.cli.group import NOT_ACHIEVED, json_option, main
 
 
 @main.command()
-@click.option("--clear-cache", is_flag=True, help="Remove compiled kernels and the kept influence of blocks.")
+@click.option(
+    "--clear-cache", is_flag=True, help="Remove compiled kernels and the stored influence of blocks."
+)
 @json_option
 def doctor(clear_cache: bool, as_json: bool) -> None:
-    """Check the installation: versions, caches, compiled kernels, a known contact, the part's tools."""
+    """Check the installation: versions, caches, compiled kernels, a known contact, a part, a report."""
     if clear_cache:
         _clear_cache(as_json)
         return

@@ -1,4 +1,4 @@
-"""Findings about an installation: does everything that metafem needs work here?"""
+"""Checks of an installation, for `metafem doctor`."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Finding:
-    """One thing that was looked at."""
+    """The result of one check."""
 
     what: str
     found: str
@@ -29,14 +29,14 @@ class Finding:
 
 
 def examine() -> Iterator[Finding]:
-    """Look at the versions, the caches, the compiled kernels, a known contact, a part and a page."""
+    """Check the versions, the caches, the compiled kernels, a known contact, a part and a report."""
     yield Finding("python", platform.python_version(), True)
     yield _tried("metafem", _package)
     for name in needed():
         try:
             yield Finding(name, version(name), True)
         except PackageNotFoundError:
-            yield Finding(name, "not installed; install metafem anew", False)
+            yield Finding(name, "not installed; reinstall metafem", False)
     for what, trial in (
         ("cache", _cache),
         ("compiled kernels against Hertz's closed form", _contact),
@@ -48,7 +48,7 @@ def examine() -> Iterator[Finding]:
 
 
 def needed() -> list[str]:
-    """Return the names of the packages that metafem states to need."""
+    """Return the names of the packages that metafem requires."""
     try:
         stated = requires("metafem") or []
     except PackageNotFoundError:
@@ -57,20 +57,20 @@ def needed() -> list[str]:
 
 
 def megabytes(size: int) -> str:
-    """Return a size in bytes as a person reads it."""
+    """Return a size in bytes as megabytes, with the unit."""
     return f"{size / 1e6:.1f} MB"
 
 
 def _tried(what: str, trial: Callable[[], tuple[str, bool]]) -> Finding:
     try:
         found, well = trial()
-    except Exception as error:  # whatever is broken in the installation is what is to be told
+    except Exception as error:  # any fault of the installation is reported
         return Finding(what, f"{type(error).__name__}: {error}", False)
     return Finding(what, found, well)
 
 
 def _package() -> tuple[str, bool]:
-    """Compare where metafem was imported from with where it is installed."""
+    """Compare the folder from which metafem is imported with the installed one."""
     import metafem
 
     imported = Path(metafem.__file__).parent
@@ -83,13 +83,13 @@ def _package() -> tuple[str, bool]:
     if origin.get("dir_info", {}).get("editable"):
         place = Path(url2pathname(urlsplit(origin["url"]).path)) / "metafem"
     if place.resolve() != imported.resolve():
-        found = f"imported from {imported}, but {place} is installed: install it anew, or clear PYTHONPATH"
+        found = f"imported from {imported}, but {place} is installed; reinstall metafem, or clear PYTHONPATH"
         return found, False
     return f"{installed.version}, imported from {imported}", True
 
 
 def _cache() -> tuple[str, bool]:
-    """Say where caches are and how large, and try to write there."""
+    """Report the folder and the size of the caches, and try to write there."""
     from metafem import _caches
 
     folder = _caches.cache_folder()
@@ -98,7 +98,7 @@ def _cache() -> tuple[str, bool]:
         tempfile.TemporaryFile(dir=folder).close()
     except OSError as error:
         return (
-            f"{error}; each command compiles its kernels anew, unless {_caches.VARIABLE} names another folder"
+            f"{error}; each command compiles its kernels again; set {_caches.VARIABLE} to a writable folder"
         ), False
     kernels, blocks = _caches.size(_caches.kept_kernels()), _caches.size(_caches.kept_blocks())
     return (f"{folder}; compiled kernels {megabytes(kernels)}, influence of blocks {megabytes(blocks)}"), True

@@ -1,4 +1,4 @@
-"""The group of all commands, what they share and how they end."""
+"""The group of all commands, their common options and their exit codes."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from metafem.errors import InvalidInput, MetafemError
 
 DEMOS = ("operating-points", "linear", "bilinear")
 
-# The kinds that `metafem.files` knows, listed here so that --help needs no import.
+# The kinds of `metafem.files`, repeated here so that --help imports nothing.
 MODELS = ("independent", "mean-field", "half-space", "layer", "block", "resolved", "automatic")
 
 # Exit codes: a target that cannot be reached, and input that cannot be used.
@@ -22,7 +22,7 @@ NOT_ACHIEVED, BAD_INPUT = 1, 2
 
 
 class Ended(click.ClickException):
-    """An error of the package on its way to the terminal, with the name of its kind."""
+    """An error of the package with the name of its type, for the terminal."""
 
     def __init__(self, kind: str, message: str) -> None:
         super().__init__(message)
@@ -42,12 +42,12 @@ class NotAchieved(Ended):
 
 
 class Commands(click.Group):
-    """A group whose commands end in a message and an exit code instead of a traceback."""
+    """A group whose commands end with a message and an exit code instead of a traceback."""
 
     def main(self, args: Any = None, *rest: Any, **extra: Any) -> Any:
         """Parse the arguments and run the command; with --json errors are JSON too."""
         given = sys.argv[1:] if args is None else args
-        extra["standalone_mode"] = False  # how the program ends is decided here
+        extra["standalone_mode"] = False  # the exit code is set here
         with stopped_by_signals(), printing():
             try:
                 code = super().main(args, *rest, **extra)
@@ -61,13 +61,13 @@ class Commands(click.Group):
         try:
             return super().invoke(ctx)
         except InvalidInput as error:
-            # errors name the argument of Python's functions
+            # errors name the argument of the Python function
             message = str(error).replace("force=True", "--force")
             raise BadInput("InvalidInput", message) from None
         except MetafemError as error:
             raise NotAchieved(type(error).__name__, str(error)) from None
         except OSError as error:
-            if error.filename is None:  # that of what is printed has no name
+            if error.filename is None:  # an error of the output stream has no file name
                 raise
             raise BadInput("InvalidInput", f"{error.filename!s:.300}: {error.strerror}") from None
 
@@ -78,7 +78,7 @@ def model_option(command: Callable[..., Any]) -> Callable[..., Any]:
     return click.option(
         "--model",
         type=choice,
-        help="Model of the law; default: the model of the specification or folder, independent for a table.",
+        help="Model of the law. Default: that of the specification or folder; independent for a table.",
     )(command)
 
 
@@ -86,7 +86,7 @@ json_option = click.option(
     "--json",
     "as_json",
     is_flag=True,
-    help="Print data alone, as JSON; errors too, as an object error with type and message.",
+    help="Print only data, as JSON; an error is an object with type and message.",
 )
 force_option = click.option("--force", is_flag=True, help="Replace what metafem wrote there.")
 

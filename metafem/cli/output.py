@@ -1,4 +1,4 @@
-"""What a command prints, on terminals that lack characters and into files that take no more."""
+"""Output of the command: terminals without some characters, and files that cannot be written further."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from contextlib import contextmanager, suppress
 
 import click
 
-# What stands for a character that the terminal cannot show; for others a question mark.
+# Replacements of characters that the terminal cannot show; others become a question mark.
 PLAIN = {
     "λ": "lambda",
     "σ": "sigma",
@@ -42,7 +42,7 @@ PLAIN = {
 
 
 def plainly(error: UnicodeError) -> tuple[str, int]:
-    """Return what is printed for characters that an encoding lacks, as an error handler of `codecs`."""
+    """Return the replacement of characters that an encoding lacks, as an error handler of `codecs`."""
     if not isinstance(error, UnicodeEncodeError):
         raise error
     return "".join(PLAIN.get(c, "?") for c in error.object[error.start : error.end]), error.end
@@ -50,7 +50,7 @@ def plainly(error: UnicodeError) -> tuple[str, int]:
 
 @contextmanager
 def printing() -> Iterator[None]:
-    """Let every text be printed within the body, and end with a message where the output takes no more."""
+    """Make every text printable within the body; end with a message if the output cannot be written."""
     codecs.register_error("metafem.plainly", plainly)
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
@@ -63,7 +63,7 @@ def printing() -> Iterator[None]:
                 sys.stdout.flush()
     except OSError as error:
         _abandon_output()
-        if error.errno == errno.EPIPE:  # whoever read it has seen enough
+        if error.errno == errno.EPIPE:  # the reader has closed the pipe
             sys.exit(1)
         with suppress(OSError):
             click.echo(f"Error: the output cannot be written: {error.strerror}", err=True)
@@ -71,13 +71,13 @@ def printing() -> Iterator[None]:
 
 
 def _abandon_output() -> None:
-    """Let what is still to be flushed go nowhere, or Python would complain at its end."""
+    """Discard the buffered output; Python would otherwise report an error at its exit."""
     with suppress(OSError, ValueError, AttributeError):
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def show_error(error: click.ClickException, as_json: bool) -> None:
-    """Print an error: for people on stderr, or as JSON on stdout, where the data would be."""
+    """Print an error: as text on stderr, or as JSON on stdout in place of the data."""
     if as_json:
         kind = getattr(error, "kind", "Usage")
         click.echo(json.dumps({"error": {"type": kind, "message": error.format_message()}}))

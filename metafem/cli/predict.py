@@ -20,24 +20,26 @@ if TYPE_CHECKING:
     from metafem.prediction.friction_law import FrictionLaw
     from metafem.surface import Block, Surface
 
-# Sizes of a block, as options and as arguments.
+# Dimensions of a block, as options and as arguments.
 BLOCK = ("width", "length", "thickness")
 
 
 @main.command()
 @click.argument("source", type=click.Path(path_type=Path))
-@click.option("--load", multiple=True, help='A load, such as "0.2 N"; may be repeated.')
+@click.option(
+    "--load", multiple=True, help='Load, such as "0.2 N"; may be repeated. Default: a grid of loads.'
+)
 @click.option("--composite-modulus", help='E* for a table of heights, such as "1.36 MPa".')
-@click.option("--young-modulus", help='E for a table of heights in place of E*, such as "1.02 MPa".')
+@click.option("--young-modulus", help='E for a table of heights, instead of E*, such as "1.02 MPa".')
 @click.option("--poisson-ratio", type=float, help="ν for a table of heights; default: 0.5.")
-@click.option("--shear-strength", help='σ for a table of heights, such as "0.404 MPa"; adds the friction.')
-@click.option("--area-ratio", type=float, help="B, sheared over initial area, with --shear-strength.")
-@click.option("--radius", help='Radius of all summits where the table has none, such as "526 um".')
-@click.option("--thickness", help='Of the block under a table of heights, such as "7.2 mm".')
-@click.option("--width", help='Of that block along x, such as "20 mm"; for --model block.')
-@click.option("--length", help='Of that block along y, such as "20 mm"; for --model block.')
+@click.option("--shear-strength", help='σ for a table of heights, such as "0.404 MPa"; needs --area-ratio.')
+@click.option("--area-ratio", type=float, help="B: sheared area over initial area; needs --shear-strength.")
+@click.option("--radius", help='Radius of all summits, such as "526 um", for a table without radii.')
+@click.option("--thickness", help='Thickness of the block of a table of heights, such as "7.2 mm".')
+@click.option("--width", help='Width of that block along x, such as "20 mm"; for --model block.')
+@click.option("--length", help='Length of that block along y, such as "20 mm"; for --model block.')
 @model_option
-@click.option("-o", "--output", type=click.Path(path_type=Path), help="Write the law as CSV, too.")
+@click.option("-o", "--output", type=click.Path(path_type=Path), help="Also write the law to this CSV file.")
 @force_option
 @json_option
 def predict(
@@ -51,10 +53,10 @@ def predict(
 ) -> None:
     """Predict the friction law of a result folder or of a table of heights.
 
-    SOURCE is a folder that `metafem design` made, or a CSV file with the columns x_mm, y_mm, height_um
-    and radius_um (or in other units). A table needs --composite-modulus or --young-modulus, and a block for
-    --model layer (--thickness) or block (--thickness, --width and --length). With --shear-strength and
-    --area-ratio friction forces are printed too.
+    SOURCE is a result folder of `metafem design`, or a CSV file with the columns x_mm, y_mm, height_um and
+    radius_um (or in other units). A table needs --composite-modulus or --young-modulus. For --model layer it
+    also needs --thickness, for --model block --thickness, --width and --length. With --shear-strength and
+    --area-ratio the friction forces are printed too.
     """
     import metafem as mf
     from metafem._given import printable
@@ -73,7 +75,7 @@ def predict(
         if given:
             options = ", ".join(f"--{name.replace('_', '-')}" for name in given)
             raise InvalidInput(
-                f"{options}: for tables of heights alone; the folder {printable(str(source))} states its "
+                f"{options}: only for tables of heights; the folder {printable(str(source))} holds its "
                 "own material, friction, radii and block"
             )
         stored = mf.load(source)
@@ -89,7 +91,7 @@ def predict(
     if model == "layer" and "thickness" in given and surface.block is None:
         thickness = quantity("--thickness", given["thickness"], "mm")
         chosen = mf.Interacting(substrate=mf.BondedLayer(thickness))
-    remedy = "a folder without one has none to offer; design it anew with a section [block]"
+    remedy = "the folder's design has no block; design it again with a section [block]"
     refuse_missing_block(chosen, surface, remedy)
     with progress(), doing("predicting the law"):
         law = mf.friction_law(surface, chosen, load=newtons or None)
@@ -102,20 +104,20 @@ def predict(
 
 
 def _surface(source: Path, given: Mapping[str, str | float], model: str | None) -> Surface:
-    """Return the surface of a table of heights, its material, friction and block from options."""
+    """Return the surface of a table of heights, with material, friction and block from the options."""
     from metafem._given import speaking
     from metafem.files import option_words, quantity, read_surface
     from metafem.surface import Friction, Material
 
     if ("composite_modulus" in given) == ("young_modulus" in given):
         raise InvalidInput(
-            f"a table of heights such as {source} needs --composite-modulus or --young-modulus, one of them, "
+            f"a table of heights such as {source} needs either --composite-modulus or --young-modulus, "
             'for example --composite-modulus "1.36 MPa"'
         )
     if ("shear_strength" in given) != ("area_ratio" in given):
         raise InvalidInput(
             "--shear-strength and --area-ratio are needed together, for example "
-            '--shear-strength "0.404 MPa" --area-ratio 0.85; without both no friction force is known'
+            '--shear-strength "0.404 MPa" --area-ratio 0.85; the friction force depends on both'
         )
     units = {"radius": "mm", "thickness": "mm", "width": "mm", "length": "mm"}
     units |= dict.fromkeys(("composite_modulus", "young_modulus", "shear_strength"), "MPa")
@@ -137,7 +139,7 @@ def _surface(source: Path, given: Mapping[str, str | float], model: str | None) 
 
 
 def _block(given: dict[str, float], model: str | None) -> Block | None:
-    """Return the block of a table whose sizes are given; a layer needs its thickness alone."""
+    """Return the block of a table from its given dimensions; a layer needs only the thickness."""
     from metafem.surface import Block
 
     needed = {"layer": BLOCK[2:], "block": BLOCK}.get(model or "", BLOCK if given else ())
@@ -145,7 +147,7 @@ def _block(given: dict[str, float], model: str | None) -> Block | None:
     if missing:
         what = f"--model {model}" if model in ("layer", "block") else "a block"
         raise InvalidInput(
-            f"{what} needs the block's sizes, which a table does not hold: add {' '.join(missing)}"
+            f"{what} needs the block's dimensions, which a table does not hold; add {' '.join(missing)}"
         )
     return Block(*(given[name] for name in BLOCK)) if set(BLOCK) <= set(given) else None
 
@@ -154,7 +156,7 @@ def _tell_law(law: FrictionLaw, whole: bool) -> None:
     columns = ["load [N]", "area [mm²]", "separation [mm]", "stiffness [N/mm]"]
     if law.friction is not None:
         columns += ["friction [N]", "F/P"]
-    # Ten lines tell the shape of a curve; loads that were asked for are all shown.
+    # Ten rows of a default grid; every load that the user gave.
     step = 1 if whole else max(1, len(law.load) // 10)
     rows = []
     for i in range(step - 1, len(law.load), step):
@@ -184,7 +186,7 @@ def _law_data(law: FrictionLaw) -> dict[str, Any]:
     }
     if law.friction is not None:
         data["friction_force_N"] = law.friction_force.tolist()
-        # JSON knows no infinity: without load there is no coefficient
+        # JSON has no infinity: at zero load there is no coefficient
         data["friction_coefficient"] = [
             value if math.isfinite(value) else None for value in law.friction_coefficient.tolist()
         ]

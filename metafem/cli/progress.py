@@ -1,4 +1,4 @@
-"""What is being done, how far it is and for how long, on a terminal and in lines elsewhere."""
+"""Progress of a command: step, fraction done and elapsed time."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ if TYPE_CHECKING:
 
     from metafem.progress import OnStep
 
-# Seconds of work after which there is a line where there is no terminal, and between two of them.
+# Without a terminal: seconds before the first line, and between two lines.
 FIRST_LINE, NEXT_LINE = 5.0, 10.0
 
-# How often it is looked whether a line is due [s].
+# Interval between two checks whether a line is due [s].
 LOOK = 0.5
 
 
 @contextmanager
 def progress() -> Iterator[None]:
-    """Show on stderr what is being computed and for how long; say once when kernels are compiled."""
+    """Show the running step and the elapsed time on stderr; print once that kernels are compiled."""
     from rich.console import Console
 
     from metafem._kernels.notice import on_first_compilation
@@ -41,7 +41,7 @@ def progress() -> Iterator[None]:
 
 @contextmanager
 def _status(console: Console) -> Iterator[OnStep]:
-    """Show the step, its share and the elapsed time in a line that moves."""
+    """Show the step, the fraction done and the elapsed time in a line that is updated."""
     from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
     columns = (SpinnerColumn(), TextColumn("{task.description}", markup=False), TimeElapsedColumn())
@@ -52,7 +52,7 @@ def _status(console: Console) -> Iterator[OnStep]:
 
 @contextmanager
 def _lines(console: Console) -> Iterator[OnStep]:
-    """Print a line for work that lasts, at most one in `NEXT_LINE` seconds."""
+    """Print lines during long work, at most one in `NEXT_LINE` seconds."""
     lines = Lines(time.monotonic())
     ended = threading.Event()
 
@@ -62,7 +62,7 @@ def _lines(console: Console) -> Iterator[OnStep]:
             if text is not None:
                 console.print(text, highlight=False, markup=False, soft_wrap=True)
 
-    # solvers report when a step begins, and a step may last: another thread tells of it
+    # solvers report only the beginning of a step, and a step may be long: another thread prints
     thread = threading.Thread(target=look, daemon=True)
     thread.start()
     try:
@@ -73,18 +73,18 @@ def _lines(console: Console) -> Iterator[OnStep]:
 
 
 class Lines:
-    """When there is something to say about work that began at a time [s], and what."""
+    """Lines about work that began at a time [s]: when to print them, and their text."""
 
     def __init__(self, start: float) -> None:
         self.start, self.next = start, start + FIRST_LINE
         self.text = ""
 
     def step(self, step: str, done: float | None) -> None:
-        """Note the step that is under way."""
+        """Store the running step."""
         self.text = worded(step, done)
 
     def due(self, now: float) -> str | None:
-        """Return the line that is due at a time, if one is."""
+        """Return the line that is due at a time, or None."""
         if now < self.next or not self.text:
             return None
         self.next = now + NEXT_LINE
@@ -92,5 +92,5 @@ class Lines:
 
 
 def worded(step: str, done: float | None) -> str:
-    """Return a step with its share."""
+    """Return a step with the fraction done."""
     return step if done is None else f"{step}, {100.0 * done:.0f} %"

@@ -13,10 +13,10 @@ from metafem.cli.progress import progress
 
 @main.command()
 @click.argument("folder", type=click.Path(path_type=Path))
-@click.option("--checks", is_flag=True, help="Add the finite-element checks; takes about a minute.")
+@click.option("--checks", is_flag=True, help="Add the finite-element checks, which take about a minute.")
 @json_option
 def report(folder: Path, checks: bool, as_json: bool) -> None:
-    """Write report.html of a result folder anew."""
+    """Rewrite report.html of a result folder."""
     import metafem as mf
     from metafem.files import same_design, stored_hardness, write_text
     from metafem.report import page

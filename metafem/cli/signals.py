@@ -1,4 +1,4 @@
-"""Commands that are stopped from outside."""
+"""Commands that are stopped by signals."""
 
 from __future__ import annotations
 
@@ -9,21 +9,21 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
 
-# Seconds after which a signal is repeated whose exception was lost: longer than any destructor takes.
+# Seconds after which a signal is repeated if its exception was lost; no destructor runs longer.
 AGAIN = 0.01
 
 
 class Stopped(SystemExit):
-    """The end of a command by a signal; its exit code is 128 and the signal's number."""
+    """The end of a command by a signal; its exit code is 128 plus the number of the signal."""
 
 
 @contextmanager
 def stopped_by_signals() -> Iterator[None]:
-    """Let Ctrl-C and SIGTERM end the body as an error does: it cleans up, and the exit code is 130 or 143.
+    """End the body by an exception on Ctrl-C and SIGTERM, so that it cleans up; the exit code is 130 or 143.
 
-    A signal that whoever started the process chose to ignore stays ignored. Python delivers signals to the
-    main thread alone, so that nothing changes in others. Python drops an exception in a destructor or in
-    the callback of a weak reference; the signal is then repeated.
+    A signal that the parent process set to be ignored stays ignored. Python delivers signals to the main
+    thread only, so other threads do not change. Python drops an exception that is raised in a destructor or
+    in the callback of a weak reference; the signal is then repeated.
     """
     before, hook = {}, sys.unraisablehook
     if threading.current_thread() is threading.main_thread():

@@ -13,7 +13,7 @@ from metafem.cli.group import json_option, main
 @main.command("spec")
 @json_option
 def explain(as_json: bool) -> None:
-    """Print every section and key of a specification, each with its meaning and an example."""
+    """Print every section and key of a specification with its meaning and an example."""
     from metafem.files import all_keys, manual
 
     if as_json:

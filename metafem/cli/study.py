@@ -26,9 +26,9 @@ STUDIES = ("interaction", "fidelity")
 def study(name: str, folder: Path, force: bool, as_json: bool) -> None:
     """Study the design of a result folder and write NAME.nc into it.
 
-    interaction: how coupling changes the law, as placed and in 1,000 random placements. fidelity: the law
-    by every theory, from independent asperities to the true block and finite elements; a minute or two
-    the first time.
+    interaction: the change of the law by elastic coupling, for the design and for 1,000 random assignments
+    of its heights to sites. fidelity: the law under every model, from independent asperities to the true
+    block and finite elements; this takes a minute or two the first time.
     """
     import metafem as mf
     from metafem.files import same_design, study_data, study_path, write_study

@@ -1,4 +1,4 @@
-"""Where the command prints, and its tables."""
+"""The console of the command, its tables and its notes."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ if TYPE_CHECKING:
 
     from metafem.notes import Note
 
-# Characters a line where there is no terminal: tables stay whole.
+# Characters per line if the output is not a terminal, so that tables are not wrapped.
 WIDE = 160
 
-# Up to this width columns stand one blank apart, else two.
+# Up to this width columns are one blank apart, otherwise two.
 NARROW = 80
 
 
 def terminal() -> Console:
-    """Return the terminal, or a wide one where the text goes elsewhere."""
+    """Return the terminal, or a wide console if the output is not a terminal."""
     from rich.console import Console
 
     console = Console()
@@ -28,7 +28,7 @@ def terminal() -> Console:
 def tell_table(
     console: Console, columns: Sequence[str], rows: Sequence[Sequence[str]], title: str | None = None
 ) -> None:
-    """Print a table whose headings may wrap between words, but never its numbers."""
+    """Print a table. Headings may wrap between words; numbers never wrap."""
     from rich.box import SIMPLE_HEAD
     from rich.markup import escape
     from rich.table import Table
@@ -52,7 +52,7 @@ def tell_table(
 
 
 def tell_notes(console: Console, notes: Iterable[Note]) -> None:
-    """Print notes, a line for each; warnings are yellow."""
+    """Print notes, one per line; warnings are yellow."""
     for note in notes:
         word, style = ("warning", "yellow") if note.warns else ("note", None)
         console.print(f"{word}: {note}", style=style, highlight=False, markup=False)

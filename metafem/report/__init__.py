@@ -1,4 +1,4 @@
-"""Figures and pages; the only part that draws."""
+"""Report pages and their figures."""
 
 from metafem.report.fits import fit_table
 from metafem.report.names import misfit_words, model_data

@@ -1,4 +1,4 @@
-"""The law of one surface under several models."""
+"""Comparison of the law of one surface under several models."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from metafem.notes import Note
 from metafem.prediction.friction_law import FrictionLaw
 from metafem.studies.substrates import laws_on_substrates
 
-# A page is drawn in a second or two; beyond this number of asperities interacting laws take longer.
+# A report takes a second or two; above this number of asperities interacting laws take longer.
 MOST_COMPARED = 1500
 
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """A law and how far it is from that of independent asperities, at the same loads.
+    """A law and its difference from that of independent asperities at the same loads.
 
     Attributes
     ----------
@@ -28,7 +28,7 @@ class Comparison:
     difference : ndarray, (k,)
         Relative difference of A0 [-].
     sinking : ndarray, (k,)
-        How much nearer the plane stands to the undeformed base plane [mm].
+        Decrease of the separation [mm].
     """
 
     name: str
@@ -38,18 +38,18 @@ class Comparison:
 
 
 def compared(design: Design) -> tuple[tuple[Comparison, ...], tuple[Note, ...]]:
-    """Predict a design's law under the common models, at the loads of its own law.
+    """Predict a design's law under the common models, at the loads of the design's law.
 
-    The half-space, the bonded layer and the true block where there is a block, and the model of the
-    design's law if it is another one; nothing for surfaces of more than 1,500 asperities. No page waits
-    for the true block's influence: it is there once it has been computed. Also returns what was left out.
+    The models are the half-space, with a block also the bonded layer and the true block, and the model of
+    the design's law if it is another one. Surfaces of more than 1,500 asperities are not compared. The true
+    block is included only if its influence has been computed before. The notes say what was left out.
     """
     if design.surface.count > MOST_COMPARED:
         return (), ()
     found = laws_on_substrates(design.surface, design.law.load, wait=False)
     independent = found.law["independent"]
     laws = {law.model.name: law for law in found.law.values() if law.model.couples}
-    # a law whose own coupling is one of these has the same model
+    # the law of a design under one of these models is among them
     if design.law.model not in (Independent(), *(law.model for law in laws.values())):
         laws[design.law.model.name] = design.law
     comparisons = tuple(

@@ -1,4 +1,4 @@
-"""Figures of the finite elements, and the page's section that shows them."""
+"""The report's section on finite elements, and its figures."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ EDGE_VIEW = 0.3
 def elements_section(design: Design) -> dict[str, Any]:
     """Return tables and figures of the finite elements: the checks, and this design's tallest cap.
 
-    The cap is pressed as far as independent asperities press it at the design's largest load. Takes about
-    a minute.
+    The contact radius of the cap is that of independent asperities at the design's largest load. The
+    computation takes about a minute.
     """
     from metafem import fe
 
@@ -49,7 +49,9 @@ def elements_section(design: Design) -> dict[str, Any]:
     tallest = int(surface.height.argmax())
     a, radius = math.sqrt(float(state.asperity_area[tallest]) / math.pi), float(surface.radius[tallest])
     nu = surface.material.poisson_ratio
-    figures = [svg(hertz_figure(fe.press(a, radius, nu), radius), "Pressure and field against Hertz's")]
+    figures = [
+        svg(hertz_figure(fe.press(a, radius, nu), radius), "Pressure and displacement against Hertz's")
+    ]
     reason = ""
     try:
         figures += _cap_figures(design, a, tallest)
@@ -85,7 +87,7 @@ def _cap_figures(design: Design, a: float, tallest: int) -> list[str]:
 
 
 def mesh_figure(mesh: Any, cap: Cap, contact_radius: float) -> Figure:
-    """Mesh of a cap, whole and at the contact's edge, with its curved sides."""
+    """Mesh of a cap with its curved edges: the whole mesh, and a view of the contact's edge."""
     figure = new_figure(8.0, 3.6)
     share = np.linspace(0.0, 1.0, 9)
     lines = [

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from metafem.surface import Friction
 
-# Loads at which sensitivities are drawn, of a law's hundred.
+# Number of loads at which sensitivities are drawn; a law has a hundred.
 SENSITIVITY_LOADS = 33
 
 # For labels on the left and below, whose numbers have seven characters at most [inch].
@@ -29,7 +29,7 @@ MARGINS = (0.9, 0.2, 0.6, 0.2)
 
 
 def law_figure(design: Design) -> Figure:
-    """Target and achieved law, and below it the relative difference of which the misfit is made."""
+    """Target and achieved law, and below it the relative difference that defines the misfit."""
     figure = new_figure(7.0, 5.6, (0.9, 0.8, 0.6, 0.6))
     ax, below = figure.subplots(2, 1, sharex=True, height_ratios=[3, 1], gridspec_kw={"hspace": 0.08})
     _draw_reach(design, ax)
@@ -58,13 +58,15 @@ def _draw_difference(design: Design, ax: Axes) -> None:
 
 
 def _draw_reach(design: Design, ax: Axes) -> None:
-    """Draw the bounds of all surfaces where the target is a curve."""
+    """Draw the bounds of all independent surfaces, if the target is a curve."""
     wanted = design.wanted
     if design.density is not None or few(wanted):
         return
     bounds = np.linspace(0.0, float(wanted.load[-1]), 200)[1:]
     low, high = feasible_region(design.template, bounds, design.limits, design.radii)
-    ax.fill_between(bounds, low, high, color=QUIET, alpha=0.12, lw=0, label="reach of independent asperities")
+    ax.fill_between(
+        bounds, low, high, color=QUIET, alpha=0.12, lw=0, label="achievable with independent asperities"
+    )
     ax.set_ylim(top=1.5 * float(design.law.area[-1]))
 
 
@@ -131,7 +133,7 @@ def sensitivity_figure(design: Design) -> Figure:
 
 
 def _force_axes(design: Design, ax: Axes) -> None:
-    """Add the forces of the material pair on the far sides."""
+    """Add the forces of the material pair on the top and right axes."""
     friction, modulus = design.surface.friction, design.surface.material.composite_modulus
     top = ax.secondary_xaxis("top", functions=_scaling(modulus))
     top.set_xlabel("load P [N]")

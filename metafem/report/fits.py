@@ -1,4 +1,4 @@
-"""Straight branches that were asked for and found, as a table in the units of the target."""
+"""Table of target and fitted branches in the units of the target."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from metafem.prediction.friction_law import BranchFit
 
 
 def fit_table(design: Design) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
-    """Return headings and rows: as slopes of rescaled values, or as friction coefficients and newtons.
+    """Return headings and rows, with slopes of rescaled values or friction coefficients and newtons.
 
-    The target's intercept is that of the line, or of the density's asymptote where it is known. A law asked
-    for by slopes on a surface with a Friction has its friction coefficients, and its intercepts in newtons,
-    in two more columns.
+    The target's intercept is that of the line, or of the density's asymptote if it is known. If the target
+    is given by slopes and the surface has a Friction, two more columns hold the friction coefficients and the
+    intercepts in newtons.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Models in the words of a user."""
+"""Texts for models and misfits."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from dataclasses import fields, is_dataclass
 from metafem.inversion import Design
 from metafem.models import Model
 
-# Misfits at or below this are not told apart from none: the promise of an exact design.
+# A misfit up to this value is printed as a bound: the tolerance of exact designs.
 EXACT = 1e-9
 
 
 def in_python(value: object) -> str:
-    """Return a model as it is written in Python, without what is left at its default.
+    """Return a model as Python code, without arguments at their defaults.
 
     Examples
     --------
@@ -32,7 +32,7 @@ def in_python(value: object) -> str:
 
 
 def model_data(model: Model) -> dict[str, str]:
-    """Return a model's name and how it is written in Python, for JSON.
+    """Return a model's name and its Python code, for JSON.
 
     Examples
     --------
@@ -44,7 +44,7 @@ def model_data(model: Model) -> dict[str, str]:
 
 
 def misfit_words(design: Design) -> tuple[str, str]:
-    """Return what a design's misfit is, and its value.
+    """Return the meaning of a design's misfit, and its value.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""What a user should know before making a part."""
+"""Notes on a design for its report."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from metafem.notes import Note
 
 
 def all_notes(design: Design, hardness: float | None = None) -> tuple[Note, ...]:
-    """Return what is to be said of a design, warnings first: its notes and the plasticity index.
+    """Return the notes of a design and of its plasticity index, warnings first.
 
     Parameters
     ----------
     design : Design
     hardness : float, optional
-        H of the softer material [MPa]; without it the plasticity index is not evaluated.
+        H of the softer material [MPa]; default: None, the plasticity index is not evaluated.
     """
     found = [*design.notes]
     if hardness is not None:

@@ -1,4 +1,4 @@
-"""The page of one design: one HTML text that opens offline."""
+"""The report of one design: one HTML text that opens offline."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ from metafem.report.views import MOST_SHAPED, contact_figure, height_figure, sev
 
 Row = tuple[str, str, str]
 
-# Radii of the summits that are named one by one.
+# Largest number of different radii that are listed one by one.
 MOST_NAMED = 5
 
-# Summits that are listed; all of them stand in heights.csv.
+# Largest number of summits in the table; heights.csv lists all.
 MOST_LISTED = 200
 
-# Numbers of one parameter that are printed.
+# Largest number of printed values of one parameter.
 MOST_PRINTED = 24
 
-# Units and words of the parameters that inversions report.
+# Labels, units and factors of the parameters that inversions report.
 PARAMETERS = {
     "scale": ("scale λ of the height density", "µm", 1e3),
     "weight": ("weight u of the upper branch", "", 1.0),
@@ -41,7 +41,7 @@ PARAMETERS = {
     "foot_load": ("rescaled load at which the plane reaches the lowest asperity", "mm²", 1.0),
     "counts": ("numbers of asperities", "", 1.0),
     "levels": ("levels above the base", "µm", 1e3),
-    "prefactor": ("prefactor C of the power", "mm^(2-2β)", 1.0),
+    "prefactor": ("prefactor C of the power law", "mm^(2-2β)", 1.0),
     "intercepts": ("intercepts of the branches", "mm²", 1.0),
     "adjustment_heights": ("adjustment heights above the base", "µm", 1e3),
     "load_range": ("rescaled loads over which friction is proportional to load", "mm²", 1.0),
@@ -53,16 +53,16 @@ PARAMETERS = {
     "highest_coefficients": ("highest friction coefficients of linear laws with them", "", 1.0),
     "used_radii": ("radii in use", "µm", 1e3),
     "radius_counts": ("numbers of asperities with them", "", 1.0),
-    "lowest_radius": ("least radius in use", "µm", 1e3),
+    "lowest_radius": ("smallest radius in use", "µm", 1e3),
     "highest_radius": ("largest radius in use", "µm", 1e3),
     "level_radii": ("radii of the levels", "µm", 1e3),
     "adjustment_radii": ("radii of the adjustment asperities", "µm", 1e3),
-    "reachable_coefficients": ("friction coefficients of linear laws within reach: from, to", "", 1.0),
-    "layout_before": ("misfit of the places as dealt", "%", 100.0),
-    "layout_after": ("misfit of the places as arranged", "%", 100.0),
-    "step_levels": ("levels on the steps, above the base", "µm", 1e3),
-    "step_counts": ("numbers of asperities on them", "", 1.0),
-    "step_loss": ("misfit that the steps add", "%", 100.0),
+    "reachable_coefficients": ("achievable friction coefficients of linear laws: from, to", "", 1.0),
+    "layout_before": ("misfit with the initial assignment of heights to sites", "%", 100.0),
+    "layout_after": ("misfit with the optimised assignment", "%", 100.0),
+    "step_levels": ("levels after quantisation, above the base", "µm", 1e3),
+    "step_counts": ("numbers of asperities on these levels", "", 1.0),
+    "step_loss": ("misfit added by quantisation", "%", 100.0),
 }
 
 
@@ -108,7 +108,7 @@ def page(design: Design, hardness: float | None = None, *, checks: bool = False)
         if (friction := design.surface.friction) is None
         else svg(force_figure(design, friction), "Friction force and friction coefficient"),
         shape=svg(shape_figure(design), "The surface seen at an angle"),
-        heights=svg(height_figure(design), "Summit heights at their places"),
+        heights=svg(height_figure(design), "Summit heights at their sites"),
         sensitivities=svg(sensitivity_figure(design), "Sensitivity of A0 to each height")
         if design.surface.count <= MOST_COMPARED
         else "",
@@ -135,14 +135,14 @@ def _tiles(design: Design) -> list[tuple[str, str]]:
     heights = design.surface.height * 1e3
     return [
         misfit_words(design),
-        ("places with an asperity", f"{design.surface.count} of {design.template.count}"),
+        ("sites with an asperity", f"{design.surface.count} of {design.template.count}"),
         ("heights", f"{heights.min():.1f} – {heights.max():.1f} µm"),
         ("largest load shown", f"{design.law.load[-1]:.3g} N"),
     ]
 
 
 def parameter_rows(design: Design) -> list[Row]:
-    """Return what the inversion solved for as words, values and units."""
+    """Return the parameters of the inversion as labels, values and units."""
     rows = []
     for name, value in design.parameters.items():
         words, unit, factor = PARAMETERS[name]
@@ -154,7 +154,7 @@ def parameter_rows(design: Design) -> list[Row]:
 
 
 def _summits(design: Design) -> dict[str, Any]:
-    """Return the table of the summits, the first ones where there are many."""
+    """Return the table of the summits, or of the first ones if there are many."""
     surface = design.surface
     columns = ("site", "x [mm]", "y [mm]", "height [µm]", "radius [µm]")[: 4 + several_radii(surface)]
     rows = [
@@ -182,7 +182,7 @@ def _comparisons(comparisons: tuple[Comparison, ...]) -> list[tuple[str, ...]]:
 
 
 def _radii(design: Design) -> str:
-    """Return the one radius of the summits, the few, or their range."""
+    """Return the radii of the summits if they are few, or their range."""
     radii = np.unique(design.surface.radius) * 1e3
     if len(radii) > MOST_NAMED:
         return f"{radii[0]:.4g} – {radii[-1]:.4g}"
@@ -195,7 +195,7 @@ def _inputs(design: Design) -> list[Row]:
         ("composite modulus E*", f"{surface.material.composite_modulus:g}", "MPa"),
         ("Poisson's ratio ν", f"{surface.material.poisson_ratio:g}", ""),
         ("summit radius R", _radii(design), "µm"),
-        ("places for asperities", f"{surface.count}", ""),
+        ("sites for asperities", f"{surface.count}", ""),
         ("largest height h_m", f"{design.limits.max_height * 1e3:g}", "µm"),
         ("offset h_0", f"{design.limits.offset * 1e3:g}", "µm"),
     ]
@@ -207,7 +207,10 @@ def _inputs(design: Design) -> list[Row]:
     if surface.block is not None:
         block = surface.block
         rows.append(("block", f"{block.width:g} × {block.length:g} × {block.thickness:g}", "mm"))
-    for name, value in (("level step", design.limits.height_step), ("height error", design.limits.height_sd)):
+    for name, value in (
+        ("height step", design.limits.height_step),
+        ("height error", design.limits.height_sd),
+    ):
         if value is not None:
             rows.append((name, f"{value * 1e3:g}", "µm"))
     words = "load at which the plane reaches the base plane"
@@ -215,5 +218,5 @@ def _inputs(design: Design) -> list[Row]:
         onset = surface.material.composite_modulus * base_contact_load(design.surface, design.law.model)
         rows.append((words, f"{onset:.4g}", "N"))
     except MetafemError as reason:
-        rows.append((words, f"not known: {reason}", ""))
+        rows.append((words, f"unknown: {reason}", ""))
     return rows

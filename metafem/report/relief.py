@@ -1,4 +1,4 @@
-"""A surface of caps as it looks from above at an angle, as an image."""
+"""Image of a surface of caps, seen from above at an angle."""
 
 from __future__ import annotations
 
@@ -10,28 +10,28 @@ from numpy.typing import NDArray
 
 from metafem.drawing import FloatArray
 
-# Fields of a million points, for a picture.
+# Single precision is enough for the pixels of a picture.
 Single = NDArray[np.float32]
 
-# From where the surface is seen: turned about the normal, and above the base plane.
+# Direction of view: rotation about the normal, and elevation above the base plane.
 TURN, RISE = math.radians(30.0), math.radians(38.0)
 
-# Light from the left, the front and above, and the share that is light from everywhere.
+# Direction of light: from the left, the front and above; fraction of ambient light.
 LIGHT, AMBIENT = np.array([-0.5, -0.35, 0.8]), 0.4
 
-# Pixels across; each is the mean of so many samples along both directions.
+# Number of pixels across; number of samples per pixel along each direction.
 PIXELS, SAMPLES = 700, 2
 
-# Height of the tallest summit in the picture over the distance of summits, and the factors in use.
+# Drawn height of the tallest summit over the distance of summits; allowed exaggeration factors.
 TALL, FACTORS = 0.45, (1, 2, 3, 5, 10, 20, 50, 100, 200, 500, 1000)
 
-# Thickness of the block's shown sides over its extent, and how bright its faces are.
+# Drawn thickness of the block over its extent; brightness of its faces.
 SIDE, BASE_TONE, LEFT_TONE, RIGHT_TONE = 0.03, 0.97, 0.72, 0.6
 
 
 @dataclass(frozen=True, eq=False)
 class Relief:
-    """An image, and where it stands in the plane onto which points are projected [mm].
+    """An image, and its extent in the plane of projection [mm].
 
     Attributes
     ----------
@@ -40,7 +40,7 @@ class Relief:
     extent : (float, float, float, float)
         Left, right, lower and upper edge [mm].
     factor : int
-        By which heights are exaggerated.
+        Exaggeration of the heights.
     """
 
     image: FloatArray
@@ -49,13 +49,13 @@ class Relief:
 
 
 def turned(place: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return how far right and how far away places (..., 2) [mm] are for the viewer."""
+    """Return the distances of points (..., 2) [mm] to the right and away from the viewer."""
     x, y = place[..., 0], place[..., 1]
     return x * math.cos(TURN) + y * math.sin(TURN), y * math.cos(TURN) - x * math.sin(TURN)
 
 
 def projected(place: FloatArray, height: float = 0.0) -> FloatArray:
-    """Return where points over places (..., 2) [mm] stand in the picture (..., 2) [mm]."""
+    """Return the picture coordinates (..., 2) [mm] of points at a height above `place` (..., 2) [mm]."""
     right, away = turned(place)
     return np.stack([right, away * math.sin(RISE) + height * math.cos(RISE)], axis=-1)
 
@@ -80,7 +80,7 @@ def relief(
     side = SIDE * float(np.ptp(right))
     rows = np.arange(float(up[inside].min()) - side, float(up.max()) + step, step)
     image = np.zeros((len(rows), len(u), 4), np.float32)
-    # what is seen in each column at each height of the picture: the first point that is as high up there
+    # the visible point in each column at each height of the picture: the first one that reaches this height
     seen = np.stack([np.searchsorted(column, rows) for column in top.T], axis=1)
     front = top[inside.argmax(axis=0), np.arange(len(u))]
     hit = (rows[:, None] >= front) & (seen < len(v)) & np.isfinite(front)
@@ -88,7 +88,7 @@ def relief(
     tone = np.append(colour[:, :3], [[BASE_TONE] * 3], axis=0).astype(np.float32)
     image[hit, :3] = tone[owner[seen[hit], column]] * _shade(z, step)[seen[hit], column, None]
     wall = (rows[:, None] < front) & (rows[:, None] >= front - side)
-    corner = float(right[2])  # the one in front: largest x, smallest y
+    corner = float(right[2])  # the front corner: largest x, smallest y
     image[wall, :3] = np.broadcast_to(np.where(u < corner, LEFT_TONE, RIGHT_TONE), wall.shape)[wall][:, None]
     image[hit | wall, 3] = 1.0
     extent = (float(u[0]), float(u[-1]), float(rows[0]), float(rows[-1]))
@@ -98,7 +98,7 @@ def relief(
 def _field(
     u: FloatArray, v: FloatArray, position: FloatArray, top: FloatArray, radius: FloatArray, factor: int
 ) -> tuple[Single, NDArray[np.int32]]:
-    """Return the drawn height at the grid (v, u), and which cap it is of; -1 for the base."""
+    """Return the drawn height on the grid (v, u), and the index of the cap there; -1 for the base."""
     z, owner = np.zeros((len(v), len(u)), np.float32), np.full((len(v), len(u)), -1, np.int32)
     right, away = turned(position)
     for i in np.flatnonzero(top > 0.0):
@@ -115,7 +115,7 @@ def _field(
 
 
 def _shade(z: Single, step: float) -> FloatArray:
-    """Return how bright each point is, 1 for a plane."""
+    """Return the brightness of each point; 1 for the base plane."""
     along, across = np.gradient(z, step)
     light = [float(part) for part in LIGHT / np.linalg.norm(LIGHT)]
     lit = np.maximum(light[2] - across * light[0] - along * light[1], 0.0)
@@ -131,7 +131,7 @@ def _inside(u: FloatArray, v: FloatArray, corners: FloatArray) -> NDArray[np.boo
 
 
 def _averaged(image: Single) -> FloatArray:
-    """Return the image with each square of samples made one pixel."""
+    """Return the image with each square of samples averaged to one pixel."""
     rows, columns = (size - size % SAMPLES for size in image.shape[:2])
     image[..., :3] *= image[..., 3:]
     parts = image[:rows, :columns].reshape(rows // SAMPLES, SAMPLES, columns // SAMPLES, SAMPLES, 4)

@@ -1,4 +1,4 @@
-"""Views of a surface: its heights, its shape and its contacts."""
+"""Views of a surface: heights, shape and contacts."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-# The three loads of the contact views, as shares of the largest load of the law.
+# The three loads of the contact views, as fractions of the largest load of the law.
 VIEWED_LOADS = (0.1, 0.4, 1.0)
 
-# Diameters of the rings of open summits and of the smallest contacts, over the distance of summits: what is
-# smaller could not be seen.
+# Diameter of the rings of open summits, and the smallest drawn diameter of contacts, over the distance of
+# summits: smaller circles would be invisible.
 RING, LEAST_DOT = 0.3, 0.1
 
-# Places in the view of the shape, at most: of more, those around the tallest summit.
+# Largest number of sites in the view of the shape; of more, the part around the tallest summit is shown.
 MOST_SHAPED = 400
 
 
@@ -37,21 +37,21 @@ def several_radii(surface: Surface) -> bool:
 
 
 def height_figure(design: Design) -> Figure:
-    """Heights at their places, the diameters in proportion to radii that differ; empty places as rings."""
+    """Heights at their sites, with diameters proportional to different radii; empty sites as rings."""
     figure = new_figure(5.0, 4.2, (0.7, 0.4, 0.8, 0.3))
     ax = figure.add_subplot()
     empty = np.setdiff1d(np.arange(design.template.count), design.sites)
     drawing.empty_places(ax, design.template.position[empty])
     design.surface.plot(ax)
     if empty.size:
-        ax.set_title(f"{empty.size} places stay empty (rings)", fontsize=10, color=QUIET)
+        ax.set_title(f"{empty.size} sites stay empty (rings)", fontsize=10, color=QUIET)
     return figure
 
 
 def contact_figure(design: Design) -> Figure:
     """Top views at three loads: contacts as discs to scale, summits that are not in contact as rings.
 
-    Of many summits those about the tallest.
+    Of many summits, those around the tallest are shown.
     """
     figure = new_figure(9.6, 4.0, (0.7, 0.1, 0.6, 0.6))
     axes = figure.subplots(1, len(VIEWED_LOADS), sharex=True, sharey=True, gridspec_kw={"wspace": 0.05})
@@ -75,7 +75,7 @@ def contact_figure(design: Design) -> Figure:
 
 
 def shape_figure(design: Design) -> Figure:
-    """The surface seen at an angle, coloured by height; of many summits those about the tallest."""
+    """The surface seen at an angle, coloured by height; of many summits, those around the tallest."""
     surface = design.surface
     corners, shown = _shown(surface)
     height = surface.height[shown]
@@ -94,9 +94,9 @@ def shape_figure(design: Design) -> Figure:
 
 
 def _shown(surface: Surface) -> tuple[FloatArray, NDArray[np.bool_]]:
-    """Return two corners [mm] of what is shown, and which summits (n,) stand between them.
+    """Return two corners [mm] of the shown part, and which summits (n,) are in it.
 
-    Half a distance of summits beyond the outer ones, within the block.
+    The part extends by half the distance of summits beyond the outer ones, within the block.
     """
     place = surface.position
     apart = drawing.spacing(place)
@@ -113,7 +113,7 @@ def _shown(surface: Surface) -> tuple[FloatArray, NDArray[np.bool_]]:
 
 
 def _name_edges(ax: Axes, corners: FloatArray, side: float) -> None:
-    """Write along the two edges in front which they are and how long."""
+    """Label the two front edges with their axis and length."""
     (left, front), (right, back) = corners
     edges = (("x", (left, front), (right, front)), ("y", (right, front), (right, back)))
     for name, begin, end in edges:

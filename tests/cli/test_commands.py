@@ -51,11 +51,11 @@ def test_radii_and_layout_of_a_specification_are_designed(run):
     Path("tools.toml").write_text(text + '[radii]\ntools = ["526 um", "300 um"]\n', "utf-8")
     result = run("design", "tools.toml", "-o", "tools")
     assert result.exit_code == 0, result.output
-    assert "misfit of the places as arranged" in " ".join(result.output.split())
+    assert "misfit with the optimised assignment" in " ".join(result.output.split())
     found = mf.load("tools")
     assert found.layout.tilt == pytest.approx(0.1 * 3.141592653589793 / 180.0)
     assert found.parameters["tried_radii"].tolist() == [0.3, 0.526]
-    assert "misfit of the places as arranged" in Path("tools/report.html").read_text("utf-8")
+    assert "misfit with the optimised assignment" in Path("tools/report.html").read_text("utf-8")
 
 
 @pytest.mark.parametrize("command", [(), *((name,) for name in cli.main.commands)])
@@ -168,15 +168,18 @@ def test_predict_reads_a_folder_and_a_table(run):
     ("arguments", "words"),
     [
         (("predict", "none.csv"), "none.csv: no such file or folder"),
-        (("predict", "table.csv"), "needs --composite-modulus or --young-modulus"),
-        (("predict", "table.csv", "--composite-modulus", "1 MPa", "--young-modulus", "1 MPa"), "one of them"),
+        (("predict", "table.csv"), "needs either --composite-modulus or --young-modulus"),
+        (
+            ("predict", "table.csv", "--composite-modulus", "1 MPa", "--young-modulus", "1 MPa"),
+            "either --composite",
+        ),
         (("predict", "table.csv", "--composite-modulus", "1 MPa", "--area-ratio", "0.85"), "needed together"),
-        (("predict", ".", "--poisson-ratio", "0.3"), "--poisson-ratio: for tables of heights alone"),
+        (("predict", ".", "--poisson-ratio", "0.3"), "--poisson-ratio: only for tables of heights"),
         (("predict", "table.csv", "--composite-modulus", "1.36 mm"), "--composite-modulus"),
         (("predict", "table.csv", "--composite-modulus", "1.36 MPa"), "table.csv is empty"),
         (
             ("predict", ".", "--composite-modulus", "1 MPa"),
-            "--composite-modulus: for tables of heights alone",
+            "--composite-modulus: only for tables of heights",
         ),
         (("predict", "."), "no such file; name a result folder"),
         (("report", "."), "no such file; name a result folder"),
@@ -237,7 +240,7 @@ def test_a_table_is_predicted_on_a_layer_of_a_thickness(run):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (("--model", "layer"), '--model layer needs the block\'s sizes, .* add --thickness "7.2 mm"'),
+        (("--model", "layer"), '--model layer needs the block\'s dimensions, .* add --thickness "7.2 mm"'),
         (("--model", "block", *SIDES), 'add --thickness "7.2 mm"$'),
         (("--thickness", "7.2 mm"), 'a block needs .* add --width "20 mm" --length "20 mm"'),
         (("--thickness", "7.2"), "--thickness .* needs a unit"),

@@ -75,7 +75,7 @@ def test_a_cache_that_cannot_be_written_is_said(tmp_path, monkeypatch):
     monkeypatch.setenv(_caches.VARIABLE, str(tmp_path / "file"))
     found, well = examination._cache()
     assert not well
-    assert "compiles its kernels anew, unless METAFEM_CACHE_DIR names another folder" in found
+    assert "compiles its kernels again; set METAFEM_CACHE_DIR to a writable folder" in found
 
 
 def test_clearing_says_how_much_was_freed(folder):

@@ -109,7 +109,7 @@ def test_a_layer_without_a_block_is_refused_for_a_folder(small):
     template = mf.Surface.square_lattice(0.12, (2, 2), radius=0.526, material=mf.Material(1.36))
     mf.save(mf.design(mf.OperatingPoints([0.01], [0.1]), template), "bare")
     result = CliRunner().invoke(cli.main, ["predict", "bare", "--model", "layer"])
-    assert (result.exit_code, "design it anew with a section [block]" in result.stderr) == (2, True)
+    assert (result.exit_code, "design it again with a section [block]" in result.stderr) == (2, True)
 
 
 @pytest.mark.parametrize(

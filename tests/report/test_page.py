@@ -50,7 +50,7 @@ def test_page_tells_of_tools_and_steps(template):
     ):
         assert words in text
     assert "heights stand on steps of 2 um" in text
-    assert "numbers of asperities on them" in text
+    assert "numbers of asperities on these levels" in text
 
 
 @pytest.mark.parametrize(
@@ -139,7 +139,7 @@ def test_a_page_of_thousands_of_summits_is_small():
     text = page(mf.design(mf.LinearLaw(6.87), template))
     assert len(text) < 1.5e6  # the 2.8 MB of marks and rows grew with the number of summits
     assert "The first 200 of 1600 summits; heights.csv lists all of them" in text
-    assert "surroundings of the tallest summit" in text
+    assert "part of the surface around the tallest summit" in text
 
 
 def test_forces_are_shown_where_there_is_a_friction(template):

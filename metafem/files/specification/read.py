@@ -122,7 +122,7 @@ def refuse_missing_block(model: Model, surface: Surface, remedy: str) -> None:
         substrate.for_surface(surface)
     except InvalidInput:
         raise InvalidInput(
-            f"the model on {type(substrate).__name__} needs the block's sizes: {remedy}"
+            f"the model on {type(substrate).__name__} needs the block's dimensions: {remedy}"
         ) from None
 
 
