@@ -47,7 +47,9 @@ def _repeat(error: BaseException | None) -> bool:
     """Repeat the signal of an exception that was dropped."""
     if not isinstance(error, Stopped) or not isinstance(error.code, int):
         return False
-    again = threading.Timer(AGAIN, signal.raise_signal, (error.code - 128,))
+    # to the main thread: a signal to another one does not end what the main thread waits for
+    main = threading.main_thread().ident
+    again = threading.Timer(AGAIN, signal.pthread_kill, (main, error.code - 128))
     again.daemon = True
     again.start()
     return True

@@ -49,6 +49,7 @@ def test_a_signal_in_the_callback_of_a_weak_reference_is_not_lost(capsys):
     def work(things):
         things.clear()
         threading.Event().wait(10.0)
+        pytest.fail("the signal did not end what the command waited for")
 
     with pytest.raises(SystemExit) as end, stopped_by_signals():
         work(things)

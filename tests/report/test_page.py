@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -18,11 +19,29 @@ TARGETS = {
 }
 
 
+@pytest.fixture(scope="module")
+def paper():
+    """Return one of the paper's designs and its page, made once for all tests."""
+    template = mf.Surface.square_lattice(
+        0.12,
+        radius=0.526,
+        material=mf.Material(1.36),
+        friction=mf.Friction(0.358, 0.85),
+        block=mf.Block(20.0, 20.0, 7.2),
+    )
+
+    @cache
+    def call(kind):
+        target, limits = TARGETS[kind]
+        design = mf.design(target, template, limits=limits)
+        return design, page(design)
+
+    return call
+
+
 @pytest.mark.parametrize("kind", TARGETS)
-def test_page_is_self_contained_and_reproducible(template, kind):
-    target, limits = TARGETS[kind]
-    design = mf.design(target, template, limits=limits)
-    text = page(design)
+def test_page_is_self_contained_and_reproducible(paper, kind):
+    design, text = paper(kind)
     assert text == page(design)
     links = re.findall(r"""(?:src|href)="([^"]*)"|url\(([^)]*)\)""", text)
     assert {(first or second)[0] for first, second in links} <= {
@@ -127,11 +146,10 @@ def test_the_bar_is_red_for_warnings_alone(template):
     assert '<section class="warned">' in page(fine)
 
 
-def test_seeds_are_told_of_where_places_were_dealt(template):
-    limits = mf.Limits(0.12)
-    dealt = mf.design(mf.LinearLaw(6.87), template, limits=limits)
+def test_seeds_are_told_of_where_places_were_dealt(paper):
+    dealt, text = paper("linear")
     placed = replace(dealt, layout=mf.Layout())
-    assert ("another seed" in page(dealt), "another seed" in page(placed)) == (True, False)
+    assert ("another seed" in text, "another seed" in page(placed)) == (True, False)
 
 
 def test_a_page_of_thousands_of_summits_is_small():
@@ -142,9 +160,8 @@ def test_a_page_of_thousands_of_summits_is_small():
     assert "part of the surface around the tallest summit" in text
 
 
-def test_forces_are_shown_where_there_is_a_friction(template):
-    bare = template.replaced(friction=None)
-    bare, rubbed = (page(mf.design(mf.LinearLaw(6.87), each)) for each in (bare, template))
+def test_forces_are_shown_where_there_is_a_friction(template, paper):
+    bare, rubbed = page(mf.design(mf.LinearLaw(6.87), template.replaced(friction=None))), paper("linear")[1]
     for words in ("friction force  F [N]", "friction coefficient  μ = F/P"):
         assert (words in bare, words in rubbed) == (False, True)
 
@@ -192,9 +209,8 @@ def test_page_warns_of_what_interaction_changes(template, changes):
 
 
 @pytest.mark.parametrize("kind", TARGETS)
-def test_page_of_the_paper_is_free_of_false_alarms(template, kind):
-    target, limits = TARGETS[kind]
-    text = page(mf.design(target, template, limits=limits))
+def test_page_of_the_paper_is_free_of_false_alarms(paper, kind):
+    text = paper(kind)[1]
     assert not re.findall("use the model (layer|half-space|resolved)", text)
     assert "base plane would touch" not in text
 
