@@ -5,12 +5,17 @@ from __future__ import annotations
 import signal
 import sys
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from types import FrameType
+from types import CodeType, FrameType
 
 # Seconds after which a signal is repeated if its exception was lost; no destructor runs longer.
 AGAIN = 0.01
+
+# Code of the hooks that see dropped exceptions, and signals that wait to be repeated.
+_HOOKS: set[CodeType] = set()
+_repeated: set[int] = set()
 
 
 class Stopped(SystemExit):
@@ -30,16 +35,29 @@ def stopped_by_signals() -> Iterator[None]:
         for each in (signal.SIGINT, signal.SIGTERM):
             if signal.getsignal(each) not in (signal.SIG_IGN, None):
                 before[each] = signal.signal(each, _stop)
-        sys.unraisablehook = lambda lost: None if _repeat(lost.exc_value) else hook(lost)
+
+        def lost(dropped: sys.UnraisableHookArgs) -> None:
+            if not _repeat(dropped.exc_value):
+                hook(dropped)
+
+        _HOOKS.add(lost.__code__)
+        sys.unraisablehook = lost
     try:
         yield
     finally:
         for each, handler in before.items():
             signal.signal(each, handler)
         sys.unraisablehook = hook
+        _repeated.clear()
 
 
 def _stop(number: int, frame: FrameType | None) -> None:
+    while frame is not None:
+        if frame.f_code in _HOOKS:  # where an exception is dropped as well
+            _again(number)
+            return
+        frame = frame.f_back
+    _repeated.clear()
     raise Stopped(128 + number)
 
 
@@ -47,9 +65,21 @@ def _repeat(error: BaseException | None) -> bool:
     """Repeat the signal of an exception that was dropped."""
     if not isinstance(error, Stopped) or not isinstance(error.code, int):
         return False
-    # to the main thread: a signal to another one does not end what the main thread waits for
-    main = threading.main_thread().ident
-    again = threading.Timer(AGAIN, signal.pthread_kill, (main, error.code - 128))
-    again.daemon = True
-    again.start()
+    _again(error.code - 128)
     return True
+
+
+def _again(number: int) -> None:
+    """Send a signal again until its exception is raised, if that is not under way."""
+    if number not in _repeated:
+        _repeated.add(number)
+        threading.Thread(target=_send, args=(number,), daemon=True).start()
+
+
+def _send(number: int) -> None:
+    main = threading.main_thread().ident
+    time.sleep(AGAIN)
+    while main is not None and number in _repeated:
+        # to the main thread: a signal to another one does not end what the main thread waits for
+        signal.pthread_kill(main, number)
+        time.sleep(AGAIN)
