@@ -1,4 +1,4 @@
-"""How near a surface's law is to what was asked for."""
+"""Difference of a surface's law from the target."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from metafem.models import Independent, Model
 from metafem.prediction.friction_law import BranchFit, friction_law
 from metafem.surface import Material, Surface
 
-# Promise of an exact design: relative error of the friction at each load asked for.
+# Tolerance of an exact design: relative error of the friction at each load of the target.
 EXACT = 1e-9
 
-# A law of any shape counts as reached within this rms: the made part will be off by as much.
+# A law of any shape counts as reached within this rms: manufacturing errors change the law by as much.
 REACHED = 0.01
 
-# A straight branch of few asperities further off than this has missed its target; the source paper
-# counts 10 % on its crossover load, the loosest of its comparisons, as a success.
+# A straight branch with few asperities misses its target beyond this misfit. Aymard et al. count 10 % on the
+# crossover load, the largest difference in their comparisons, as a success.
 MISSED = 0.1
 
-# Points on a straight branch when its slope is judged.
+# Number of loads at which the slope of a straight branch is fitted.
 BRANCH_POINTS = 76
 
 
@@ -40,9 +40,9 @@ class DesignStatus(Enum):
 def found_parameters(
     surface: Surface, model: Model, blueprint: Blueprint, target: object, moved: bool
 ) -> dict[str, Parameter]:
-    """Return the blueprint's parameters as the final law and heights have them.
+    """Return the blueprint's parameters, updated to the final law and heights.
 
-    Those that the target left open are found anew; levels are no longer where heights were moved.
+    Parameters that the target leaves open are fitted again. Levels are left out where heights were changed.
     """
     wanted = blueprint.wanted
     if blueprint.exact and moved:
@@ -69,10 +69,10 @@ def branch_fits(surface: Surface, model: Model, blueprint: Blueprint) -> tuple[t
 def largest_misfit(
     surface: Surface, model: Model, blueprint: Blueprint, fits: tuple[tuple[Branch, BranchFit], ...]
 ) -> float:
-    """Return the largest relative deviation: of the law from the wanted one, and of fitted slopes.
+    """Return the largest relative deviation, of the law from the target or of a fitted slope.
 
-    The former at any load where the law is judged pointwise, which bounds the slopes; else in the root mean
-    square.
+    Where the law is compared pointwise, the deviation of the law is its largest at any load, which bounds
+    the slopes. Otherwise it is the root mean square.
     """
     wanted = blueprint.wanted
     area = friction_law(surface, model, load=surface.material.composite_modulus * wanted.load).area
@@ -84,7 +84,7 @@ def largest_misfit(
 def misfit_meaning(
     pointwise: bool, density: bool, fits: tuple[tuple[Branch, BranchFit], ...], misfit: float
 ) -> str:
-    """Return what a misfit is, in words: the one of the deviations above that is the largest."""
+    """Return in words which of these deviations the misfit is."""
     if pointwise:
         return "largest difference from the target"
     if fits and misfit <= worst_slope(fits):
@@ -98,7 +98,7 @@ def worst_slope(fits: tuple[tuple[Branch, BranchFit], ...]) -> float:
 
 
 def independent_misfit(blueprint: Blueprint) -> float:
-    """Return the misfit of independent asperities, wherever they stand."""
+    """Return the misfit of independent asperities; it does not depend on the sites."""
     height, radius = blueprint.height, blueprint.radius
     surface = Surface.square_lattice(height, (1, len(height)), radius=radius, material=Material(1.0))
     model = Independent()
@@ -106,7 +106,7 @@ def independent_misfit(blueprint: Blueprint) -> float:
 
 
 def status_of(model: Model, blueprint: Blueprint, misfit: float, moved: bool) -> DesignStatus:
-    """Return how a design ended; a misfit that is not a number has missed."""
+    """Return how a design ended; a misfit of nan counts as missed."""
     if blueprint.density is None:
         if not misfit <= REACHED:
             return DesignStatus.MISSED

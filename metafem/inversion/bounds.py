@@ -15,7 +15,7 @@ from metafem.inversion.radii import Radii, RadiusRange
 from metafem.inversion.strategies.exponential import FINEST_SCALE_IN_SD
 from metafem.surface import Surface
 
-# Greenwood and Williamson's limit of mostly elastic contact.
+# Limit of mostly elastic contact by Greenwood and Williamson.
 ELASTIC_LIMIT = 0.6
 
 
@@ -25,10 +25,10 @@ def achievable_friction_coefficients(
 ) -> tuple[float, float]:
     """Bounds on the friction coefficient of a linear law.
 
-    The lower one is that of uniformly distributed heights, ``3 pi/4 sqrt(R/h_m) sigma B / E*``; the
-    upper one is that of the smallest scale that can be made, ten times `limits.height_sd`; without a
-    `height_sd` it is infinite. Where each asperity may have one of several radii, the lower one is that
-    of the least and the upper one that of the largest; mixtures give all between.
+    The lower bound is that of uniformly distributed heights, ``3 pi/4 sqrt(R/h_m) sigma B / E*``. The
+    upper bound is that of the smallest scale that can be made, ten times `limits.height_sd`; without a
+    `height_sd` it is infinite. Where each asperity may have one of several radii, the lower bound is that
+    of the least radius and the upper bound that of the largest; mixtures reach all values between.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ def achievable_friction_coefficients(
         With a friction, and one common radius unless `radii` is given.
     limits : Limits
     radii : RadiusRange or sequence of float, optional
-        What each asperity may have [mm], in place of the template's radius.
+        Radii that each asperity may have [mm]; default: the radius of the template.
 
     Returns
     -------
@@ -81,7 +81,7 @@ def achievable_friction_coefficients(
 def plasticity_index(surface: Surface, hardness: float) -> float:
     """Plasticity index of a surface, ``psi = E*/H sqrt(s/R)``.
 
-    With s the standard deviation of the heights and R the mean radius. An elastic model is suitable
+    Here s is the standard deviation of the heights and R the mean radius. An elastic model is suitable
     below 0.6; above, a MetafemWarning is issued.
 
     Parameters

@@ -1,4 +1,4 @@
-"""What an inversion hands to the design: heights and how to judge them."""
+"""Result of an inversion: heights, and the law with which they are compared."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Parameter = float | int | FloatArray | IntArray
 
 @dataclass(frozen=True)
 class Branch:
-    """A straight branch that the law should have: slope [-] and intercept [mm^2] over rescaled loads.
+    """A straight branch of the target: slope [-] and intercept [mm^2] over a range of rescaled loads.
 
     The intercept is None where the target leaves it open.
     """
@@ -27,11 +27,11 @@ class Branch:
 
 @dataclass(frozen=True, eq=False)
 class Blueprint:
-    """Heights above the base plane, tallest first (n,) [mm], with their radii, and what they are to achieve.
+    """Heights above the base plane, tallest first (n,) [mm], with their radii and the target law.
 
-    `wanted` is the law that heights for another model are to have; `stepped` heights stand on the
-    levels of the limits already. Where points are to be met exactly, summits that another model needs in
-    addition start below `spare_height` [mm].
+    `wanted` is the target of a refinement under another model. `stepped` heights are already on the levels
+    of the limits. Where points are to be met exactly, asperities that another model needs in addition
+    start below `spare_height` [mm].
     """
 
     height: FloatArray

@@ -1,4 +1,4 @@
-"""The one entry from a wanted law to a surface."""
+"""Design of a surface for a target law: `design` and its result."""
 
 from __future__ import annotations
 
@@ -58,36 +58,37 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Design(Value):
-    """A surface designed for a target, with the law it will have.
+    """A surface designed for a target, with its predicted law.
 
     Attributes
     ----------
     surface : Surface
         The asperities that exist.
     law : FrictionLaw
-        Their law under the chosen model.
+        Law of the surface under the model of the design.
     misfit : float
-        Largest relative deviation of the law from what was asked for [-]: of the friction at operating
-        points and on lines over a load range; else the root mean square over the loads asked for, and, if
-        larger, the largest of the fitted slopes of straight branches. `misfit_meaning` says which it is.
+        Relative deviation of the law from the target [-]. For operating points and lines over a load range
+        it is the largest at any load. Otherwise it is the root mean square over the loads of the target, or
+        the largest deviation of a fitted slope of a straight branch if that is larger. `misfit_meaning`
+        says which it is.
     status : DesignStatus
     parameters : mapping
         What the inversion solved for, read-only: ``scale`` [mm], ``weight``, ``crossover_height`` [mm],
         ``counts``, ``levels`` [mm], ...
     sites : ndarray of int, (n,)
-        Places of the asperities in the template, read-only.
+        Sites of the asperities in the template, read-only.
     target, template, limits
-        What was asked for.
+        The arguments of the design.
     fits : tuple of (Branch, BranchFit)
-        Straight branches asked for and found.
+        Straight branches of the target, each with the fit of the law.
     radii : RadiusRange, tuple of float or None
-        What each asperity's radius could be [mm], where it was chosen for each.
+        Radii that each asperity could have [mm]; None for one common radius.
     density : PiecewiseExponential or None
         The height density behind the heights, measured from `limits.foot`.
     notes : tuple of Note
-        What a user should know before making the part, what the law's model leaves out among it.
+        Limits of the design and of its model that matter for making the part.
     layout : Layout or None
-        What the places were chosen for.
+        The layout for which the sites were chosen.
 
     Notes
     -----
@@ -101,7 +102,7 @@ class Design(Value):
     Design: Linear friction law of slope 6.87
       status      approximate: the density has the target's slopes at large loads; the law has the misfit
       misfit      2.8 %, difference of a fitted slope from the target's
-      asperities  64 on 64 places
+      asperities  64 on 64 sites
       heights     0.0002997 to 0.1148 mm
       radius      0.526 mm
       model       Independent()
@@ -144,7 +145,7 @@ class Design(Value):
         object.__setattr__(self, "parameters", MappingProxyType(dict(self.parameters)))
 
     def __reduce__(self) -> Any:
-        # a proxy of a mapping cannot be pickled; the constructor makes it anew
+        # a mapping proxy cannot be pickled; the constructor makes a new one
         members = {field.name: getattr(self, field.name) for field in fields(self)}
         return _restored, ({**members, "parameters": dict(self.parameters)},)
 
@@ -155,7 +156,7 @@ class Design(Value):
                 f"Design: {self.target.title}",
                 f"  status      {self.status.value}",
                 f"  misfit      {100.0 * self.misfit:.2g} %, {self.misfit_meaning}",
-                f"  asperities  {surface.count} on {self.template.count} places",
+                f"  asperities  {surface.count} on {self.template.count} sites",
                 f"  heights     {span(surface.height, 'mm')}",
                 f"  radius      {span(surface.radius, 'mm')}",
                 f"  model       {law.model!r}",
@@ -167,7 +168,7 @@ class Design(Value):
 
     @property
     def wanted(self) -> Wanted:
-        """The law that `misfit` compares with: of the target, or of the height density where there is one."""
+        """The law with which `misfit` compares: that of the height density, or else the target."""
         if self.density is None:
             return sampled.wanted_law(self.target)
         branches = tuple(branch for branch, _ in self.fits)
@@ -175,14 +176,14 @@ class Design(Value):
 
     @property
     def misfit_meaning(self) -> str:
-        """What `misfit` is, in words."""
+        """Definition of `misfit` for this design, in words."""
         return misfit_meaning(self.wanted.pointwise, self.density is not None, self.fits, self.misfit)
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the achieved law beside the target, rescaled.
 
-        A design with a height density is drawn beside the density's law and straight lines of the
-        target's slopes, whose ranges are shaded.
+        A design with a height density is drawn beside the law of the density and straight lines with the
+        slopes of the target, whose ranges are shaded.
 
         Parameters
         ----------
@@ -234,7 +235,7 @@ _INVERSIONS: dict[type, Inversion] = {
     MultilinearLaw: sampled.invert,
 }
 
-# Targets whose bounds are known before any heights are sought.
+# Targets whose bounds are checked before the inversion.
 _REFUSALS: dict[type, Callable[[Any, Radii, int, Limits, float], None]] = {
     LinearLaw: proportional.refuse_line,
     BilinearLaw: proportional.refuse_line,
@@ -258,24 +259,26 @@ def design(
     Parameters
     ----------
     target : OperatingPoints, LinearLaw, BilinearLaw, SampledLaw, PowerLaw or MultilinearLaw
-        Linear and bilinear laws with a load range are met as lines through the origin, those without by the
-        heights of a density, with an intercept of its own.
+        Linear and bilinear laws with a load range are met as lines through the origin. Without a load range
+        the heights follow a density whose law has the target slopes and its own intercept.
     template : Surface
-        Places, common radius, material, friction and block; its heights are not used, but for the
-        tallest where `limits` is left out.
+        Sites, common radius, material, friction and block. Its heights are used only for the default of
+        `limits`.
     model : Model, optional
-        Model under which the law is to be met, `Independent()` unless told. Under an interacting one the
-        heights of the independent inversion are refined by Gauss-Newton steps with exact sensitivities.
+        Model under which the law is to meet the target; default: ``Independent()``. Under a model with
+        interaction the heights of the independent inversion are refined by the Levenberg–Marquardt method
+        with exact sensitivities.
     limits : Limits, optional
-        What the workshop can make; without it, heights up to the template's tallest. With a
-        `height_step` all heights stand on its levels, and the loss is stated in a note and in the
-        parameters ``step_levels`` [mm], ``step_counts`` and ``step_loss`` [-]; those of a linear law
-        under the independent model are the whole numbers nearest to its density.
+        Manufacturing limits; default: heights up to the tallest of the template. With a `height_step` all
+        heights are on its levels, and the loss is stated in a note and in the parameters ``step_levels``
+        [mm], ``step_counts`` and ``step_loss`` [-]. For a linear law of independent asperities the numbers
+        on the levels are the integers nearest to those of the density.
     rng : int or numpy Generator
-        Seed of the deal of heights to places.
+        Seed of the random assignment of heights to sites, and of the random restarts of the search.
     layout : Layout, optional
-        What the places are chosen for, by `arrange` under the model and before any refinement; its
-        misfits are the parameters ``layout_before`` and ``layout_after`` [-].
+        Aim of the assignment of heights to sites, by `arrange` under the model and before any refinement.
+        Its misfits are the parameters ``layout_before`` and ``layout_after`` [-]. Default: a random
+        assignment.
 
     Returns
     -------
@@ -284,10 +287,10 @@ def design(
     Raises
     ------
     Infeasible
-        If no surface within the limits has the law, or levels do not lead through the points; says why,
-        with the nearest target within the bounds.
+        If no surface within the limits has the law, or no heights that meet the points were found. The
+        message states the reason, and the error holds the nearest target within the bounds.
     InvalidInput
-        For arguments that cannot be used.
+        For arguments outside their range or of the wrong kind.
 
     Notes
     -----
@@ -316,7 +319,7 @@ def designed(request: Request, generator: np.random.Generator) -> Design:
     sites = sites[order]
     surface = template.replaced(
         position=template.position[sites],
-        height=np.maximum(blueprint.height[order], limits.foot),  # rounding must not lead below it
+        height=np.maximum(blueprint.height[order], limits.foot),  # not below the limit by rounding
         radius=blueprint.radius[order],
     )
     surface, placed, placing = arranged(surface, request.layout, solver, blueprint.wanted, generator)
@@ -356,7 +359,7 @@ def _with_those_of_the_law(own: tuple[Note, ...], law: FrictionLaw) -> tuple[Not
 
 
 def _refuse_infeasible(request: Request) -> None:
-    """Raise Infeasible for a target beyond its bounds; the model's margin is worked out where it decides."""
+    """Raise Infeasible for a target beyond its bounds by more than the interaction margin of the model."""
     target, radii, count = request.target, request.radii, request.template.count
     refuse = _REFUSALS.get(type(target))
     if refuse is None:
@@ -372,7 +375,7 @@ def _refuse_infeasible(request: Request) -> None:
 
 @doing("computing the law of the heights")
 def _drawn_law(surface: Surface, request: Request) -> FrictionLaw:
-    """Return the law on its usual grid, or on one that ends a tenth beyond the last load asked for."""
+    """Return the law on the default grid, or on one up to 1.1 times the last load of the target."""
     if request.target.last_load is None:
         return friction_law(surface, request.model)
     end = 1.1 * surface.material.composite_modulus * request.target.last_load

@@ -1,4 +1,4 @@
-"""What a user should know of a design before making the part."""
+"""Notes on a design that matter for making the part."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from metafem.notes import Note
 from metafem.prediction.friction_law import BranchFit
 from metafem.surface import Surface
 
-# Heights should be this many times larger than the errors with which they are made.
+# Heights should be larger than the height errors by at least this factor.
 HEIGHT_TO_ERROR = 10.0
 
-# Heights that differ by all but this share of what they may are held back by it.
+# The heights count as restricted by max_height if they use all of their range but this fraction.
 ALL_OF_IT = 1e-6
 
 
@@ -30,7 +30,7 @@ def design_notes(
     misfit: float,
     status: DesignStatus,
 ) -> tuple[Note, ...]:
-    """Return what is wrong with a design: a straight target that is missed, and heights hard to make."""
+    """Return notes on a straight target that is missed, and on heights that are hard to make."""
     notes = _made(surface, request.limits, status)
     if misfit <= REACHED:
         return notes
@@ -42,42 +42,40 @@ def design_notes(
 
 
 def _density(request: Request, fits: tuple[tuple[Branch, BranchFit], ...], misfit: float) -> Note:
-    """Say how far the law of a density's heights is off, and that a line can be asked for."""
+    """State the misfit of the density's heights, and that load_range makes the target a line."""
     name = request.target.wording.name(len(fits))
     return Note(
         f"{misfit_meaning(False, True, fits, misfit)}: {100.0 * misfit:.2g} %. The heights are those of a "
-        f"density, whose law has the {name} at large loads and an intercept of its own. Give load_range: the "
-        f"heights are then moved until friction is within {100.0 * REACHED:g} % of the line through the "
+        f"density, whose law has the {name} at large loads and its own intercept. Give load_range: the "
+        f"heights are then adjusted until friction is within {100.0 * REACHED:g} % of the line through the "
         "origin over those loads"
     )
 
 
 def _line(request: Request) -> Note:
-    """Say over which loads the line is met instead."""
+    """State over which loads the line is met."""
     target: Any = request.target
     wording = target.wording
     found = reached_line(target, request.radii, request.template.count, request.limits)
     if found is None or found.load_range is None:
-        words = f"no part of this range is; raise max_height or the {wording.name()}, or use a smaller radius"
+        words = f"nor over any part of it; raise max_height or the {wording.name()}, or use a smaller radius"
     else:
-        words = f"from {wording.inside(*found.load_range)} it is, for independent asperities"
+        words = f"independent asperities meet it from {wording.inside(*found.load_range)}"
     ends = wording.loads(*target.load_range)
     return Note(f"the line is not met within {100.0 * REACHED:g} % from {ends}: {words}")
 
 
 def _made(surface: Surface, limits: Limits, status: DesignStatus) -> tuple[Note, ...]:
-    """Say which heights hold a law back, or are hard to make."""
+    """State which heights are restricted by the limits, or hard to make."""
     notes: list[Note] = []
     used, step = float(np.ptp(surface.height)), limits.height_step or 0.0
     if status is DesignStatus.MISSED and used >= limits.span * (1.0 - ALL_OF_IT) - step:
-        notes.append(
-            Note(f"the heights use all of the {limits.span:g} mm that they may differ by: raise max_height")
-        )
+        notes.append(Note(f"the heights use the whole allowed range of {limits.span:g} mm: raise max_height"))
     low = 0 if limits.height_sd is None else int((surface.height < HEIGHT_TO_ERROR * limits.height_sd).sum())
     if low:
         notes.append(
             Note(
-                f"{low} of {surface.count} summits stand lower than {HEIGHT_TO_ERROR:g} times height_sd = "
+                f"{low} of {surface.count} summits are lower than {HEIGHT_TO_ERROR:g} times height_sd = "
                 f"{limits.height_sd:g} mm: raise the offset"
             )
         )

@@ -1,14 +1,15 @@
 """Bounds on the friction of every surface of N independent asperities with radii between R1 and R2.
 
-With contact radii a_i, ``p = P/E* = 4/3 sum a_i^3/R_i`` and ``A0 = pi sum a_i^2``. At a load, A0 is least
-with one contact of R1 and largest with N equal ones of R2. Along a law, ``dA0/dp = (pi/2) sum R_i / sum
-a_i``, and Cauchy's inequality between the sums of a, a^2 and a^3 bounds it by A0 and p alone.
+With contact radii a_i, ``p = P/E* = 4/3 sum a_i^3/R_i`` and ``A0 = pi sum a_i^2``. At a given load A0 is
+least with one contact of radius R1 and largest with N equal contacts of radius R2. Along a law, ``dA0/dp =
+(pi/2) sum R_i / sum a_i``; Cauchy's inequality between the sums of a, a^2 and a^3 gives a bound that depends
+on A0 and p alone.
 
-The local exponent is ``d ln A0/d ln p = 2/3 (sum R sum a^3/R) / (sum a^2 sum a)``. With one radius the sums
-are ordered alike and it is never below 2/3 (Chebyshev). Of several radii the ratio of the sums is least
-for two kinds of contact, large caps with a/R = x and small ones with a/R = s^2 x. With k^2 = R1/R2 and
-``1/(k^3 s^3)`` small ones to each large one it is ``((1 + k s^3)/(s + k s^2))^2``, and the best s is the root
-above 1 of ``k^2 s^4 + 2 k s^3 - 2 k s - 1``.
+The local exponent is ``d ln A0/d ln p = 2/3 (sum R sum a^3/R) / (sum a^2 sum a)``. With one radius it is
+never below 2/3, by Chebyshev's sum inequality. With several radii the ratio of the sums is least for two
+kinds of contact, large caps with a/R = x and small caps with a/R = s^2 x. With k^2 = R1/R2 and
+``1/(k^3 s^3)`` small caps for each large one the ratio is ``((1 + k s^3)/(s + k s^2))^2``, and it is least
+at the root s > 1 of ``k^2 s^4 + 2 k s^3 - 2 k s - 1``.
 """
 
 from __future__ import annotations
@@ -31,10 +32,10 @@ from metafem.inversion.targets.laws import MultilinearLaw, PowerLaw, SampledLaw
 from metafem.inversion.targets.wording import Wording
 from metafem.surface import Surface
 
-# A value this close to a bound is on it: rounding must not refuse what a surface was read off.
+# A value this close to a bound counts as the bound: rounding must not refuse values taken from a surface.
 ROUNDING = 1e-9
 
-# Exponent of a fixed set of equal contacts, the least of any surface of one radius.
+# Exponent of a fixed number of equal contacts, the least for any surface of one radius.
 EQUAL_EXPONENT = 2.0 / 3.0
 
 
@@ -50,13 +51,13 @@ def single_friction(radius: float) -> float:
 
 
 def least_exponent(radii: Radii) -> float:
-    """Return the least local exponent of a law: 2/3, and less with several radii."""
+    """Return the least local exponent of a law: 2/3 for one radius, less for several."""
     k, s = math.sqrt(radii.low / radii.high), relative_depth(radii)
     return EQUAL_EXPONENT * ((1.0 + k * s**3) / (s + k * s * s)) ** 2
 
 
 def relative_depth(radii: Radii) -> float:
-    """Return s of the two kinds of contact: the small caps have s^4 times d/R of the large ones."""
+    """Return s of the two kinds of contact: d/R of the small caps is s^4 times that of the large ones."""
     if radii.single:
         return 1.0
     k = math.sqrt(radii.low / radii.high)
@@ -64,7 +65,7 @@ def relative_depth(radii: Radii) -> float:
     def slope(s: float) -> float:
         return k * k * s**4 + 2.0 * k * s**3 - 2.0 * k * s - 1.0
 
-    # from s = 1 + (2/k)^(1/2) on, 2 k s (s^2 - 1) > 4 s alone is more than 1
+    # for s above 1 + (2/k)^(1/2) the terms 2 k s (s^2 - 1) > 4 s alone exceed 1: an upper bracket
     return float(brentq(slope, 1.0, math.sqrt(2.0 / k) + 1.0))
 
 
@@ -88,21 +89,21 @@ def feasible_region(
     limits: Limits,
     radii: RadiusRange | Sequence[float] | None = None,
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the lowest and highest friction that any surface can have at each load.
+    """Return the lowest and highest friction that any surface of independent asperities has at each load.
 
-    ``pi R (3p/(4 sqrt R))^(2/3)`` of the least radius, and that of the largest times ``N^(1/3)``, for
-    independent asperities; nan beyond the load at which N summits of the largest height have the plane at
-    the base plane.
+    The lowest is ``pi R (3p/(4 sqrt R))^(2/3)`` with the least radius; the highest is the same with the
+    largest radius, times ``N^(1/3)``. Both are nan beyond the load at which, with N summits of the largest
+    height, the plane reaches the base plane.
 
     Parameters
     ----------
     template : Surface
-        Its places count N; with one common radius unless `radii` is given.
+        Only its number N of sites is used, and its radius, one for all, where `radii` is not given.
     rescaled_load : array_like, (k,)
         P/E* [mm^2], positive.
     limits : Limits
     radii : RadiusRange or sequence of float, optional
-        What each asperity may have [mm], in place of the template's radius.
+        Radii that each asperity may have [mm]; default: the radius of the template.
 
     Returns
     -------
@@ -148,12 +149,12 @@ def refuse_sampled(target: SampledLaw, radii: Radii, count: int, limits: Limits,
         (friction > high * (1.0 + slack), f"above that of {count} equal asperities", high),
         (
             scaled < top * (1.0 - slack),
-            f"below what the asperities of the smaller loads already give (F/P^{_words(radii)} cannot fall)",
+            f"below that of the asperities in contact at smaller loads (F/P^{_words(radii)} cannot fall)",
             top * least,
         ),
         (
             friction > jump * (1.0 + slack),
-            f"above what {count} asperities that all come into contact after a smaller load give",
+            f"above that of {count} asperities that all come into contact after a smaller load",
             jump,
         ),
     ):
@@ -170,7 +171,7 @@ def refuse_sampled(target: SampledLaw, radii: Radii, count: int, limits: Limits,
 
 
 def _largest_jump(load: FloatArray, friction: FloatArray, radii: Radii, count: int) -> FloatArray:
-    """Return the most friction that the smaller loads leave, (k,) [mm^2].
+    """Return the largest friction that is possible after the smaller loads, (k,) [mm^2].
 
     The steepest slope is ``dA0/dp = 2/3 K p/A0^2``, so that ``A0^3 - K p^2`` cannot rise along a law; K is
     that of N equal contacts.
@@ -204,7 +205,7 @@ def refuse_power(target: PowerLaw, radii: Radii, count: int, limits: Limits, mar
 def refuse_multilinear(
     target: MultilinearLaw, radii: Radii, count: int, limits: Limits, margin: float
 ) -> None:
-    """Raise Infeasible where no intercept keeps a run of branches that meet within the bounds."""
+    """Raise Infeasible where no intercept keeps connected branches within the bounds."""
     wording = target.wording
     refuse_load(target.load_range[1], radii, count, limits, wording)
     slack = margin + ROUNDING
@@ -215,8 +216,8 @@ def refuse_multilinear(
             offset, low, high = 0.0, -math.inf, math.inf
         elif i:
             offset += (target.slopes[i - 1] - slope) * start
-        # F = c + offset + slope p is straight, the bounds are concave: the lower one binds at the ends or
-        # where it is as steep as F, the upper one at the ends alone
+        # F = c + offset + slope p is straight and the bounds are concave: the lower bound is active at the
+        # ends or where its slope is that of F, the upper bound only at the ends
         steep = (EQUAL_EXPONENT * single_friction(radii.low) / slope) ** 3
         load = np.array([start, end, min(max(steep, start), end)])
         least, most = friction_bounds(load, radii, count)
@@ -226,8 +227,8 @@ def refuse_multilinear(
         high = min(high, slope * start * (1.0 / least_exponent(radii) - 1.0 + slack) - offset)
         if low > high:
             raise Infeasible(
-                f"branch {i + 1} of {wording.slopes(slope)} from {wording.loads(start, end)} leaves what "
-                f"{count} asperities of {radii} can have, whatever its intercept"
+                f"branch {i + 1} of {wording.slopes(slope)} from {wording.loads(start, end)} leaves the "
+                f"range of {count} asperities of {radii} for every intercept"
                 f"{margin_words(margin)}"
             )
 
@@ -237,14 +238,14 @@ def refuse_load(load: float, radii: Radii, count: int, limits: Limits, wording: 
     most = largest_load(radii, count, limits)
     if load > most:
         raise Infeasible(
-            f"load {wording.loads(load)} is beyond {wording.loads(most)}, at which {count} summits of the "
-            "largest height have the plane at the base plane; raise max_height or offset, or use more "
+            f"load {wording.loads(load)} is beyond {wording.loads(most)}, at which the plane reaches the "
+            f"base plane with {count} summits of the largest height; raise max_height or offset, or use more "
             "asperities"
         )
 
 
 def margin_words(margin: float) -> str:
-    """Say what a margin is, if there is one."""
+    """Return the margin in words, or nothing if it is 0."""
     return f" (the model's interaction leaves a margin of {100.0 * margin:.2g} %)" if margin > 0.0 else ""
 
 

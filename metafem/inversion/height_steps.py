@@ -1,4 +1,4 @@
-"""Heights on the steps of a machine: rounded, then moved step by step where that wins."""
+"""Quantisation to height steps: heights are rounded, then changed by single steps to lower the misfit."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from metafem.models import Model
 from metafem.notes import Note, information
 from metafem.surface import Surface
 
-# Shares of a step by which all heights are shifted before they are rounded: only differences matter.
+# Fractions of a step by which all heights are shifted before rounding: a common shift does not change a law.
 SHIFTS = (0.0, 0.25, -0.25, 0.5, -0.5)
 
-# Of single moves, this many are paired; of all, as many as tried are made on the model.
+# Number of single moves that are combined into pairs, and of moves that are evaluated under the model.
 PAIRED, TRIED = 64, 24
 
-# Moves, at most; beyond so many asperities one step of one is below what the rounding averages out.
+# Most moves, and most asperities with which moves are tried: with more, the rounding errors average out.
 MOST_MOVES, MOST_MOVED = 60, 512
 
 # Law (k,) and its gradient (k, n) of heights (n,).
@@ -33,9 +33,9 @@ def rounded_to_steps(
 ) -> tuple[Surface, dict[str, Parameter], tuple[Note, ...]]:
     """Return the surface with heights on the steps of the limits, the loss, and a note that states it.
 
-    Each asperity is rounded to the nearest level; then one asperity, or two, are moved up or down by one
-    step as long as that lowers the misfit under the model (that of independent asperities where it knows
-    no sensitivities). Many asperities are rounded alone.
+    Each height is rounded to the nearest level. Then one or two heights at a time are changed by one step,
+    as long as that lowers the misfit under the model (or under its `gradient_model`, where it has no
+    sensitivities). With many asperities the heights are only rounded.
     """
     solver = model.gradient_model
     levels, wanted = limits.levels, blueprint.wanted
@@ -59,7 +59,7 @@ def rounded_to_steps(
         "step_loss": after - before,
     }
     note = (
-        f"heights stand on steps of {1e3 * (limits.height_step or 0.0):.4g} um: the misfit is "
+        f"heights are on steps of {1e3 * (limits.height_step or 0.0):.4g} um: the misfit is "
         f"{100.0 * after:.3g} %, against {100.0 * before:.3g} % before the steps"
     )
     return result, parameters, (information(note),)
@@ -79,7 +79,7 @@ def _rounded(height: FloatArray, levels: FloatArray, evaluate: Evaluate, wanted:
 
 
 def _moved(index: IntArray, levels: FloatArray, evaluate: Evaluate, wanted: Wanted) -> IntArray:
-    """Move one or two asperities by a step at a time, the best by the gradient tried on the model."""
+    """Change one or two heights by a step at a time; the best changes by the gradient are evaluated."""
     for _ in range(MOST_MOVES):
         residual, jacobian = wanted.residual(*evaluate(levels[index]))
         trials = _trials(index, levels, residual, jacobian)
@@ -93,7 +93,7 @@ def _moved(index: IntArray, levels: FloatArray, evaluate: Evaluate, wanted: Want
 def _trials(
     index: IntArray, levels: FloatArray, residual: FloatArray, jacobian: FloatArray
 ) -> list[IntArray]:
-    """Return the moves of one or two asperities that promise most, to first order."""
+    """Return the steps of one or two heights that lower the misfit most to first order."""
     which = np.concatenate([np.arange(len(index))] * 2)
     by = np.repeat([1, -1], len(index))
     inside = (index[which] + by >= 0) & (index[which] + by < len(levels))
@@ -103,7 +103,7 @@ def _trials(
     change = jacobian[:, which] * (levels[index[which] + by] - levels[index[which]])
     single = ((residual[:, None] + change) ** 2).sum(axis=0)
     order = np.argsort(single, kind="stable")
-    # asperities of equal height promise the same, and two of each are enough for a pair
+    # asperities of equal height have equal gradients, and two of each are enough for a pair
     third = np.append([False, False], single[order][2:] == single[order][:-2])
     kept = order[~third[: len(order)]][:PAIRED]
     part = change[:, kept]

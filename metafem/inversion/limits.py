@@ -1,4 +1,4 @@
-"""What the workshop can make."""
+"""Manufacturing limits."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from metafem._given import told
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 
-# Steps finer than this are finer than any machine's, and would only take time.
+# Finer steps than this are below the resolution of any machine and would only cost time.
 MOST_LEVELS = 100_000
 
 
 @dataclass(frozen=True)
 class Limits:
-    """Heights that the workshop can make; a designed summit stands at ``offset + h``.
+    """Manufacturing limits of the heights; the height of a summit is ``offset + h``.
 
     Parameters
     ----------
@@ -28,13 +28,13 @@ class Limits:
     min_height : float
         Smallest h [mm], below max_height; where the densities begin.
     offset : float
-        Height h_0 added to all [mm], not negative, so that the lowest contacts can be indented before
-        the plane reaches the base plane. It does not change the law.
+        Height h_0 added to all heights [mm], not negative, so that the lowest summits can be indented
+        before the plane reaches the base plane. It does not change the law.
     height_step : float, optional
-        Distance of the levels on which all summits stand, at the middles of the steps from the foot up
-        [mm]; without it each asperity has a height of its own.
+        Distance of the levels of the heights [mm], which are the middles of the steps above the foot;
+        default: any height is possible.
     height_sd : float, optional
-        Standard deviation of the made heights [mm]; designs too fine for it are noted.
+        Standard deviation of the heights as made [mm]; a note warns of designs that are too fine for it.
 
     Raises
     ------
@@ -79,7 +79,7 @@ class Limits:
 
     @property
     def levels(self) -> FloatArray:
-        """Heights above the base plane on which summits may stand where there is a step, rising [mm]."""
+        """Possible heights above the base plane with a height step, increasing [mm]."""
         if self.height_step is None:
             raise InvalidInput("height_step is None; heights may have any value")
         number = max(1, math.floor(self.span / self.height_step + 0.5))

@@ -1,4 +1,4 @@
-"""The law of a design beside what was asked for, on one pair of axes."""
+"""Figure of the law of a design beside its target."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ if TYPE_CHECKING:
 
     from metafem.inversion.design import Design
 
-# Up to so many loads of a target are marked one by one.
+# Up to this many loads of a target are marked one by one.
 MOST_MARKED = 10
 
 
 def few(wanted: Wanted) -> bool:
-    """Whether loads are so few that each is marked."""
+    """Whether each load of a target is marked."""
     return len(wanted.load) <= MOST_MARKED
 
 
 def target_law(design: Design) -> FloatArray:
     """Return the target's friction at the loads of `design.wanted`, (k,) [mm^2].
 
-    Parameters that a target leaves open are those nearest to the design's law.
+    Parameters that the target leaves open are fitted to the law of the design.
     """
     wanted = design.wanted
     if not wanted.free.shape[1]:
@@ -53,7 +53,7 @@ def _draw_target(design: Design, ax: Axes) -> None:
 
 
 def _draw_density(design: Design, ax: Axes) -> None:
-    """Draw the law of the height density, and straight lines of the target's slopes along its branches."""
+    """Draw the law of the height density, and straight lines with the target slopes along its branches."""
     density = design.wanted
     ax.plot(
         density.load, density.base, color="black", ls=(0, (2, 3)), lw=1.0, label="law of the height density"

@@ -1,4 +1,4 @@
-"""What is asked of an inversion, checked and complete."""
+"""Arguments of an inversion, checked and with their defaults."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from metafem.surface import Surface
 
 @dataclass(frozen=True, eq=False)
 class Request:
-    """What is asked of an inversion, with nothing left open."""
+    """Arguments of an inversion with all defaults filled in."""
 
     target: Target
     template: Surface
@@ -37,9 +37,9 @@ class Request:
         limits: Limits | None,
         layout: Layout | None,
     ) -> Request:
-        """Refuse arguments of the wrong kind, and fill in those left out.
+        """Return the arguments with defaults, or raise InvalidInput for one of the wrong kind.
 
-        Without `radii` it is the template's common radius.
+        The default of `radii` is the common radius of the template.
         """
         kinds = get_args(Target)
         if type(target) not in kinds:

@@ -1,4 +1,4 @@
-"""Radii that asperities may have: one, the tools of a workshop, or any of a range."""
+"""Radii that asperities may have: one, those of a list of tools, or any of a range."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.surface import Surface
 
-# Radii of a range that are tried alone, evenly in the logarithm.
+# Number of radii of a range that are tried alone, evenly spaced in the logarithm.
 TRIED_RADII = 7
 
 
@@ -36,7 +36,7 @@ class RadiusRange:
 
 @dataclass(frozen=True)
 class Radii:
-    """What each asperity may have: one of the tools, rising [mm], or without them any from low to high."""
+    """Radii that each asperity may have [mm]: one of the tools, increasing, or any from low to high."""
 
     low: float
     high: float
@@ -60,7 +60,7 @@ class Radii:
 
     @classmethod
     def given(cls, radii: RadiusRange | Sequence[float]) -> Radii:
-        """A range or a list of tools, as a user gives them."""
+        """A range or a list of tools, as passed by the user."""
         if isinstance(radii, RadiusRange):
             return cls(radii.low, radii.high, None)
         tools = np.unique(check.array("radii", radii, shape=(None,)))
@@ -70,12 +70,12 @@ class Radii:
 
     @property
     def single(self) -> bool:
-        """Whether there is no choice."""
+        """Whether only one radius is possible."""
         return self.low == self.high
 
     @property
     def tried(self) -> FloatArray:
-        """The tools, or some radii of the range, rising [mm]."""
+        """The tools, or some radii of the range, increasing [mm]."""
         if self.tools is None:
             return np.geomspace(self.low, self.high, TRIED_RADII)
         return np.array(self.tools)
@@ -87,11 +87,11 @@ class Radii:
 
     @property
     def extremes(self) -> Radii:
-        """The least and the largest alone."""
+        """Only the least and the largest radius."""
         return Radii(self.low, self.high, (self.low, self.high))
 
     def nearest(self, radius: FloatArray) -> FloatArray:
-        """Return the radii that may be had, nearest by ratio to given ones [mm]."""
+        """Return the possible radii that are nearest, by ratio, to given ones [mm]."""
         if self.tools is None:
             return np.clip(radius, self.low, self.high)
         tools = np.array(self.tools)

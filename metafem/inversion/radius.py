@@ -1,4 +1,4 @@
-"""Radii as unknowns: the best one for all of a workshop's tools or a range, or one for each asperity."""
+"""Radii as unknowns: the best common radius of a list of tools or a range, or one for each asperity."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from metafem.surface import Surface
 # Radii of a range that are tried between the best one's neighbours.
 NEXT_RADII = 4
 
-# Of a range, more radii than this are told by the least and the largest.
+# If more radii of a range than this are in use, only the least and the largest are stated.
 MOST_LISTED = 8
 
 
@@ -52,23 +52,23 @@ def design_radius(
     template : Surface
         As for `design`; its radii are not used.
     radii : RadiusRange or sequence of float
-        A range, of which up to 11 radii are tried, or the tools of the workshop [mm].
+        A range, of which up to 11 radii are tried, or a list of tool radii [mm].
     layout : Layout, optional
         As for `design`, for the best radius alone.
 
     Returns
     -------
     Design
-        That of the least misfit. Its parameters hold ``radius`` [mm], ``tried_radii`` [mm] and
-        ``radius_misfits`` [-], before any layout, of those that can reach the target, and of a template
-        with a friction the friction coefficients of linear laws within reach with each,
-        ``lowest_coefficients`` and, where `limits.height_sd` bounds them, ``highest_coefficients``. A
-        note says which cannot, and why.
+        The design of the least misfit. Its parameters hold ``radius`` [mm] and, for all radii that can
+        reach the target, ``tried_radii`` [mm] and ``radius_misfits`` [-] before any layout. With a
+        template that has a friction they also hold the bounds of the friction coefficients of linear laws
+        with each radius, ``lowest_coefficients`` and, where `limits.height_sd` is given,
+        ``highest_coefficients``. A note lists the radii that cannot reach the target, with the reason.
 
     Raises
     ------
     Infeasible
-        If no radius reaches the target; says why for the smallest and the largest.
+        If no radius reaches the target, with the reasons for the smallest and the largest.
     InvalidInput
         For arguments that cannot be used.
 
@@ -131,11 +131,12 @@ def design_radii(
 ) -> Design:
     """Find a radius and a height for each asperity whose friction law is nearest to the target.
 
-    One radius for all is preferred where it reaches the target. Else tools are mixed: linear and bilinear
-    laws deal two to the heights of one density, ``R = (<R>/<sqrt R>)^2`` then taking the radius' place;
-    operating points may have another radius at each level; laws of any shape are sought in heights and
-    radii at once. The radii are those of independent asperities; under another model the heights alone
-    are refined. Several radii reach laws beyond one: local exponents below 2/3, and steeper ones.
+    One radius for all is used where it reaches the target. Otherwise radii are mixed. Linear and bilinear
+    laws assign two radii to the heights of one density, whose law is that of the single radius
+    ``R = (<R>/<sqrt R>)^2``. For operating points each level can have a different radius. For laws of any
+    shape heights and radii are searched together. The radii are found for independent asperities; under
+    another model only the heights are refined. With several radii the local exponent of a law can be below
+    2/3, and its slope can be larger.
 
     Parameters
     ----------
@@ -144,27 +145,27 @@ def design_radii(
     template : Surface
         As for `design`; its radii are not used.
     radii : RadiusRange or sequence of float
-        What each asperity may have: any radius of a range, or the tools of the workshop [mm].
+        Radii that each asperity may have: any of a range, or a list of tool radii [mm].
 
     Returns
     -------
     Design
-        Its parameters hold ``used_radii`` [mm] and ``radius_counts``, those in use and the asperities of
-        each; of a range ``lowest_radius`` and ``highest_radius`` [mm]; and of a template with a friction
-        ``reachable_coefficients``, the lowest friction coefficient of linear laws within reach and,
-        where `limits.height_sd` bounds it, the highest, beside ``lowest_coefficients`` and
-        ``highest_coefficients`` of each of the ``tried_radii`` [mm] alone.
+        Its parameters hold the radii in use, ``used_radii`` [mm], and the number of asperities of each,
+        ``radius_counts``; for a range ``lowest_radius`` and ``highest_radius`` [mm]. With a template that
+        has a friction they also hold ``reachable_coefficients``, the lowest friction coefficient of linear
+        laws and, where `limits.height_sd` is given, the highest, and ``lowest_coefficients`` and
+        ``highest_coefficients`` for each of the ``tried_radii`` [mm] alone.
 
     Raises
     ------
     Infeasible
-        If no radii reach the target; says why.
+        If no radii reach the target, with the reason.
     InvalidInput
         For arguments that cannot be used.
 
     Examples
     --------
-    With one radius friction never grows more slowly than P^(2/3).
+    With one radius the local exponent of a law is at least 2/3.
 
     >>> import metafem as mf
     >>> template = mf.Surface.square_lattice(0.12, radius=0.526, material=mf.Material(1.36))

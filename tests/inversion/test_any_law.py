@@ -70,8 +70,8 @@ def test_branches_that_meet_share_one_intercept():
         (mf.PowerLaw(1.0, (0.1, 0.4), prefactor=100.0), "sample 1 .* above that of 64 equal asperities"),
         (mf.SampledLaw([0.1, 0.2], [0.1, 1.0]), "sample 1 .* below that of a single asperity"),
         (mf.SampledLaw([0.1, 0.2, 0.3], [0.8, 2.0, 2.2]), "sample 3 .*F/P.* cannot fall"),
-        (mf.MultilinearLaw([1.0], [], (0.1, 0.4)), "branch 1 of slope 1 .* whatever its intercept"),
-        (mf.MultilinearLaw([80.0], [], (0.1, 0.4)), "branch 1 of slope 80 .* whatever its intercept"),
+        (mf.MultilinearLaw([1.0], [], (0.1, 0.4)), "branch 1 of slope 1 .* for every intercept"),
+        (mf.MultilinearLaw([80.0], [], (0.1, 0.4)), "branch 1 of slope 80 .* for every intercept"),
         (mf.SampledLaw([0.1, 90.0], [0.8, 20.0]), "load 90 mm.2 is beyond 12.8"),
     ],
 )

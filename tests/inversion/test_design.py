@@ -180,7 +180,7 @@ def test_heights_too_fine_for_the_workshop_are_noted(template):
     limits = mf.Limits(max_height=0.12, height_sd=0.003)
     notes = mf.design(mf.LinearLaw(9.0), template, limits=limits).notes
     assert "below 10 times height_sd" in notes[0].text
-    assert "stand lower than 10 times height_sd" in notes[1].text
+    assert "are lower than 10 times height_sd" in notes[1].text
 
 
 def test_a_missed_target_is_called_so(template):
@@ -248,7 +248,7 @@ def test_a_law_missed_for_want_of_height_says_so(template):
     target = mf.PowerLaw(1.35, (0.1, 0.4))
     result = mf.design(target, template, limits=mf.Limits(0.1, offset=0.1))
     assert result.status is DesignStatus.MISSED
-    assert "the heights use all of the 0.1 mm that they may differ by: raise max_height" in " ".join(
+    assert "the heights use the whole allowed range of 0.1 mm: raise max_height" in " ".join(
         map(str, result.notes)
     )
 

@@ -68,7 +68,7 @@ def test_page_tells_of_tools_and_steps(template):
         "Friction proportional to load: slope 9 from 0.05 to 0.2 mm²",
     ):
         assert words in text
-    assert "heights stand on steps of 2 um" in text
+    assert "heights are on steps of 2 um" in text
     assert "numbers of asperities on these levels" in text
 
 

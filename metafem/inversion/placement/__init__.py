@@ -1,1 +1,1 @@
-"""Which asperity stands at which site."""
+"""Assignment of heights to sites."""

@@ -1,4 +1,4 @@
-"""Which asperity stands where: of no matter alone, but for interaction and misalignment."""
+"""Assignment of asperities to sites, which matters for interaction and misalignment."""
 
 from __future__ import annotations
 
@@ -19,47 +19,46 @@ from metafem.models import Independent, Interacting, Model
 from metafem.progress import each
 from metafem.surface import Surface
 
-# Places up to which everything is tried as often as stated here; of more, less often.
+# Number of sites up to which the numbers of trials below hold; with more sites there are fewer trials.
 FEW_PLACES = 128
 
-# Times that a forecast's best exchanges are followed: from the given arrangement, and from the best one
-# after it was stirred by exchanges at random, as many as this share of the places. By turns the forecast is
-# that of the model and that of independent asperities: one serves few levels better, the other many heights.
+# Number of rounds of exchanges, from the given arrangement and then from random exchanges of the best one, as
+# many as this fraction of the sites. The forecast of the model and that of independent asperities alternate:
+# one is better for few levels, the other for many heights.
 MOST_TRIES, STIRRED = 8, 0.1
 
-# What `Arrangement.order` holds where no asperity stands.
+# Value of `Arrangement.order` at an empty site.
 EMPTY = -1
 
-# Exchanges that a forecast follows before it is measured against the model, at most; of many places a
-# quarter of their number.
+# Most exchanges by one forecast before the model is evaluated; with many sites a quarter of their number.
 MOST_EXCHANGES = 16
 
-# Measurements along the way to the best arrangement.
+# Most evaluations of the model in one round of exchanges.
 CORRECTIONS = 24
 
-# Misfit at which nothing more is tried: the errors of made heights change A0 by tens of times more.
+# Misfit at which the search ends: height errors change A0 by tens of times more.
 GOAL = 1e-4
 
-# Exchanges, the best by the forecast, that are tried on the model at each step of the last descent.
+# Number of exchanges, the best by the forecast, that are evaluated under the model in each last step.
 TRIED = 40
 
-# Steps of the last descent.
+# Most steps of the last descent.
 LAST_STEPS = 16
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Arrangement(Value):
-    """A surface whose asperities were assigned to its places.
+    """A surface with an assignment of its asperities to sites.
 
     Attributes
     ----------
     surface : Surface
     places : ndarray, (m, 2)
-        All places [mm], empty ones among them.
+        All sites [mm], including empty ones.
     order : ndarray of int, (m,)
-        Asperity of the given surface that stands at each place, -1 where none does.
+        Index of the asperity of the given surface at each site, -1 at an empty site.
     sites : ndarray of int, (n,)
-        Place of each asperity of the arranged surface: ``surface.position = places[sites]`` and
+        Site of each asperity of the arranged surface: ``surface.position = places[sites]`` and
         ``surface.height = given.height[order[sites]]``.
     before, after : float
         Misfit of the objective [-] under the model as given and as arranged.
@@ -97,26 +96,26 @@ def arrange(
     *,
     places: ArrayLike | None = None,
 ) -> Arrangement:
-    """Assign the asperities of a surface, each height with its radius, to its places or to some of more.
+    """Assign the asperities of a surface, each height with its radius, to its sites or to some of more.
 
-    The objective's residuals are forecast to first order for all exchanges of two asperities at once; the
-    best are followed, measured under the model, and the forecast is renewed there. The best arrangement is
-    stirred and followed again some times, and then descends by exchanges that the model itself has
-    confirmed. Places that are empty so far take part in a second round, from the best of the first. The
-    result is never worse than what was given; a misfit of 1e-4 is enough. Of more than 128 places less is
-    tried: minutes for thousands of them.
+    The residuals of the objective are predicted to first order for all exchanges of two asperities at
+    once. The best exchanges are made, the model is evaluated, and the prediction is computed anew. This is
+    repeated from random changes of the best arrangement. Finally only exchanges that lower the misfit under
+    the model itself are made. Empty sites take part in a second round, from the best result of the first.
+    The misfit never increases, and the search ends at a misfit of 1e-4. With more than 128 sites there are
+    fewer trials; thousands of sites take minutes.
 
     Parameters
     ----------
     surface : Surface
     objective : FollowLaw, InsensitiveToTilt, or several Together
     model : Model, optional
-        Under which the objective is to hold, `Interacting()` unless told.
+        Model under which the misfit of the objective is lowered; default: ``Interacting()``.
     rng : int or numpy Generator
-        Seed of what is drawn at random.
+        Seed of the random exchanges.
     places : array_like, (m, 2), optional
-        Where asperities may stand [mm], as ``design.template.position``: those of the surface, which it
-        must hold to the bit, and more, of which as many stay empty. The surface's own unless told.
+        Sites [mm], such as ``design.template.position``. They must include the positions of the surface
+        exactly; as many as there are more stay empty. Default: the positions of the surface.
 
     Returns
     -------
@@ -125,14 +124,14 @@ def arrange(
     Raises
     ------
     InvalidInput
-        For arguments that cannot be used, places that lack one of the surface's or hold one twice, and
-        more places than fit into the memory, 24 bytes for each pair.
+        For arguments outside their range or of the wrong kind, `places` without one of the surface's
+        positions or with one twice, and more sites than fit into memory, 24 bytes for each pair.
     NotConverged
         If an equilibrium of the model did not converge.
 
     Notes
     -----
-    For independent asperities the places do not matter, so `FollowLaw` leaves them as they are.
+    The law of independent asperities does not depend on the sites, so `FollowLaw` does not change them.
 
     Examples
     --------
@@ -182,7 +181,7 @@ def _misfit(found: _Measured) -> float:
 
 
 def _affordable(most: int, places: int) -> int:
-    """Return how often something is tried: the work grows at least with the square of the places."""
+    """Return the number of trials: their cost grows at least with the square of the number of sites."""
     return min(most, most * FEW_PLACES**2 // places**2)
 
 
@@ -196,7 +195,7 @@ class _Search:
     rng: np.random.Generator
 
     def best(self, first: _Measured) -> _Measured:
-        """Return the best arrangement that is found from one, with the open places taking part."""
+        """Return the best arrangement that is found from a given one, over the sites `open_`."""
         best = first
         tries = range(max(1, _affordable(MOST_TRIES, len(self.open_))))
         for k in each("try", tries, at_most=True):
@@ -217,7 +216,7 @@ class _Search:
         return _Measured(order, surface, self.objective.residual(surface, self.model))
 
     def stirred(self, best: _Measured) -> _Measured:
-        """Exchange some asperities at random."""
+        """Return the arrangement after some random exchanges."""
         order = best.order.copy()
         for _ in range(max(2, int(STIRRED * len(self.open_)))):
             i, j = self.rng.choice(self.open_, 2)
@@ -225,11 +224,11 @@ class _Search:
         return self.measured(order)
 
     def forecast(self, best: _Measured, model: Model) -> Forecast:
-        """Return the forecast about an order."""
+        """Return the forecast linearised at an order."""
         return self.objective.forecast(best.surface, model, self.places)
 
     def corrected(self, best: _Measured, model: Model) -> _Measured:
-        """Follow the forecast, renewed wherever it led on; where it led astray it is trusted less."""
+        """Make the forecast's exchanges; after an improvement renew it, otherwise make fewer at a time."""
         trusted = max(MOST_EXCHANGES, len(self.open_) // 4)
         forecast = self.forecast(best, model)
         for _ in each("round", range(CORRECTIONS), at_most=True):

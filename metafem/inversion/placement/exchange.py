@@ -1,10 +1,10 @@
-"""Exchanges of asperities between places, by a forecast that prices all of them at once.
+"""Exchanges of asperities between sites, by a forecast of the residuals after each of them.
 
-An empty place holds a vacancy, which carries nothing and is exchanged as an asperity is.
+An empty site holds a vacancy, which has no load and is exchanged like an asperity.
 
-To first order in what asperities in other places feel of each other, the change of A0 is a quadratic form
-in what they carry and how they weigh, each at its place; that by a tilt is a sum over the places.
-Exchanging two asperities changes both by terms of the two places alone.
+To first order in the interaction, the change of A0 is a bilinear form of the loads and of the sensitivities
+dA0/dh at the sites; its change by a tilt is a sum over the sites. An exchange of two asperities changes only
+terms of their two sites.
 """
 
 from __future__ import annotations
@@ -19,19 +19,19 @@ import numpy as np
 from metafem._validate import FloatArray, IntArray
 from metafem.contact import Hertz
 
-# Places among which all exchanges are priced in one step; of more places, so many are drawn at random.
+# Number of sites whose exchanges are all evaluated in one step; of more sites, as many are drawn at random.
 PRICED_AT_ONCE = 96
 
-# A gain below this share of the sum of squares is rounding.
+# A decrease below this fraction of the sum of squares is rounding.
 LEAST_GAIN = 1e-9
 
 
-# Exchanges end where the forecast expects a misfit that is far below what it can tell.
+# Exchanges end where the predicted misfit is far below the error of the forecast.
 ENOUGH = 1e-6
 
 
 class Forecast(Protocol):
-    """Residuals (q,) of asperities in their places."""
+    """Predicted residuals (q,) of the asperities at their sites."""
 
     def swapped(self, i: int, j: int) -> Forecast:
         """Return the forecast with the asperities of two places exchanged."""
@@ -48,10 +48,10 @@ class Forecast(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Coupled:
-    """``sum_ij left_i G_ij right_j``: left and right (q, m) move with the asperities.
+    """``sum_ij left_i G_ij right_j``, where left and right (q, m) belong to the asperities.
 
-    The fields of both at the places (q, m), a product with G each, are kept: an exchange changes them by
-    the two places' rows of G alone.
+    The products of G with both, (q, m), are kept: an exchange changes them only by the rows of G of the two
+    sites.
     """
 
     left: FloatArray
@@ -86,7 +86,7 @@ class Coupled:
         own = np.diagonal(influence)
 
         def difference(values: FloatArray) -> FloatArray:
-            """At the second place less at the first."""
+            """Value at the second site minus that at the first."""
             part = values[:, places]
             return np.asarray(part[:, None, :] - part[:, :, None])
 
@@ -101,8 +101,8 @@ class Coupled:
 class Tilted:
     """Relative changes of A0 by tilts of independent asperities, at fixed load.
 
-    The load that a tilt adds at a fixed separation is given back along the law,
-    ``dA = sum_i pi R_i d_i - dA0/dP sum_i 4/3 sqrt(R_i) d_i^(3/2)``, with the tilted depths d_i.
+    The change of load at fixed separation is compensated along the law:
+    ``dA = sum_i pi R_i d_i - dA0/dP sum_i 4/3 sqrt(R_i) d_i^(3/2)`` with the indentations d_i after the tilt.
 
     Attributes
     ----------
@@ -111,7 +111,7 @@ class Tilted:
     radius : ndarray, (m,)
         R of the asperities [mm].
     lift : ndarray, (t, m)
-        By which each tilt raises the places [mm].
+        Rise of each site by each tilt [mm].
     scale, rate : ndarray, (k,)
         Factor [1/mm^2] and dA0/d(P/E*) [-].
     """
@@ -135,7 +135,7 @@ class Tilted:
 
     def changes(self, places: IntArray) -> FloatArray:
         """Return their changes by the exchange of each two of the places, (t k, m, m)."""
-        # asperity a at place b
+        # asperity a at site b
         depth = self.depth[:, places]
         tilted = depth[None, :, :, None] + self.lift[:, places][:, None, None, :]
         rows = len(self.lift) * len(self.depth)
@@ -153,7 +153,7 @@ class Tilted:
 
 @dataclass(frozen=True, eq=False)
 class Joined:
-    """Several forecasts, each times a factor."""
+    """Several forecasts, each multiplied by a factor."""
 
     factors: tuple[float, ...]
     parts: tuple[Forecast, ...]
@@ -180,10 +180,10 @@ def exchanged(
     most: int,
     rng: np.random.Generator,
 ) -> IntArray:
-    """Return the order after at most `most` exchanges, each the best of all for the sum of squares.
+    """Return the order after at most `most` exchanges, each that of the smallest sum of squares.
 
-    forecast: of the asperities in the given order; missed: what it misses (q,), taken as constant; open_:
-    the places that take part.
+    forecast: of the asperities in the given order; missed: its error (q,), taken as constant; open_: the
+    sites that take part.
     """
     order, now = order.copy(), forecast
     residual = now.residual() + missed
@@ -211,7 +211,7 @@ def after(residual: FloatArray, change: FloatArray) -> FloatArray:
 
 
 def drawn(places: IntArray, rng: np.random.Generator) -> IntArray:
-    """Return the places among which exchanges are priced."""
+    """Return the sites whose exchanges are evaluated."""
     if len(places) <= PRICED_AT_ONCE:
         return places
     return np.asarray(rng.choice(places, PRICED_AT_ONCE, replace=False))

@@ -1,4 +1,4 @@
-"""The heights of a design on its places, arranged for what a layout asks."""
+"""Assignment of the heights of a design to its sites for the aims of a layout."""
 
 from __future__ import annotations
 
@@ -19,31 +19,34 @@ from metafem.notes import Note, information
 from metafem.progress import doing
 from metafem.surface import STEEPEST, Surface
 
-# Loads at which the law, and its change by tilts, are asked for. `FollowLaw` says why the first are enough;
-# each of the second costs seven curves, and with six of them a third is lost on the loads between.
+# Number of loads for the law, and for its change by tilts. `FollowLaw` states why the first is enough. Each
+# load of the second costs seven curves; with six of them a third of the gain is lost at loads in between.
 LAW_LOADS, TILT_LOADS = 20, 10
 
-NO_EFFECT = "the places were left as dealt: without interaction they do not matter to the law"
+NO_EFFECT = (
+    "the random assignment of heights to sites was kept: without interaction it does not change the law"
+)
 
 
 @dataclass(frozen=True)
 class Layout:
-    """What the places of a design's heights are chosen for; without a layout they are drawn at random.
+    """Aims of the assignment of a design's heights to its sites; without a layout it is random.
 
     Parameters
     ----------
     follow_law : bool
-        Whether interaction is to change the law as little as it can; of no effect on independent
-        asperities. Under an interacting model a tilt asks for it too.
+        Minimise the change of the law by interaction. It has no effect on independent asperities. Under a
+        model with interaction it is included with a tilt too.
     tilt : float, optional
-        Angle of a misalignment that is to change the law as little as it can [rad], up to pi/4.
+        Minimise the change of the law by a misalignment of this angle [rad], up to pi/4.
     tilt_weight : float
-        Weight of the mean square change by the tilt beside that of the deviation from the law, positive.
+        Weight of the mean square change by the tilt relative to that of the deviation from the law,
+        positive.
 
     Raises
     ------
     InvalidInput
-        If nothing is asked for, or a value is outside its range.
+        If there is neither aim, or a value is outside its range.
 
     Examples
     --------
@@ -64,16 +67,16 @@ class Layout:
             angle = check.number("tilt", self.tilt, above=0.0, at_most=STEEPEST)
             object.__setattr__(self, "tilt", angle)
         elif not self.follow_law:
-            raise InvalidInput("follow_law = False and no tilt ask for nothing; leave the layout out")
+            raise InvalidInput("the layout has no aim: set follow_law = True or tilt, or leave it out")
 
 
-@doing("choosing the places")
+@doing("assigning heights to sites")
 def arranged(
     surface: Surface, layout: Layout | None, model: Model, wanted: Wanted, rng: np.random.Generator
 ) -> tuple[Surface, dict[str, Parameter], tuple[Note, ...]]:
     """Return the surface with its heights arranged, the misfits before and after, and a note.
 
-    Models that take too long are replaced by the interacting one on their substrate.
+    A model without gradients is replaced by its `gradient_model`.
     """
     if layout is None:
         return surface, {}, ()
@@ -88,17 +91,19 @@ def arranged(
         f"{words} from {_percent(part, surface, solver)} to {_percent(part, found.surface, solver)} %"
         for words, part, _ in asked
     ]
-    won = " and ".join(changes)
-    note = f"the places of the heights were chosen{under}, before any refinement: that took {won} (rms)"
+    note = (
+        f"the sites of the heights were chosen{under}, before any refinement: this changed "
+        f"{' and '.join(changes)} (rms)"
+    )
     return found.surface, {"layout_before": found.before, "layout_after": found.after}, (information(note),)
 
 
 def asked_for(
     layout: Layout, surface: Surface, model: Model, wanted: Wanted
 ) -> list[tuple[str, Objective, float]]:
-    """Return what is asked for, in words and as an objective with its weight."""
+    """Return the aims of a layout, each in words and as an objective with its weight."""
     asked: list[tuple[str, Objective, float]] = []
-    if model.couples:  # for a tilt too: refining the heights would undo what is won
+    if model.couples:  # with a tilt too: otherwise the refinement would undo the layout
         asked.append(("the deviation from the law", _law(surface, wanted), 1.0))
     if layout.tilt is not None:
         words = f"the change by a tilt of {math.degrees(layout.tilt):.3g} deg"
@@ -108,10 +113,10 @@ def asked_for(
 
 
 def _law(surface: Surface, wanted: Wanted) -> FollowLaw:
-    """Return the wanted law at some of its loads, open parameters as for independent asperities."""
+    """Return the target law at some of its loads, its open parameters fitted to independent asperities."""
     area = Independent().curve(surface, wanted.load).area
     law, some = wanted.law(area), _some(len(wanted.load), LAW_LOADS)
-    # far from any law of its kind a fit can fall; the law of independent asperities always rises
+    # a poor fit can decrease with the load; the law of independent asperities always increases
     return FollowLaw(wanted.load[some], law[some] if _rises(law[some]) else area[some])
 
 
@@ -120,7 +125,7 @@ def _rises(law: FloatArray) -> bool:
 
 
 def _some(count: int, most: int) -> IntArray:
-    """Return evenly spaced positions, both ends among them, at most so many."""
+    """Return at most `most` evenly spaced indices, including both ends."""
     return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(np.int64))
 
 

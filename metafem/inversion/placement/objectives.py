@@ -1,4 +1,4 @@
-"""What an arrangement of asperities is to achieve: relative differences of A0 that are to vanish."""
+"""Objectives of an arrangement: relative differences of A0 whose sum of squares is minimised."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from metafem.inversion.placement.sites import Places
 from metafem.models import Independent, Model, Sensitivity
 from metafem.surface import STEEPEST, Surface
 
-# The misalignment for which the source paper states the change of its laws, doi:10.1126/science.adk4234.
+# The misalignment for which Aymard et al. state the change of their laws, doi:10.1126/science.adk4234.
 TILT = math.radians(0.1)
 
 # Directions of the tilt: with five or more, evenly spaced, the mean square of changes of up to second
@@ -30,30 +30,30 @@ DIRECTIONS = 6
 
 @runtime_checkable
 class Objective(Protocol):
-    """A frozen value that asks something of the places of a surface's asperities."""
+    """A frozen value that defines the misfit of an arrangement."""
 
     def residual(self, surface: Surface, model: Model) -> FloatArray:
-        """Relative differences of A0, whose sum of squares is to be small."""
+        """Return the relative differences of A0 whose sum of squares is minimised."""
         ...
 
     def forecast(self, surface: Surface, model: Model, places: Places) -> Forecast:
-        """How they change, to first order, as asperities and vacancies exchange their places."""
+        """Return their first-order prediction for exchanges of asperities and vacancies."""
         ...
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class FollowLaw(Value):
-    """The law under the model is to follow a curve, that of independent asperities unless told.
+    """Minimise the deviation of the law under the model from a curve A(P).
 
-    ``r_k = (A0(P_k)/A_k - 1) / sqrt(K)``: the misfit is the root mean square over K loads. With few loads
-    the law between them stays as it was: 20 over the range serve for 64 asperities.
+    ``r_k = (A0(P_k)/A_k - 1) / sqrt(K)``: the misfit is the root mean square over K loads. With too few
+    loads the law does not improve between them; 20 over the range are enough for 64 asperities.
 
     Parameters
     ----------
     rescaled_load : array_like, (K,)
         P/E* [mm^2], positive and increasing.
     rescaled_friction : array_like, (K,), optional
-        F/(sigma B) [mm^2], positive and increasing.
+        The curve F/(sigma B) [mm^2], positive and increasing; default: the law of independent asperities.
 
     Raises
     ------
@@ -84,9 +84,9 @@ class FollowLaw(Value):
         return np.asarray((area / self._target(surface) - 1.0) / math.sqrt(len(area)))
 
     def forecast(self, surface: Surface, model: Model, places: Places) -> Forecast:
-        """Return ``-sum_ij dA0/dh_i G_ij P_j/E*``: displacements by the others act as lower heights.
+        """Return ``-sum_ij dA0/dh_i G_ij P_j/E*``: displacements by other asperities act as lower heights.
 
-        The gradient and the loads are those of the surface as it stands.
+        The gradient and the loads are those of the given arrangement.
         """
         found = _sensitivity(surface, model, self.rescaled_load)
         load = Hertz().load_at_indentation(found.indentation, surface.radius)
@@ -103,20 +103,21 @@ class FollowLaw(Value):
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class InsensitiveToTilt(Value):
-    """A small misalignment of the plane is to leave the law as it is.
+    """Minimise the change of the law by a small misalignment of the plane.
 
     A tilt by (t_x, t_y) raises the summits by ``x_i t_x + y_i t_y``. At a fixed load that changes A0 by
     ``sum_i dA0/dh_i (x_i t_x + y_i t_y)`` to first order. As the dA0/dh_i sum to zero, these first moments
-    do not depend on the origin; of independent asperities they are those of ``pi R_i - c sqrt(R_i d_i)``
-    over the contacts. A tilt of .1 degrees across 10 mm is as large as many indentations, so the misfit is
-    the rms of the whole change A0(tilted)/A0 - 1, over the loads and six directions around the circle.
+    do not depend on the origin. For independent asperities they are those of ``pi R_i - c sqrt(R_i d_i)``
+    over the contacts. A tilt of 0.1 degrees over 10 mm is as large as many indentations, so the misfit is
+    the rms of the full change A0(tilted)/A0 - 1 over the loads and six directions.
 
     Parameters
     ----------
     rescaled_load : array_like, (K,)
         P/E* [mm^2], positive and increasing.
     angle : float
-        Of the tilt [rad], up to pi/4; as it goes to zero the first moments alone are left.
+        Tilt [rad], up to pi/4; default: 0.1 degrees. In the limit of zero the misfit depends on the first
+        moments alone.
 
     Raises
     ------
@@ -144,19 +145,19 @@ class InsensitiveToTilt(Value):
         return np.concatenate(changes) / math.sqrt(DIRECTIONS * len(level))
 
     def forecast(self, surface: Surface, model: Model, places: Places) -> Forecast:
-        """Return the changes of asperities that do not feel each other any more: sums over the places."""
+        """Return the changes of independent asperities with the present loads: sums over the sites."""
         found = _sensitivity(surface, model, self.rescaled_load)
         depth, radius = found.indentation, surface.radius
         rate = math.pi * np.where(depth > 0.0, radius, 0.0).sum(axis=1)
         rate /= 2.0 * np.sqrt(radius * np.maximum(depth, 0.0)).sum(axis=1)
         scale = 1.0 / (found.curve.area * math.sqrt(DIRECTIONS * len(depth)))
-        # a vacancy is an asperity that no tilt brings into contact
+        # a vacancy is represented by an asperity that no tilt brings into contact
         sites = places.numbers(surface.position)
         depth, radius = _spread(depth, sites, places, -math.inf), _spread(radius, sites, places, 1.0)
         return Tilted(depth, radius, self._lifts(places.position), scale, rate)
 
     def _lifts(self, places: FloatArray) -> FloatArray:
-        """By which the tilts raise the places, (6, m) [mm]."""
+        """Return the rise of the sites by the tilts, (6, m) [mm]."""
         direction = 2.0 * math.pi * np.arange(DIRECTIONS) / DIRECTIONS
         slope = math.tan(self.angle) * np.stack([np.cos(direction), np.sin(direction)], axis=1)
         return np.asarray(slope @ places.T)
@@ -170,7 +171,7 @@ class Together:
     ----------
     objectives : sequence of objectives
     weights : array_like, optional
-        Positive; equal unless given. They are divided by their sum.
+        Positive; default: equal. They are divided by their sum.
 
     Raises
     ------
@@ -201,23 +202,23 @@ class Together:
         object.__setattr__(self, "weights", tuple((values / values.sum()).tolist()))
 
     def residual(self, surface: Surface, model: Model) -> FloatArray:
-        """Return the parts' residuals, each times the root of its weight."""
+        """Return the residuals of all objectives, each times the square root of its weight."""
         pairs = zip(self.weights, self.objectives, strict=True)
         return np.concatenate([math.sqrt(w) * part.residual(surface, model) for w, part in pairs])
 
     def forecast(self, surface: Surface, model: Model, places: Places) -> Forecast:
-        """Return the parts' forecasts, each times the root of its weight."""
+        """Return the forecasts of all objectives, each times the square root of its weight."""
         parts = tuple(part.forecast(surface, model, places) for part in self.objectives)
         return Joined(tuple(math.sqrt(w) for w in self.weights), parts)
 
 
 def _sensitivity(surface: Surface, model: Model, load: FloatArray) -> Sensitivity:
-    """Return how the law changes with the heights."""
+    """Return the law and its sensitivity to the heights."""
     return model.gradient_model.sensitivity(surface, load)
 
 
 def _spread(values: FloatArray, sites: IntArray, places: Places, vacant: float) -> FloatArray:
-    """Return values of asperities (..., n) on their places (..., m)."""
+    """Return values of asperities (..., n) at all sites (..., m)."""
     result = np.full((*values.shape[:-1], len(places.position)), vacant)
     result[..., sites] = values
     return result

@@ -1,4 +1,4 @@
-"""Places for asperities, of which some may stay empty, and their influence on each other."""
+"""Sites for asperities, of which some may stay empty, and the influence between them."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ from metafem.models._resources import require_memory
 from metafem.substrate import HalfSpace, Radial
 from metafem.surface import Surface
 
-# Matrices of all pairs of places that are held at once while the influence is made.
+# Number of matrices of all pairs of sites in memory while the influence is computed.
 MATRICES = 3
 
 
 @dataclass(frozen=True, eq=False)
 class Places:
-    """Places (m, 2) [mm] for asperities, and their influence on each other (m, m) [1/mm]."""
+    """Sites (m, 2) [mm] for asperities, and the influence between them (m, m) [1/mm]."""
 
     position: FloatArray
     influence: FloatArray
     number: dict[tuple[float, float], int]
 
     def numbers(self, position: FloatArray) -> IntArray:
-        """Return which of the places these are, (n,)."""
+        """Return the numbers of the sites at these positions, (n,)."""
         found = [self.number.get((x, y), -1) for x, y in position.tolist()]
         if -1 in found:
             i = found.index(-1)
@@ -38,10 +38,10 @@ class Places:
 
 
 def places_for(surface: Surface, model: Model, places: ArrayLike | None) -> tuple[Places, Model]:
-    """Return the places, those of the surface unless told, and the model to ask about surfaces on them.
+    """Return the sites (default: those of the surface), and the model for surfaces on them.
 
-    A substrate that is dear to ask is asked once, for all places. For models without a substrate the
-    influence is that of the half-space.
+    The influence of an expensive substrate is computed once, for all sites. For models without a substrate
+    it is that of the half-space.
     """
     position = surface.position
     if places is not None:
@@ -62,7 +62,7 @@ def places_for(surface: Surface, model: Model, places: ArrayLike | None) -> tupl
 
 @dataclass(frozen=True, eq=False)
 class KnownInfluence:
-    """A substrate's influence between places, for surfaces that stand on some of them."""
+    """The influence of a substrate between sites, for surfaces on some of them."""
 
     places: Places
     derivatives: tuple[FloatArray, FloatArray, FloatArray]

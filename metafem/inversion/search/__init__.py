@@ -1,1 +1,1 @@
-"""Searches for heights whose law is nearest to a wanted one."""
+"""Searches for heights whose law is nearest to a target law."""

@@ -121,6 +121,7 @@ def descend(
         if size == 0.0:
             break
         system = product + damping * size * np.eye(count)
+        # Levenberg–Marquardt step J' (J J' + damping)^-1 r, with a (k, k) system
         trial = space.project(unknowns - jacobian.T @ np.linalg.solve(system, residual))
         area, gradient = evaluate(trial)
         new_residual, new_jacobian = wanted.residual(area, gradient)

@@ -1,1 +1,1 @@
-"""Wanted friction laws."""
+"""Target friction laws."""

@@ -1,4 +1,4 @@
-"""Wanted friction laws, in rescaled load P/E* and friction F/(sigma B) [mm^2]."""
+"""Target friction laws, in rescaled load P/E* and friction F/(sigma B) [mm^2]."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ class OperatingPoints(Value):
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class SampledLaw(Value):
-    """A law given by samples, to be met in the least-squares sense of the relative differences.
+    """A law given by samples; the design minimises the squared relative differences.
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ class SampledLaw(Value):
     rescaled_friction : array_like, (k,)
         F/(sigma B) [mm^2], positive and increasing.
     weight : array_like, (k,), optional
-        Positive weights of the squared relative differences; equal unless given.
+        Positive weights of the squared relative differences; default: equal.
 
     Examples
     --------
@@ -155,11 +155,11 @@ class PowerLaw:
     Parameters
     ----------
     exponent : float
-        beta [-], positive; no surface of equal radii has one below 2/3.
+        beta [-], positive; surfaces of equal radii have an exponent of at least 2/3.
     load_range : (float, float)
         P/E* from and to [mm^2], positive and increasing.
     prefactor : float, optional
-        C [mm^(2 - 2 beta)], positive; free unless given.
+        C [mm^(2 - 2 beta)], positive; default: free.
 
     Examples
     --------

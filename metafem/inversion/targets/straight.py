@@ -1,4 +1,4 @@
-"""Targets of straight branches: slopes, or friction coefficients, over loads."""
+"""Targets of straight branches, given by slopes or friction coefficients."""
 
 from __future__ import annotations
 
@@ -21,16 +21,16 @@ LoadRange = tuple[float, float]
 
 @dataclass(frozen=True, init=False)
 class LinearLaw:
-    """A straight law: friction proportional to load but for an intercept, or without one over a range.
+    """A straight law of one slope: with a free intercept, or through the origin over a range of loads.
 
     Parameters
     ----------
     slope : float
         m, slope of rescaled friction over rescaled load [-], positive; ``mu = sigma B / E* m``.
     load_range : (float, float), optional
-        P/E* [mm^2], positive and increasing, over which the line ``F = m P`` through the origin is
-        asked for within 1 %. Without it the heights are those of the exponential density whose law has
-        the slope at large loads, and an intercept of its own.
+        P/E* [mm^2], positive and increasing, over which the target is the line ``F = m P`` through the
+        origin, within 1 %. Default: none; the heights are then those of the exponential density whose law
+        has the slope at large loads, with its own intercept.
 
     Examples
     --------
@@ -63,7 +63,7 @@ class LinearLaw:
     ) -> LinearLaw:
         """Law of a friction coefficient mu [-] of a material pair, ``m = mu E* / (sigma B)``.
 
-        With a `load_range`, ``F = mu P`` over it. Titles and messages tell of friction coefficients and
+        With a `load_range`, ``F = mu P`` over it. Titles and messages state friction coefficients and
         newtons.
         """
         wording = Wording.of(material, friction)
@@ -83,7 +83,7 @@ class LinearLaw:
 
     @property
     def friction_coefficient(self) -> float | None:
-        """mu [-] of a law that was asked for by it, or by forces; else None."""
+        """Friction coefficient mu [-] of a law that was given by it or by forces; otherwise None."""
         return None if self.wording.per_slope is None else self.wording.coefficient(self.slope)
 
     @property
@@ -125,9 +125,9 @@ class BilinearLaw:
     crossover_load : float
         P_c/E* [mm^2], positive.
     load_range : (float, float), optional
-        P/E* [mm^2], increasing, with the crossover inside, over which ``F = m_1 P``, and
-        ``m_1 P_c + m_2 (P - P_c)`` above the crossover, is asked for within 1 %. Without it the heights
-        are those of a density of two exponentials whose law has these slopes at large loads.
+        P/E* [mm^2], increasing, with the crossover inside, over which the target is ``F = m_1 P`` below
+        and ``m_1 P_c + m_2 (P - P_c)`` above the crossover, within 1 %. Default: none; the heights are
+        then those of a density of two exponentials whose law has these slopes at large loads.
 
     Examples
     --------
@@ -174,7 +174,7 @@ class BilinearLaw:
     ) -> BilinearLaw:
         """Law of two friction coefficients dF/dP [-] of a material pair, below and above the crossover.
 
-        Titles and messages tell of friction coefficients and newtons.
+        Titles and messages state friction coefficients and newtons.
         """
         wording = Wording.of(material, friction)
         slopes = _slopes(check.array("friction_coefficients", friction_coefficients, shape=(2,)), wording)
@@ -184,7 +184,7 @@ class BilinearLaw:
     def from_forces(
         cls, load: ArrayLike, friction_force: ArrayLike, material: Material, friction: Friction
     ) -> BilinearLaw:
-        """Law through three points P_i, F_i, (3,) [N]: on branch one, at the crossover, on branch two."""
+        """Law through points P_i, F_i, (3,) [N]: on the first branch, at the crossover, on the second."""
         wording = Wording.of(material, friction)
         x, y = wording.rescaled(load, friction_force)
         if len(x) != 3:
@@ -230,16 +230,16 @@ class BilinearLaw:
 
 @dataclass(frozen=True, init=False)
 class MultilinearLaw:
-    """Straight branches of given slopes, one after the other, with a free intercept.
+    """Consecutive straight branches of given slopes, with a free intercept.
 
     Parameters
     ----------
     slopes : array_like, (b,)
-        Slopes of the branches [-], positive, rising or falling.
+        Slopes of the branches [-], positive, in any order.
     crossover_loads : sequence, (b - 1,)
-        Where each branch gives way to the next [mm^2]: one load P/E*, at which they meet, or a pair
-        (end of the branch, start of the next) between which the law is free, as is then the intercept
-        of the next branch. Increasing.
+        Crossover from each branch to the next [mm^2], increasing: one load P/E* at which they meet, or a
+        pair (end of the branch, start of the next). Between the loads of a pair the law is free, and so is
+        the intercept of the next branch.
     load_range : (float, float)
         P/E* from the start of the first to the end of the last branch [mm^2].
 
@@ -296,7 +296,7 @@ class MultilinearLaw:
     ) -> MultilinearLaw:
         """Law of friction coefficients dF/dP [-] of a material pair, one for each branch.
 
-        Titles and messages tell of friction coefficients and newtons.
+        Titles and messages state friction coefficients and newtons.
         """
         wording = Wording.of(material, friction)
         slopes = _slopes(check.array("friction_coefficients", friction_coefficients, shape=(None,)), wording)

@@ -1,4 +1,4 @@
-"""What a law should be at a list of loads, up to parameters that the target leaves open."""
+"""The target law at a list of loads, up to parameters that the target leaves open."""
 
 from __future__ import annotations
 
@@ -8,17 +8,18 @@ import numpy as np
 
 from metafem._validate import FloatArray
 
-# Solving for the open parameters, each relative to the law that the last ones give: the weights have
-# settled to a digit of the residual after two rounds.
+# Iterations for the open parameters, each with weights relative to the law of the last one: after two, the
+# weights have converged to a digit of the residual.
 ROUNDS = 3
 
-# Where the nearest law is not positive, differences are relative to this share of the curve, and so large.
+# Where the nearest law is not positive, differences are relative to this fraction of the curve, which makes
+# them large.
 FAR = 0.1
 
 
 @dataclass(frozen=True, eq=False)
 class Wanted:
-    """The law ``base + free @ c`` at loads (k,), with open parameters c (q,), and weights.
+    """The target law ``base + free @ c`` at loads (k,), with open parameters c (q,), and weights.
 
     Attributes
     ----------
@@ -27,11 +28,11 @@ class Wanted:
     base : ndarray, (k,)
         Fixed part of F/(sigma B) [mm^2].
     free : ndarray, (k, q)
-        What the open parameters multiply.
+        Factors of the open parameters.
     weight : ndarray, (k,)
         Weights of the squared relative differences, of mean 1.
     pointwise : bool
-        Whether a law is judged by its largest difference, and not by their root mean square.
+        Whether the misfit is the largest difference (True) or their root mean square (False).
     """
 
     load: FloatArray
@@ -53,7 +54,7 @@ class Wanted:
         return cls(load, friction, np.empty((len(load), 0)), given / given.mean(), pointwise)
 
     def law(self, area: FloatArray) -> FloatArray:
-        """Return the wanted law nearest to an area curve, (k,) [mm^2]."""
+        """Return the target law with the open parameters nearest to an area curve, (k,) [mm^2]."""
         if not self.free.shape[1]:
             return self.base
         law = area
@@ -66,7 +67,7 @@ class Wanted:
         return np.asarray(law)
 
     def residual(self, area: FloatArray, gradient: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return weighted relative differences (k,) and their Jacobian (k, n), clear of open parameters."""
+        """Return weighted relative differences (k,) and their Jacobian (k, n), without open parameters."""
         law = self.law(area)
         scale = np.sqrt(self.weight) / law
         residual, jacobian = scale * (area - law), scale[:, None] * gradient

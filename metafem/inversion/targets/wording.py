@@ -1,4 +1,4 @@
-"""Units in which a target was asked for, and in which titles and messages tell of it."""
+"""Units in which a target was given, for titles and messages."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.surface import Friction, Material
 
-# Digits of a friction coefficient or a force that went through its rescaled value: a number that was
-# typed with up to as many comes back.
+# Digits of a friction coefficient or force after the conversion to its rescaled value and back: a number
+# given with up to this many digits is reproduced.
 DIGITS = 15
 
-# Digits of a bound in a message, which a user may type.
+# Digits of a bound in a message.
 BOUND_DIGITS = 4
 
 
@@ -26,10 +26,10 @@ class Wording:
     Parameters
     ----------
     composite_modulus : float, optional
-        E* [MPa]; with it loads are told in newtons.
+        E* [MPa]; with it loads are stated in newtons.
     shear_stress : float, optional
-        sigma B, the friction force per initial real contact area [MPa]; with it frictions are told in
-        newtons, and with both slopes are told as friction coefficients ``mu = sigma B / E* m``.
+        sigma B, the friction force per initial real contact area [MPa]; with it friction is stated in
+        newtons. With both, slopes are stated as friction coefficients ``mu = sigma B / E* m``.
 
     Examples
     --------
@@ -55,34 +55,34 @@ class Wording:
 
     @staticmethod
     def checked(given: Wording) -> Wording:
-        """Return what was given as a wording, or refuse it."""
+        """Return the argument if it is a Wording, or raise InvalidInput."""
         check.instance("wording", given, Wording, "a Wording, as from_friction_coefficient sets it")
         return given
 
     @property
     def per_slope(self) -> float | None:
-        """Friction coefficient of the slope 1, ``sigma B / E*``; None where slopes are told as such."""
+        """Friction coefficient of the slope 1, ``sigma B / E*``; None where slopes are stated as such."""
         if self.composite_modulus is None or self.shear_stress is None:
             return None
         return self.shear_stress / self.composite_modulus
 
     @property
     def keys(self) -> tuple[str, str]:
-        """What a user calls one slope, and several."""
+        """Key of one slope, and of several."""
         if self.per_slope is None:
             return "slope", "slopes"
         return "friction_coefficient", "friction_coefficients"
 
     def name(self, count: int = 1) -> str:
-        """Return what one slope is called in a sentence, or several."""
+        """Return the name of one slope, or of several, in a sentence."""
         return self.keys[count > 1].replace("_", " ")
 
     def slope(self, coefficient: float) -> float:
-        """Return the slope of what was asked for: the inverse of `coefficient`."""
+        """Return the slope of a value as given: the inverse of `coefficient`."""
         return coefficient / (self.per_slope or 1.0)
 
     def coefficient(self, slope: float) -> float:
-        """Return a slope as it was asked for: itself, or its friction coefficient."""
+        """Return a slope as it was given: itself, or its friction coefficient."""
         return _digits(slope * (self.per_slope or 1.0), DIGITS)
 
     def slopes(self, *slopes: float) -> str:
@@ -90,7 +90,7 @@ class Wording:
         return f"{self.name(len(slopes))} {_listed([f'{self.coefficient(slope):.6g}' for slope in slopes])}"
 
     def slope_bound(self, slope: float, *, up: bool) -> str:
-        """Return the number of a bound on slopes, rounded to the side that can be had."""
+        """Return the number of a bound on slopes, rounded to the reachable side."""
         return f"{_rounded(self.coefficient(slope), up):.6g}"
 
     def loads(self, *loads: float) -> str:
@@ -100,12 +100,12 @@ class Wording:
         return f"{' to '.join(f'{_digits(factor * load, DIGITS):.6g}' for load in loads)} {unit}"
 
     def load_bound(self, load: float, *, up: bool) -> str:
-        """Return a bound on loads in words, rounded to the side that can be had."""
+        """Return a bound on loads in words, rounded to the reachable side."""
         factor = self.composite_modulus or 1.0
         return self.loads(_rounded(factor * load, up) / factor)
 
     def inside(self, low: float, high: float) -> str:
-        """Return a range of loads in words, rounded so that it does not leave the given one."""
+        """Return a range of loads in words, rounded to lie within the given one."""
         factor = self.composite_modulus or 1.0
         return self.loads(_rounded(factor * low, True) / factor, _rounded(factor * high, False) / factor)
 
@@ -123,12 +123,12 @@ class Wording:
         return newtons / (self.composite_modulus or 1.0), force / (self.shear_stress or 1.0)
 
 
-# As most targets are asked for.
+# The default: rescaled values.
 RESCALED = Wording()
 
 
 def in_title(words: str) -> str:
-    """Return words with the sign of a square, as a title has it."""
+    """Return words for a title, with the sign for a square."""
     return words.replace("^2", "²")
 
 
@@ -137,7 +137,7 @@ def _digits(value: float, digits: int) -> float:
 
 
 def _rounded(value: float, up: bool) -> float:
-    """Return a positive number of few digits that is not below, or not above, a given one."""
+    """Return a number of few digits that is not below, or not above, a given positive one."""
     near = _digits(value, BOUND_DIGITS)
     if (near >= value) if up else (near <= value):
         return near

@@ -110,7 +110,7 @@ def test_the_best_radius_is_arranged():
 @pytest.mark.parametrize(
     ("build", "words"),
     [
-        (lambda t: mf.Layout(False), "ask for nothing"),
+        (lambda t: mf.Layout(False), "the layout has no aim"),
         (lambda t: mf.Layout(1), "follow_law = 1 must be True or False"),
         (lambda t: mf.Layout(tilt=0.0), "tilt = 0 must be greater than 0"),
         (lambda t: mf.Layout(tilt=math.nan), "tilt = nan"),
