@@ -12,6 +12,7 @@ from metafem.errors import InvalidInput
 
 P = ParamSpec("P")
 R = TypeVar("R")
+T = TypeVar("T")
 
 
 def checked_call(function: Callable[P, R]) -> Callable[P, R]:
@@ -37,6 +38,12 @@ def checked_call(function: Callable[P, R]) -> Callable[P, R]:
             raise InvalidInput(_fault(function, args, kwargs)) from None
 
     return call
+
+
+def checked_class(cls: type[T]) -> type[T]:
+    """Raise InvalidInput, not TypeError, for a constructor's call that does not fit."""
+    cls.__init__ = checked_call(cls.__init__)  # type: ignore[method-assign]
+    return cls
 
 
 def _fault(function: Callable[..., Any], args: tuple[Any, ...], kwargs: dict[str, Any]) -> str:

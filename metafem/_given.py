@@ -39,6 +39,7 @@ FOREIGN = {
     "m": "a duration",
     "S": "bytes",
     "U": "a text",
+    "V": "a structured array",
 }
 
 

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from metafem import _validate as check
 from metafem import drawing
-from metafem._calls import checked_call
+from metafem._calls import checked_call, checked_class
 from metafem._given import called, told
 from metafem._validate import FloatArray
 from metafem._values import Value, span
@@ -30,6 +30,7 @@ STEEPEST = 0.25 * math.pi
 MOST_SITES = 10**8
 
 
+@checked_class
 @dataclass(frozen=True)
 class Material:
     """Linear-elastic material of the block against a rigid plane.
@@ -94,6 +95,7 @@ class Material:
         return self.composite_modulus * (1.0 - self.poisson_ratio**2)
 
 
+@checked_class
 @dataclass(frozen=True)
 class Friction:
     """Friction of the material pair, ``F = sigma B A0``.
@@ -121,6 +123,7 @@ class Friction:
         object.__setattr__(self, "area_ratio", ratio)
 
 
+@checked_class
 @dataclass(frozen=True)
 class Block:
     """The block that carries the asperities. It is centred on the origin, and its base is bonded.

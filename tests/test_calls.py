@@ -1,5 +1,7 @@
 """Calls with the wrong arguments are answered in the package's words."""
 
+import re
+
 import pytest
 
 import metafem as mf
@@ -48,3 +50,21 @@ def test_faults_within_a_function_stay_what_they_are():
     with pytest.raises(TypeError, match="has no len"):
         broken(3)
     assert broken([1]) == 1
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (lambda: mf.LinearLaw(), "LinearLaw: slope must be given; call LinearLaw(slope, load_range"),
+        (lambda: mf.LinearLaw(7.0, through_origin=True), "LinearLaw has no argument through_origin"),
+        (lambda: mf.OperatingPoints([0.1, 0.2]), "rescaled_friction must be given"),
+        (lambda: mf.Material(E=1.0), "Material has no argument E"),
+        (lambda: mf.Limits(max_heigth=0.1), "did you mean max_height?"),
+        (lambda: mf.Block(20.0, 20.0), "Block: thickness must be given"),
+        (lambda: mf.Layout(seed=1), "Layout has no argument seed"),
+        (lambda: mf.BoundaryElements(), "BoundaryElements: cell must be given"),
+    ],
+)
+def test_constructors_answer_in_the_words_of_the_package(call, said):
+    with pytest.raises(mf.InvalidInput, match=re.escape(said)):
+        call()

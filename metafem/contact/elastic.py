@@ -7,10 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from metafem._calls import checked_class
 from metafem._validate import FloatArray
 from metafem.contact.law import Values
 
 
+@checked_class
 @dataclass(frozen=True)
 class Hertz:
     """Frictionless, non-adhesive elastic contact of a paraboloid of radius R and a rigid plane.

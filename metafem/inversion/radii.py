@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from metafem import _validate as check
+from metafem._calls import checked_class
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.surface import Surface
@@ -16,6 +17,7 @@ from metafem.surface import Surface
 TRIED_RADII = 7
 
 
+@checked_class
 @dataclass(frozen=True)
 class RadiusRange:
     """Radii from one to another [mm], positive and increasing.

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from metafem import _validate as check
+from metafem._calls import checked_class
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput, NotConverged
 from metafem.models.boundary_elements.model import BoundaryElements
@@ -30,6 +31,7 @@ NAMES = ("independent", "order 1", "order 3")
 ASIDE = "the surface's block is left aside: the contacts are coupled through a half-space"
 
 
+@checked_class
 @dataclass(frozen=True)
 class Automatic:
     """Choose among `Independent`, `Interacting` and `BoundaryElements` by estimates of their errors.

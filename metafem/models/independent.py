@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from metafem import _validate as check
+from metafem._calls import checked_class
 from metafem._validate import FloatArray
 from metafem.contact import Hertz
 from metafem.errors import InvalidInput
@@ -24,6 +25,7 @@ TOLERANCE = 1e-12
 POINTS_PER_THREAD = 20_000
 
 
+@checked_class
 @dataclass(frozen=True)
 class Independent:
     """Independent Hertzian asperities under a common plane.

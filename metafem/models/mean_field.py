@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from metafem._calls import checked_class
 from metafem._validate import FloatArray
 from metafem.models.independent import TOLERANCE, Independent
 from metafem.models.interacting.model import Interacting
@@ -21,6 +22,7 @@ MEAN_DISPLACEMENT = 4.0 / math.pi * (math.log(1.0 + math.sqrt(2.0)) - (math.sqrt
 MAX_STEPS = 200
 
 
+@checked_class
 @dataclass(frozen=True)
 class MeanField:
     """Independent asperities on a base that sinks by ``c p sqrt(A)/E*``, p = P/A the nominal pressure.

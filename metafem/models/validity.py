@@ -54,6 +54,9 @@ COMPARED = 0.32
 # the load, at 1.3 times that even if the error grows as (a/R)^4.
 WIDEST, TOO_WIDE = 0.55, 0.65
 
+# What to do where a model finds no equilibrium.
+REMEDY = "use lighter loads, a larger pitch or the model resolved"
+
 UNKNOWN = "what elastic interaction changes cannot be estimated over all loads"
 
 # The base gap at its load of contact, relative to the largest height.
@@ -276,7 +279,7 @@ def base_contact_load(surface: Surface, model: Model) -> float:
     for _ in range(MOST_STEPS):
         if gap <= BASE_TOLERANCE * top:
             break
-        high += 2.0 * gap
+        high += max(2.0 * gap, high - top)  # where nearly all of a step goes into sinking, steps double
         gap = state_at(high).base_gap
     if abs(gap) > BASE_TOLERANCE * top:
         high = brentq(lambda x: state_at(x).base_gap, 0.0, high, xtol=BASE_TOLERANCE * top)
@@ -287,12 +290,15 @@ def _base_notes(surface: Surface, model: Model, state: ContactState) -> list[Not
     """Say from which load on the plane would reach the base plane."""
     if state.base_gap > 0.0:
         return []
-    onset = min(surface.material.composite_modulus * base_contact_load(surface, model), state.load)
+    try:
+        onset = min(surface.material.composite_modulus * base_contact_load(surface, model), state.load)
+    except MetafemError:  # no solution on the way to the base: this load is known to be beyond it
+        onset = state.load
     return [
         Note(
-            f"the base plane would touch from a load of {onset:.4g} N on: at {state.load:.4g} N "
-            f"{state.base_gap:.4g} mm are left beside a summit; the load that the base would carry is not "
-            "counted"
+            f"the base plane would touch from a load of {onset:.4g} N on: at {state.load:.4g} N the plane "
+            f"would be {-1e3 * state.base_gap:.3g} um below the base beside a summit; the load that the base "
+            "would carry is not counted"
         )
     ]
 
@@ -320,6 +326,14 @@ def _surface_notes(surface: Surface) -> list[Note]:
                 f"caps: lower them to {float(surface.radius.min()):g} mm, or use larger radii"
             )
         )
+    buried = _overlapping_caps(surface)
+    if buried:
+        notes.append(
+            Note(
+                f"the caps of {buried} {'pair' if buried == 1 else 'pairs'} of summits overlap on the base "
+                "plane and cannot be made as separate caps: increase the pitch, or lower the summits"
+            )
+        )
     block = surface.block
     if block is not None:
         outside = np.abs(surface.position) > 0.5 * np.array([block.width, block.length])
@@ -332,3 +346,14 @@ def _surface_notes(surface: Surface) -> list[Note]:
                 )
             )
     return notes
+
+
+def _overlapping_caps(surface: Surface) -> int:
+    """Return how many pairs of spherical caps, with base radius ``sqrt(2 R h - h^2)``, overlap."""
+    from scipy.spatial import cKDTree
+
+    height = np.clip(surface.height, 0.0, surface.radius)
+    foot = np.sqrt(height * (2.0 * surface.radius - height))
+    pairs = cKDTree(surface.position).query_pairs(2.0 * float(foot.max()), output_type="ndarray")
+    distance = np.hypot(*(surface.position[pairs[:, 0]] - surface.position[pairs[:, 1]]).T)
+    return int((distance < foot[pairs].sum(axis=1)).sum())

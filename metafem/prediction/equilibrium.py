@@ -9,7 +9,7 @@ from metafem._calls import checked_call
 from metafem.errors import InvalidInput, NotConverged
 from metafem.models.independent import Independent
 from metafem.models.model import ContactState, Model, Status
-from metafem.models.validity import state_notes
+from metafem.models.validity import REMEDY, state_notes
 from metafem.notes import when_read
 from metafem.surface import Surface
 
@@ -75,5 +75,5 @@ def equilibrium(
         state = replace(solver.solve(surface, float(surface.height.max()) - distance), separation=distance)
     if state.status is not Status.CONVERGED:
         reason = "; ".join([f"residual {state.residual:.2g}", *map(str, state.notes)])
-        raise NotConverged(f"{state.status.value}: {reason}", state)
+        raise NotConverged(f"{state.status.value}: {reason}; {REMEDY}", state)
     return replace(state, notes=when_read(state_notes, surface, solver, state))

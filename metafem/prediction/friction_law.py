@@ -16,7 +16,7 @@ from metafem._validate import FloatArray
 from metafem._values import Value, span
 from metafem.errors import InvalidInput, NotConverged
 from metafem.models import Curve, Independent, Model, Status
-from metafem.models.validity import law_notes
+from metafem.models.validity import REMEDY, law_notes
 from metafem.notes import Note, counted, late_notes, when_read
 from metafem.prediction import tables
 from metafem.surface import Friction, Material, Surface
@@ -174,6 +174,7 @@ class FrictionLaw(Value):
         np.divide(force, self.load, out=ratio, where=self.load > 0.0)
         return ratio
 
+    @checked_call
     def fit(
         self, load_range: tuple[float, float] | None = None, *, load: tuple[float, float] | None = None
     ) -> BranchFit:
@@ -414,7 +415,7 @@ def _law(surface: Surface, model: Model, curve: Curve, separation: FloatArray) -
         notes=when_read(law_notes, surface, model, curve),
     )
     if status is not Status.CONVERGED:
-        raise NotConverged(f"{status.value}: largest residual {worst:.2g}", law)
+        raise NotConverged(f"{status.value}: largest residual {worst:.2g}; {REMEDY}", law)
     return law
 
 

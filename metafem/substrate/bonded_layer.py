@@ -9,6 +9,7 @@ from functools import lru_cache
 import numpy as np
 
 from metafem import _validate as check
+from metafem._calls import checked_class
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.substrate.radial import Radial
@@ -26,6 +27,7 @@ PANEL_POINTS = 16
 TABLE_END = 48.0
 
 
+@checked_class
 @dataclass(frozen=True)
 class BondedLayer(Radial):
     """A layer of thickness t, unbounded in the plane, bonded to a rigid base.

@@ -135,3 +135,25 @@ def test_notes_are_estimated_when_read_and_kept(monkeypatch):
         monkeypatch.setattr("metafem.models.validity._left_out", None)
         assert result.notes is first
         monkeypatch.undo()
+
+
+CLOSE = [[0.0, 0.0], [0.1, 0.0]]
+
+
+@pytest.mark.parametrize("model", [mf.Independent(), mf.MeanField(), mf.Automatic()])
+def test_notes_of_crowded_scenes_never_raise(model):
+    """Two caps almost at one site, and a lattice whose mean field takes nearly all of an approach."""
+    pair = mf.Surface(CLOSE, [0.10, 0.12], 0.526, mf.Material(1.36))
+    lattice = mf.Surface.square_lattice(0.12, (8, 8), 0.6, radius=0.526, material=mf.Material(1.36))
+    assert any(note.warns for note in mf.equilibrium(pair, model, load=0.2).notes)
+    if not model.couples:
+        for load in (5.0, 20.0):
+            notes = mf.equilibrium(lattice, model, load=load).notes
+            assert any("base plane would touch" in str(note) for note in notes)
+
+
+@pytest.mark.parametrize(("height", "radius"), [([0.1, 0.15], 0.526), ([100.0, 120.0], 526.0)])
+def test_caps_that_bury_their_neighbours_are_warned_of(height, radius):
+    surface = mf.Surface(CLOSE, height, radius, mf.Material(1.36))
+    notes = mf.friction_law(surface, load=[0.001]).notes
+    assert any(note.warns and "the caps of 1 pair of summits overlap" in str(note) for note in notes)

@@ -45,6 +45,7 @@ def replace_files(work: Path, folder: Path, ours: Hashes, stale: Collection[str]
     added = {name: fresh[name] for name in set(fresh) - there}
     journal = {"added": added, "ours": {name: sorted(known[name]) for name in mine}}
     (work / UNFINISHED).write_text(json.dumps(journal), encoding="utf-8")
+    _flush(work / UNFINISHED)
     (work / UNFINISHED).replace(work / JOURNAL)
     for name in mine - set(fresh):
         (folder / name).unlink()
@@ -60,15 +61,21 @@ def undo(work: Path, folder: Path) -> None:
     """Undo a replacement that was cut short; what others changed since then stays."""
     try:
         journal = json.loads((work / JOURNAL).read_text(encoding="utf-8"))
+        added = {Path(name).name: str(each) for name, each in journal["added"].items()}
+        ours = {str(name): frozenset(map(str, each)) for name, each in journal["ours"].items()}
     except FileNotFoundError:
         return
-    for name, each in journal["added"].items():
-        path = folder / Path(name).name
-        if unchanged(path, frozenset({each})):
-            path.unlink()
+    except (ValueError, KeyError, TypeError, AttributeError):
+        raise InvalidInput(
+            f"{work / JOURNAL} is damaged: a run was cut short while it replaced files of {folder}; its old "
+            f"files are in {work / OLD}: put back what you need, then remove {work}"
+        ) from None
+    for name, each in added.items():
+        if unchanged(folder / name, frozenset({each})):
+            (folder / name).unlink()
     for path in sorted((work / OLD).iterdir()):
         there = folder / path.name
-        if not os.path.lexists(there) or unchanged(there, frozenset(journal["ours"][path.name])):
+        if not os.path.lexists(there) or unchanged(there, ours.get(path.name, frozenset())):
             path.replace(there)
     (work / JOURNAL).unlink()
 

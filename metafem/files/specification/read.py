@@ -121,9 +121,7 @@ def refuse_missing_block(model: Model, surface: Surface, remedy: str) -> None:
     try:
         substrate.for_surface(surface)
     except InvalidInput:
-        raise InvalidInput(
-            f"the model on {type(substrate).__name__} needs the block's dimensions: {remedy}"
-        ) from None
+        raise InvalidInput(f"the model {model.name} needs the block's dimensions: {remedy}") from None
 
 
 @checked_call

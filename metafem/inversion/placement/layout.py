@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from metafem import _validate as check
+from metafem._calls import checked_class
 from metafem._validate import FloatArray, IntArray
 from metafem.errors import InvalidInput
 from metafem.inversion.candidate import Parameter
@@ -28,6 +29,7 @@ NO_EFFECT = (
 )
 
 
+@checked_class
 @dataclass(frozen=True)
 class Layout:
     """Aims of the assignment of a design's heights to its sites; without a layout it is random.

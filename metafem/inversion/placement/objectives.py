@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from metafem import _validate as check
+from metafem._calls import checked_class
 from metafem._validate import FloatArray, IntArray
 from metafem._values import Value
 from metafem.contact import Hertz
@@ -41,6 +42,7 @@ class Objective(Protocol):
         ...
 
 
+@checked_class
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class FollowLaw(Value):
     """Minimise the deviation of the law under the model from a curve A(P).
@@ -101,6 +103,7 @@ class FollowLaw(Value):
         return Independent().curve(surface, self.rescaled_load).area
 
 
+@checked_class
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class InsensitiveToTilt(Value):
     """Minimise the change of the law by a small misalignment of the plane.
@@ -163,6 +166,7 @@ class InsensitiveToTilt(Value):
         return np.asarray(slope @ places.T)
 
 
+@checked_class
 @dataclass(frozen=True, init=False)
 class Together:
     """Several objectives at once, ``sum_i w_i misfit_i^2``.

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from metafem import _validate as check
+from metafem._calls import checked_class
 from metafem._validate import FloatArray
 from metafem._values import Value
 from metafem.errors import InvalidInput
@@ -26,6 +27,7 @@ __all__ = [
 ]
 
 
+@checked_class
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class OperatingPoints(Value):
     """Points through which the law must pass.
@@ -81,6 +83,7 @@ class OperatingPoints(Value):
         return float(self.rescaled_load[-1])
 
 
+@checked_class
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class SampledLaw(Value):
     """A law given by samples; the design minimises the squared relative differences.
@@ -148,6 +151,7 @@ class SampledLaw(Value):
         return ()
 
 
+@checked_class
 @dataclass(frozen=True, init=False)
 class PowerLaw:
     """Friction proportional to a power of the load over a range, ``F/(sigma B) = C (P/E*)^beta``.

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from metafem import _validate as check
+from metafem._calls import checked_class
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.inversion.targets.wording import RESCALED, Wording, in_title
@@ -19,6 +20,7 @@ __all__ = ["BilinearLaw", "LinearLaw", "MultilinearLaw"]
 LoadRange = tuple[float, float]
 
 
+@checked_class
 @dataclass(frozen=True, init=False)
 class LinearLaw:
     """A straight law of one slope: with a free intercept, or through the origin over a range of loads.
@@ -114,6 +116,7 @@ class LinearLaw:
         return np.asarray(self.slope * rescaled_load)
 
 
+@checked_class
 @dataclass(frozen=True, init=False)
 class BilinearLaw:
     """Two straight branches that meet at a crossover load.
@@ -228,6 +231,7 @@ class BilinearLaw:
         return np.asarray(self.slopes[0] * below + self.slopes[1] * (rescaled_load - below))
 
 
+@checked_class
 @dataclass(frozen=True, init=False)
 class MultilinearLaw:
     """Consecutive straight branches of given slopes, with a free intercept.

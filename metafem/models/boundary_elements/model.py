@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from metafem import _validate as check
+from metafem._calls import checked_class
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.models.boundary_elements import far_field
@@ -26,6 +27,7 @@ from metafem.surface import Surface
 NONE = np.zeros((0, 2))
 
 
+@checked_class
 @dataclass(frozen=True)
 class BoundaryElements:
     """Elastic contact of paraboloids with a rigid plane, resolved by cells of constant pressure.

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from metafem import _validate as check
+from metafem._calls import checked_class
 from metafem._validate import FloatArray
 from metafem.contact import Contact, Hertz
 from metafem.errors import InvalidInput, NotConverged
@@ -46,6 +47,7 @@ KEPT_FIELDS, MOST_KEPT = 8, 256
 NO_TRAIL = np.empty((0, 0))
 
 
+@checked_class
 @dataclass(frozen=True)
 class Interacting:
     """Hertzian asperities coupled through an elastic substrate.

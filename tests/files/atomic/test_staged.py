@@ -375,3 +375,12 @@ def test_a_signal_while_the_working_folder_is_removed_leaves_nothing(tmp_path, m
             monkeypatch.setattr(owner, name, once(getattr(owner, name)))
     monkeypatch.undo()
     assert {path.name for path in tmp_path.iterdir()} <= {"out"}
+
+
+@pytest.mark.parametrize("journal", ["", "[]", "{}", '{"added": 3, "ours": {}}'])
+def test_a_damaged_journal_names_what_to_look_at(tmp_path, journal):
+    work = tmp_path / ".metafem-writing"
+    (work / "old").mkdir(parents=True)
+    (work / "journal.json").write_text(journal)
+    with pytest.raises(mf.InvalidInput, match=r"journal\.json is damaged.*old files are in .*old"):
+        undo(work, tmp_path)
