@@ -149,7 +149,7 @@ def tangent(field, order, radius, own, state, count, points, memory, scratch):
 
 
 @compiled
-def afresh(gap, radius, control, by_load, z):
+def independent_start(gap, radius, control, by_load, z):
     """Fill z with that of independent asperities, and return its approach."""
     start = uniform_approach(gap, radius, control) if by_load else control
     for i in range(z.size):
@@ -181,7 +181,7 @@ def curves(field, order, radius, own, gap, control, by_load, results, state, mem
             alone = points == 0
             while True:
                 if alone:
-                    start = afresh(gap[row], radius[row], control[j], by_load, state.z)
+                    start = independent_start(gap[row], radius[row], control[j], by_load, state.z)
                 else:
                     ahead = 0.0 if by_load else control[j] - x
                     start = x + predict(memory, points, width, ahead, target, radius[row], state.z)

@@ -1,4 +1,4 @@
-"""Say when a kernel is compiled, which takes seconds once and nothing afterwards."""
+"""Callback when a kernel is compiled, which takes seconds once per installation."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ class _Once(event.Listener):
         self.callback: Callable[[], None] | None = callback
 
     def on_start(self, event: event.Event) -> None:
-        """Tell once."""
+        """Call back at the first compilation only."""
         if self.callback is not None:
             self.callback()
             self.callback = None
 
     def on_end(self, event: event.Event) -> None:
-        """Keep silent."""
+        """Do nothing at the end of a compilation."""
 
 
 def on_first_compilation(callback: Callable[[], None]) -> None:

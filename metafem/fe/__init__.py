@@ -1,4 +1,4 @@
-"""Finite elements: a second theory of the same contact, and the checks it makes."""
+"""Finite elements: an independent computation of the contact, and checks of the models against it."""
 
 from metafem.fe.axisymmetric.active_set import FoundContact, search_contact
 from metafem.fe.axisymmetric.cap_compliance import measure_pedestal

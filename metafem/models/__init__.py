@@ -1,4 +1,4 @@
-"""From heights to loads: models of the whole interface."""
+"""Models of the whole interface: loads and areas from heights and separation."""
 
 from metafem.models.automatic import Automatic
 from metafem.models.boundary_elements.field import ContactField

@@ -1,4 +1,4 @@
-"""Threads and memory: what a solver may use of the machine."""
+"""Threads and memory that a solver uses."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from metafem.errors import InvalidInput
 
 THREADS = 2
 
-# Assumed where the system does not tell: what a common laptop has [bytes].
+# Assumed memory where the system does not report it: that of a common laptop [bytes].
 DEFAULT_MEMORY = 8 * 2**30
 
 
 def run_rows(run: Callable[[slice], None], rows: int, work: int, work_per_thread: int) -> None:
-    """Call `run` on slices that cover the rows; a second thread is started where the work pays for it.
+    """Call `run` on slices that cover the rows, in a second thread too where there is enough work.
 
-    Each row is computed alone, so the number of threads changes no number.
+    Each row is computed separately, so the results do not depend on the number of threads.
     """
     pieces = min(THREADS, 1 + work // work_per_thread, rows)
     edges = np.linspace(0, rows, pieces + 1).astype(int).tolist()

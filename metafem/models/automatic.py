@@ -1,4 +1,4 @@
-"""The cheapest model that holds a tolerance on the scene at hand."""
+"""The cheapest model that is within a tolerance for a given surface and load."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ from metafem.notes import Level, Note, information
 from metafem.substrate import HalfSpace, Radial, Substrate
 from metafem.surface import Surface
 
-# Relative error of the area times the square of the cells a radius, as `BoundaryElements` states it, and
-# the fewest that it should have.
+# Relative error of the area times the square of the number of cells per contact radius, as `BoundaryElements`
+# states it, and the smallest number that is used.
 CELL_ERROR = 0.37
 FEWEST_CELLS = 10.0
 
 # The asperity models in the notes.
 NAMES = ("independent", "order 1", "order 3")
 
-ASIDE = "the surface's block is left aside: the contacts are coupled through a half-space"
+ASIDE = "the surface's block is not used: the contacts are coupled through a half-space"
 
 
 @checked_class
@@ -36,16 +36,16 @@ ASIDE = "the surface's block is left aside: the contacts are coupled through a h
 class Automatic:
     """Choose among `Independent`, `Interacting` and `BoundaryElements` by estimates of their errors.
 
-    The contacts of the independent model tell the error of order 3, as (a/r)^5; the others are compared
-    with order 3 at up to three of the loads. The first that stays within the tolerance is solved; where none
-    does, `BoundaryElements` with cells fine enough for it. Above 2000 asperities order 3 stays the last, and
-    the notes say when it does not suffice.
+    The error of order 3 is estimated as (a/r)^5 from the contacts of the independent model. The cheaper
+    models are compared with order 3 at up to three of the loads. The cheapest model within the tolerance is
+    used; if there is none, `BoundaryElements` with sufficiently fine cells. Above 2000 asperities order 3 is
+    always the last choice, and a note states its estimated error where that exceeds the tolerance.
 
     Parameters
     ----------
     tolerance : float
-        Relative error of A0(P) against resolved contacts on the same substrate, positive. It is what
-        the choice aims at; the equations themselves are solved to the chosen model's own tolerance.
+        Relative error of A0(P) against resolved contacts on the same substrate, positive. It applies to
+        the choice; the equations are solved to the tolerance of the chosen model.
     substrate : Substrate
 
     Raises
@@ -67,16 +67,16 @@ class Automatic:
     def __post_init__(self) -> None:
         value = check.number("tolerance", self.tolerance, above=0.0)
         object.__setattr__(self, "tolerance", value)
-        Interacting(substrate=self.substrate)  # refuses what is no substrate
+        Interacting(substrate=self.substrate)  # checks the substrate
 
     @property
     def name(self) -> str:
-        """What a person calls the model; a substrate other than the half-space is added."""
+        """Name of the model in texts; it includes a substrate other than the half-space."""
         return "automatic" if self.substrate == HalfSpace() else f"automatic, {self.gradient_model.name}"
 
     @property
     def couples(self) -> bool:
-        """Whether contacts change one another's load: yes."""
+        """Whether the load of a contact depends on the others at given indentations: yes."""
         return True
 
     @property
@@ -86,24 +86,24 @@ class Automatic:
 
     @property
     def reference(self) -> Interacting:
-        """`Interacting` on the same substrate: resolved contacts hold more where it does not suffice."""
+        """`Interacting` on the same substrate; resolved contacts, where chosen, are more accurate."""
         return self.gradient_model
 
     def solve(self, surface: Surface, approach: float) -> ContactState:
         """Equilibrium at a given approach [mm] by the model that is chosen for it.
 
-        At a given approach even a uniform sinking changes the load: the choice is made by A0(P) at the
-        load that interacting point loads carry there.
+        At a given approach even a uniform displacement changes the load. The choice is therefore made for
+        A0(P) at the load of interacting point loads at this approach.
         """
         point = Interacting(order=1, substrate=self.substrate).curve_at(surface, np.array([approach]))
         model, notes = self._choice(surface, point.load)
-        if isinstance(model, Independent):  # its load at this approach would be another
+        if isinstance(model, Independent):  # its load at this approach would be different
             model = Interacting(order=1, substrate=self.substrate)
         state = model.solve(surface, approach)
         return replace(state, notes=(*notes, *state.notes))
 
     def solve_load(self, surface: Surface, load: float) -> ContactState:
-        """Equilibrium under a given rescaled load P/E* [mm^2] by the model that is chosen for it."""
+        """Equilibrium at a given rescaled load P/E* [mm^2] by the model that is chosen for it."""
         model, notes = self._choice(surface, np.array([load]))
         state = model.solve_load(surface, load)
         return replace(state, notes=(*notes, *state.notes))
@@ -132,7 +132,7 @@ class Automatic:
         model, notes = self._choice(surface, load)
         if not isinstance(model, BoundaryElements):
             return [(model, slice(0, len(load)), notes)]
-        low, high = 0, len(load) - 1  # the last one needs them: errors grow with the load
+        low, high = 0, len(load) - 1  # the last one needs resolved contacts: errors grow with the load
         while low < high:
             middle = (low + high) // 2
             held = load[middle] <= 0.0 or self._truncation(surface, float(load[middle])) <= self.tolerance
@@ -146,7 +146,7 @@ class Automatic:
         return parts
 
     def _choice(self, surface: Surface, load: FloatArray) -> tuple[Model, tuple[Note, ...]]:
-        """Return the model, and what is to be said of it."""
+        """Return the chosen model with its notes."""
         loads = load[load > 0.0]
         if not loads.size:
             return Independent(), (information(f"chosen: {NAMES[0]}; there are no contacts"),)
@@ -164,7 +164,7 @@ class Automatic:
                 cells = max(FEWEST_CELLS, math.sqrt(CELL_ERROR / self.tolerance))
                 largest = float(_contact_radius(surface, loads[0]).max())
                 found = "resolved contacts", BoundaryElements(largest / cells, bound)
-                why = f"{why}: resolved by {cells:.0f} cells a radius"
+                why = f"{why}: resolved by {cells:.0f} cells per contact radius"
         name, model = found
         notes = [Note(f"chosen: {name}; {why}", level)]
         if surface.block is not None and isinstance(self.substrate, HalfSpace):
@@ -174,8 +174,9 @@ class Automatic:
     def _errors(self, surface: Surface, load: FloatArray) -> list[tuple[str, Model, float]]:
         """Return the asperity models with relative errors of A0 at positive loads, the cheapest first.
 
-        Those of the cheaper ones are their change from order 3, and its own added; they are left out after
-        the first that suffices, and where order 3 does not suffice or has no solution.
+        The error of a cheaper model is its difference from order 3 plus the error of order 3. Models after
+        the first that is within the tolerance are left out, and so are the cheaper ones where order 3 is
+        not within it or has no solution.
         """
         reference = self.gradient_model
         last = self._truncation(surface, load[-1])

@@ -1,4 +1,4 @@
-"""Independent asperities: each contact obeys Hertz, none feels its neighbours."""
+"""Independent asperities: Hertz contacts without interaction."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from metafem.models.interacting.model import Interacting
 from metafem.models.model import ContactState, Curve, Sensitivity, Status
 from metafem.surface import Surface
 
-# The load is solved for by the indentation of the shallowest contact, which keeps its digits.
+# Relative error of the load. The unknown is the indentation of the shallowest contact, to keep its digits.
 TOLERANCE = 1e-12
 
-# Fewer points than this are solved before a second thread has started.
+# With fewer points than this the solution takes less time than the start of a second thread.
 POINTS_PER_THREAD = 20_000
 
 
@@ -50,12 +50,12 @@ class Independent:
 
     @property
     def name(self) -> str:
-        """What a person calls the model, also as ``--model``."""
+        """Name of the model in texts and for ``--model``."""
         return "independent"
 
     @property
     def couples(self) -> bool:
-        """Whether contacts change one another's load: no."""
+        """Whether the load of a contact depends on the others at given indentations: no."""
         return False
 
     @property
@@ -73,7 +73,7 @@ class Independent:
         return self._state(surface, approach, approach - surface.gap)
 
     def solve_load(self, surface: Surface, load: float) -> ContactState:
-        """Equilibrium under a rescaled load P/E* [mm^2]."""
+        """Equilibrium at a rescaled load P/E* [mm^2]."""
         from metafem._kernels import independent as kernel
 
         gap, root = _sorted_by_gap(surface.height[None, :], surface.radius)

@@ -1,4 +1,4 @@
-"""The mean field: every asperity sinks by the same mean displacement."""
+"""Mean field: the base sinks uniformly by the mean displacement."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from metafem.surface import Surface
 # Mean of 1/(pi r) over all pairs of points of a unit square: 4/pi [ln(1 + sqrt 2) - (sqrt 2 - 1)/3].
 MEAN_DISPLACEMENT = 4.0 / math.pi * (math.log(1.0 + math.sqrt(2.0)) - (math.sqrt(2.0) - 1.0) / 3.0)
 
-# Newton falls monotonically on the root of a convex function; any double is reached well before.
+# Most Newton steps: the iterates decrease monotonically to the root of a convex function, in far fewer steps.
 MAX_STEPS = 200
 
 
@@ -28,8 +28,8 @@ class MeanField:
     """Independent asperities on a base that sinks by ``c p sqrt(A)/E*``, p = P/A the nominal pressure.
 
     ``c = 0.9464`` is the mean over a uniformly loaded square of area A, the nominal area of
-    `nominal_area`. A uniform sinking leaves A0(P) exactly that of `Independent` and moves only the
-    separation. For the half-space, and many asperities. Ciavarella, Greenwood and Paggi, Wear 265, 729
+    `nominal_area`. A uniform displacement changes only the separation; A0(P) is exactly that of
+    `Independent`. Valid for a half-space and many asperities. Ciavarella, Greenwood and Paggi, Wear 265, 729
     (2008), doi:10.1016/j.wear.2008.01.019.
 
     Examples
@@ -48,12 +48,12 @@ class MeanField:
 
     @property
     def name(self) -> str:
-        """What a person calls the model, also as ``--model``."""
+        """Name of the model in texts and for ``--model``."""
         return "mean-field"
 
     @property
     def couples(self) -> bool:
-        """Whether contacts change one another's load: no, all sink alike."""
+        """Whether the load of a contact depends on the others at given indentations: no."""
         return False
 
     @property
@@ -72,7 +72,7 @@ class MeanField:
         return self._state(surface, Independent().solve(surface, local), approach)
 
     def solve_load(self, surface: Surface, load: float) -> ContactState:
-        """Equilibrium under a given rescaled load P/E* [mm^2]."""
+        """Equilibrium at a given rescaled load P/E* [mm^2]."""
         return self._state(surface, Independent().solve_load(surface, load))
 
     def curve(self, surface: Surface, load: FloatArray) -> Curve:
@@ -120,7 +120,7 @@ class MeanField:
         )
 
     def _local(self, surface: Surface, approach: FloatArray) -> FloatArray:
-        """Return the approaches y of the contacts themselves, y + compliance P(y) = approach."""
+        """Return the approaches y relative to the sunken base, y + compliance P(y) = approach."""
         compliance = _compliance(surface)
         local = np.array(approach)
         for _ in range(MAX_STEPS):
@@ -135,7 +135,7 @@ class MeanField:
 
 
 def nominal_area(surface: Surface) -> float:
-    """Return the area A that the asperities stand for [mm^2].
+    """Return the nominal area A of the asperities [mm^2].
 
     The rectangle with n equal cells whose lattice has the second moments l1, l2 of the positions:
     ``A^2 = (12 l1 + A/n)(12 l2 + A/n)``. It is n times the square of the pitch on every rectangular

@@ -1,4 +1,4 @@
-"""The model protocol and what a model returns."""
+"""The protocol of all models, and their results."""
 
 from __future__ import annotations
 
@@ -43,9 +43,9 @@ class Curve:
     residual : ndarray
         Largest relative error of the equations (0: none) on what is returned.
     tolerance : float
-        What was promised for this surface, where that is looser than the model's own tolerance.
+        Tolerance of the residual for this surface, where it is larger than that of the model.
     notes : tuple of Note
-        What a reader of the law must know of the solution.
+        Approximations of the solution.
     """
 
     approach: FloatArray
@@ -76,7 +76,7 @@ class Curve:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ContactState(Value):
-    """Equilibrium of one surface under one load.
+    """Equilibrium of one surface at one load.
 
     Attributes
     ----------
@@ -100,21 +100,21 @@ class ContactState(Value):
     base_gap : float
         Smallest distance left between the plane and the base plane beside a summit [mm], see below.
     notes : tuple of Note
-        What was skipped and by which bound, and what the model leaves out.
+        Approximations of the solution with their bounds, and estimates of what the model neglects.
     field : ContactField
-        Pressure, gap and displacement on cells, of `BoundaryElements` alone; any other model raises
-        InvalidInput.
+        Pressure, gap and displacement on the cells of `BoundaryElements`; InvalidInput is raised for any
+        other model.
 
     Notes
     -----
-    The base between the summits sinks with them. A load on asperity j displaces the whole surface, the base
-    beside asperity i as much as its summit: by u_i, the sum over the other asperities and over what the
-    block adds to a half-space's answer to its own load. What is left beside asperity i is then
-    ``separation + u_i``, and where it is in contact that is ``h_i - d_i``, its height less its indentation.
-    The base gap is the least of these: the separation itself for independent asperities, and more by the
-    common sinking in the mean field. The contact's own Hertzian displacement of the ground around it, and
-    that of its cap's foot, are not counted: both only widen the gap. Base that lies beside the array does not
-    sink with it; a plane that reaches far beyond the array touches there at zero separation.
+    The base between the summits is displaced with them. A load on asperity j displaces the whole surface, and
+    the base beside asperity i as much as its summit: by u_i, the sum over the other asperities and over the
+    regular self term of the block. The gap beside asperity i is then ``separation + u_i``; for an asperity in
+    contact that is ``h_i - d_i``, its height minus its indentation. The base gap is the smallest of these.
+    For independent asperities it is the separation; the mean field adds the uniform displacement.
+    The Hertzian displacement around the contact itself, and that of the foot of its cap, are not included;
+    both increase the gap. The base outside the array is not displaced: a plane that extends far beyond the
+    array touches it there at zero separation.
 
     Examples
     --------
@@ -171,22 +171,22 @@ class Model(Protocol):
 
     @property
     def name(self) -> str:
-        """What a person calls the model, also as ``--model``."""
+        """Name of the model in texts and for ``--model``."""
         ...
 
     @property
     def couples(self) -> bool:
-        """Whether contacts change one another's load, so that A0(P) depends on the sites."""
+        """Whether contacts interact, so that A0(P) depends on the sites."""
         ...
 
     @property
     def gradient_model(self) -> Sensitive:
-        """Model whose sensitivities an inversion under this one uses: itself where it has its own."""
+        """Model whose sensitivities an inversion under this one uses: itself if it has sensitivities."""
         ...
 
     @property
     def reference(self) -> Interacting:
-        """What this model is judged by: asperities that interact by order 3, on its substrate."""
+        """Model with which this one is compared: `Interacting` of order 3 on its substrate."""
         ...
 
     def solve(self, surface: Surface, approach: float) -> ContactState:
@@ -194,7 +194,7 @@ class Model(Protocol):
         ...
 
     def solve_load(self, surface: Surface, load: float) -> ContactState:
-        """Equilibrium under a given rescaled load P/E* [mm^2]."""
+        """Equilibrium at a given rescaled load P/E* [mm^2]."""
         ...
 
     def curve(self, surface: Surface, load: FloatArray) -> Curve:
@@ -208,7 +208,7 @@ class Model(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Sensitivity:
-    """A law at loads (k,) and how its area changes with the heights (n,) at fixed load.
+    """A law at loads (k,) with the derivatives of its area by the heights (n,) at fixed load.
 
     Attributes
     ----------
@@ -216,7 +216,7 @@ class Sensitivity:
     gradient : ndarray, (k, n)
         dA0/dh [mm].
     indentation : ndarray, (k, n)
-        Of each asperity [mm]; an open one has its gap, negative.
+        Indentation of each asperity [mm]; for an open one its gap, negative.
     """
 
     curve: Curve
@@ -228,5 +228,5 @@ class Sensitive(Model, Protocol):
     """A model with the derivatives of its law by the heights."""
 
     def sensitivity(self, surface: Surface, load: FloatArray) -> Sensitivity:
-        """Law at increasing rescaled loads P/E* (k,), and how it changes with each height at fixed load."""
+        """Law at increasing rescaled loads P/E* (k,), with dA0/dh of each height at fixed load."""
         ...

@@ -5,7 +5,7 @@ where the surface has a block. A uniform sinking leaves A0(P) as it is, and what
 sums over the neighbours are off by factors of ten where contacts are crowded, and the solution at a few loads
 costs less than a design. Against resolved contacts it tells the change within a factor of two even where
 contacts overlap or are as wide as a layer; `truncation` estimates its own error. The true block differs from
-the layer by less than 0.4 % in A0, and its influence takes a minute: it is not waited for.
+the layer by less than 0.4 % in A0, and its influence takes a minute, so the layer is used.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from metafem.surface import Surface
 # hundred by less than the fifth between.
 BOUND = 0.04
 
-# From here on it is told, without a warning.
+# Smallest error that is stated in a note of information.
 TOLD = 0.01
 
 # Loads of a law at which it is estimated, and of scenes beyond the dense solver.
@@ -91,7 +91,7 @@ def _left_out(
 
 
 def reference_of(surface: Surface, model: Model) -> Interacting:
-    """Return the model by which a model is judged on a surface: its block counts, where there is one."""
+    """Return the model with which a model is compared on a surface, with its block where it has one."""
     reference = model.reference
     if surface.block is not None and isinstance(reference.substrate, HalfSpace):
         return replace(reference, substrate=BondedLayer())
@@ -131,7 +131,7 @@ def truncation(surface: Surface, contact_radius: FloatArray, substrate: Substrat
     else:
         distance, other = cKDTree(place).query(place, k=NEIGHBOURS + 1)
         ratio, relative = radius[other[:, 1:]] / distance[:, 1:], curved[:, None] / curved[other[:, 1:]]
-    # the curvature that a source adds is p/r^3 = 4 a^3/(3 R r^3), felt in proportion to the own radius
+    # the curvature by a source is p/r^3 = 4 a^3/(3 R r^3); its effect is proportional to R of the contact
     return error + PAIRS * float(share @ (ratio**5 * relative).sum(axis=1))
 
 

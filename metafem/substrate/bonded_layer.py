@@ -41,9 +41,9 @@ class BondedLayer(Radial):
     Parameters
     ----------
     thickness : float, optional
-        t [mm], positive; that of the surface's block unless told.
+        t [mm], positive; default: that of the surface's block.
     poisson_ratio : float, optional
-        nu [-], from 0 to 0.5; that of the surface's material unless told.
+        nu [-], from 0 to 0.5; default: that of the surface's material.
 
     Raises
     ------

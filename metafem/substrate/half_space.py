@@ -32,7 +32,7 @@ class HalfSpace(Radial):
 
     @property
     def self_influence(self) -> float:
-        """Zero [1/mm]: Hertz's law is the half-space's own answer."""
+        """Zero [1/mm]: Hertz's law contains the response of the half-space."""
         return 0.0
 
     @property

@@ -63,7 +63,7 @@ def test_a_block_that_is_left_aside_is_said():
     surface = lattice(0.1 * np.ones(9)).replaced(block=mf.Block(20.0, 20.0, 7.2))
     for model, said in ((mf.Automatic(), True), (mf.Automatic(substrate=mf.BondedLayer()), False)):
         notes = mf.friction_law(surface, model, load=[0.1, 0.15]).notes
-        assert any("block is left aside" in note.text for note in notes) == said
+        assert any("block is not used" in note.text for note in notes) == said
 
 
 def test_what_cannot_be_resolved_is_said(monkeypatch):

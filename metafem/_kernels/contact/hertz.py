@@ -6,7 +6,7 @@ import math
 
 from metafem._kernels.compiled import compiled
 
-# P = LOAD a d and dP/dd = STIFFNESS a, for sums that are multiplied once at their end.
+# P = LOAD a d and dP/dd = STIFFNESS a; sums are multiplied by these factors once, at their end.
 LOAD = 4.0 / 3.0
 STIFFNESS = 2.0
 

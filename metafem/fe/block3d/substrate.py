@@ -42,9 +42,9 @@ class Block3D:
     Parameters
     ----------
     block : Block, optional
-        Width, length and thickness [mm]; that of the surface unless told.
+        Width, length and thickness [mm]; default: that of the surface.
     poisson_ratio : float, optional
-        nu [-], from 0 to 0.5; that of the surface's material unless told.
+        nu [-], from 0 to 0.5; default: that of the surface's material.
     cell, edge_cell : float
         Size of the largest cells near the loads, and of the last ones before the sides and the base,
         whose common edge is singular, in units of the thickness. Wide, thin blocks take larger ones

@@ -20,7 +20,7 @@ from metafem.fe.large_strain.body import Equilibrium, Flattened, SoftBody
 CONTACT_EDGE = 1e-4
 
 # Size of the elements at the cap's foot, relative to its radius. The corner closes like a crease, which a
-# fine mesh would resolve into a fold; coarse elements round it off, and the contact does not feel it.
+# fine mesh would resolve into a fold; coarse elements round it off, without effect on the contact.
 FOOT_EDGE = 0.05
 
 # Times that the graded mesh is halved: for the result, and for the coarser one that judges it.

@@ -1,4 +1,4 @@
-"""What each asperity carries of a resolved pressure."""
+"""Load and contact area of each asperity from a resolved pressure."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from numpy.typing import NDArray
 from metafem._validate import FloatArray
 from metafem.models.boundary_elements.patches import IntArray, Patch
 
-# Moments of a pressure (1 - rho^2)^m on an ellipse give m; Hertz has 1/2. Where m is off by more than
-# this, the second moments would err by 0.2 % in the area (measured on thin layers).
+# The moments of a pressure (1 - rho^2)^m on an ellipse determine m; Hertz's is 1/2. Where m differs from it
+# by more than this, the area from the second moments has an error of 0.2 % (measured on thin layers).
 EXPONENT_RANGE = 0.01
 
-# Cells of 1/n of the radius shift m by about 1.3/n^2 (measured on one Hertz contact); twice that is
-# no sign of another shape.
+# With n cells per radius m is shifted by about 1.3/n^2 (measured on one Hertz contact); a shift of up to
+# twice that is within the discretisation error.
 EXPONENT_BY_CELL = 2.6
 
-# Collocated cells carry pressure up to this far beyond the edge, in cells: measured on one Hertz
-# contact, from 12 to 100 cells a radius.
+# With collocation the pressure extends this far beyond the edge, in cells (measured on one Hertz contact with
+# 12 to 100 cells per radius).
 RIM = 0.115
 
 
@@ -34,9 +34,9 @@ class Contacts:
         Sum of p/E* over the cells on which the asperity is the highest.
     area : ndarray, (n,)
         ``5 pi sqrt(<x^2><y^2> - <xy>^2)`` of the pressure about its centroid, where that is Hertzian;
-        else its cells, less what collocation adds along their rim.
+        otherwise the number of its cells, corrected for the cells that collocation adds along the rim.
     counted : ndarray, (n,)
-        Whether the area is that of counted cells.
+        Whether the area is a number of cells.
     merged : ndarray, (m, 2)
         Pairs of asperities whose contacts share an edge of a cell.
     """
@@ -89,7 +89,7 @@ def _ellipse(density: FloatArray) -> tuple[float, float]:
 
 
 def _counted(own: NDArray[np.bool_], closed: NDArray[np.bool_]) -> float:
-    """Number of an asperity's cells, less the rim; its length is pi/4 of the cells' outer edges."""
+    """Number of cells of an asperity minus the rim, whose length is pi/4 of the outer edges of the cells."""
     inner = np.pad(closed, 1)
     open_edges = sum(
         np.count_nonzero(own & ~side)

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ContactField(Value):
-    """Fields on the cells that `metafem.BoundaryElements` laid, arrays (k,) over all cells.
+    """Fields on the cells of `metafem.BoundaryElements`, arrays (k,) over all cells.
 
     The cells are squares of one common grid, in m rectangular patches around the contacts; between the
     patches there are none. Arrays hold one patch after the other, each row by row along y, so that
@@ -107,7 +107,7 @@ class ContactField(Value):
         Parameters
         ----------
         ax : matplotlib Axes, optional
-            Where to draw; without it in a new figure of ``matplotlib.pyplot``.
+            Axes to draw on; default: those of a new figure of ``matplotlib.pyplot``.
 
         Returns
         -------

@@ -1,4 +1,4 @@
-"""The influence matrix of all cells, applied without being formed, and its preconditioner."""
+"""Products with the influence matrix of all cells, which is never stored, and its preconditioner."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from metafem._validate import FloatArray
 from metafem.models.boundary_elements.far_field import FarField
 from metafem.models.boundary_elements.patches import Patch
 
-# Threads for the patches' transforms; more bring nothing on the two cores the timings are quoted for.
+# Threads for the transforms of the patches; the quoted timings are for two cores.
 THREADS = 2
 
-# Aliases a side in the preconditioner's symbol: the terms fall as the cube of the alias' number.
+# Aliases per side in the symbol of the preconditioner: the terms decrease with the cube of their number.
 ALIASES = 3
 
-# Mean over a cell of a function that is smooth on its scale: the Gauss rule of two points a side.
+# Mean over a cell of a function that is smooth on the scale of a cell: two Gauss points per side.
 GAUSS_POINTS = [
     (x, y) for x in (-math.sqrt(1 / 12), math.sqrt(1 / 12)) for y in (-math.sqrt(1 / 12), math.sqrt(1 / 12))
 ]
@@ -131,7 +131,7 @@ def _spectrum(quadrant: FloatArray) -> FloatArray:
 
 
 def _convolve(source: FloatArray, spectrum: FloatArray, target: FloatArray) -> None:
-    """Write the convolution; the lines that hold nothing but padding are not transformed."""
+    """Write the convolution; lines that contain only padding are not transformed."""
     rows, columns = source.shape
     m0, m1 = _padded((rows, columns))
     work = fft.fft(fft.rfft(source, m1, axis=1), m0, axis=0, overwrite_x=True)
@@ -143,8 +143,8 @@ def _convolve(source: FloatArray, spectrum: FloatArray, target: FloatArray) -> N
 def _symbol(shape: tuple[int, int]) -> FloatArray:
     """Inverse symbol of Love's solution on a periodic grid, ``|k|/2`` at long waves.
 
-    The half-space's symbol 2/|k| times the cell's shape, summed over the aliases. The mean is given
-    the wave length of twice the patch: no more than a start for the conjugate gradients.
+    The symbol 2/|k| of the half-space times that of the cell, summed over the aliases. The mean has the
+    wavelength of twice the patch, which is sufficient for a preconditioner.
     """
     k0 = 2.0 * math.pi * np.fft.fftfreq(shape[0])[:, None]
     k1 = 2.0 * math.pi * np.fft.rfftfreq(shape[1])[None, :]

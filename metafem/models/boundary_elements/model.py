@@ -34,19 +34,19 @@ class BoundaryElements:
 
     Finds the pressures with ``p >= 0, u + gap - approach >= 0, p (u + gap - approach) = 0``, where u
     is Love's displacement of all cells plus what the substrate adds to a half-space. Cells cover the
-    neighbourhoods of the contacts only. With n cells a radius one Hertz contact, wherever it stands on
-    the grid, has a load within 0.12/n^2 and an area within 0.37/n^2: 5e-5 and 1.5e-4 at n = 50. Areas
-    come from the second moments of each contact's pressure, ``A = 5 pi sqrt(<x^2><y^2> - <xy>^2)``,
-    exact for the ellipses of Hertz; where the fourth moments tell of another shape, and where contacts
-    have merged, cells are counted instead and the notes say so. The stiffness is that of flat punches
-    on the cells in contact. Johnson, Contact Mechanics (1985), section 5.9, doi:10.1017/CBO9781139171731.
+    neighbourhoods of the contacts only. With n cells per contact radius the relative error of a Hertz
+    contact at any position is at most 0.12/n^2 in load and 0.37/n^2 in area: 5e-5 and 1.5e-4 at n = 50.
+    Areas come from the second moments of each contact's pressure, ``A = 5 pi sqrt(<x^2><y^2> - <xy>^2)``,
+    which is exact for Hertzian ellipses. Where the fourth moments show a different shape, and where contacts
+    have merged, cells are counted and a note says so. The stiffness is that of flat punches on the cells in
+    contact. Johnson, Contact Mechanics (1985), section 5.9, doi:10.1017/CBO9781139171731.
 
     Parameters
     ----------
     cell : float
-        Side of the cells [mm], positive. A load whose largest contact spans fewer than four cells a
-        radius raises InvalidInput; of smaller contacts that are coarser than that, the notes say the
-        share of the load that they carry.
+        Side of the cells [mm], positive. InvalidInput is raised at a load where the largest contact has
+        fewer than four cells per radius. If only smaller contacts have fewer, a note states their share of
+        the load.
     substrate : HalfSpace or BondedLayer
         A substrate whose influence depends on the distance alone.
 
@@ -83,12 +83,12 @@ class BoundaryElements:
 
     @property
     def name(self) -> str:
-        """What a person calls the model; a substrate other than the half-space is added."""
+        """Name of the model in texts; it includes a substrate other than the half-space."""
         return "resolved" if self.substrate == HalfSpace() else f"resolved, {self.substrate.name}"
 
     @property
     def couples(self) -> bool:
-        """Whether contacts change one another's load: yes."""
+        """Whether the load of a contact depends on the others at given indentations: yes."""
         return True
 
     @property
@@ -98,7 +98,7 @@ class BoundaryElements:
 
     @property
     def reference(self) -> Interacting:
-        """`Interacting` on the same substrate: what resolved contacts hold beyond it is not counted."""
+        """`Interacting` on the same substrate; differences from it are not counted as errors."""
         return self.gradient_model
 
     def solve(self, surface: Surface, approach: float) -> ContactState:
@@ -106,7 +106,7 @@ class BoundaryElements:
         return self._at(Scene(surface, self.cell, self.substrate), approach, None)[0]
 
     def solve_load(self, surface: Surface, load: float) -> ContactState:
-        """Equilibrium under a given rescaled load P/E* [mm^2]."""
+        """Equilibrium at a given rescaled load P/E* [mm^2]."""
         return self._under(Scene(surface, self.cell, self.substrate), load, None)[0]
 
     def curve(self, surface: Surface, load: FloatArray) -> Curve:
@@ -136,9 +136,9 @@ class BoundaryElements:
         predict: Callable[[Surface, FloatArray], Curve],
         states: list[ContactState],
     ) -> Curve:
-        """Return the curve, its first part by order 3 while the cells are too coarse for the contacts.
+        """Return the curve, by order 3 at light loads where the cells are too coarse for the contacts.
 
-        There the contacts are far smaller than their distances, and order 3 is the more accurate model.
+        There the contacts are far smaller than their distances, and order 3 is more accurate.
         """
         resolved = _curve(surface, states)
         if not light.size:
@@ -147,7 +147,7 @@ class BoundaryElements:
         end = surface.material.composite_modulus * first.load[-1]
         note = information(
             f"up to {end:.4g} N the law is that of the model {self.gradient_model.name}: the largest contact "
-            f"spans fewer than {COARSEST:g} cells of {self.cell:g} mm a radius"
+            f"has fewer than {COARSEST:g} cells of {self.cell:g} mm per radius"
         )
         return Curve.joined([replace(first, notes=(*first.notes, note)), resolved])
 
@@ -166,7 +166,7 @@ class BoundaryElements:
         return replace(state, residual=max(state.residual, error)), first
 
     def _open(self, surface: Surface, approach: float) -> ContactState:
-        """No contact at all."""
+        """Return the state without contact."""
         separation = float(surface.height.max()) - approach
         return ContactState(
             load=0.0,
@@ -239,7 +239,7 @@ def _curve(surface: Surface, states: list[ContactState]) -> Curve:
 
 
 def _notes(scene: Scene, solution: Solution) -> tuple[Note, ...]:
-    """Say what was covered and skipped, and where the areas or the cells leave their range."""
+    """State the region that the cells cover, and where areas or cells are less accurate."""
     patches, contacts = solution.patches, solution.contacts
     cells = sum(p.gap.size for p in patches)
     corner = np.array([p.corner for p in patches])
@@ -257,7 +257,7 @@ def _notes(scene: Scene, solution: Solution) -> tuple[Note, ...]:
         notes.append(
             information(
                 f"the pressure of {contacts.counted.sum()} contacts is not that of a Hertzian ellipse: their "
-                "areas are counted cells, within about a tenth of the cell over the contact's radius"
+                "areas are sums of cells, with a relative error of about a tenth of cell over contact radius"
             )
         )
     if len(contacts.merged):
@@ -274,8 +274,8 @@ def _notes(scene: Scene, solution: Solution) -> tuple[Note, ...]:
         share = contacts.load[coarse].sum() / contacts.load.sum()
         notes.append(
             Note(
-                f"{coarse.sum()} contacts span fewer than {COARSEST:g} cells a radius and carry "
-                f"{share:.2g} of the load; their areas err by 2 % and more"
+                f"{coarse.sum()} contacts have fewer than {COARSEST:g} cells per radius and carry "
+                f"{share:.2g} of the load; the error of their areas is 2 % and more"
             )
         )
     return tuple(notes)

@@ -1,4 +1,4 @@
-"""Cells of one common grid, on the neighbourhoods of the contacts and nowhere else.
+"""Cells of one common grid, only in the neighbourhoods of the contacts.
 
 All lengths are in cells. The grid's origin is the centre of the box around all summits, so that it
 moves with the surface; cell (i, j) has its centre at (i, j).
@@ -19,8 +19,8 @@ from metafem.surface import Surface
 
 IntArray = NDArray[np.int64]
 
-# Boxes between which expansions converge more slowly than this per order share one patch: at this
-# rate 23 terms a side meet the far field's tolerance, and a table of them costs as much as the patch.
+# Boxes between which expansions converge more slowly than this per term are joined into one patch: at this
+# rate 23 terms per side reach the tolerance of the far field, and their table costs as much as the patch.
 SLOWEST_RATE = 2.4
 
 
@@ -35,7 +35,7 @@ class Patch:
     gap : ndarray, (rows, columns)
         Depth of the undeformed surface below the tallest summit, in cells.
     owner : ndarray, (rows, columns)
-        Asperity that is the highest there.
+        Number of the asperity whose surface is highest in each cell.
     """
 
     corner: IntArray
@@ -56,7 +56,7 @@ class Patch:
 
 @dataclass(frozen=True, eq=False)
 class Summits:
-    """Asperities in units of the cell: places (n, 2), depths below the tallest (n,), radii (n,)."""
+    """Asperities in units of the cell: positions (n, 2), summit depths (n,), radii (n,)."""
 
     place: FloatArray
     depth: FloatArray
@@ -66,7 +66,7 @@ class Summits:
     def of(cls, surface: Surface, cell: float) -> Summits:
         """Measure a surface in cells."""
         low, high = surface.position.min(axis=0), surface.position.max(axis=0)
-        # Halves before the sum: a corner far from the origin then costs no digits.
+        # halved before the sum, so that a corner far from the origin costs no digits
         place = ((surface.position - low) - 0.5 * (high - low)) / cell
         return cls(place, surface.gap / cell, surface.radius / cell)
 
@@ -81,7 +81,7 @@ def box_rate(first: IntArray, last: IntArray) -> FloatArray:
 def boxes(summits: Summits, half_width: FloatArray) -> tuple[list[IntArray], IntArray, IntArray]:
     """Return members, first cells (m, 2) and last cells (m, 2) of the patches.
 
-    `half_width` (n,) is how far cells are wanted around each summit; 0 where none are.
+    `half_width` (n,) is the extent of the cells around each summit; 0 for none.
     """
     wanted = np.flatnonzero(half_width > 0.0)
     first = np.floor(summits.place[wanted] - half_width[wanted, None]).astype(np.int64)

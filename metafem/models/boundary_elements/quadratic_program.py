@@ -5,10 +5,10 @@ multiplier. Conjugate gradients run on the cells that carry pressure; a step tha
 bounds is projected, and cells that overlap the plane are released when their violation exceeds the
 error on the others (proportioning: Dostál, Optimal Quadratic Programming Algorithms (2009), chapter 5,
 doi:10.1007/b138610). A projected step is taken only if it lowers the energy, and is otherwise replaced
-by a projected gradient step short enough to do so: the energy falls at every step, so no set of cells
-is minimised on twice. The program is strictly convex, and the residual of its optimality conditions,
-recomputed on the pressure that is returned, is the certificate. Polonsky and Keer, Wear 231, 206
-(1999), doi:10.1016/S0043-1648(99)00113-1, differ in taking projected steps unconditionally.
+by a projected gradient step that is short enough to do so. The energy decreases at every step, so no set of
+cells is minimised on twice. The program is strictly convex. The residual of its optimality conditions,
+recomputed on the pressure that is returned, certifies the solution. Polonsky and Keer, Wear 231, 206 (1999),
+doi:10.1016/S0043-1648(99)00113-1, take projected steps unconditionally.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ from numpy.typing import NDArray
 
 from metafem._validate import FloatArray
 
-# Halvings of a gradient step before rounding is blamed: 2^-40 of the first is below any progress.
+# Most halvings of a gradient step: 2^-40 of the first step is below rounding.
 MAX_HALVINGS = 40
 
-# Passes of the projection on a sum: each drops cells, and a few suffice; the rest is margin.
+# Most passes of the projection on a sum: each removes cells, and a few are enough.
 MAX_PASSES = 100
 
 
@@ -42,7 +42,7 @@ class Operator(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Minimum:
-    """What the solver ended with.
+    """Result of the solver.
 
     Attributes
     ----------
@@ -193,15 +193,15 @@ class _Problem:
         self._ones: tuple[NDArray[np.bool_], FloatArray, float] | None = None
 
     def face(self, p: FloatArray, v: FloatArray) -> NDArray[np.bool_]:
-        """Cells that carry pressure or overlap the plane; under a given sum the plane is set anew."""
+        """Cells that carry pressure or overlap the plane; with a given sum the multiplier is updated."""
         if self.total is not None:
             self.multiplier = float(v[p > 0.0].mean())
         return np.asarray((p > 0.0) | (v < self.multiplier))
 
     def direction(self, v: FloatArray, face: NDArray[np.bool_]) -> FloatArray:
-        """Preconditioned descent direction on the face; under a given sum, one that keeps it.
+        """Preconditioned descent direction on the face; with a given sum, one that preserves it.
 
-        The multiplier is set such that the direction adds up to nothing.
+        The multiplier is set such that the sum of the direction is zero.
         """
         s = self._restricted(self.multiplier - v, face)
         if self.total is None:
@@ -218,7 +218,7 @@ class _Problem:
         return np.where(face, self.operator.precondition(np.where(face, vector, 0.0)), 0.0)
 
     def energy_change(self, step: FloatArray, before: FloatArray, after: FloatArray) -> float:
-        """Energy after a step minus before, from both gradients: no digits cancel."""
+        """Energy after a step minus that before, from both gradients, without cancellation."""
         from metafem._kernels import vectors as kernel
 
         return float(0.5 * kernel.dot(step, before + after)) - self.multiplier * float(step.sum())

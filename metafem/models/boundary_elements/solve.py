@@ -1,4 +1,4 @@
-"""One surface on cells: where the cells are, and the pressure on them."""
+"""Resolved solution of one surface: its cells and the pressure on them."""
 
 from __future__ import annotations
 
@@ -23,35 +23,35 @@ from metafem.surface import Surface
 # Largest gap under pressure or overlap without, relative to the largest indentation.
 TOLERANCE = 1e-9
 
-# A contact of n cells a radius errs by up to 0.1/n^2 in load and 0.3/n^2 in area (measured on one Hertz
-# contact at six offsets, n = 4 to 12): of this many, by 0.6 % and 2 %.
+# With n cells per contact radius the error is up to 0.1/n^2 in load and 0.3/n^2 in area (measured on one
+# Hertz contact at six offsets, n = 4 to 12): with this many, 0.6 % and 2 %.
 COARSEST = 4.0
 
-# Free cells around the expected contact, and the share of its radius: point loads misplace the edge
-# by less than that for contacts that do not touch.
+# Free cells around the expected contact, and the same as a fraction of its radius. For contacts that do not
+# touch, the error of the edge from point loads is smaller.
 MARGIN_CELLS = 3.0
 MARGIN_SHARE = 0.03
 
-# Expected gaps up to this share of the largest indentation get cells as well: they may close.
+# Expected gaps up to this fraction of the largest indentation are covered by cells too, as they may close.
 NEARLY_CLOSED = 0.01
 
-# A patch whose edge was reached grows by this factor; ten growths are a factor of nine.
+# A patch whose edge a contact reaches grows by this factor, and at most this often: nine times in all.
 GROWTH = 1.25
 MAX_GROWTHS = 10
 
-# Conjugate gradients take 10 to 60 iterations; this many mean that rounding stands in the way.
+# Most iterations: conjugate gradients take 10 to 60 unless the tolerance is below rounding.
 MAX_ITERATIONS = 1000
 
-# Relative error of the stiffness' equations; that of the stiffness goes as its square.
+# Relative error of the equations for the stiffness; the error of the stiffness is its square.
 STIFFNESS_TOLERANCE = 1e-3
 
-# Vectors of doubles that a solution keeps, and what a transform needs per cell of the largest patch
-# (four times the cells, complex, three at a time, in two threads).
+# Vectors of doubles in a solution, and the memory of a transform per cell of the largest patch (four times
+# the cells, complex, three arrays, in two threads).
 VECTORS = 16
 TRANSFORM_BYTES = 4 * 16 * 3 * 2
 
-# Matrices of all pairs of asperities that are alive at once: influence, its derivatives, distances and
-# the rates of the expansions.
+# Matrices of all pairs of asperities in memory at once: influence, its derivatives, distances and the rates
+# of the expansions.
 PAIR_MATRICES = 16
 
 
@@ -65,9 +65,9 @@ class Solution:
     contacts : Contacts
     patches : list of Patch
     covered : bool
-        No contact reaches the edge of its patch, and no asperity without cells should be closed.
+        Whether no contact reaches the edge of its patch and no asperity without cells is in contact.
     indentation : float
-        Largest A/(pi R), which for Hertz's contact is the indentation: what residuals are measured by.
+        Largest A/(pi R), the indentation of a Hertz contact: the unit of the residuals.
     stiffness : float
         Derivative of the load by the approach on the cells that carry pressure.
     """
@@ -81,7 +81,7 @@ class Solution:
 
 
 class Scene:
-    """One surface on one substrate, with what its loads have in common."""
+    """One surface on one substrate, with the data that all loads share."""
 
     def __init__(self, surface: Surface, cell: float, substrate: Radial) -> None:
         self.surface = surface
@@ -95,36 +95,36 @@ class Scene:
     def start(
         self, *, approach: float | None = None, load: float | None = None, guess: Start | None = None
     ) -> Start:
-        """Return what coupled point loads expect at an approach [mm] or a load P/E* [mm^2]."""
+        """Return the solution of coupled point loads at an approach [mm] or a load P/E* [mm^2]."""
         gap, radius = self.surface.gap, self.surface.radius
         return start(self.coupling, gap, radius, approach=approach, load=load, guess=guess)
 
     def largest(self, first: Start) -> float:
-        """Return the radius of the largest contact that a start expects [mm]."""
+        """Return the radius of the largest contact of an initial guess [mm]."""
         return math.sqrt(float((self.surface.radius * np.maximum(first.indentation, 0.0)).max()))
 
     def resolves(self, first: Start) -> bool:
-        """Whether the cells are fine enough for the largest contact that a start expects."""
+        """Whether the cells are fine enough for the largest contact of an initial guess."""
         return self.largest(first) >= COARSEST * self.cell
 
     def solve(self, first: Start, load: float | None = None) -> Solution:
-        """Solve from a start, at its approach or under a load, on patches that hold every contact."""
+        """Solve from an initial guess, at its approach or a load, on patches that cover every contact."""
         if not self.resolves(first):
             largest = self.largest(first)
             raise InvalidInput(
                 f"cell = {self.cell:g} mm is too coarse for the largest contact, whose radius is about "
-                f"{largest:.3g} mm; {COARSEST:g} cells a radius need at most {largest / COARSEST:.3g} mm"
+                f"{largest:.3g} mm; {COARSEST:g} cells per radius need cell <= {largest / COARSEST:.3g} mm"
             )
         d = first.indentation
         half_width = np.where(d > -NEARLY_CLOSED * d.max(), self._reach(d, 1.0 + MARGIN_SHARE), 0.0)
         patches = self._patches(half_width)
         pressure = self._hertz(d, patches)
         if not pressure.any():
-            pressure += 1.0  # summits hidden by others': any start will do
+            pressure += 1.0  # summits below the surface of others: any initial guess works
         indentation = float(d.max()) / self.cell
         for _ in range(MAX_GROWTHS):
             operator = self._influence(patches)
-            # half of it, for the indentation that is found may be the smaller one
+            # half of the tolerance, as the final indentation may be smaller than the expected one
             tolerance = 0.5 * TOLERANCE * indentation
             minimum = self._minimum(operator, patches, pressure, first.approach, load, tolerance)
             parts = operator.split(minimum.pressure)
@@ -143,7 +143,7 @@ class Scene:
         return Solution(minimum, contacts, patches, covered, indentation, float(rise.sum()))
 
     def _reach(self, indentation: FloatArray, factor: float) -> FloatArray:
-        """Cells to lay around summits with these indentations."""
+        """Extent of the cells around summits with these indentations."""
         radius = np.sqrt(self.surface.radius * np.maximum(indentation, 0.0)) / self.cell
         return np.asarray(factor * radius + MARGIN_CELLS)
 
@@ -164,11 +164,11 @@ class Scene:
         )
 
     def _hertz(self, indentation: FloatArray, patches: list[Patch]) -> FloatArray:
-        """Hertz's pressure under the expected indentations, bent and moved by the neighbours' field.
+        """Hertz's pressure at the expected indentations, corrected for the field of the neighbours.
 
-        The field's Laplacian adds half of itself to the summit's curvature, and its slope moves the
-        contact down the slope by R times as much: as far as a neighbour is not so close that point
-        loads say nothing.
+        Half of the Laplacian of the field adds to the curvature of the summit, and its slope shifts the
+        contact down the slope by R times the slope. Neighbours for which point loads are no approximation
+        are left out.
         """
         surface, h = self.surface, self.cell
         load = Hertz().load_at_indentation(indentation, surface.radius)
@@ -214,7 +214,7 @@ class Scene:
         contacts: Contacts,
         minimum: quadratic_program.Minimum,
     ) -> FloatArray:
-        """Return wider neighbourhoods where a contact reached the edge or a summit should be closed."""
+        """Return wider neighbourhoods where a contact reaches the edge or a summit without cells closes."""
         result = half_width.copy()
         for place, p in zip(patches, pressure, strict=True):
             rim = p > 0.0

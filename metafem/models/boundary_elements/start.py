@@ -1,4 +1,4 @@
-"""Where a resolved solution starts: Hertzian contacts coupled as point loads."""
+"""Initial guess of a resolved solution: Hertzian contacts coupled as point loads."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ import numpy as np
 from metafem._validate import FloatArray
 from metafem.contact import Hertz
 
-# A start needs no more digits than the model it comes from; the resolved solver judges itself.
+# Tolerance of the initial guess, whose model is less accurate than this.
 TOLERANCE = 1e-6
 MAX_STEPS = 50
 MAX_HALVINGS = 8
 
-# A start that is farther off than this is no better than that of independent contacts.
+# With a larger residual the guess is no better than independent contacts.
 GIVEN_UP = 0.1
 
 
@@ -54,7 +54,7 @@ def start(
     else:
         if approach is None:
             assert load is not None
-            # The tallest alone would need the largest indentation, n equal ones the smallest.
+            # the tallest alone would have the largest indentation, n equal ones the smallest
             z = float(law.indentation_at_load(load, radius[gap.argmin()]))
         else:
             z = approach
@@ -77,7 +77,7 @@ def start(
                 break
         d, z = new, height
     if error > GIVEN_UP and influence.any():
-        # Very thin layers stiffen a contact beyond what point loads can say.
+        # on very thin layers the point-load model has no solution
         return start(np.zeros_like(influence), gap, radius, approach=approach, load=load)
     return Start(d, z)
 

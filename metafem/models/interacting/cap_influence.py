@@ -1,4 +1,4 @@
-"""What the caps below the contacts put on the diagonal of the asperities' influence."""
+"""Compliance of the caps below the contacts, on the diagonal of the influence matrix."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from metafem.contact.cap_compliance import COEFFICIENTS, POWERS, TABLE
 from metafem.notes import Note
 from metafem.surface import Surface
 
-# The part of the fit to finite elements that light contacts have: coefficients of theta^2, theta^3, ...
-# What grows with the contact is left out: it belongs to the law of the contact, where small strain errs
-# as much to one side as finite strain lies on the other.
+# Terms of the fit to finite elements that do not depend on the contact radius: coefficients of theta^2,
+# theta^3, ... Terms that grow with the contact radius belong to the contact law and are left out; there small
+# strain errs as much to one side as finite strain does to the other.
 LIGHT = {i: c for c, (i, j) in zip(COEFFICIENTS, POWERS, strict=True) if j == 0}
 
 
@@ -40,10 +40,10 @@ def pedestal_influence(height: FloatArray, radius: FloatArray) -> tuple[FloatArr
 
 
 def pedestal_notes(surface: Surface) -> tuple[Note, ...]:
-    """Say how many summits are taller than what the table knows."""
+    """State how many summits are taller than the range of the table."""
     tall = int((surface.height > TABLE[-1][0] * surface.radius).sum())
     if not tall:
         return ()
     return (
-        Note(f"{tall} summits stand higher than {TABLE[-1][0]:g} R; their pedestals are taken as that high"),
+        Note(f"{tall} summits are higher than {TABLE[-1][0]:g} R; their pedestals are taken as that high"),
     )

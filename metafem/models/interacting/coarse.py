@@ -1,4 +1,4 @@
-"""A coarse copy of a large scene, for its long waves: a start for Newton and a preconditioner."""
+"""Coarse model of a large scene: initial guess for Newton's method, and preconditioner for long waves."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from metafem._validate import FloatArray
 from metafem.contact import Hertz
 from metafem.substrate import Radial
 
-# Cells of the coarse scene: dense matrices of that many rows are factored in milliseconds (400) to a tenth
-# of a second (1600), which a scene of EACH asperities a cell is worth.
+# Number of cells of the coarse model: dense matrices with that many rows are factorised in milliseconds (400)
+# to a tenth of a second (1600), which is little for a scene with EACH asperities per cell.
 USUAL_CELLS = 400
 MAX_CELLS = 1600
 EACH = 200
@@ -22,10 +22,10 @@ EACH = 200
 # Fewest asperities a cell should hold.
 FEWEST = 8
 
-# Points a side of a cell between which its mean influence is taken.
+# Points per side of a cell over which the mean influence is taken.
 POINTS = 3
 
-# Newton on the coarse scene only makes a start.
+# Newton's method on the coarse model gives only an initial guess.
 START_RESIDUAL = 1e-3
 MAX_STEPS = 40
 MAX_CUTS = 8
@@ -75,10 +75,10 @@ class Coarse:
     def start(
         self, radius: FloatArray, gap: FloatArray, approach: float, target: float
     ) -> tuple[FloatArray, float]:
-        """Return nominal indentations and an approach from the equilibrium of the coarse scene.
+        """Return nominal indentations and an approach from the equilibrium of the coarse model.
 
         ``phi = K q(x - phi)`` for the displacements phi of the cells, by damped Newton; with a target
-        load > 0 the approach x is found with them, from `approach`, which carries it without phi.
+        load > 0 the approach x is an unknown too, from `approach`, that at which phi is zero.
         """
         law, phi, x = Hertz(), np.zeros(self.count), approach
 
@@ -118,7 +118,7 @@ class Coarse:
 
 
 def coarsen(position: FloatArray, substrate: Radial) -> Coarse:
-    """Return the coarse copy of places (n, 2) on a substrate."""
+    """Return the coarse model of positions (n, 2) on a substrate."""
     low = position.min(axis=0)
     extent = np.maximum(position.max(axis=0) - low, 1e-12 * float(np.ptp(position)))
     count = len(position)
@@ -137,7 +137,7 @@ def coarsen(position: FloatArray, substrate: Radial) -> Coarse:
         offset[None, :, None, None] + between[None, None, None, :],
     )
     r = size * np.hypot(dx, dy)
-    # coincident points stand for subcells: 1/r averages to 2.973 over the side of a square
+    # coincident points represent subcells: the mean of 1/r over a square is 2.973 over its side
     r[r == 0.0] = size / POINTS / 2.973
     table = substrate.influence(r).mean(axis=(2, 3))
     return Coarse(cell, len(used), table[np.abs(x[:, None] - x), np.abs(y[:, None] - y)])

@@ -1,8 +1,8 @@
-"""Sums over scattered places: neighbours one by one, the smooth rest on a grid.
+"""Sums over scattered positions: near pairs directly, the smooth rest on a grid.
 
-Ewald's splitting, ``1/r = erfc(r/s)/r + erf(r/s)/r``. The first part ends within a few s and is summed
-over pairs. The second, with the regular part of the substrate, has no waves shorter than the grid
-carries: sources are spread by a smooth window, multiplied by the transform of the field, and gathered.
+Ewald's splitting is ``1/r = erfc(r/s)/r + erf(r/s)/r``. The first part decays within a few s and is summed
+over pairs. The second part, with the regular part of the substrate, has no waves shorter than the grid
+resolves: sources are spread by a smooth window, multiplied by the transform of the field, and gathered.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ REACH = 4.7
 # the waves per step, to which the window is faithful.
 STEP = 0.16
 
-# Radius of the pairs in mean distances of the places: pairs and grid then cost about the same.
+# Radius of the pairs in mean distances of the positions: pairs and grid then cost about the same.
 PAIRS = 9.0
 
 # Beyond the scene the distance bends over, within this many grid steps, to close the periodic grid
@@ -49,7 +49,7 @@ SAMPLE = 64
 
 
 class ScatteredSums:
-    """Products with the influence matrix and its derivatives for places anywhere; see the module."""
+    """Products with the influence matrix and its derivatives for any positions; see the module."""
 
     def __init__(self, position: FloatArray, substrate: Radial) -> None:
         from metafem._kernels.mesh import POINTS
@@ -75,15 +75,15 @@ class ScatteredSums:
 
     @property
     def note(self) -> str:
-        """What is said in the notes."""
+        """Text of the note on the sums."""
         if self._pairs_alone:
             return (
-                f"{len(self._position)} scattered places: pairs beyond {self.reach:.3g} mm were left out, "
+                f"{len(self._position)} scattered positions: pairs beyond {self.reach:.3g} mm were left out, "
                 "where the layer is below 2e-11 of a half-space"
             )
         return (
-            f"{len(self._position)} scattered places: pairs nearer than {self.reach:.3g} mm were summed one "
-            f"by one, the rest on a grid, {SAMPLE} rows again exactly"
+            f"{len(self._position)} scattered positions: pairs nearer than {self.reach:.3g} mm were summed "
+            f"directly, the rest on a grid; {SAMPLE} rows were checked exactly"
         )
 
     @property
@@ -97,7 +97,7 @@ class ScatteredSums:
         return 0 if self._pairs_alone else math.prod(self._padded)
 
     def error(self, load: FloatArray) -> float:
-        """Return the largest error of G p on a sample of the loaded places [mm]."""
+        """Return the largest error of G p on a sample of the loaded positions [mm]."""
         loaded = np.flatnonzero(load)
         rows = loaded[:: max(1, len(loaded) // SAMPLE)]
         worst, fast = 0.0, self.displacement(load)
@@ -117,7 +117,7 @@ class ScatteredSums:
         result = near @ load + near.T @ load - self._own[0] * load
         sources, spectra = [load], [self._influence]
         if size is not None:
-            # the slope by the source's place is the opposite of that at the displaced end
+            # the derivative at the source is the opposite of that at the displaced end
             sources, spectra = [load, size, *moment], [self._influence, *self._derivatives]
             laplacian, x, y = self._near_derivatives
             result += laplacian @ size + laplacian.T @ size - self._own[1] * size
@@ -144,7 +144,7 @@ class ScatteredSums:
 
     @cached_property
     def _own(self) -> tuple[float, float]:
-        """What the smooth part says of a source at its own place, but for the substrate's Laplacian."""
+        """Smooth part at the position of the source itself, without the Laplacian of the substrate."""
         if self._pairs_alone:
             return 0.0, -2.0 * self.substrate.self_curvature
         constant = 2.0 / (self.split * math.pi**1.5) + self.substrate.self_influence
@@ -226,7 +226,7 @@ class ScatteredSums:
 
     @cached_property
     def _derivatives(self) -> tuple[NDArray[Any], ...]:
-        """Transforms of the Laplacian and of the slopes by the source's place along x and y."""
+        """Transforms of the Laplacian and of the derivatives at the source along x and y."""
         if self._pairs_alone:
             return (np.empty((0, 0)),) * 3
         ky, kx = (k / self.step for k in self._waves)

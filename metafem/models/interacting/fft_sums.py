@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from metafem._validate import FloatArray
 from metafem.substrate import Radial
 
-# Places may differ from the lattice by this share of the pitch, and by the rounding of their values.
+# Positions may differ from the lattice by this fraction of the pitch, and by the rounding of their values.
 LATTICE_TOLERANCE = 1e-9
 
-# A lattice with more missing sites than this is left to the sum over scattered places.
+# Largest fraction of missing sites; with more, the sums for scattered positions are used.
 FEWEST_SITES = 0.25
 
 # Threads of scipy's transforms.
@@ -29,7 +29,7 @@ class Lattice:
     Attributes
     ----------
     site : ndarray of int, (n, 2)
-        Row and column of each place, from 0.
+        Row and column of each position, from 0.
     shape : (int, int)
         Rows and columns of the smallest rectangle that holds them.
     pitch : float
@@ -42,7 +42,7 @@ class Lattice:
 
 
 def find_lattice(position: FloatArray) -> Lattice | None:
-    """Return the square lattice that the places (n, 2) lie on, in any direction, or None."""
+    """Return the square lattice, in any direction, on which the positions (n, 2) lie, or None."""
     from scipy.spatial import cKDTree
 
     if len(position) < 2:
@@ -52,7 +52,7 @@ def find_lattice(position: FloatArray) -> Lattice | None:
     distance, near = cKDTree(centre).query(first, k=2)
     step = centre[near[1]] - first
     extent = float(np.hypot(*centre.T).max())
-    # the axes are improved by the farthest places: a short step cannot tell the direction of a long row
+    # the axes are refined with the farthest positions: a short step does not fix the direction of a long row
     for reach in (3.0 * distance[1], math.sqrt(distance[1] * extent), 2.0 * extent):
         square = step @ step
         axes = np.array([step, [-step[1], step[0]]]) / square
@@ -71,7 +71,7 @@ def find_lattice(position: FloatArray) -> Lattice | None:
     axes = np.array([step, [-step[1], step[0]]]) / pitch**2
     exact = (centre - first) @ axes.T
     whole = np.rint(exact)
-    # whole numbers of steps from the place that was taken as the origin, but for its own rounding
+    # whole numbers of steps from the position taken as the origin, apart from its own rounding
     rounding = 8.0 * np.finfo(float).eps * float(np.abs(position).max()) / pitch
     offset = (exact - whole).mean(axis=0)
     if float(np.abs(exact - whole - offset).max()) > LATTICE_TOLERANCE + rounding:
@@ -103,12 +103,12 @@ class LatticeSums:
 
     @property
     def note(self) -> str:
-        """What is said in the notes."""
+        """Text of the note on the sums."""
         rows, columns = self.lattice.shape
         return f"all pairs of the {rows} x {columns} lattice were summed by FFT, exact to rounding"
 
     def error(self, load: FloatArray) -> float:
-        """Return the error of G p [mm]: none but rounding."""
+        """Return the error of G p [mm]: only rounding."""
         return 0.0
 
     def displacement(
@@ -165,7 +165,7 @@ class LatticeSums:
 
     @cached_property
     def _derivatives(self) -> tuple[NDArray[np.complex128], ...]:
-        """Transforms of lap G and of the slopes by the source's place, along the lattice's axes."""
+        """Transforms of lap G and of the derivatives at the source, along the axes of the lattice."""
         from scipy.fft import rfft2
 
         y, x, r = self._offsets(self._padded)

@@ -34,7 +34,7 @@ class Last:
 
 
 class LargeScene:
-    """The places of one surface, ready for any heights: a coarse copy and fast sums."""
+    """The sites of one surface, for any heights: a coarse model and fast sums."""
 
     def __init__(self, surface: Surface, substrate: Radial, order: int) -> None:
         self.radius, self.order, self.substrate = surface.radius, order, substrate
@@ -53,7 +53,7 @@ class LargeScene:
     ) -> Last:
         """Fill the results (k,) at increasing loads or approaches, and return the last state.
 
-        Where they are given, fill the nominal indentations and dA0/dh at fixed load too, (k, n) [mm].
+        If they are given, fill the nominal indentations and dA0/dh at fixed load too, (k, n) [mm].
         """
         own = own + self.substrate.self_influence
         contacts = Contacts(self.sums, self.order, self.radius, own, gap, self.coarse)
@@ -99,21 +99,21 @@ class LargeScene:
 
 
 def fast_sums(surface: Surface, substrate: Radial, order: int) -> Sums:
-    """Return the sums that suit the places."""
+    """Return the sums for the positions of a surface: by FFT on a lattice, else for scattered positions."""
     lattice = find_lattice(surface.position)
     spectra, arrays = (1, 5) if order == 1 else (4, 12)
     if lattice is None:
         scattered = ScatteredSums(surface.position, substrate)
         # near pairs: both ends, differences, and a value for each spectrum; and the grid
         needed = scattered.pairs * (56 + 12 * spectra) + 8 * scattered.cells * arrays
-        require_memory(needed, f"the sums over {surface.count} scattered places")
+        require_memory(needed, f"the sums over {surface.count} scattered positions")
         return scattered
     require_memory(32 * math.prod(lattice.shape) * arrays, f"a lattice of {lattice.shape}")
     return LatticeSums(lattice, substrate)
 
 
 def uniform_approach(gap: FloatArray, radius: FloatArray, load: float) -> float:
-    """Return about the approach [mm] at which independent asperities carry `load`."""
+    """Return approximately the approach [mm] at which independent asperities carry `load`."""
     from metafem._kernels.continuation import uniform_approach as kernel
 
     return float(kernel(np.ascontiguousarray(gap), np.array(radius), load))

@@ -1,4 +1,4 @@
-"""Asperities that feel each other through the block."""
+"""Asperities that interact through the elastic block."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from metafem._kernels.continuation import Results
     from metafem._kernels.coupling import Field
 
-# Largest residual of what is returned; the kernel aims a digit lower.
+# Largest residual of a returned state; the kernel aims a digit lower.
 TOLERANCE = 1e-12
 
 # Scenes up to this size are solved with all pairs in dense matrices: at 2000 a product takes as long as
@@ -43,7 +43,7 @@ PAIRS_PER_THREAD = 200_000
 # 256 sites take 3.5 MiB.
 KEPT_FIELDS, MOST_KEPT = 8, 256
 
-# Curves whose states nobody asks for.
+# Placeholder where the states of a curve are not recorded.
 NO_TRAIL = np.empty((0, 0))
 
 
@@ -52,17 +52,17 @@ NO_TRAIL = np.empty((0, 0))
 class Interacting:
     """Hertzian asperities coupled through an elastic substrate.
 
-    Each indentation obeys ``d_i = h_i - delta - u_i`` with the displacement ``u_i`` that the others
-    cause, and ``P_i = 4/3 E* sqrt(R_i) d_i^(3/2)``.
+    The indentations are ``d_i = h_i - delta - u_i`` with the displacement ``u_i`` by the other asperities,
+    and ``P_i = 4/3 E* sqrt(R_i) d_i^(3/2)``.
 
-    Order 1 takes the others as point loads, ``u_i = sum_j P_j/E* G(r_ij)``. Order 3 adds the three
-    terms of the next order, which belong together: the finite size of the sources,
-    ``a_j^2/10 lap G``; the curvature of the field, ``1/R_i + sum_j P_j/E* lap G/2``; and its slope,
-    which moves the contact by ``-R grad u``. They are the gradient of one energy, to first order in
-    the shifts. Both include the regular self terms of the substrate.
+    Order 1 represents the other asperities by point loads, ``u_i = sum_j P_j/E* G(r_ij)``. Order 3 adds
+    all three terms of the next order: the finite size of the sources, ``a_j^2/10 lap G``; the curvature of
+    the field, ``1/R_i + sum_j P_j/E* lap G/2``; and its slope, which shifts the contact by ``-R grad u``.
+    They are the gradient of one energy, to first order in the shifts. Both orders include the regular self
+    terms of the substrate.
 
-    Against resolved contacts on a half-space, order 3 holds the total load at fixed approach within
-    0.025 % and A0 at fixed load within 0.08 % up to a/pitch = 0.32; order 1 is off by 0.08 % and 0.9 %.
+    Against resolved contacts on a half-space, up to a/pitch = 0.32, the error of order 3 is at most 0.025 %
+    in the total load at fixed approach and 0.08 % in A0 at fixed load; that of order 1 is 0.08 % and 0.9 %.
 
     Parameters
     ----------
@@ -72,8 +72,7 @@ class Interacting:
     contact : Contact
         Law of one contact: `Hertz()`.
     pedestal : bool
-        Add the compliance of the caps themselves, which stand on the block, in the limit of light
-        loads; known up to h/R = 0.6.
+        Add the compliance of the caps themselves in the limit of light loads; tabulated up to h/R = 0.6.
 
     Raises
     ------
@@ -114,14 +113,16 @@ class Interacting:
 
     @property
     def name(self) -> str:
-        """What a person calls the model: its substrate, and what differs from the default."""
-        substrate = getattr(self.substrate, "name", type(self.substrate).__name__)  # of one's own
+        """Name of the model in texts: its substrate, and other attributes that are not the default."""
+        substrate = getattr(
+            self.substrate, "name", type(self.substrate).__name__
+        )  # a user's substrate may have no name
         order = "" if self.order == 3 else f", order {self.order}"
         return f"{substrate}{order}{', with pedestals' if self.pedestal else ''}"
 
     @property
     def couples(self) -> bool:
-        """Whether contacts change one another's load: yes."""
+        """Whether the load of a contact depends on the others at given indentations: yes."""
         return True
 
     @property
@@ -131,7 +132,7 @@ class Interacting:
 
     @property
     def reference(self) -> Interacting:
-        """Itself by order 3."""
+        """The same model of order 3."""
         return replace(self, order=3)
 
     def solve(self, surface: Surface, approach: float) -> ContactState:
@@ -139,7 +140,7 @@ class Interacting:
         return self._state(surface, approach, by_load=False)
 
     def solve_load(self, surface: Surface, load: float) -> ContactState:
-        """Equilibrium under a given rescaled load P/E* [mm^2]."""
+        """Equilibrium at a given rescaled load P/E* [mm^2]."""
         return self._state(surface, load, by_load=True)
 
     def curve(self, surface: Surface, load: FloatArray) -> Curve:
@@ -153,7 +154,7 @@ class Interacting:
     def curves(
         self, surface: Surface, height: ArrayLike, rescaled_load: ArrayLike
     ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        """Friction laws of many lists of heights on the places of one surface, in compiled code.
+        """Friction laws of many lists of heights on the sites of one surface, in compiled code.
 
         Parameters
         ----------
@@ -173,7 +174,7 @@ class Interacting:
         Raises
         ------
         InvalidInput
-            For heights or loads that cannot be used, and a layer thinner than the contacts.
+            For heights or loads outside their range, and a layer thinner than the contacts.
         NotConverged
             If a residual exceeds 1e-12 (1e-9 above 2000 asperities); all results are attached.
 

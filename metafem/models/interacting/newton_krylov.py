@@ -13,7 +13,7 @@ from metafem._validate import FloatArray
 from metafem.contact import Hertz
 from metafem.models.interacting.coarse import Coarse
 
-# Residual that is promised with sums that are not exact to the last digit, and the one aimed at.
+# Largest residual of a converged state with sums that are not exact to rounding, and the residual aimed at.
 TOLERANCE = 1e-9
 GOAL = 3e-10
 
@@ -22,8 +22,8 @@ MAX_STEPS = 60
 MAX_CUTS = 20
 MAX_INNER = 300
 
-# Loosest inner solve. Later ones follow the fall of the residual squared (Eisenstat and Walker, SIAM J.
-# Sci. Comput. 17, 16 (1996), doi:10.1137/0917003, choice 2).
+# Loosest tolerance of the inner solver. Later ones follow the square of the reduction of the residual
+# (Eisenstat and Walker, SIAM J. Sci. Comput. 17, 16 (1996), doi:10.1137/0917003, choice 2).
 LOOSEST = 0.1
 
 # Residual of the tangent; the stiffness has twice its digits.
@@ -40,7 +40,7 @@ class Sums(Protocol):
 
     @property
     def note(self) -> str:
-        """What is said in the notes."""
+        """Text of the note on the sums."""
         ...
 
     def error(self, load: FloatArray) -> float:
@@ -60,7 +60,7 @@ class Sums(Protocol):
 
 @dataclass
 class Iterate:
-    """Everything that follows from the nominal indentations z, (n,) each."""
+    """Quantities at given nominal indentations z, (n,) each."""
 
     z: FloatArray
     load: FloatArray
@@ -74,7 +74,7 @@ class Iterate:
 
     @property
     def closed(self) -> NDArray[np.bool_]:
-        """Where there is contact."""
+        """Whether each asperity is in contact."""
         return np.asarray(self.z > 0.0)
 
 
@@ -82,7 +82,7 @@ class Iterate:
 class Contacts:
     """The contacts of one surface, coupled by fast sums.
 
-    Newton's inner solves take the Jacobian of order 1: what order 3 adds is a percent of it.
+    The inner solves of Newton's method use the Jacobian of order 1, as order 3 changes it by a percent.
     """
 
     sums: Sums
@@ -124,7 +124,7 @@ class Contacts:
                 break
             if not state.closed.any():
                 state = self.respond(approach - self.gap, approach, target)
-            if self.diagonal(state).min() < 0.0:  # the own regular term wins over Hertz: ill-posed
+            if self.diagonal(state).min() < 0.0:  # the regular self term exceeds Hertz's: ill-posed
                 state.residual = max(state.residual, 1.0)
                 break
             missing = target - float(state.load.sum()) if target > 0.0 else None
@@ -155,7 +155,7 @@ class Contacts:
     def tangent(self, state: Iterate) -> tuple[float, FloatArray]:
         """Return dP/dx [mm] and dz/dx (n,) at an equilibrium."""
         diagonal = self.diagonal(state)
-        # independent contacts would share a load in inverse proportion
+        # initial guess: independent contacts share a load in proportion to their stiffness
         alone = 1.0 / float((1.0 / diagonal[state.closed]).sum())
         none = np.zeros_like(diagonal)
         share, shift, rest = self.solve(state, none, 1.0, TANGENT * alone, exact=True)
@@ -179,7 +179,7 @@ class Contacts:
         return change
 
     def jacobian(self, state: Iterate, loads: FloatArray, exact: bool) -> FloatArray:
-        """Return dF/dp times a change of the loads, without the diagonal of Hertz and self terms."""
+        """Return dF/dp times a change of the loads, without the diagonal of Hertz's law and self terms."""
         if self.order == 1 or not exact:
             return self.sums.displacement(loads)
         third, radius = state.square / 6.0, self.radius
@@ -200,7 +200,7 @@ class Contacts:
         leave: float,
         exact: bool = False,
     ) -> tuple[FloatArray, float, FloatArray]:
-        """Solve for loads of the contacts, within the plane of a total load where there is one.
+        """Solve for the loads of the contacts, with their sum fixed where a total load is given.
 
         Preconditioned conjugate gradients with the constraint in the preconditioner, as in
         `metafem._kernels.projected_cg`. Return the loads, the approach and the residual on every row.
@@ -218,7 +218,7 @@ class Contacts:
                 rest -= self.jacobian(state, loads, exact) + np.where(closed, diagonal * loads, 0.0)
         direction, before = np.zeros_like(rhs), 0.0
         for _ in range(MAX_INNER):
-            inside = np.where(closed, rest + shift, 0.0)  # without the constant, whose rounding would stay
+            inside = np.where(closed, rest + shift, 0.0)  # without the constant, whose rounding would remain
             ahead = precondition(inside)
             if total is not None:
                 more = -float(ahead.sum()) / whole

@@ -1,4 +1,4 @@
-"""How the law of interacting asperities changes with their heights.
+"""Sensitivity of A0 to each height for interacting asperities.
 
 At an equilibrium dW/dp = 0, with the energy W of `_kernels.coupling`. A change dh of the heights moves
 the loads by ``H dp = dh - d delta`` on the asperities in contact, H = d2W/dp2, and d delta keeps the sum
@@ -28,7 +28,7 @@ def area_gradients(
 ) -> FloatArray:
     """Return dA0/dh at fixed load [mm], (k, n), for the equilibria z in the rows of `trail`.
 
-    own_rate: derivative of `own` by the height; a summit that moves with its compliance moves less.
+    own_rate: derivative of `own`, the self term, by the height.
     """
     gradients = np.zeros_like(trail)
     state = empty_state(len(radius))
@@ -62,7 +62,8 @@ def _system(
 ) -> tuple[FloatArray, FloatArray]:
     """Return d2W/dp2 on the asperities in contact, every term of `coupling.quadratic_form`, and dA0/dp [-].
 
-    Each load widens its own contact, and curves those of the others: ``d a^2 = -a^2 R/(3 b^3) dk``.
+    Each load changes the radius of its own contact and, by the curvature, those of the others:
+    ``d a^2 = -a^2 R/(3 b^3) dk``.
     """
     R, p, z, bend = radius[closed], state.load[closed], state.z[closed], state.bend[closed]
     part = influences.take(closed, axis=1).take(closed, axis=2)

@@ -276,7 +276,7 @@ def test_substrates_are_radial():
 
 
 def test_cells_too_coarse_for_the_largest_contact_are_refused():
-    with pytest.raises(mf.InvalidInput, match="4 cells a radius"):
+    with pytest.raises(mf.InvalidInput, match="4 cells per radius"):
         mf.equilibrium(PAIR, mf.BoundaryElements(0.1), load=0.05)
 
 
