@@ -1,4 +1,4 @@
-"""One state of a surface, or its whole friction law: where loads in N and rescaled loads meet."""
+"""Equilibria and friction laws of a surface, with loads in N."""
 
 from metafem.prediction.equilibrium import equilibrium
 from metafem.prediction.friction_law import BranchFit, FrictionLaw, friction_law

@@ -1,4 +1,4 @@
-"""One equilibrium of one surface, under a load, an approach or a separation."""
+"""The equilibrium of a surface at a given load, approach or separation."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ def equilibrium(
     ----------
     surface : Surface
     model : Model, optional
-        `Independent()` unless told.
+        Default: `Independent()`.
     load : float, optional
-        Normal load P [N], not negative.
+        Normal load P [N], at least 0.
     approach : float, optional
-        Tallest summit minus separation [mm]; negative values leave the contact open.
+        Tallest summit minus separation [mm]; with a negative value there is no contact.
     separation : float, optional
-        Distance of the plane from the undeformed base plane [mm]. Exactly one of the three is given.
+        Distance of the plane from the undeformed base plane [mm]. Exactly one of the three must be given.
 
     Returns
     -------

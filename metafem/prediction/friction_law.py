@@ -1,4 +1,4 @@
-"""The friction law of a surface: its curve, its rescaling and the fits of its branches."""
+"""The friction law of a surface: its curve, rescaled values and fits of branches."""
 
 from __future__ import annotations
 
@@ -28,16 +28,16 @@ if TYPE_CHECKING:
 
 __all__ = ["BranchFit", "FrictionLaw", "friction_law"]
 
-# What a law holds for each load.
+# Arrays of a law, with one entry for each load.
 ARRAYS = ("load", "area", "separation", "approach", "stiffness", "residual")
 
-# Points of the law that is drawn when no loads are named.
+# Number of loads of the default grid.
 GRID_POINTS = 100
 
-# Indentation of the lowest asperity at the end of that grid, in radii: a/R = 0.2.
+# Indentation of the lowest asperity at the end of the default grid over its radius: a/R = 0.2.
 GRID_INDENTATION = 0.04
 
-# Share of the tallest height at which the grid ends before the plane reaches the base plane.
+# The default grid ends at this fraction of the tallest height, before the plane reaches the base plane.
 CLEAR = 0.999
 
 
@@ -54,7 +54,7 @@ class BranchFit:
     slope_interval, intercept_interval : (float, float)
         68 % confidence intervals of the regression.
     load_range : (float, float)
-        Rescaled loads between which the points were taken [mm^2].
+        Range of the rescaled loads of the fitted points [mm^2].
     points : int
         Number of points.
     friction_coefficient, friction_coefficient_interval : float and (float, float), or None
@@ -77,7 +77,7 @@ class BranchFit:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FrictionLaw(Value):
-    """Friction law of one surface under one model, along increasing loads; arrays (k,).
+    """Friction law of one surface under one model at increasing loads; arrays (k,).
 
     Attributes
     ----------
@@ -86,17 +86,18 @@ class FrictionLaw(Value):
     area : ndarray
         Real contact area A0 [mm^2].
     separation, approach : ndarray
-        Plane to undeformed base plane, and tallest summit minus that [mm].
+        Distance of the plane from the undeformed base plane, and tallest summit minus separation [mm].
     stiffness : ndarray
         Normal contact stiffness, dP per decrease of the separation [N/mm].
     residual : ndarray
-        Relative error of the equations, recomputed on what is returned.
+        Relative error of the equations [-], recomputed on the returned state.
     status : Status
     model : Model
     material : Material
     friction : Friction or None
     notes : tuple of Note
-        What was skipped and by which bound, and what the model leaves out; estimated when first read.
+        Skipped computations with their bounds, and effects that the model neglects. They are estimated
+        when `notes` is first read.
 
     Examples
     --------
@@ -128,7 +129,7 @@ class FrictionLaw(Value):
                     f"{name} has shape {values.shape}; the arrays of a law have one entry for each load"
                 )
             values.flags.writeable = False
-        if self.status is Status.CONVERGED:  # what a solver had when it stopped may be anything
+        if self.status is Status.CONVERGED:  # the last state of a failed solver may be arbitrary
             self._refuse_impossible(arrays)
 
     def _refuse_impossible(self, arrays: Mapping[str, FloatArray]) -> None:
@@ -136,9 +137,9 @@ class FrictionLaw(Value):
             bad = ~np.isfinite(values) if name in ("separation", "approach") else ~(values >= 0.0)
             if bad.any():
                 i = int(bad.argmax())
-                raise InvalidInput(f"{name}[{i}] = {values[i]:g} is impossible in a law that converged")
+                raise InvalidInput(f"{name}[{i}] = {values[i]:g} is impossible in a converged law")
         if (np.diff(self.load) < 0.0).any():
-            raise InvalidInput("load falls; the loads of a law must not decrease")
+            raise InvalidInput("the loads of a law must not decrease")
 
     def __repr__(self) -> str:
         return (
@@ -161,7 +162,7 @@ class FrictionLaw(Value):
         """F = sigma B A0 [N]; raises InvalidInput for a surface without a Friction."""
         if self.friction is None:
             raise InvalidInput(
-                "friction_force needs the surface's friction; build it with "
+                "friction_force needs the surface's friction; create the surface with "
                 "friction=metafem.Friction(shear_strength, area_ratio)"
             )
         return self.friction.shear_strength * self.friction.area_ratio * self.area
@@ -185,15 +186,15 @@ class FrictionLaw(Value):
         Parameters
         ----------
         load_range : (float, float), optional
-            P/E* from and to [mm^2].
+            Lower and upper rescaled load P/E* [mm^2].
         load : (float, float), optional
-            Instead, P from and to [N].
+            Lower and upper load P [N], instead of `load_range`.
 
         Raises
         ------
         InvalidInput
-            If the range is not increasing or holds fewer than three points, or for none or both of the
-            ranges.
+            If the range is not increasing or contains fewer than three points, or if none or both of the
+            ranges are given.
 
         Examples
         --------
@@ -208,7 +209,7 @@ class FrictionLaw(Value):
 
         low, high = self._fitted_range(load_range, load)
         x, y = self.rescaled_load, self.rescaled_friction
-        # Loads that were asked for at the very ends belong to the branch in spite of rounding.
+        # Loads at the ends of the range belong to the branch in spite of rounding.
         slack = 1e-12 * abs(high)
         chosen = (x >= low - slack) & (x <= high + slack)
         count = int(chosen.sum())
@@ -217,7 +218,8 @@ class FrictionLaw(Value):
         if count < 3 or np.ptp(x[chosen]) == 0.0:
             raise InvalidInput(
                 f"load_range = ({low:g}, {high:g}) holds {count} of the law's points, which run from "
-                f"{x.min():g} to {x.max():g} mm^2; a fit with its interval needs at least 3 of them, apart"
+                f"{x.min():g} to {x.max():g} mm^2; a fit needs at least 3 points, "
+                "at different loads"
             )
         x, y = x[chosen], y[chosen]
         centre, spread = x.mean(), ((x - x.mean()) ** 2).sum()
@@ -245,9 +247,9 @@ class FrictionLaw(Value):
     def _fitted_range(
         self, load_range: tuple[float, float] | None, load: tuple[float, float] | None
     ) -> tuple[float, float]:
-        """Return the rescaled loads of a range in mm^2 or N."""
+        """Return the range of rescaled loads from a range in mm^2 or N."""
         if (load_range is None) == (load is None):
-            raise InvalidInput("a fit needs load_range [mm^2] or load [N], one of the two")
+            raise InvalidInput("a fit needs either load_range [mm^2] or load [N]")
         if load is None:
             low, high = check.array("load_range", load_range, shape=(2,)).tolist()
         else:
@@ -303,16 +305,17 @@ class FrictionLaw(Value):
         Parameters
         ----------
         ax : matplotlib Axes, optional
-            Where to draw; without it in a new figure of ``matplotlib.pyplot``.
+            Axes to draw on; default: those of a new figure of ``matplotlib.pyplot``.
         units : {"mm^2", "N"}
             Rescaled friction over rescaled load [mm^2], or friction force over load [N].
         label : str, optional
-            Name in a legend.
+            Label for a legend.
 
         Raises
         ------
         InvalidInput
-            For other units, an `ax` that is none, and for forces of a surface without a Friction.
+            For other units, for an `ax` that is not a matplotlib Axes, and for forces of a surface without
+            a Friction.
 
         Examples
         --------
@@ -347,12 +350,12 @@ def friction_law(
     ----------
     surface : Surface
     model : Model, optional
-        `Independent()` unless told.
+        Default: `Independent()`.
     load : array_like, (k,), optional
-        Normal loads P [N], not negative.
+        Normal loads P [N], at least 0.
     separation : array_like, (k,), optional
-        Separations [mm]. With neither, 100 loads up to the one at which the lowest asperity is
-        indented by 0.04 R, or the plane reaches the base plane.
+        Separations [mm]. Default, if neither is given: 100 loads up to the one at which the lowest asperity
+        is indented by 0.04 R or the plane reaches the base plane.
 
     Returns
     -------
@@ -390,7 +393,7 @@ def friction_law(
         else:
             newtons = np.sort(check.array("load", load, shape=(None,)))
             if newtons[0] < 0.0:
-                raise InvalidInput(f"load holds {newtons[0]:g} N; without adhesion loads are >= 0")
+                raise InvalidInput(f"load holds {newtons[0]:g} N; loads must be at least 0 N")
             rescaled = newtons / modulus
         curve = solver.curve(surface, rescaled)
         distance = top - curve.approach

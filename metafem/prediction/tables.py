@@ -27,21 +27,21 @@ QUANTITIES = {
     "residual": ("1", "relative error of the equations"),
 }
 
-# Those that a law has only where its surface has a Friction.
+# Quantities of laws whose surface has a Friction.
 FORCES = ("friction_force", "friction_coefficient")
 
-# Those that are left out of the table of a result folder.
+# Quantities that are not in the table of a result folder.
 UNWRITTEN = ("friction_coefficient", "approach", "stiffness", "residual")
 
 
 def quantities(law: FrictionLaw) -> dict[str, FloatArray]:
-    """Return the arrays (k,) that a law has, by name."""
+    """Return the arrays (k,) of a law by name."""
     names = [name for name in QUANTITIES if law.friction is not None or name not in FORCES]
     return {name: getattr(law, name) for name in names}
 
 
 def columns(law: FrictionLaw, without: tuple[str, ...] = ()) -> dict[str, FloatArray]:
-    """Return the arrays (k,) that a law has, by name and unit: ``load_N``, ``stiffness_N_per_mm``."""
+    """Return the arrays (k,) of a law by name and unit: ``load_N``, ``stiffness_N_per_mm``."""
     found = {}
     for name, values in quantities(law).items():
         unit = QUANTITIES[name][0].replace("/", "_per_")

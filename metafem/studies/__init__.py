@@ -1,4 +1,4 @@
-"""What a design is worth: its law by better models, and what its making and its use change; as datasets."""
+"""Studies of a design as datasets: its law under more detailed models, and the effects of interaction."""
 
 from metafem.studies.fidelity import fidelity
 from metafem.studies.interaction import interaction

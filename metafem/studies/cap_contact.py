@@ -1,4 +1,4 @@
-"""The law of one contact by finite elements of its true cap, tabulated for the caps of a surface."""
+"""The contact law of true caps by finite elements, tabulated for the caps of a surface."""
 
 from __future__ import annotations
 
@@ -13,35 +13,35 @@ from metafem.errors import InvalidInput, NotConverged
 from metafem.progress import each
 from metafem.surface import Surface
 
-# Chebyshev nodes in the cap's height and in the contact's share of its foot. What load and indentation
-# have beyond Hertz's is smooth in both and vanishes with the contact: 3 x 3 nodes give load and
-# indentation to 6e-5 on the source paper's red bilinear surface; `CapContact.error` tells.
+# Chebyshev nodes in the cap's height and in the ratio of contact radius to foot radius. The deviations of
+# load and indentation from Hertz's law are smooth in both and vanish for small contacts. With 3 x 3 nodes the
+# error is 6e-5 on the source paper's red bilinear surface; `CapContact.error` estimates it.
 HEIGHT_NODES, SHARE_NODES = 3, 3
 
-# Radii of which each gets a table, of half a minute: the tools of a workshop.
+# Largest number of radii: each needs a table, which takes half a minute.
 MOST_RADII = 4
 
-# Newton's steps for the contact radius at an indentation: from Hertz's, 5 reach rounding.
+# Largest number of Newton steps for the contact radius; from Hertz's, 5 steps reach rounding.
 NEWTON_STEPS = 30
 
 
 @dataclass(frozen=True, eq=False)
 class CapContact:
-    """Load and indentation of a cap's contact, over Hertz's at the same contact radius.
+    """Load and indentation of a cap's contact, relative to Hertz's law at the same contact radius.
 
-    ``P = P_Hertz (1 + s f(h, s))`` and ``d = d_Hertz (1 + s g(h, s))`` with the share s = a/foot of the
-    cap's foot, ``sqrt(h (2 R - h))``, and f, g polynomials through finite-element solutions.
+    ``P = P_Hertz (1 + s f(h, s))`` and ``d = d_Hertz (1 + s g(h, s))`` with s = a/foot, the foot
+    radius ``sqrt(h (2 R - h))`` of the cap, and polynomials f, g through finite-element solutions.
 
     Attributes
     ----------
     radius : float
         R [mm].
     height, share : (low, high)
-        Range of the table, [mm] and [-].
+        Ranges of the table in h [mm] and s [-].
     load_excess, indentation_excess : ndarray
-        Coefficients of f and g in scaled height and share, ascending.
+        Coefficients of f and g in scaled h and s, in ascending order.
     error : float
-        Largest relative change of load or indentation at a solution that was left out of the table.
+        Largest relative error of load or indentation at a test solution that is not in the table.
     """
 
     radius: float
@@ -54,7 +54,7 @@ class CapContact:
     def solve(self, height: FloatArray, indentation: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return contact radii [mm] and rescaled loads [mm^2] at indentations d [mm], (n,); 0 if open.
 
-        Raises NotConverged if an indentation lies beyond what the table can continue.
+        Raises NotConverged if the table cannot be extrapolated to an indentation.
         """
         open_ = indentation <= 0.0
         d, h = np.where(open_, 1.0, indentation), height
@@ -68,7 +68,7 @@ class CapContact:
             if (np.abs(change[~open_]) <= 1e-13 * a[~open_]).all():
                 break
         else:
-            raise NotConverged("the table of caps cannot be continued to this indentation", a)
+            raise NotConverged("the table of caps cannot be extrapolated to this indentation", a)
         load = Hertz().load(a, self.radius) * (1.0 + a / foot * self._excess(self.load_excess, h, a / foot))
         return np.where(open_, 0.0, a), np.where(open_, 0.0, load)
 
@@ -84,15 +84,15 @@ class CapContact:
 
 @dataclass(frozen=True, eq=False)
 class Caps:
-    """The caps of a surface: a table for each radius of those that touch.
+    """The caps of a surface: a table for each radius of the summits in contact.
 
     Attributes
     ----------
     surface : Surface
     tables : tuple of CapContact
-        One a radius.
+        One for each radius.
     table : ndarray of int, (n,)
-        Which of them holds for each asperity; -1 where no asperity of its radius touches.
+        Index of the table of each asperity; -1 if no asperity of its radius is in contact.
     """
 
     surface: Surface
@@ -101,13 +101,13 @@ class Caps:
 
     @property
     def error(self) -> float:
-        """Largest error of the tables."""
+        """Largest relative error of the tables."""
         return max(table.error for table in self.tables)
 
     def solve(self, indentation: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return contact radii [mm] and rescaled loads [mm^2] at indentations d [mm], (n,); 0 if open.
 
-        Those without a table follow Hertz's law, from beyond the indentations asked for.
+        Asperities without a table follow Hertz's law.
         """
         depth = np.maximum(indentation, 0.0)
         a = Hertz().contact_radius(depth, self.surface.radius)
@@ -119,18 +119,18 @@ class Caps:
 
 
 def caps_of(surface: Surface, indentation: FloatArray) -> Caps:
-    """Press the caps of each radius by finite elements, for contacts up to given indentations (n,) [mm].
+    """Compute the caps of each radius by finite elements, up to given indentations (n,) [mm].
 
     Raises
     ------
     InvalidInput
-        If more than four radii touch, and where `cap_contact` does.
+        If summits of more than four radii are in contact, and for the errors of `cap_contact`.
     """
     radii = np.unique(surface.radius[indentation > 0.0])
     if len(radii) > MOST_RADII:
         raise InvalidInput(
             f"the summits in contact have {len(radii)} different radii; "
-            f"the caps of at most {MOST_RADII} are pressed"
+            f"finite elements of caps are limited to {MOST_RADII}"
         )
     tables, table = [], np.full(surface.count, -1)
     for k, radius in enumerate(radii):
@@ -144,15 +144,15 @@ def caps_of(surface: Surface, indentation: FloatArray) -> Caps:
 
 
 def cap_contact(surface: Surface, indentation: FloatArray) -> CapContact:
-    """Press the caps of a surface by finite elements, for contacts up to given indentations (n,) [mm].
+    """Compute the caps of a surface by finite elements, up to given indentations (n,) [mm].
 
-    Each is the true spherical cap on a bonded cylinder of the block's thickness and base area, with a
-    free side; incompressible or not as the material is; small strain.
+    Each is a true spherical cap on a bonded cylinder with the block's thickness and base area and a free
+    side, with the material's Poisson's ratio, at small strain.
 
     Raises
     ------
     InvalidInput
-        If the surface has no block, or summits that touch are no caps of one radius with 0 < h <= R.
+        If the surface has no block, or if the summits in contact have several radii or not 0 < h <= R.
     """
     touching = indentation > 0.0
     block, radius = surface.block, float(surface.radius[touching][0])
@@ -162,11 +162,13 @@ def cap_contact(surface: Surface, indentation: FloatArray) -> CapContact:
         raise InvalidInput("the summits differ in their radii")
     heights = surface.height[touching]
     if heights.min() <= 0.0 or heights.max() > radius:
-        raise InvalidInput("a summit in contact is no cap: its height must lie between 0 and its radius")
+        raise InvalidInput(
+            "a summit in contact is not a cap: its height must be above 0 and at most its radius"
+        )
     foot = np.sqrt(heights * (2.0 * radius - heights))
     share = np.sqrt(radius * indentation[touching]) / foot
     low, high = float(heights.min()), float(heights.max())
-    # a contact that has just closed is Hertz's; a tenth of the range keeps the smallest ones meshable
+    # small contacts obey Hertz's law; starting at a tenth of the range keeps the smallest contact meshable
     ranges = (low, high), (0.1 * float(share.max()), min(float(share.max()), 0.9))
     side = math.sqrt(block.width * block.length / math.pi)
 
@@ -198,7 +200,7 @@ def cap_contact(surface: Surface, indentation: FloatArray) -> CapContact:
         tables.append(np.linalg.solve(by_height, found[:, :, k]) @ np.linalg.inv(by_share).T)
     loads, indentations = tables
     bare = CapContact(radius, ranges[0], ranges[1], loads, indentations, math.nan)
-    # between the nodes, where both polynomials are near their worst
+    # between the nodes, where both polynomials have nearly their largest error
     place = np.array([0.75 * low + 0.25 * high, 0.6 * ranges[1][1]])
     error = max(
         abs(s_excess - float(bare._excess(table, place[0], place[1]))) * place[1]
@@ -208,7 +210,7 @@ def cap_contact(surface: Surface, indentation: FloatArray) -> CapContact:
 
 
 def _nodes(low: float, high: float, count: int) -> FloatArray:
-    """Return Chebyshev's nodes of an interval."""
+    """Return the Chebyshev nodes of an interval."""
     angle = math.pi * (np.arange(count) + 0.5) / count
     return np.asarray(0.5 * (low + high) - 0.5 * (high - low) * np.cos(angle))
 

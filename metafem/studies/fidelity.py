@@ -1,4 +1,4 @@
-"""One design under models of increasing truth."""
+"""The law of one design under models of increasing detail."""
 
 from __future__ import annotations
 
@@ -18,44 +18,44 @@ from metafem.studies.substrates import laws_on_substrates
 if TYPE_CHECKING:
     import xarray as xr
 
-# What the column of the finite elements means, kept with the numbers.
+# Meaning of the row of finite elements, stored with the numbers.
 ELEMENTS = (
-    "fe: each contact has the law of its own true cap on the bonded block by small-strain finite elements, "
-    "and feels no neighbour: compare it with independent. Small strain overestimates P(a) at large a/R, "
-    "where finite strain lies below Hertz's law: take the change of A0 as an upper estimate; Hertz's law "
-    "with a fitted modulus is the better one there"
+    "fe: each contact has the law of its true cap on the bonded block by small-strain finite elements, "
+    "without interaction; compare it with independent. At large a/R small strain overestimates P(a), while "
+    "finite strain gives less than Hertz's law: the change of A0 is an upper estimate there, and Hertz's law "
+    "with a fitted modulus is more accurate"
 )
 
 
-@doing("comparing the theories")
+@doing("comparing the models")
 def fidelity(design: Design, *, elements: bool = True) -> xr.Dataset:
-    """Predict A0(P) and delta(P) of a design by every theory at hand.
+    """Predict A0(P) and delta(P) of a design under all models.
 
-    Models: "independent"; order 3 on the "half-space", the bonded "layer" and the true "block", whose
-    influence is computed once (half a minute for 64 asperities) and kept on disk; and "fe".
+    The models are "independent", order 3 on the "half-space", the bonded "layer" and the true "block",
+    and "fe". The influence of the true block is computed once (half a minute for 64 asperities) and stored
+    on disk.
 
-    "fe" are independent asperities whose contact law is not Hertz's but that of the true spherical cap on
-    the bonded block, by axisymmetric finite elements (`metafem.fe.press`) at nine pairs of height and
-    contact radius: ``sum_i P_fe(a_i, h_i) = P`` with ``d_fe(a_i, h_i) = h_i - delta``. It holds what a
-    contact does alone: the cap's shape and its pedestal, and the block's base and sides under it. The
-    difference to "independent" is meaningful at small a/R and an upper estimate at large a/R: small
-    strain overestimates P(a) there (1.11 of Hertz's at a/R = 0.5), where finite strain lies below Hertz's
-    law (0.978): the two have opposite sign.
+    "fe" are independent asperities with the contact law of the true spherical cap on the bonded block
+    instead of Hertz's: ``sum_i P_fe(a_i, h_i) = P`` with ``d_fe(a_i, h_i) = h_i - delta``. The law is
+    interpolated between axisymmetric finite elements (`metafem.fe.press`) at nine pairs of height and contact
+    radius. It includes the cap's shape, its pedestal, and the base and the sides of the block, but no
+    neighbours. The difference from "independent" is meaningful at small a/R. At large a/R it is an upper
+    estimate: at a/R = 0.5 small strain gives 1.11 of Hertz's load, finite strain 0.978 of it.
 
     Parameters
     ----------
     design : Design
     elements : bool
-        Compute "fe", which takes about half a minute for each radius of the summits, of which there may be
-        four; with more it is left out.
+        Whether to compute "fe", which takes about half a minute for each radius of the summits; with more
+        than four radii it is left out.
 
     Returns
     -------
     xarray.Dataset
         ``area`` [mm^2], ``separation`` [mm], ``area_change`` [-] (relative to independent asperities) and
-        ``sinking`` [mm] (how much nearer the plane stands), over ``model`` and ``load`` [N];
-        ``elements_error``, of load and indentation in the table of caps [-]. Attribute ``notes``: what
-        was left out and why, a line for each.
+        ``sinking`` [mm] (the decrease of the separation), over ``model`` and ``load`` [N].
+        ``elements_error`` is the relative error of load and indentation in the table of caps [-]. The
+        attribute ``notes`` has one line for each model that was left out, with the reason.
 
     Examples
     --------
@@ -75,7 +75,7 @@ def fidelity(design: Design, *, elements: bool = True) -> xr.Dataset:
     notes, error = list(laws.notes), float("nan")
     if elements:
         try:
-            # a fifth more than Hertz's indentation: what pedestals add in the source paper's surfaces
+            # a fifth more than Hertz's indentation: pedestals add this much on the source paper's surfaces
             caps = caps_of(surface, 1.2 * (surface.height - separation["independent"][-1]))
             area["fe"], separation["fe"] = _law_of_caps(caps, load)
             error = caps.error
@@ -89,7 +89,11 @@ def fidelity(design: Design, *, elements: bool = True) -> xr.Dataset:
         "area": (axes, areas, {"units": "mm2", "long_name": "real contact area"}),
         "separation": (axes, separations, {"units": "mm", "long_name": "plane to undeformed base plane"}),
         "area_change": (axes, areas / areas[0] - 1.0, {"units": "1", "long_name": "change of the area"}),
-        "sinking": (axes, separations[0] - separations, {"units": "mm", "long_name": "approach beyond it"}),
+        "sinking": (
+            axes,
+            separations[0] - separations,
+            {"units": "mm", "long_name": "decrease of the separation"},
+        ),
         "elements_error": ((), error, {"units": "1", "long_name": "error of the table of caps"}),
     }
     rescaled = {"units": "mm2", "long_name": "load over E*"}

@@ -1,4 +1,4 @@
-"""How far elastic interaction moves the law of a design, wherever its asperities are placed."""
+"""The effect of elastic interaction on the law of a design, for random assignments of heights to sites."""
 
 from __future__ import annotations
 
@@ -20,36 +20,37 @@ if TYPE_CHECKING:
 
 IndexArray = NDArray[np.intp]
 
-# Placements between two reports of progress.
+# Number of assignments between two reports of progress.
 AT_ONCE = 100
 
-# Loads of the random placements, of which there are many: every so manieth of the design's law.
-DEALT_LOADS = 20
+# Number of loads of the random assignments: every n-th load of the design's law.
+RANDOM_LOADS = 20
 
 
-@doing("comparing placements")
+@doing("comparing assignments of heights to sites")
 def interaction(design: Design, *, placements: int = 1000, rng: Any = 0) -> xr.Dataset:
     """Compare A0(P) and delta(P) of coupled asperities with those of independent ones.
 
-    The change depends on which asperity stands where, and a law that is designed for independent
-    asperities says nothing about that: beside the design as it is placed, its asperities are dealt anew to
-    their places many times, and once with the tallest together in the centre.
+    The change depends on the assignment of asperities to sites, which does not affect the law of
+    independent asperities. The study compares the design with many random assignments of its asperities to
+    its sites, and with one assignment that has the tallest asperities in the centre.
 
     Parameters
     ----------
     design : Design
     placements : int
-        Number of random placements.
+        Number of random assignments.
     rng
-        Seed or numpy Generator.
+        Seed or numpy Generator; default: 0.
 
     Returns
     -------
     xarray.Dataset
-        ``area_change`` [-] and ``sinking`` [mm] over ``substrate`` ("half-space", and "layer" where there
-        is a block), ``order`` (1, 3) and ``load`` [N], those of the design's law; ``centred_change`` [-]
-        with the tallest in the centre, order 3; ``placement_rms`` [-], the root mean square of each random
-        ``placement`` over every fifth of a hundred loads, order 3.
+        ``area_change`` [-] and ``sinking`` [mm], the decrease of the separation, over ``substrate``
+        ("half-space", and "layer" if there is a block), ``order`` (1, 3) and ``load`` [N] of the design's
+        law. ``centred_change`` [-] is the change with the tallest asperities in the centre, at order 3.
+        ``placement_rms`` [-] is the root mean square change of each random assignment (``placement``) over
+        every fifth load, at order 3.
 
     Examples
     --------
@@ -66,7 +67,7 @@ def interaction(design: Design, *, placements: int = 1000, rng: Any = 0) -> xr.D
     random = check.generator(rng)
     surface = design.surface
     rescaled = design.law.rescaled_load
-    few = np.arange(len(rescaled))[:: -max(1, len(rescaled) // DEALT_LOADS)][::-1]
+    few = np.arange(len(rescaled))[:: -max(1, len(rescaled) // RANDOM_LOADS)][::-1]
     substrates: dict[str, Substrate] = {"half-space": HalfSpace()}
     if surface.block is not None:
         substrates["layer"] = BondedLayer()
@@ -75,7 +76,7 @@ def interaction(design: Design, *, placements: int = 1000, rng: Any = 0) -> xr.D
     tallest = np.argsort(-surface.height, kind="stable")
     centred = np.empty(surface.count, dtype=int)
     centred[nearest] = tallest
-    dealt = [random.permutation(surface.count) for _ in range(count)]
+    random_orders = [random.permutation(surface.count) for _ in range(count)]
 
     change, sinking, centre, spread = [], [], [], []
     for name in each("substrate", list(substrates)):
@@ -85,14 +86,18 @@ def interaction(design: Design, *, placements: int = 1000, rng: Any = 0) -> xr.D
         sinking.append([curve.approach - alone.approach for curve in curves])
         model = Interacting(substrate=substrate)
         centre.append(_areas(model, surface, [centred], rescaled)[0] / alone.area - 1.0)
-        moved = _areas(model, surface, dealt, rescaled[few]) / alone.area[few] - 1.0
+        moved = _areas(model, surface, random_orders, rescaled[few]) / alone.area[few] - 1.0
         spread.append(np.sqrt((moved**2).mean(axis=1)))
     axes = ("substrate", "order", "load")
     load = rescaled * surface.material.composite_modulus
     return xr.Dataset(
         {
             "area_change": (axes, np.array(change), _told("1", "change of A0 by interaction")),
-            "sinking": (axes, np.array(sinking), _told("mm", "approach beyond independent asperities")),
+            "sinking": (
+                axes,
+                np.array(sinking),
+                _told("mm", "increase of the approach over independent asperities"),
+            ),
             "centred_change": (
                 ("substrate", "load"),
                 np.array(centre),
@@ -101,7 +106,7 @@ def interaction(design: Design, *, placements: int = 1000, rng: Any = 0) -> xr.D
             "placement_rms": (
                 ("substrate", "placement"),
                 np.array(spread),
-                _told("1", "rms change of A0 of random placements"),
+                _told("1", "rms change of A0 of random assignments"),
             ),
         },
         {
@@ -117,19 +122,19 @@ def interaction(design: Design, *, placements: int = 1000, rng: Any = 0) -> xr.D
 def _areas(
     model: Interacting, surface: Surface, orders: list[IndexArray], rescaled: FloatArray
 ) -> FloatArray:
-    """Return A0 (m, k) with the asperities dealt to their places in the given orders."""
+    """Return A0 (m, k) with the asperities assigned to the sites in the given orders."""
     if np.ptp(surface.radius) == 0.0:
         parts = [orders[k : k + AT_ONCE] for k in range(0, len(orders), AT_ONCE)]
         return np.concatenate(
             [
                 model.curves(surface, surface.height[np.array(part)], rescaled)[2]
-                for part in each("placements, part", parts)
+                for part in each("assignments, part", parts)
             ]
         )
     return np.array(
         [
             model.curve(surface.replaced(height=surface.height[o], radius=surface.radius[o]), rescaled).area
-            for o in each("placement", orders)
+            for o in each("assignment", orders)
         ]
     )
 

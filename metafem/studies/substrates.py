@@ -1,4 +1,4 @@
-"""The law of one surface on substrates of increasing truth."""
+"""The law of one surface on substrates of increasing detail."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ class Laws:
     Attributes
     ----------
     law : dict of str to FrictionLaw
-        By the models' names on the command line; "independent" is the first. Those that have no solution
-        under these loads are left out.
+        The keys are the models' names on the command line; "independent" is the first. Models without a
+        solution at these loads are left out.
     notes : tuple of Note
-        What was left out, and why.
+        Models that were left out, and the reasons.
     """
 
     law: dict[str, FrictionLaw]
@@ -37,11 +37,11 @@ def laws_on_substrates(surface: Surface, load: FloatArray, *, wait: bool) -> Law
     Parameters
     ----------
     surface : Surface
-        Without a block it has no layer and no true block.
+        Without a block, the layer and the true block are left out.
     load : ndarray, (k,)
         Normal loads [N].
     wait : bool
-        Compute the true block's influence where it is not on disk yet.
+        Whether to compute the true block's influence if it is not on disk.
     """
     models: dict[str, Model] = {"independent": Independent(), "half-space": Interacting()}
     notes: list[Note] = []
@@ -70,8 +70,8 @@ def laws_on_substrates(surface: Surface, load: FloatArray, *, wait: bool) -> Law
 
 
 def _true_block(surface: Surface, wait: bool) -> tuple[Model | None, str]:
-    """Return the model of the true block, or why there is none."""
-    from metafem.fe import Block3D  # with scikit-fem, which no other model needs
+    """Return the model of the true block, or None and the reason."""
+    from metafem.fe import Block3D  # imports scikit-fem, which no other model needs
 
     substrate = Block3D()
     try:
@@ -80,7 +80,7 @@ def _true_block(surface: Surface, wait: bool) -> tuple[Model | None, str]:
         return None, f"the true block is left out: {error}"
     if not (kept or wait):
         return None, (
-            "the true block is left out: its influence between these places is not computed yet, which takes "
-            "about a minute; metafem study fidelity computes and keeps it"
+            "the true block is left out: its influence between these sites has not been computed. This takes "
+            "about a minute; `metafem study fidelity` computes and stores it"
         )
     return Interacting(substrate=substrate), ""

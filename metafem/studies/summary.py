@@ -1,4 +1,4 @@
-"""A study in a few lines."""
+"""Tables that summarise studies."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from metafem.notes import Note, from_lines, information
 if TYPE_CHECKING:
     from xarray import Dataset
 
-# Loads at which laws are told, as shares of the largest.
-TOLD = (0.1, 0.4, 1.0)
+# Loads of the columns, as fractions of the largest load.
+SHOWN_LOADS = (0.1, 0.4, 1.0)
 
 MICROMETRES = 1e3
 
 
 @dataclass(frozen=True)
 class Summary:
-    """A table of texts: title, heads of the columns, rows, and what to know about them."""
+    """A table of texts: title, column headings, rows and notes."""
 
     title: str
     columns: tuple[str, ...]
@@ -31,19 +31,19 @@ class Summary:
 
 
 def summary(study: Dataset) -> Summary:
-    """Return the table of a study; raises InvalidInput for one that has none."""
+    """Return the table of a study; raises InvalidInput for an unknown study."""
     name = study.attrs.get("study")
     if name not in _SUMMARIES:
         raise InvalidInput(f"there is no summary of a study {name!r}")
     title, columns, rows = _SUMMARIES[name](study)
-    words = (information(DEALT),) if name == "interaction" else ()
+    words = (information(RANDOM),) if name == "interaction" else ()
     return Summary(title, columns, rows, (*words, *from_lines(str(study.attrs["notes"]))))
 
 
-# What the last columns of the interaction's table hold.
-DEALT = (
-    "dealt: the asperities at random on their places, at every fifth of a hundred loads; centred: the "
-    "tallest together in the centre; rms over the loads of the change of A0"
+# Meaning of the last columns of the interaction's table.
+RANDOM = (
+    "random: the asperities assigned to the sites at random, at every fifth load; centred: the tallest in "
+    "the centre; rms: root mean square change of A0 over the loads"
 )
 
 Table = tuple[str, tuple[str, ...], tuple[tuple[str, ...], ...]]
@@ -51,7 +51,7 @@ Table = tuple[str, tuple[str, ...], tuple[tuple[str, ...], ...]]
 
 def _fidelity(study: Dataset) -> Table:
     load = study["load"].values
-    told = [int(np.abs(load - share * load[-1]).argmin()) for share in TOLD]
+    told = [int(np.abs(load - share * load[-1]).argmin()) for share in SHOWN_LOADS]
     columns = (
         "model",
         "rms [%]",
@@ -59,7 +59,7 @@ def _fidelity(study: Dataset) -> Table:
         *(f"at {load[i]:.3g} N [%]" for i in told),
         "A0 [mm²]",
         "separation [µm]",
-        "sinks by [µm]",
+        "plane lower by [µm]",
     )
     rows = []
     for name in study.model.values:
@@ -76,7 +76,7 @@ def _fidelity(study: Dataset) -> Table:
                 f"{MICROMETRES * float(row.sinking[-1]):+.2f}",
             )
         )
-    title = f"Change of A0 against independent asperities; A0 and the plane at {load[-1]:.3g} N"
+    title = f"Change of A0 from independent asperities; A0 and separation at {load[-1]:.3g} N"
     return title, columns, tuple(rows)
 
 
@@ -87,8 +87,8 @@ def _interaction(study: Dataset) -> Table:
         "order",
         "rms [%]",
         "max. [%]",
-        "sinks [µm]",
-        "dealt: median rms [%]",
+        "plane lower by [µm]",
+        "random: median rms [%]",
         "max. rms [%]",
         "centred: rms [%]",
     )
@@ -113,7 +113,7 @@ def _interaction(study: Dataset) -> Table:
                 )
             )
     return (
-        f"Change of A0 by elastic interaction, and of the plane's place at {top:.3g} N",
+        f"Change of A0 by elastic interaction; decrease of the separation at {top:.3g} N",
         columns,
         tuple(rows),
     )

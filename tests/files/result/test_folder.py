@@ -167,7 +167,7 @@ def test_a_damaged_member_is_named(tmp_path, linear, place, value, message):
 
 def test_a_law_whose_loads_fall_or_areas_are_negative_is_refused(linear):
     law = linear[1].law
-    with pytest.raises(mf.InvalidInput, match="load falls"):
+    with pytest.raises(mf.InvalidInput, match="the loads of a law must not decrease"):
         replace(law, load=law.load[::-1].copy())
     with pytest.raises(mf.InvalidInput, match=r"area\[0\] = -.* is impossible"):
         replace(law, area=-law.area)
