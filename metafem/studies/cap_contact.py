@@ -130,7 +130,7 @@ def caps_of(surface: Surface, indentation: FloatArray) -> Caps:
     if len(radii) > MOST_RADII:
         raise InvalidInput(
             f"the summits in contact have {len(radii)} different radii; "
-            f"finite elements of caps are limited to {MOST_RADII}"
+            f"finite elements of caps are limited to {MOST_RADII} radii"
         )
     tables, table = [], np.full(surface.count, -1)
     for k, radius in enumerate(radii):
