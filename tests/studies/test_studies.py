@@ -88,7 +88,9 @@ def test_fidelity_leaves_the_caps_of_many_radii_out(design):
 
     surface = design.template.replaced(radius=np.linspace(0.4, 0.6, 6), block=None)
     bare = surface.replaced(height=np.full(6, 0.12))
-    with pytest.raises(mf.InvalidInput, match="have 6 different radii; finite elements of caps are limited to 4 radii"):
+    with pytest.raises(
+        mf.InvalidInput, match="have 6 different radii; finite elements of caps are limited to 4 radii"
+    ):
         caps_of(bare, np.full(6, 0.01))
     found = mf.studies.fidelity(replace(design, surface=bare, sites=np.arange(6)))
     assert "fe is left out: the summits in contact have 6 different radii" in found.attrs["notes"]
