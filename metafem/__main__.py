@@ -1,5 +1,5 @@
 """`python -m metafem` is the metafem command."""
 
-from metafem.cli import main
+from metafem.cli import run
 
-main(prog_name="metafem")
+run()

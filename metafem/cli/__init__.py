@@ -1,6 +1,24 @@
 """The metafem command: parse, call, print."""
 
-from metafem.cli import demo_and_design, doctor, predict, report, spec, study
-from metafem.cli.group import main
+from typing import Any
 
-__all__ = ["demo_and_design", "doctor", "main", "predict", "report", "spec", "study"]
+from metafem.cli.signals import stop_told, stopped_by_signals
+
+__all__ = ["main", "run"]
+
+
+def run() -> None:
+    """Run the metafem command. It is stopped by signals from here on, while its modules are imported too."""
+    with stopped_by_signals():
+        with stop_told("nothing was written"):
+            from metafem.cli.commands import main
+        main(prog_name="metafem")
+
+
+def __getattr__(name: str) -> Any:
+    """Import the group of commands, `main`, when it is first used."""
+    if name != "main":
+        raise AttributeError(f"module {__name__} has no attribute {name}")
+    from metafem.cli.commands import main
+
+    return main

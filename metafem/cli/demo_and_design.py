@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from metafem.cli.group import DEMOS, NOT_ACHIEVED, force_option, json_option, main, model_option
+from metafem.cli.group import DEMOS, NOT_ACHIEVED, Name, force_option, json_option, main, model_option
 from metafem.cli.progress import progress
 from metafem.cli.terminal import notes_data, tell_notes, tell_table, terminal
 from metafem.errors import InvalidInput
@@ -50,8 +50,8 @@ def demo(name: str, model: str | None, force: bool, as_json: bool) -> None:
 
 
 @main.command()
-@click.argument("spec", type=click.Path(path_type=Path))
-@click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="Result folder to make.")
+@click.argument("spec", type=Name())
+@click.option("-o", "--output", type=Name(), required=True, help="Result folder to make.")
 @model_option
 @click.option(
     "--chord-error",
@@ -94,7 +94,9 @@ def _run(
     with progress(), doing("designing"):
         specification = mf.read_spec(spec)
         if chord_error is not None:
-            specification = specification.with_chord_error(quantity("--chord-error", chord_error, "mm"))
+            specification = specification.with_chord_error(
+                quantity("--chord-error", chord_error, "mm", "1 um")
+            )
         chosen = model_named(model) if model else specification.model
         with result_folder(folder, specification, force=force) as fresh:
             result = specification.design(chosen)

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import click
 
 from metafem.cli.output import printing, show_error
-from metafem.cli.signals import stopped_by_signals
+from metafem.cli.signals import stop_told, stopped_by_signals
 from metafem.errors import InvalidInput, MetafemError
 
 DEMOS = ("operating-points", "linear", "bilinear")
@@ -41,6 +42,21 @@ class NotAchieved(Ended):
     exit_code = NOT_ACHIEVED
 
 
+class Name(click.Path):
+    """The name of a file or folder, as a Path; an empty one would stand for the current folder."""
+
+    name = "path"
+
+    def __init__(self) -> None:
+        super().__init__(path_type=Path)
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the path."""
+        if value == "":
+            self.fail("the name is empty; write the name of a file or folder", param, ctx)
+        return super().convert(value, param, ctx)
+
+
 class Commands(click.Group):
     """A group whose commands end with a message and an exit code instead of a traceback."""
 
@@ -48,7 +64,7 @@ class Commands(click.Group):
         """Parse the arguments and run the command; with --json errors are JSON too."""
         given = sys.argv[1:] if args is None else args
         extra["standalone_mode"] = False  # the exit code is set here
-        with stopped_by_signals(), printing():
+        with stopped_by_signals(), stop_told("no unfinished file is left"), printing():
             try:
                 code = super().main(args, *rest, **extra)
             except click.ClickException as error:

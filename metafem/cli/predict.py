@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from metafem.cli.group import force_option, json_option, main, model_option
-from metafem.cli.progress import progress
+from metafem.cli.group import Name, force_option, json_option, main, model_option
+from metafem.cli.progress import progress, telling_facts
 from metafem.cli.terminal import notes_data, tell_notes, tell_table, terminal
 from metafem.errors import InvalidInput
 from metafem.progress import doing
@@ -25,21 +25,23 @@ BLOCK = ("width", "length", "thickness")
 
 
 @main.command()
-@click.argument("source", type=click.Path(path_type=Path))
+@click.argument("source", type=Name())
 @click.option(
     "--load", multiple=True, help='Load, such as "0.2 N"; may be repeated. Default: a grid of loads.'
 )
 @click.option("--composite-modulus", help='E* for a table of heights, such as "1.36 MPa".')
 @click.option("--young-modulus", help='E for a table of heights, instead of E*, such as "1.02 MPa".')
 @click.option("--poisson-ratio", type=float, help="ν for a table of heights; default: 0.5.")
-@click.option("--shear-strength", help='σ for a table of heights, such as "0.404 MPa"; needs --area-ratio.')
-@click.option("--area-ratio", type=float, help="B: sheared area over initial area; needs --shear-strength.")
+@click.option("--shear-strength", help='σ for a table of heights, such as "0.404 MPa", for friction forces.')
+@click.option(
+    "--area-ratio", type=float, help="B: sheared area over initial area, with --shear-strength; default: 1."
+)
 @click.option("--radius", help='Radius of all summits, such as "526 um", for a table without radii.')
 @click.option("--thickness", help='Thickness of the block of a table of heights, such as "7.2 mm".')
 @click.option("--width", help='Width of that block along x, such as "20 mm"; for --model block.')
 @click.option("--length", help='Length of that block along y, such as "20 mm"; for --model block.')
 @model_option
-@click.option("-o", "--output", type=click.Path(path_type=Path), help="Also write the law to this CSV file.")
+@click.option("-o", "--output", type=Name(), help="Also write the law to this CSV file.")
 @force_option
 @json_option
 def predict(
@@ -55,8 +57,8 @@ def predict(
 
     SOURCE is a result folder of `metafem design`, or a CSV file with the columns x_mm, y_mm, height_um and
     radius_um (or in other units). A table needs --composite-modulus or --young-modulus. For --model layer it
-    also needs --thickness, for --model block --thickness, --width and --length. With --shear-strength and
-    --area-ratio the friction forces are printed too.
+    also needs --thickness, for --model block --thickness, --width and --length. With --shear-strength the
+    friction forces are printed too.
     """
     import metafem as mf
     from metafem._given import printable
@@ -83,7 +85,13 @@ def predict(
     else:
         if not source.exists():
             raise InvalidInput(f"{printable(str(source))}: no such file or folder")
-        surface, used = _surface(source, given, model), mf.Independent()
+        if source.suffix.lower() == ".toml":
+            name = printable(str(source))
+            raise InvalidInput(
+                f"{name} is a specification; run metafem design {name} -o FOLDER, then metafem predict FOLDER"
+            )
+        with telling_facts():
+            surface, used = _surface(source, given, model), mf.Independent()
     if output is not None:
         refuse_existing(output, force, is_law_table)
     newtons = [quantity("--load", text, "N") for text in load]
@@ -114,10 +122,10 @@ def _surface(source: Path, given: Mapping[str, str | float], model: str | None) 
             f"a table of heights such as {source} needs either --composite-modulus or --young-modulus, "
             'for example --composite-modulus "1.36 MPa"'
         )
-    if ("shear_strength" in given) != ("area_ratio" in given):
+    if "area_ratio" in given and "shear_strength" not in given:
         raise InvalidInput(
-            "--shear-strength and --area-ratio are needed together, for example "
-            '--shear-strength "0.404 MPa" --area-ratio 0.85; the friction force depends on both'
+            "--area-ratio needs --shear-strength: the friction force depends on both; add for example "
+            '--shear-strength "0.404 MPa"'
         )
     units = {"radius": "mm", "thickness": "mm", "width": "mm", "length": "mm"}
     units |= dict.fromkeys(("composite_modulus", "young_modulus", "shear_strength"), "MPa")
@@ -132,7 +140,9 @@ def _surface(source: Path, given: Mapping[str, str | float], model: str | None) 
         else:
             material = Material(number["composite_modulus"], ratio)
         friction = (
-            Friction(number["shear_strength"], number["area_ratio"]) if "area_ratio" in number else None
+            Friction(number["shear_strength"], number.get("area_ratio", 1.0))
+            if "shear_strength" in number
+            else None
         )
         block = _block({name: number[name] for name in BLOCK if name in number}, model)
     return read_surface(source, material, number.get("radius"), friction, block)
@@ -146,8 +156,10 @@ def _block(given: dict[str, float], model: str | None) -> Block | None:
     missing = [f'--{name} "{7.2 if name == "thickness" else 20} mm"' for name in needed if name not in given]
     if missing:
         what = f"--model {model}" if model in ("layer", "block") else "a block"
+        alone = "; for --model layer the thickness alone is enough" if model is None else ""
         raise InvalidInput(
-            f"{what} needs the block's dimensions, which a table does not hold; add {' '.join(missing)}"
+            f"{what} needs the block's dimensions, which a table does not hold; "
+            f"add {' '.join(missing)}{alone}"
         )
     return Block(*(given[name] for name in BLOCK)) if set(BLOCK) <= set(given) else None
 

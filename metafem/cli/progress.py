@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import os
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING
+
+import click
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -18,6 +21,15 @@ FIRST_LINE, NEXT_LINE = 5.0, 10.0
 
 # Interval between two checks whether a line is due [s].
 LOOK = 0.5
+
+
+@contextmanager
+def telling_facts() -> Iterator[None]:
+    """Print what quick work reports, such as the columns of a table that are not read, on stderr."""
+    from metafem.progress import listening
+
+    with listening(lambda step, done: None, lambda text: click.echo(text, err=True)):
+        yield
 
 
 @contextmanager
@@ -33,10 +45,22 @@ def progress() -> Iterator[None]:
     def say(text: str) -> None:
         console.print(text, highlight=False, markup=False, soft_wrap=True)
 
-    on_first_compilation(lambda: say("compiling kernels, once for this installation …"))
+    on_first_compilation(lambda: say(f"compiling kernels, {_how_often()} …"))
     shown = _status if console.is_terminal else _lines
     with shown(console) as on_step, listening(on_step, say):
         yield
+
+
+def _how_often() -> str:
+    """Return whether compiled kernels can be kept, as a user needs to know it."""
+    from metafem import _caches
+
+    with suppress(OSError):
+        folder = _caches.kernel_folder()
+        folder.mkdir(parents=True, exist_ok=True)
+        if os.access(folder, os.W_OK):
+            return "once for this installation"
+    return "again for each command, because the cache cannot be written (see metafem doctor)"
 
 
 @contextmanager

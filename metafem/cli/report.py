@@ -7,12 +7,12 @@ from pathlib import Path
 
 import click
 
-from metafem.cli.group import json_option, main
+from metafem.cli.group import Name, json_option, main
 from metafem.cli.progress import progress
 
 
 @main.command()
-@click.argument("folder", type=click.Path(path_type=Path))
+@click.argument("folder", type=Name())
 @click.option("--checks", is_flag=True, help="Add the finite-element checks, which take about a minute.")
 @json_option
 def report(folder: Path, checks: bool, as_json: bool) -> None:

@@ -7,7 +7,7 @@ import sys
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from types import CodeType, FrameType
 
 # Seconds after which a signal is repeated if its exception was lost; no destructor runs longer.
@@ -49,6 +49,17 @@ def stopped_by_signals() -> Iterator[None]:
             signal.signal(each, handler)
         sys.unraisablehook = hook
         _repeated.clear()
+
+
+@contextmanager
+def stop_told(left: str) -> Iterator[None]:
+    """Print one line on stderr when the body is stopped by a signal: what it left behind."""
+    try:
+        yield
+    except Stopped as stop:
+        with suppress(OSError):
+            print(f"stopped; {left}", file=sys.stderr)
+        raise SystemExit(stop.code) from None
 
 
 def _stop(number: int, frame: FrameType | None) -> None:

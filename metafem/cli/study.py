@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from metafem.cli.group import force_option, json_option, main
+from metafem.cli.group import Name, force_option, json_option, main
 from metafem.cli.progress import progress
 from metafem.cli.terminal import tell_notes, tell_table, terminal
 
@@ -20,7 +20,7 @@ STUDIES = ("interaction", "fidelity")
 
 @main.command()
 @click.argument("name", type=click.Choice(STUDIES))
-@click.argument("folder", type=click.Path(path_type=Path))
+@click.argument("folder", type=Name())
 @force_option
 @json_option
 def study(name: str, folder: Path, force: bool, as_json: bool) -> None:

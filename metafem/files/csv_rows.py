@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+from collections.abc import Collection
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
@@ -12,6 +13,7 @@ from metafem._given import printable, shown
 from metafem.errors import InvalidInput
 from metafem.files.reading import TABLE, called, decoded, read_bytes
 from metafem.files.units import decimal
+from metafem.progress import fact
 
 SEMICOLONS = "where commas are decimals, separate the columns by semicolons"
 
@@ -40,6 +42,13 @@ class Table:
                     f"{len(self.header)}{hint}"
                 )
         return self.rows
+
+    def tell_unread(self, read: Collection[str]) -> None:
+        """Report the columns whose titles are not among those that are read."""
+        unread = [printable(title, 40) for title in self.header if title not in read]
+        if unread:
+            what = f"column {unread[0]} is" if len(unread) == 1 else f"columns {', '.join(unread)} are"
+            fact(f"{self.name}: the {what} not read")
 
     def number(self, line: int, column: int, text: str) -> Fraction:
         """Return an entry exactly."""

@@ -203,7 +203,10 @@ def test_predict_reads_a_folder_and_a_table(run, demo):
             ("predict", "table.csv", "--composite-modulus", "1 MPa", "--young-modulus", "1 MPa"),
             "either --composite",
         ),
-        (("predict", "table.csv", "--composite-modulus", "1 MPa", "--area-ratio", "0.85"), "needed together"),
+        (
+            ("predict", "table.csv", "--composite-modulus", "1 MPa", "--area-ratio", "0.85"),
+            "needs --shear-strength",
+        ),
         (("predict", ".", "--poisson-ratio", "0.3"), "--poisson-ratio: only for tables of heights"),
         (("predict", "table.csv", "--composite-modulus", "1.36 mm"), "--composite-modulus"),
         (("predict", "table.csv", "--composite-modulus", "1.36 MPa"), "table.csv is empty"),
@@ -342,3 +345,38 @@ def test_a_table_is_predicted_with_its_material_and_friction(run):
     assert "model independent, converged" in told
     refused = run("predict", "h.csv", *young[:3], "0.7")
     assert (refused.exit_code, "--poisson-ratio" in refused.output) == (2, True), refused.output
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("design", "linear.toml", "-o", ""), "the name is empty"),
+        (
+            ("predict", "linear.toml"),
+            "linear.toml is a specification; run metafem design linear.toml -o FOLDER",
+        ),
+        (("design", "linear.toml", "-o", "x", "--chord-error", "1"), 'write for example "1 um"'),
+        (("design", "linear.toml", "-o", "/proc/x"), "No such file or directory; choose another folder"),
+        (
+            ("predict", "h.csv", "--composite-modulus", "1.36 MPa", "--thickness", "7.2 mm"),
+            'add --width "20 mm" --length "20 mm"; for --model layer the thickness alone is enough',
+        ),
+    ],
+)
+def test_what_a_newcomer_mistakes_is_told_with_a_remedy(run, arguments, words):
+    Path("linear.toml").write_text(demo_text("linear"), "utf-8")
+    Path("h.csv").write_text("x_mm,y_mm,height_um,radius_um\n0,0,120,526\n")
+    result = run(*arguments)
+    assert (result.exit_code, words in " ".join(result.output.split())) == (2, True), result.output
+    assert not Path("x").exists()
+
+
+def test_a_column_that_is_not_read_is_told_once(run):
+    Path("h.csv").write_text("x_mm,y_mm,height_um,radius_um,site,Bemerkung\n0,0,120,526,0,gut\n")
+    options = ("--composite-modulus", "1.36 MPa", "--shear-strength", "0.4 MPa", "--json")
+    result = run("predict", "h.csv", *options)
+    assert result.exit_code == 0, result.output
+    assert result.stderr.count("h.csv: the column Bemerkung is not read") == 1
+    # without an area ratio it is 1
+    law = json.loads(result.stdout)
+    assert law["friction_force_N"][-1] == pytest.approx(0.4 * law["area_mm2"][-1], rel=1e-12)

@@ -1,6 +1,8 @@
 """Commands that are stopped, and what others wrote."""
 
 import signal
+import subprocess
+import sys
 import threading
 import weakref
 from pathlib import Path
@@ -71,3 +73,28 @@ def test_what_a_person_wrote_is_never_replaced(run):
         result = run(*command)
         assert (result.exit_code, "so it is not replaced" in result.output) == (2, True), result.output
         assert Path(name).read_text() == "mine"
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_a_command_that_is_stopped_while_it_is_imported_says_so(number, code, capsys):
+    class Stop:
+        def find_spec(self, name, path=None, target=None):
+            if name == "metafem.cli.commands":
+                signal.raise_signal(number)
+
+    kept = {name: sys.modules.pop(name) for name in [*sys.modules] if name == "metafem.cli.commands"}
+    sys.meta_path.insert(0, finder := Stop())
+    try:
+        with pytest.raises(SystemExit) as end:
+            cli.run()
+    finally:
+        sys.meta_path.remove(finder)
+        sys.modules.update(kept)
+    assert end.value.code == code
+    assert capsys.readouterr().err == "stopped; nothing was written\n"
+
+
+def test_the_entry_point_imports_nothing_before_it_takes_the_signals_over():
+    code = "import metafem.cli, sys; print(sorted({'click', 'json', 'metafem.cli.group'} & set(sys.modules)))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"

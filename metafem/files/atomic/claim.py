@@ -48,8 +48,10 @@ def claimed(work: Path, goal: Path) -> Iterator[Path]:
             _clear(work)
             sweep(work.parent)
             (work / NEW).mkdir()
+        except InvalidInput:
+            raise
         except (OSError, ValueError, KeyError) as error:
-            raise InvalidInput(f"{goal} cannot be written: {reason(error)}; choose another name") from None
+            raise InvalidInput(f"{goal} cannot be written: {reason(error)}; choose another folder") from None
         yield work
     finally:
         if held is not None:

@@ -91,6 +91,8 @@ def check_free(
         target = Path(folder).absolute()
     except TypeError:
         raise InvalidInput(f"folder = {folder!r:.60} is not a path") from None
+    if folder == "":
+        raise InvalidInput('folder = "" is an empty name; name a new folder, such as "mine"')
     if "\0" in str(target):
         raise InvalidInput(f"{str(target)!r:.80} is not a path: it holds a null character")
     if not target.name:

@@ -27,7 +27,7 @@ _FAR, _ARROW, _TEXT = 10.0, 2.5, 3.5
 # Sheets are at least as wide as their notes [mm].
 _NARROWEST = 190.0
 
-# Up to this number of holes each is marked by its row in mould.csv.
+# Up to this number of holes each is marked by its number in mould.csv.
 _MOST_NUMBERED = 144
 
 # Lines of tools that are told apart: colour and dashes.
@@ -129,7 +129,7 @@ def _depths(height: FloatArray) -> str:
 
 def _notes(surface: Surface, asperities: int, block: Block, scale: float) -> list[str]:
     ratio = f"{scale:g}:1" if scale >= 1.0 else f"1:{1.0 / scale:g}"
-    rows = "by the numbers of its rows" if surface.count <= _MOST_NUMBERED else "one row for each"
+    rows = "by the column number" if surface.count <= _MOST_NUMBERED else "one row for each"
     notes = [
         f"Lengths in mm. Scale {ratio}. Circles: rims of the holes in the face.",
         "Datum: centre of the outline, on the face. The part lies face down on it: x is mirrored, x -> -x.",

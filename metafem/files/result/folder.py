@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import platform
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager
@@ -118,7 +119,7 @@ def write_all(
         + "\n",
         "heights.csv": heights_table(design),
         "law.csv": law_table(design.law),
-        "mould.csv": mould_table(surface, alignment),
+        "mould.csv": mould_table(design, alignment),
         **pages,
     }
     contents = {name: text.encode("utf-8") for name, text in texts.items()}
@@ -200,6 +201,9 @@ def same_design(folder: str | Path) -> Callable[[], None]:
 
 def _read(folder: str | Path) -> tuple[Path, dict[str, Any]]:
     """Return the path and the record of a result folder's design.json."""
+    if os.path.isfile(folder):
+        instead = f", here {called(Path(folder).parent)}" if Path(folder).name == "design.json" else ""
+        raise InvalidInput(f"{called(folder)} is a file; name a result folder of metafem{instead}")
     restore(Path(folder))
     path = Path(folder) / "design.json"
     record = read_record(path, "no such file; name a result folder of metafem")

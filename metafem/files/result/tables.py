@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import repeat
 from pathlib import Path
 
 import numpy as np
@@ -23,6 +24,9 @@ __all__ = ["heights_table", "is_law_table", "law_table", "mould_table", "read_he
 
 COLUMNS = ("x", "y", "height", "radius")
 
+# That of a table of metafem which says nothing about a summit.
+SITE = "site"
+
 # Digits of a number in a table: all that is meant, and not the rounding of sums in the sixteenth.
 DIGITS = 13
 
@@ -31,7 +35,7 @@ def heights_table(design: Design) -> str:
     """Return the summits: site in the template, place, height and radius."""
     surface = design.surface
     rows = zip(design.sites.tolist(), *_columns(surface), strict=True)
-    return _csv(("site", "x_mm", "y_mm", "height_mm", "radius_mm"), rows)
+    return _csv((SITE, "x_mm", "y_mm", "height_mm", "radius_mm"), rows)
 
 
 def law_table(law: FrictionLaw) -> str:
@@ -45,19 +49,27 @@ def is_law_table(content: bytes) -> bool:
     return content.startswith(b"load_N,area_mm2,separation_mm,rescaled_load_mm2,rescaled_friction_mm2")
 
 
-def mould_table(surface: Surface, alignment: Surface | None = None) -> str:
+def mould_table(design: Design, alignment: Surface | None = None) -> str:
     """Return the holes of the negative mould, one a summit, of kind asperity or alignment.
 
+    The number of a hole is that in ``mould.svg``, the site that of the asperity in ``heights.csv``.
     The depth of a hole below the mould's face is the height of its summit above the base plane, the
     tool's radius that of the summit. The mould is seen from its open face, as on the milling machine:
     the part lies face down on it, so that x is mirrored, x -> -x.
     """
-    rows: list[tuple[str, float, float, float, float]] = []
-    for kind, part in (("asperity", surface), ("alignment", alignment)):
+    rows: list[tuple[object, ...]] = []
+    for kind, part, sites in (
+        ("asperity", design.surface, design.sites.tolist()),
+        ("alignment", alignment, repeat("")),
+    ):
         if part is not None:
             # 0.0 - x, as -x would write a summit on the axis as -0.0
-            rows += ((kind, 0.0 - x, y, h, r) for x, y, h, r in zip(*_columns(part), strict=True))
-    return _csv(("kind", "x_mm", "y_mm", "depth_mm", "tool_radius_mm"), rows)
+            rows += (
+                (kind, site, 0.0 - x, y, h, r)
+                for site, x, y, h, r in zip(sites, *_columns(part), strict=False)
+            )
+    numbered = ((number, *row) for number, row in enumerate(rows, 1))
+    return _csv(("number", "kind", "site", "x_mm", "y_mm", "depth_mm", "tool_radius_mm"), numbered)
 
 
 def read_heights(path: str | Path, radius: float | None = None) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -67,8 +79,9 @@ def read_heights(path: str | Path, radius: float | None = None) -> tuple[FloatAr
     ----------
     path : str or Path
         CSV whose first line names its columns as quantity_unit: x, y, height and radius in any order
-        and any unit of length, as ``x_mm,y_mm,height_um``; other columns are left aside, and so are lines
-        that begin with ``#``. In a table separated by semicolons or tabulators commas are decimals.
+        and any unit of length, as ``x_mm,y_mm,height_um``. Other columns are not read, which
+        `metafem.progress` reports; lines that begin with ``#`` are skipped. In a table separated by
+        semicolons or tabulators commas are decimals.
     radius : float, optional
         Radius [mm] of all summits; for a table without such a column.
 
@@ -139,6 +152,7 @@ def _read(path: str | Path, radius: float | None) -> _Summits:
         raise InvalidInput(
             f"{table.name} lacks the columns {wanted} (or in another unit); it has {has}{instead}"
         )
+    table.tell_unread({SITE, *(table.header[i] for i, _ in found.values())})
     entries = table.entries()
     if not entries:
         raise InvalidInput(f"{table.name} names columns but holds no summit")

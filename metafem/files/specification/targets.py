@@ -92,7 +92,7 @@ class CurveSection(Section):
         if self.load is None:
             return OperatingPoints(self.rescaled_load or [], self.rescaled_friction or [])
         if friction is None:
-            raise InvalidInput("load and friction_force need [friction] with shear_strength and area_ratio")
+            raise InvalidInput("load and friction_force need [friction] with shear_strength")
         return OperatingPoints.from_forces(self.load, self.friction_force or [], material, friction)
 
 
@@ -151,7 +151,7 @@ class StraightSection(Section):
     def pair(self, material: Material, friction: Friction | None, key: str) -> tuple[Material, Friction]:
         """Return the material pair that friction coefficients need."""
         if friction is None:
-            raise InvalidInput(f"{key} needs [friction] with shear_strength and area_ratio")
+            raise InvalidInput(f"{key} needs [friction] with shear_strength")
         return material, friction
 
 

@@ -32,7 +32,10 @@ def test_heights_read_back(tmp_path):
 def test_no_rounding_is_written():
     surface = DESIGN.surface.replaced(height=np.full(9, 0.1 + 0.047))
     assert surface.height[0] != 0.147
-    for text in (heights_table(replace(DESIGN, surface=surface)), mould_table(surface)):
+    for text in (
+        heights_table(replace(DESIGN, surface=surface)),
+        mould_table(replace(DESIGN, surface=surface)),
+    ):
         assert ",0.147," in text
         assert "0000000" not in text
 
@@ -59,7 +62,9 @@ def test_without_friction_the_law_has_no_force():
 
 def test_the_mould_mirrors_x_and_keeps_depth_and_radius():
     surface = DESIGN.surface
-    table = columns(mould_table(surface, alignment_asperities(surface, TEMPLATE, 0.4)))
+    table = columns(mould_table(DESIGN, alignment_asperities(surface, TEMPLATE, 0.4)))
+    assert table["number"] == [str(number) for number in range(1, 14)]
+    assert table["site"] == [*(str(site) for site in DESIGN.sites), "", "", "", ""]
     assert table["kind"] == ["asperity"] * 9 + ["alignment"] * 4
     x, y, depth, radius = (
         np.array(table[name], dtype=float) for name in ("x_mm", "y_mm", "depth_mm", "tool_radius_mm")
@@ -73,9 +78,7 @@ def test_the_mould_mirrors_x_and_keeps_depth_and_radius():
 def test_holes_and_summits_have_their_own_radii(tmp_path):
     radius = np.random.default_rng(0).choice([0.3, 0.526, 0.8], 9)
     mixed = replace(DESIGN, surface=DESIGN.surface.replaced(radius=radius))
-    np.testing.assert_array_equal(
-        np.array(columns(mould_table(mixed.surface))["tool_radius_mm"], float), radius
-    )
+    np.testing.assert_array_equal(np.array(columns(mould_table(mixed))["tool_radius_mm"], float), radius)
     path = tmp_path / "heights.csv"
     path.write_text(heights_table(mixed))
     np.testing.assert_array_equal(read_heights(path)[2], radius)
