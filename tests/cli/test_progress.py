@@ -47,3 +47,11 @@ def test_a_terminal_shows_the_step_and_its_share(capsys, monkeypatch):
     out, err = capsys.readouterr()
     assert out == ""
     assert "load 2 of 2, 50 %" in err
+
+
+def test_kernels_that_cannot_be_kept_are_told(tmp_path, monkeypatch):
+    (tmp_path / "file").touch()
+    monkeypatch.setenv("METAFEM_CACHE_DIR", str(tmp_path))
+    assert module._how_often() == "once for this installation"
+    monkeypatch.setenv("METAFEM_CACHE_DIR", str(tmp_path / "file"))
+    assert module._how_often().startswith("again for each command, because the cache cannot be written")

@@ -62,7 +62,8 @@ def save(
     part : PartOptions, optional
         How the files of the part are made. Default: as in the specification.
     pages : mapping of str to str, optional
-        Names and texts of further files, such as ``report.html``.
+        Names and texts of further files. ``report.html`` is written only if it is one of them:
+        ``{"report.html": metafem.report.page(design)}``.
     force : bool
         Write into an existing folder, if it is empty or a result folder: the files in it that metafem
         wrote and nobody changed are replaced, all others stay.

@@ -256,3 +256,11 @@ def test_loading_restores_what_a_killed_run_left_unfinished(tmp_path, linear, mo
     assert (folder / claim.SUFFIX).exists()
     assert mf.load(folder).misfit == design.misfit
     assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
+
+
+def test_a_file_is_no_result_folder(tmp_path, linear):
+    mf.save(linear[1], tmp_path / "out")
+    with pytest.raises(mf.InvalidInput, match=r"design\.json is a file; name a result folder .* here .*out$"):
+        mf.load(tmp_path / "out" / "design.json")
+    with pytest.raises(mf.InvalidInput, match='folder = "" is an empty name'):
+        mf.save(linear[1], "")

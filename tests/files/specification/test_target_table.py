@@ -26,6 +26,18 @@ def test_forces_of_a_table_are_rescaled(tmp_path):
     np.testing.assert_array_equal(target.weight, [1.0, 2.0])
 
 
+def test_columns_that_are_not_read_are_reported(tmp_path):
+    path = written(
+        tmp_path,
+        'kind = "sampled"\nfile = "wanted.csv"',
+        "load_N,friction_force_N,Bemerkung\n0.2,0.3,gut\n0.4,0.6,\n",
+    )
+    facts = []
+    with mf.progress.listening(lambda *_: None, facts.append):
+        mf.read_spec(path)
+    assert [fact.rpartition("/")[2] for fact in facts] == ["wanted.csv: the column Bemerkung is not read"]
+
+
 def test_decimal_commas_and_remarks_are_understood(tmp_path):
     table = "# a remark\nload_N;friction_force_N\n0,136;0,24\n0,272;0,41\n"
     target = mf.read_spec(written(tmp_path, 'kind = "sampled"\nfile = "wanted.csv"', table)).target
