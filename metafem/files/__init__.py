@@ -1,4 +1,4 @@
-"""Specifications in, parts and result folders out: the border where units and file formats are known."""
+"""Specifications, result folders and part files, with their units and formats."""
 
 from metafem.files.atomic.staged import check_free
 from metafem.files.atomic.text import refuse_existing, write_text

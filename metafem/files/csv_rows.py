@@ -1,4 +1,4 @@
-"""Tables of numbers as people and their programs write them."""
+"""Tables of numbers as CSV files."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from metafem.files.reading import TABLE, called, decoded, read_bytes
 from metafem.files.units import decimal
 from metafem.progress import fact
 
-SEMICOLONS = "where commas are decimals, separate the columns by semicolons"
+SEMICOLONS = "if commas are decimal, separate the columns by semicolons"
 
 
 @dataclass(frozen=True)
 class Table:
     """A table whose first line names its columns.
 
-    Lines that begin with ``#`` and empty ones are left out. Columns are separated by semicolons or
-    tabulators where the first line is, and commas are then decimals; else by commas.
+    Empty lines and lines that begin with ``#`` are skipped. Columns are separated by semicolons or tabs if
+    the first line contains one, and commas are then decimal; otherwise by commas.
     """
 
     name: str
@@ -51,10 +51,10 @@ class Table:
             fact(f"{self.name}: the {what} not read")
 
     def number(self, line: int, column: int, text: str) -> Fraction:
-        """Return an entry exactly."""
+        """Return an entry as an exact fraction."""
         try:
             value = decimal(self.plain(text))
-            float(value)  # too large a number is no number
+            float(value)  # a number that is too large is refused
         except (ValueError, OverflowError):
             hint = f"; {SEMICOLONS}" if "," in text and self.separator == "," else ""
             title = printable(self.header[column], 40)
@@ -69,7 +69,7 @@ class Table:
 
 
 def read_table(path: str | Path, example: str) -> Table:
-    """Read a table; `example` is a first line as it should be.
+    """Read a table; `example` is a valid first line.
 
     Raises
     ------
@@ -81,7 +81,7 @@ def read_table(path: str | Path, example: str) -> Table:
     lines = ["\n" if line.lstrip().startswith("#") else line for line in io.StringIO(text, newline=None)]
     first = next((line for line in lines if line.strip()), None)
     if first is None:
-        raise InvalidInput(f"{name} is empty; its first line must name columns, as {example}")
+        raise InvalidInput(f"{name} is empty; its first line must name the columns, for example {example}")
     separator = next((sign for sign in ";\t" if sign in first), ",")
     reader = csv.reader(lines, delimiter=separator)
     try:
@@ -91,7 +91,7 @@ def read_table(path: str | Path, example: str) -> Table:
     header = [title.strip() for title in rows[0][1]] if rows else []
     if len(header) < 2:
         raise InvalidInput(
-            f"{name} has one column, {printable(''.join(header), 60)}; name its columns as {example}, "
-            "separated by commas or semicolons"
+            f"{name} has one column, {printable(''.join(header), 60)}; name its columns, "
+            f"for example {example}, separated by commas or semicolons"
         )
     return Table(name, header, rows[1:], separator, content)

@@ -1,4 +1,4 @@
-"""Files that people name: what they are and how large is looked at before they are read."""
+"""Reading of files that users name; type and size are checked first."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from typing import Any
 from metafem._given import printable, shown
 from metafem.errors import InvalidInput
 
-# Largest files that are read [bytes]. A specification of a thousand points has 30 kB; a line of a table of
-# summits 60 bytes and a place of a record 300, so that a million of either fits.
+# Largest files that are read [bytes]. A specification of a thousand points has 30 kB, a summit in a table 60
+# bytes and a site in a record 300, so that a million summits fit.
 SPECIFICATION, TABLE, RECORD = 2**18, 2**26, 2**29
 
 
 def read_bytes(path: str | Path, most: int, missing: str = "no such file") -> bytes:
-    """Return the content of a regular file of at most so many bytes.
+    """Return the content of a regular file of at most `most` bytes.
 
     Raises
     ------
@@ -37,14 +37,14 @@ def read_bytes(path: str | Path, most: int, missing: str = "no such file") -> by
     except OSError as error:
         raise InvalidInput(f"{name}: cannot be read: {error.strerror}") from None
     if len(content) > most:
-        raise InvalidInput(f"{name}: is larger than {most / 2**20:g} MiB, the most that is read of its kind")
+        raise InvalidInput(f"{name}: is larger than {most / 2**20:g} MiB, the limit for its kind of file")
     return content
 
 
 def _kind(path: str | Path) -> os.stat_result:
     try:
         return os.stat(path)
-    except (TypeError, ValueError):  # a null character, or none of a file's characters
+    except (TypeError, ValueError):  # a null character, or an invalid character
         raise InvalidInput(f"{shown(path)} is not the name of a file") from None
 
 
@@ -54,7 +54,7 @@ def called(path: object) -> str:
 
 
 def decoded(path: str | Path, raw: bytes) -> str:
-    """Return the text of a file in UTF-8, with or without its mark."""
+    """Return the text of a file in UTF-8, with or without a byte-order mark."""
     try:
         return raw.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -65,12 +65,12 @@ def decoded(path: str | Path, raw: bytes) -> str:
 
 
 def read_record(path: str | Path, missing: str = "no such file") -> Any:
-    """Return what a JSON file holds.
+    """Return the content of a JSON file.
 
     Raises
     ------
     InvalidInput
-        If it cannot be read, is no JSON, or nests or counts too deeply to be one of metafem's.
+        If it cannot be read, is not JSON, or has too deeply nested values or too long numbers.
     """
     text = decoded(path, read_bytes(path, RECORD, missing))
     try:
@@ -82,4 +82,4 @@ def read_record(path: str | Path, missing: str = "no such file") -> Any:
 
 
 def _refused(constant: str) -> float:
-    raise ValueError(f"it holds {constant}, which is no number")
+    raise ValueError(f"it holds {constant}, which is not a number")

@@ -1,4 +1,4 @@
-"""Quantities written by people, such as "120 um", as floats in mm, N, MPa and radians."""
+"""Quantities with units, such as "120 um", as floats in mm, N, MPa and radians."""
 
 from __future__ import annotations
 
@@ -48,12 +48,12 @@ EXAMPLES = {
 
 
 def quantity(key: str, given: Any, unit: str, example: str | None = None) -> float:
-    """Return a quantity as a float in the wanted unit, rounded once.
+    """Return a quantity as a float in a unit, rounded once.
 
     Parameters
     ----------
     key : str
-        What the error names, as ``limits.max_height``.
+        Name in errors, such as ``limits.max_height``.
     given : str
         Number and unit, such as ``"120 um"``; both micro signs are read, and ``mm^2``, ``mm2``,
         ``mm**2`` and ``mm²`` are the same.
@@ -65,7 +65,7 @@ def quantity(key: str, given: Any, unit: str, example: str | None = None) -> flo
     Raises
     ------
     InvalidInput
-        For a bare number, an unknown unit, a unit of another dimension, or no quantity at all.
+        For a number without a unit, an unknown unit, a unit of another dimension, or any other value.
 
     Examples
     --------
@@ -81,7 +81,7 @@ def quantity(key: str, given: Any, unit: str, example: str | None = None) -> flo
 
 
 def converted(given: Any, unit: str, example: str | None = None) -> float:
-    """Return `given` in `unit`; errors read on after the name of a key."""
+    """Return `given` in `unit`; errors follow the name of a key."""
     valid = f'; write for example "{example or EXAMPLES[unit]}"'
     if not isinstance(given, str):
         cause = "needs a unit" if isinstance(given, (int, float)) else f"must be a text in {unit}"
@@ -102,7 +102,7 @@ def converted(given: Any, unit: str, example: str | None = None) -> float:
 
 
 def as_written(value: Any) -> str:
-    """Return a value of a TOML file as it stands there, on one line."""
+    """Return a value of a TOML file as it is written there, on one line."""
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, (datetime.date, datetime.time)):
@@ -118,14 +118,14 @@ def decimal(text: str) -> Fraction:
 
 
 def option_words(options: Mapping[str, str | None]) -> Words:
-    """Return how errors call what the options of a command gave, and in which units."""
+    """Return the names and units of a command's options for errors."""
     given = {name: text for name, text in options.items() if text is not None}
     names = {name: f"--{name.replace('_', '-')}" for name in given}
     return Words(section="option", units=written_units({"option": given}), names=names)
 
 
 def written_units(table: Mapping[str, Any]) -> dict[str, tuple[str, float]]:
-    """Return the unit in which each quantity of a file's sections was written, and its size in our own.
+    """Return the written unit of each quantity of a file's sections, and its size in the package's unit.
 
     Examples
     --------

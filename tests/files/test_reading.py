@@ -43,7 +43,7 @@ def test_a_file_that_is_too_large_is_refused(tmp_path, read, size):
     ("text", "words"),
     [
         ("[" * 100_000 + "]" * 100_000, "nests its values too deeply"),
-        ('{"a": NaN}', "it holds NaN, which is no number"),
+        ('{"a": NaN}', "it holds NaN, which is not a number"),
         ("9" * 5000, "is damaged"),
         ("{", "is damaged: Expecting property name"),
         (b"\xff", "line 1 is not UTF-8"),

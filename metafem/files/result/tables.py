@@ -182,7 +182,7 @@ def _found(table: Table) -> dict[str, tuple[int, Fraction]]:
                 f"{table.name}: column {title} needs a unit in its name; write {title}_mm or {title}_um"
             )
         if name in found:
-            raise InvalidInput(f"{table.name}: {name} stands in two columns; keep one")
+            raise InvalidInput(f"{table.name}: {name} is in two columns; keep one")
         try:
             found[name] = (column, factor(unit, "mm"))
         except InvalidInput as error:

@@ -1,4 +1,4 @@
-"""What a design of many places costs, said before it is begun."""
+"""Time and memory of a design of many sites, reported before it begins."""
 
 from __future__ import annotations
 
@@ -7,32 +7,32 @@ from metafem.files.reading import RECORD
 from metafem.models._resources import require_memory
 from metafem.progress import fact
 
-# Of each place under the independent model, measured on lattices of 10^5 and 10^6 places: bytes of the record
-# where all digits are needed, memory at the most [bytes], and time of design, report and files [s].
+# Per site under the independent model, measured on lattices of 10^5 and 10^6 sites: size of the record with
+# all digits [bytes], peak memory [bytes], and time of design, report and files [s].
 RECORDED, MEMORY, TIME = 250, 1_800, 4.5e-5
 
-# Time from which on the cost is worth a line [s].
+# Shortest time that is reported [s].
 WORTH_A_LINE = 5.0
 
 
 def refuse_too_many(places: int) -> None:
-    """Refuse a lattice whose result does not fit into a file or the memory; reads on after a key."""
+    """Refuse a lattice whose result does not fit into a file or the memory; the error follows a key."""
     most = RECORD // RECORDED
     if places > most:
         raise InvalidInput(
-            f"has {places:,} places; at most {most:,} fit into a result that can be read again"
+            f"has {places:,} sites; at most {most:,} are allowed, so that the result can be read"
         )
     try:
-        require_memory(MEMORY * places, f"has {places:,} places: their design")
+        require_memory(MEMORY * places, f"has {places:,} sites: their design")
     except InvalidInput as error:
-        raise InvalidInput(f"{error}; ask for fewer") from None
+        raise InvalidInput(f"{error}; use fewer sites") from None
 
 
 def tell_cost(places: int) -> None:
-    """Say what many places cost before they are designed."""
+    """Report time and memory before many sites are designed."""
     if TIME * places >= WORTH_A_LINE:
         memory = f"{MEMORY * places / 2**30:.1f} GiB of memory"
         fact(
-            f"{places:,} places: about {TIME * places:.0f} s and {memory} for the design and its files under "
+            f"{places:,} sites: about {TIME * places:.0f} s and {memory} for the design and its files under "
             "the independent model; other models and the part take longer"
         )

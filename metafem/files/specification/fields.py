@@ -1,4 +1,4 @@
-"""What the sections of a specification are made of: known keys, quantities with units, and words on each."""
+"""Types of the keys of a specification: quantities with units, with meaning and example."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def measured(unit: str, example: str | None = None) -> BeforeValidator:
 
 
 def says(meaning: str, example: Any = None) -> Any:
-    """Tell what a key means, with a valid value of it; errors and `metafem spec` repeat both."""
+    """State the meaning of a key and a valid value; errors and `metafem spec` print both."""
     return Field(description=meaning, examples=None if example is None else [example])
 
 

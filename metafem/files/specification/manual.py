@@ -1,4 +1,4 @@
-"""Every section and key of a specification in words, from the sections themselves."""
+"""Manual of the sections and keys of a specification, generated from their definitions."""
 
 from __future__ import annotations
 
@@ -12,25 +12,25 @@ if TYPE_CHECKING:
 
 HEAD = """\
 # Every section and key of a specification for `metafem design`, each with an example value.
-# Sections and keys that are not called optional must be there; lengths, areas, forces, stresses and
-# angles carry their unit. `metafem demo linear` writes a whole file to start from.
-# The misfit of a design is the rms of the relative difference of the law and what was asked for or, if
-# larger, the worst relative error of a fitted slope; for operating points, and for linear and bilinear laws
-# with a load_range, it is the largest relative error. Above 1 % the target is missed. Linear and bilinear
-# laws without a load_range are compared with the law of their height density, warned of above 1 % and missed
-# above 10 %.
+# Sections and keys are required unless they are marked optional. Lengths, areas, forces, stresses and
+# angles are written with their unit. `metafem demo linear` writes a whole example file.
+# The misfit of a design is the rms of the relative difference between the law and the target or, if larger,
+# the largest relative error of a fitted slope. For operating points, and for linear and bilinear laws with a
+# load_range, it is the largest relative error. Above 1 % the target is missed. Linear and bilinear laws
+# without a load_range are compared with the law of their height density: above 1 % there is a warning,
+# above 10 % the target is missed.
 """
 
 # Column of the comments, past most examples.
 COLUMN = 48
 
-# Words with which a meaning begins where one key, or one pair, of several must be there.
+# First words of a meaning where one key, or one pair of keys, of several is required.
 CHOICES = ("either: ", "or: ", "with it: ")
 
 
 @dataclass(frozen=True)
 class Key:
-    """A key of a section, for `target` of one kind, with an example and what stands where it is left out."""
+    """A key of a section, for `target` of one kind, with an example and its default."""
 
     section: str
     kind: str | None
@@ -66,7 +66,7 @@ def manual() -> str:
     --------
     >>> text = manual()
     >>> print(text[text.index("[checks]") :], end="")
-    [checks]                                        # optional: what is checked beside the law
+    [checks]                                        # optional: further checks
     hardness = "10 MPa"                             # optional: H of the softer material, for plasticity
     """
     from metafem.files.specification.sections import Sections
@@ -87,7 +87,7 @@ def manual() -> str:
 
 
 def as_toml(value: Any) -> str:
-    """Return an example as it stands in a file.
+    """Return an example as it is written in a file.
 
     Examples
     --------
@@ -121,5 +121,5 @@ def _keys(section: str, model: type[BaseModel]) -> Iterator[Key]:
 def _line(start: str, meaning: str, optional: bool, default: Any) -> str:
     told = "optional: " if optional and not meaning.startswith(CHOICES) else ""
     if default is not None:
-        told = f"optional, else {f'{default:g}' if isinstance(default, float) else as_toml(default)}: "
+        told = f"optional, default {f'{default:g}' if isinstance(default, float) else as_toml(default)}: "
     return f"{start:<{COLUMN - 1}} # {told}{meaning}"

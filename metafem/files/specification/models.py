@@ -1,4 +1,4 @@
-"""The models by the names that people write."""
+"""The models by their names in specifications and on the command line."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from metafem.errors import InvalidInput
 from metafem.models import Automatic, BoundaryElements, Independent, Interacting, MeanField, Model
 from metafem.substrate import BondedLayer
 
-# Cells of the resolved model by name [mm]: eight or more a radius in contacts of the source paper's
-# lightest loads, fifty in its widest.
+# Cell of the named resolved model [mm]: at least eight cells per contact radius at the source paper's
+# lightest loads, fifty in its largest contact.
 RESOLVED_CELL = 0.008
 
-# Error of A0(P) that the automatic model aims at: a third of what the source paper's interaction costs on
-# its most even surface.
+# Tolerance of A0(P) of the named automatic model: a third of the smallest effect of interaction on the source
+# paper's surfaces.
 AUTOMATIC_TOLERANCE = 1e-3
 
 
 def _block() -> Model:
-    from metafem.fe import Block3D  # with scikit-fem, which no other model needs
+    from metafem.fe import Block3D  # imports scikit-fem, which no other model needs
 
     return Interacting(substrate=Block3D())
 
@@ -37,7 +37,7 @@ MODELS: Mapping[str, Callable[[], Model]] = {
 
 
 def model_named(name: str) -> Model:
-    """Return the model of a name; raises InvalidInput that lists the known ones.
+    """Return the model of a name; raises InvalidInput with the known names.
 
     Examples
     --------

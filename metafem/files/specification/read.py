@@ -35,34 +35,34 @@ from metafem.surface import Surface
 
 __all__ = ["Specification", "read_spec"]
 
-# A dotted key takes the parser a time that grows with the square of its parts; a specification needs two.
+# The parser's time grows with the square of the parts of a dotted key; a specification needs two parts.
 NESTED = re.compile(r"""(?:(?:(?<![\w-])[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){32}""")
 
-# How radii are chosen: one for all asperities, or each its own.
+# Choice of radii: one for all asperities, or one for each.
 SEARCHES: Mapping[bool, Callable[..., Design]] = {False: design_radius, True: design_radii}
 
 
 @dataclass(frozen=True, eq=False)
 class Specification:
-    """What a specification file asks for.
+    """The content of a specification file.
 
     Attributes
     ----------
     target : OperatingPoints, LinearLaw, BilinearLaw, SampledLaw, PowerLaw or MultilinearLaw
     template : Surface
-        The lattice, every site as tall as the limits allow.
+        The lattice, with the largest allowed height at every site.
     limits : Limits
     model : Model
     seed : int
-        Of the deal of heights to sites.
+        Seed of the random assignment of heights to sites.
     layout : Layout or None
-        What the sites are chosen for.
+        Objectives of the assignment of heights to sites.
     radii : RadiusRange, tuple of float or None
-        From which the radius is chosen [mm]; that of the template then counts for nothing.
+        Radii to choose from [mm]; the radius of the template is then not used.
     mixed : bool
         Whether each asperity may have its own radius.
     part : PartOptions
-        Alignment asperities, and how finely and in which formats the part is written.
+        Alignment asperities, chord error and file formats of the part.
     hardness : float or None
         H [MPa] for the plasticity index.
     text : str
@@ -70,7 +70,7 @@ class Specification:
     sha256 : str
         Hexadecimal hash of the file's bytes.
     files : mapping of str to bytes
-        What is kept with its result: ``spec.toml``, and the table that it names.
+        Files kept in the result folder: ``spec.toml``, and the table that it names.
     """
 
     target: Target
@@ -88,7 +88,7 @@ class Specification:
     files: Mapping[str, bytes] = field(default_factory=dict)
 
     def design(self, model: Model | None = None) -> Design:
-        """Design what the file asks for, under its model unless another is given."""
+        """Design the target of the file; default model: that of the file."""
         chosen = self.model if model is None else model
         remedy = "add [block] with width, length and thickness"
         refuse_missing_block(chosen, self.template, remedy)
@@ -114,7 +114,7 @@ class Specification:
 
 
 def refuse_missing_block(model: Model, surface: Surface, remedy: str) -> None:
-    """Say in the user's words that a model needs a block: the model's own speak of Python's arguments."""
+    """Raise an error in terms of the specification if a model needs a block and there is none."""
     substrate = getattr(model, "substrate", None)
     if surface.block is not None or not isinstance(substrate, Substrate):
         return
@@ -131,9 +131,9 @@ def read_spec(path: str | Path) -> Specification:
     Parameters
     ----------
     path : str or Path
-        A TOML file with the sections target, material, lattice and limits, and, where wanted,
+        A TOML file with the sections target, material, lattice and limits, and the optional sections
         friction, radii, block, layout, model, part and checks; ``metafem spec`` lists their keys.
-        Lengths, areas, forces, stresses and angles are texts with a unit, as ``"120 um"``.
+        Lengths, areas, forces, stresses and angles are strings with a unit, such as ``"120 um"``.
 
     Returns
     -------
@@ -203,7 +203,7 @@ def _table(name: str, text: str) -> dict[str, Any]:
 
 
 def _holds_too_large(value: Any) -> bool:
-    """Whether there is a whole number that TOML does not have; most libraries cannot print it."""
+    """Whether there is an integer beyond 64 bits, which TOML does not allow."""
     if isinstance(value, dict):
         value = list(value.values())
     if isinstance(value, list):

@@ -40,7 +40,7 @@ class MaterialSection(Section):
     @model_validator(mode="after")
     def _one_of_two(self) -> MaterialSection:
         if (self.composite_modulus is None) == (self.young_modulus is None):
-            raise InvalidInput("needs composite_modulus or young_modulus, one of the two")
+            raise InvalidInput("needs either composite_modulus or young_modulus")
         return self
 
     def material(self) -> Material:
@@ -62,10 +62,10 @@ class LatticeSection(Section):
     """``[lattice]``."""
 
     shape: Annotated[tuple[Integer, Integer], says("rows, columns", [8, 8])]
-    pitch: Annotated[float, measured("mm", "1.5 mm"), says("distance of neighbours", "1.5 mm")]
+    pitch: Annotated[float, measured("mm", "1.5 mm"), says("distance between neighbours", "1.5 mm")]
     radius: Annotated[
         Annotated[float, measured("mm", "526 um")] | None,
-        says("either: of curvature of the summits; or: a section [radii]", "526 um"),
+        says("either: radius of curvature of the summits; or: a section [radii]", "526 um"),
     ] = None
 
 
@@ -74,10 +74,12 @@ class RadiiSection(Section):
 
     tools: Annotated[
         Annotated[list[Radius], Field(min_length=1)] | None,
-        says("either: those that the workshop has", ["300 um", "526 um"]),
+        says("either: radii of the available tools", ["300 um", "526 um"]),
     ] = None
-    range: Annotated[tuple[Radius, Radius] | None, says("or: from and to", ["200 um", "800 um"])] = None
-    mixed: Annotated[Whether, says("each asperity its own, not one for all", True)] = False
+    range: Annotated[
+        tuple[Radius, Radius] | None, says("or: smallest and largest radius", ["200 um", "800 um"])
+    ] = None
+    mixed: Annotated[Whether, says("a radius for each asperity instead of one for all", True)] = False
 
     @field_validator("range")
     @classmethod
@@ -90,7 +92,7 @@ class RadiiSection(Section):
     @model_validator(mode="after")
     def _one_of_two(self) -> RadiiSection:
         if (self.tools is None) == (self.range is None):
-            raise InvalidInput("needs tools or range, one of the two")
+            raise InvalidInput("needs either tools or range")
         return self
 
     def radii(self) -> RadiusRange | tuple[float, ...]:
@@ -115,25 +117,33 @@ class LimitsSection(Section):
     height_step: Annotated[
         Length | None,
         says(
-            "of the levels, at the middles of steps from the foot up; any height unless given",
+            "distance between levels, which lie at mid-step above the foot; default: any height",
             "6 um",
         ),
     ] = None
-    height_sd: Annotated[Length | None, says("standard deviation of the made heights", "0.9 um")] = None
+    height_sd: Annotated[Length | None, says("standard deviation of the manufactured heights", "0.9 um")] = (
+        None
+    )
 
 
 class LayoutSection(Section):
     """``[layout]``."""
 
-    seed: Annotated[int, Field(strict=True, ge=0), says("of the deal of heights to the sites", 0)] = 0
+    seed: Annotated[
+        int, Field(strict=True, ge=0), says("of the random assignment of heights to sites", 0)
+    ] = 0
     follow_law: Annotated[
-        Whether | None, says("choose the sites against interaction; true with a tilt", True)
+        Whether | None, says("assign heights to sites against interaction; default with tilt: true", True)
     ] = None
-    tilt: Annotated[Angle | None, says("choose the sites against a tilt by this angle", "0.1 deg")] = None
-    tilt_weight: Annotated[Number | None, says("of the tilt beside interaction; 1 unless given", 2.0)] = None
+    tilt: Annotated[Angle | None, says("assign heights to sites against a tilt of this angle", "0.1 deg")] = (
+        None
+    )
+    tilt_weight: Annotated[
+        Number | None, says("weight of the tilt relative to interaction; default: 1", 2.0)
+    ] = None
 
     def layout(self) -> Layout | None:
-        """Return what the sites are chosen for."""
+        """Return the objectives of the assignment of heights to sites."""
         if self.tilt is None and self.tilt_weight is not None:
             raise InvalidInput('tilt_weight needs tilt; write for example tilt = "0.1 deg"')
         if self.tilt is None and not self.follow_law:
@@ -165,11 +175,13 @@ class PartSection(Section):
 
     alignment_height: Annotated[
         Annotated[float, measured("mm", "400 um"), Field(gt=0.0)] | None,
-        says("of four asperities outside the corners, cut off in the end", "400 um"),
+        says("of four asperities outside the corners, cut off after the alignment", "400 um"),
     ] = None
     chord_error: Annotated[
         Annotated[float, measured("mm", "1 um"), Field(gt=0.0)] | None,
-        says("of the triangles below the spheres; 4e-4 R or for 2 million triangles unless given", "1 um"),
+        says(
+            "depth of the triangles below the spheres; default: 4e-4 R, at most 2 million triangles", "1 um"
+        ),
     ] = None
     formats: Annotated[
         tuple[Annotated[str, Field(strict=True)], ...],
@@ -182,7 +194,7 @@ class PartSection(Section):
         return PartOptions(formats=formats).formats
 
     def options(self) -> PartOptions:
-        """Return how the files of the part are made."""
+        """Return the options of the part files."""
         return PartOptions(self.alignment_height, self.chord_error, self.formats)
 
 
@@ -200,23 +212,23 @@ class Sections(Section):
 
     target: Annotated[
         PointsSection | LinearSection | BilinearSection | SampledSection | PowerSection | MultilinearSection,
-        Field(discriminator="kind", description="the wanted friction law, of one of these kinds"),
+        Field(discriminator="kind", description="the target friction law, of one of these kinds"),
     ]
     material: Annotated[MaterialSection, says("the elastomer")]
-    friction: Annotated[FrictionSection | None, says("friction forces in N need it")] = None
-    lattice: Annotated[LatticeSection, says("places for asperities")]
+    friction: Annotated[FrictionSection | None, says("needed for friction forces in N")] = None
+    lattice: Annotated[LatticeSection, says("sites of asperities")]
     radii: Annotated[RadiiSection | None, says("radii to choose from, instead of lattice.radius")] = None
-    block: Annotated[BlockSection | None, says("the part files and the models layer and block need it")] = (
-        None
-    )
-    limits: Annotated[LimitsSection, says("what the workshop can make")]
-    layout: Annotated[LayoutSection, says("which height stands where")] = LayoutSection()
-    model: Annotated[ModelSection, says("under which the law is to be met")] = ModelSection()
-    part: Annotated[PartSection, says("what the part has beside the asperities")] = PartSection()
-    checks: Annotated[ChecksSection, says("what is checked beside the law")] = ChecksSection()
+    block: Annotated[
+        BlockSection | None, says("needed for the part files and the models layer and block")
+    ] = None
+    limits: Annotated[LimitsSection, says("manufacturing limits")]
+    layout: Annotated[LayoutSection, says("assignment of heights to sites")] = LayoutSection()
+    model: Annotated[ModelSection, says("model under which the target is to be met")] = ModelSection()
+    part: Annotated[PartSection, says("options of the part files")] = PartSection()
+    checks: Annotated[ChecksSection, says("further checks")] = ChecksSection()
 
     def build(self) -> tuple[dict[str, Any], list[str]]:
-        """Return target, template, limits, layout, radii and part, and what is wrong, one problem each."""
+        """Return target, template, limits, layout, radii and part, and a list of problems."""
         problems: list[str] = []
 
         def made(section: str, kind: Any, values: dict[str, Any]) -> Any:
@@ -232,7 +244,7 @@ class Sections(Section):
         block = None if self.block is None else made("block", Block, self.block.model_dump())
         limits = made("limits", Limits, self.limits.model_dump())
         layout = made("layout", self.layout.layout, {})
-        # Stand-ins let the other sections be judged when one of these is wrong.
+        # Placeholders, so that the other sections are checked even if one of these is wrong.
         top = limits.offset + limits.max_height if limits else 1.0
         stuff = material or Material(1.0)
         radius, radii, source = self._radius(problems)
@@ -249,8 +261,8 @@ class Sections(Section):
         if limits and block and not lost and top > largest:
             heights = f"limits.offset + limits.max_height = {told('limits.max_height', top)}"
             problems.append(
-                f"{heights} exceed the radius of {told(source, largest)}: no cap is higher than its radius; "
-                "lower them, or leave out [block] and with it the part's files"
+                f"{heights} exceed the radius of {told(source, largest)}: a cap cannot be "
+                "higher than its radius; lower them, or omit [block] and with it the part files"
             )
         part = self.part.options()
         if template and radii is None and not problems:
@@ -264,7 +276,7 @@ class Sections(Section):
         return parts, problems
 
     def _radius(self, problems: list[str]) -> tuple[float, RadiusRange | tuple[float, ...] | None, str]:
-        """Return the template's radius, the radii to choose from and their key; add what is wrong."""
+        """Return the template's radius, the radii to choose from and their key; add problems to the list."""
         one = self.lattice.radius
         source, values = "lattice.radius", [one or 0.0]
         if self.radii is not None:
@@ -286,7 +298,7 @@ class Sections(Section):
         return min(values), given, source
 
     def _too_many(self, problems: list[str]) -> bool:
-        """Add a lattice that is too large, before its places are made; return whether it is."""
+        """Return whether the lattice has too many sites, and add this to the problems."""
         rows, columns = self.lattice.shape
         try:
             refuse_too_many(max(0, rows) * max(0, columns))
@@ -298,7 +310,7 @@ class Sections(Section):
     def _lost_beside(
         self, radius: float, source: str, limits: Limits | None, block: Block | None, problems: list[str]
     ) -> bool:
-        """Add lengths that differ too much from the radius; return whether there is one."""
+        """Return whether lengths differ too much from the radius, and add them to the problems."""
         before = len(problems)
         heights = (
             {} if limits is None else {"limits.max_height": limits.max_height, "limits.offset": limits.offset}

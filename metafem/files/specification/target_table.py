@@ -1,4 +1,4 @@
-"""A wanted law from a table beside the specification."""
+"""Target laws from tables that a specification names."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from metafem.errors import InvalidInput
 from metafem.files.csv_rows import Table, read_table
 from metafem.files.units import factor
 
-# Columns of a wanted law, their units, and the keys that they become.
+# Columns of a target law, which are also keys of a specification, and their units.
 COLUMNS = {"rescaled_load": "mm^2", "rescaled_friction": "mm^2", "load": "N", "friction_force": "N"}
 
-# Those that make a law.
+# Pairs of columns that define a law.
 PAIRS = ({"rescaled_load", "rescaled_friction"}, {"load", "friction_force"})
 
 EXAMPLE = "load_N,friction_force_N"
 
-# Files of a design in its result folder, beside which the table is kept.
+# Files of a design in its result folder, which also holds a copy of the table.
 RESULT_FILES = frozenset(
     {
         *("design.json", "heights.csv", "law.csv", "mould.csv", "surface.vtu", "spec.toml", "report.html"),
@@ -30,11 +30,11 @@ RESULT_FILES = frozenset(
     }
 )
 
-# With its studies.
+# The same with the studies.
 RESERVED = RESULT_FILES | {"fidelity.nc", "interaction.nc"}
 
 
-# What may stand behind the key of a file: the four kinds of text in TOML.
+# The key of a file with its value, one of TOML's four kinds of strings.
 FILE_KEY = re.compile(
     r"""(\bfile["']?[ \t]*=[ \t]*)(\"{3}.*?\"{3}|'{3}.*?'{3}|"(?:[^"\\\n]|\\.)*"|'[^'\n]*')""", re.DOTALL
 )
@@ -44,8 +44,9 @@ def with_samples(text: str, table: dict[str, Any], folder: Path) -> tuple[dict[s
     """Return a specification with ``target.file`` replaced by its samples, and the files to keep of it.
 
     The first line of the file names its columns as quantity_unit: rescaled_load_mm2 and
-    rescaled_friction_mm2, or load_N and friction_force_N (or in other units), and weight if wanted. The
-    specification is kept as spec.toml, beside it the table, so that it can be designed again from there.
+    rescaled_friction_mm2, or load_N and friction_force_N (or in other units), and optionally
+    weight. The result folder keeps the specification as spec.toml and the table, so that the design can be
+    repeated from them.
     """
     target = table.get("target")
     if not isinstance(target, dict) or target.get("kind") != "sampled" or "file" not in target:
@@ -66,7 +67,7 @@ def with_samples(text: str, table: dict[str, Any], folder: Path) -> tuple[dict[s
 
 
 def _copy_name(name: str) -> str:
-    """Return the name of a table in a result folder, where it is neither hidden nor that of a result."""
+    """Return the name of the copy in a result folder: not hidden, and different from all result files."""
     copy = Path(name).name
     while copy.casefold() in RESERVED or copy.startswith("."):
         copy = f"wanted-{copy.lstrip('.')}"
@@ -97,7 +98,7 @@ def _samples(path: Path) -> tuple[dict[str, list[Any]], bytes]:
     columns = _columns(table)
     table.tell_unread([table.header[i] for i, _ in columns.values()])
     if not table.rows:
-        raise InvalidInput(f"{table.name} holds no samples below the names of its columns, as {EXAMPLE}")
+        raise InvalidInput(f"{table.name} has no samples below its column names ({EXAMPLE})")
     found: dict[str, list[Any]] = {name: [] for name in columns}
     before: dict[str, float] = {}
     for line, row in table.entries():
@@ -110,17 +111,17 @@ def _samples(path: Path) -> tuple[dict[str, list[Any]], bytes]:
             key = f"{table.name}, line {line}: {table.header[column]}"
             # checked here, where the line is known; read again with the specification
             if number <= 0.0:
-                raise InvalidInput(f"{key} = {value} must be greater than 0; leave the origin out")
+                raise InvalidInput(f"{key} = {value} must be greater than 0; omit the origin")
             if name in ("load", "rescaled_load"):
                 if number <= before.get(name, 0.0):
-                    raise InvalidInput(f"{key} = {value} must exceed the load of the line before it")
+                    raise InvalidInput(f"{key} = {value} must exceed the load of the previous line")
                 before[name] = number
             found[name].append(f"{value} {unit}")
     return found, table.content
 
 
 def _columns(table: Table) -> dict[str, tuple[int, str]]:
-    """Return number and unit of each column that is read."""
+    """Return index and unit of each column that is read."""
     wanted = f"name its columns {EXAMPLE}, or rescaled_load_mm2,rescaled_friction_mm2"
     found: dict[str, tuple[int, str]] = {}
     for column, title in enumerate(table.header):
@@ -128,7 +129,7 @@ def _columns(table: Table) -> dict[str, tuple[int, str]]:
         if name not in COLUMNS and name != "weight":
             continue
         if name in found:
-            raise InvalidInput(f"{table.name}: {name} stands in two columns; keep one")
+            raise InvalidInput(f"{table.name}: {name} is in two columns; keep one")
         if name != "weight":
             try:
                 factor(unit, COLUMNS[name])
@@ -138,6 +139,6 @@ def _columns(table: Table) -> dict[str, tuple[int, str]]:
     if set(found) - {"weight"} not in PAIRS:
         titles = printable(", ".join(table.header), 120)
         raise InvalidInput(
-            f"{table.name} has the columns {titles}; {wanted} (or in other units), and weight if wanted"
+            f"{table.name} has the columns {titles}; {wanted} (or in other units), and optionally weight"
         )
     return found

@@ -25,11 +25,11 @@ from metafem.surface import Friction, Material
 LOADS, FRICTIONS = ["0.144 mm^2", "0.336 mm^2"], ["0.84 mm^2", "1.68 mm^2"]
 RANGE = ["0.1 mm^2", "0.4 mm^2"]
 
-# What an error shows where a load may be rescaled or in newtons.
+# Example in errors about loads that may be rescaled or in newtons.
 LOAD = '0.144 mm^2" or "0.2 N'
 
-# What a range of loads means for linear and bilinear laws.
-LINE = "P/E* or P, from and to: friction is the line through the origin within 1 %"
+# Meaning of a range of loads for linear and bilinear laws.
+LINE = "P/E* or P, smallest and largest: the target is the line through the origin within 1 %"
 
 
 def _load(given: Any) -> GivenLoad:
@@ -61,7 +61,7 @@ class GivenLoad(NamedTuple):
 
 Load = Annotated[Any, BeforeValidator(_load)]
 
-# Read as a whole, so that an error tells of the entry and not of each way to read it.
+# Read as a whole, so that an error names the entry and not each alternative.
 Crossover = Annotated[Any, BeforeValidator(_crossover)]
 
 
@@ -109,16 +109,14 @@ class PointsSection(CurveSection):
 class SampledSection(CurveSection):
     """A law of any shape, met in the least-squares sense.
 
-    A `file` has been replaced by what it holds before the section is read.
+    A `file` is replaced by its content before the section is read.
     """
 
     kind: Literal["sampled"]
-    weight: Annotated[list[Number] | None, says("of each sample; equal unless given", [1.0, 2.0])] = None
+    weight: Annotated[list[Number] | None, says("of each sample; default: equal weights", [1.0, 2.0])] = None
     file: Annotated[
         str | None,
-        says(
-            "or: a table load_N,friction_force_N or the like; its weights are a column weight", "wanted.csv"
-        ),
+        says("or: a table with columns such as load_N,friction_force_N and optionally weight", "wanted.csv"),
     ] = None
 
     def target(self, material: Material, friction: Friction | None) -> Target:
@@ -133,7 +131,7 @@ class PowerSection(Section):
     kind: Literal["power"]
     exponent: Annotated[Number, says("of F/(sigma B) = C (P/E*)^exponent", 1.2)]
     load_range: Annotated[list[Load], says("P/E* or P, from and to", RANGE)]
-    prefactor: Annotated[Number | None, says("C, for areas in mm^2; free unless given", 7.0)] = None
+    prefactor: Annotated[Number | None, says("C, for areas in mm^2; default: free", 7.0)] = None
 
     def target(self, material: Material, friction: Friction | None) -> Target:
         """Return the target of these keys."""
@@ -145,7 +143,7 @@ class StraightSection(Section):
     """Slopes or friction coefficients, over rescaled loads or loads in newtons."""
 
     def told_in(self, material: Material, loads: list[GivenLoad]) -> Wording:
-        """Return the units in which messages tell of slopes over these loads."""
+        """Return the units of slopes over these loads in messages."""
         return Wording(material.composite_modulus) if any(load.unit == "N" for load in loads) else RESCALED
 
     def pair(self, material: Material, friction: Friction | None, key: str) -> tuple[Material, Friction]:
@@ -156,9 +154,9 @@ class StraightSection(Section):
 
 
 def _either(section: Section, slope: str, coefficient: str) -> None:
-    """Refuse none or both of two keys."""
+    """Refuse both and neither of two keys."""
     if (getattr(section, slope) is None) == (getattr(section, coefficient) is None):
-        raise InvalidInput(f"needs {slope} or {coefficient}, one of the two")
+        raise InvalidInput(f"needs either {slope} or {coefficient}")
 
 
 def _range(given: list[GivenLoad] | None, material: Material) -> list[float] | None:
@@ -184,7 +182,7 @@ class MultilinearSection(StraightSection):
     crossover_loads: Annotated[
         list[Crossover],
         says(
-            "P/E* or P of each: one load, or a pair with a free law between",
+            "P/E* or P of each: one load, or a pair with a free law between them",
             ["0.07 mm^2", ["0.15 mm^2", "0.18 mm^2"]],
         ),
     ]

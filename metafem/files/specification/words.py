@@ -1,4 +1,4 @@
-"""What is wrong with a specification, in words of this package."""
+"""Error messages about specifications."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from metafem.files.units import as_written
 if TYPE_CHECKING:
     from pydantic import BaseModel
 
-# What a value must be, by pydantic's name of the fault; in braces the bound that was broken.
+# Requirements by pydantic's name of the error; braces hold the violated bound.
 MUST = {
     "float_type": "must be a number, without quotes and unit",
     "finite_number": "must be a finite number",
@@ -31,10 +31,10 @@ MUST = {
 
 
 def worded(detail: Any, sections: type[BaseModel]) -> str:
-    """Return one of pydantic's findings on one line."""
+    """Return one of pydantic's errors on one line."""
     place, kind, given = [printable(str(part), 60) for part in detail["loc"]], detail["type"], detail["input"]
     if place[0] == "target" and len(place) > 1 and kind != "union_tag_not_found":
-        del place[1]  # the kind of target, which pydantic counts as a place
+        del place[1]  # the kind of target, which pydantic includes in the location
     name = next(part for part in reversed(place) if not part.isdigit())
     key = re.sub(r"\.(\d+)", r"[\1]", ".".join(place))
     if kind == "extra_forbidden":
@@ -58,7 +58,7 @@ def worded(detail: Any, sections: type[BaseModel]) -> str:
 
 
 def _example(place: list[str], name: str) -> str:
-    """Return how a key would look, for the end of an error."""
+    """Return an example of a key, for the end of an error."""
     for key in all_keys():
         if (key.section, key.name) == (place[0], name):
             return f"; write for example {name} = {as_toml(key.example)}"
@@ -66,7 +66,7 @@ def _example(place: list[str], name: str) -> str:
 
 
 def _known(place: tuple[Any, ...], sections: type[BaseModel]) -> Iterator[str]:
-    """Yield the names that are known where an unknown one stands."""
+    """Yield the known names at the location of an unknown one."""
     if len(place) == 1:
         yield from sections.model_fields
         return

@@ -66,7 +66,7 @@ def test_the_text_tells_every_section_kind_and_key():
 
 def test_what_may_be_left_out_is_marked():
     lines = {line.split("=")[0].strip(): line for line in manual().splitlines()}
-    assert "# optional, else 0.5: " in lines["poisson_ratio"]
+    assert "# optional, default 0.5: " in lines["poisson_ratio"]
     assert "# optional: " in lines["height_sd"]
     assert "# either: " in lines["slope"]
     assert "optional" not in lines["max_height"]

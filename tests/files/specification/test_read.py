@@ -70,7 +70,7 @@ def test_a_material_may_be_given_by_its_youngs_modulus(read):
 
 @pytest.mark.parametrize("keys", ['composite_modulus = "1.36 MPa"\nyoung_modulus = "1.02 MPa"', ""])
 def test_a_material_has_one_modulus(read, keys):
-    with pytest.raises(mf.InvalidInput, match="material needs composite_modulus or young_modulus, one of"):
+    with pytest.raises(mf.InvalidInput, match="material needs either composite_modulus or young_modulus"):
         read(LINEAR.replace('composite_modulus = "1.36 MPa"', keys))
 
 
@@ -178,7 +178,7 @@ WRONG = {
     "unknown section": ("[lattice]", "[latice]", ["latice is an unknown section", "did you mean lattice?"]),
     "unknown kind": ('"linear"', '"linaer"', ["target.kind", "did you mean linear?", "bilinear"]),
     "no kind": ('kind = "linear"', "", ["target.kind is missing"]),
-    "no slope": ("slope = 6.87", "", ["target needs slope or friction_coefficient"]),
+    "no slope": ("slope = 6.87", "", ["target needs either slope or friction_coefficient"]),
     "foreign key": ("slope = 6.87", "slopes = [6, 7]", ["target.slopes is an unknown key", "slope?"]),
     "text for a number": ("slope = 6.87", 'slope = "6"', ["target.slope = '6'", "slope = 6.87"]),
     "nan": ("slope = 6.87", "slope = nan", ["target.slope = nan", "finite"]),
@@ -187,14 +187,14 @@ WRONG = {
     "bad block": ('"7.2 mm"', '"0 mm"', ["block.thickness = 0"]),
     "bad radius": ('"526 um"', '"-526 um"', ["lattice.radius = -526 um must be greater than 0 um"]),
     "bad limits": ('"6 um"', '"6 m"', ["limits.height_step"]),
-    "endless shape": ("[8, 8]", "[3000, 3000]", ["shape = [3000, 3000] has 9,000,000 places; at most 2,"]),
-    "absurd shape": ("[8, 8]", "[1000000000, 1000000000]", ["places; at most 2,"]),
+    "endless shape": ("[8, 8]", "[3000, 3000]", ["shape = [3000, 3000] has 9,000,000 sites; at most 2,"]),
+    "absurd shape": ("[8, 8]", "[1000000000, 1000000000]", ["sites; at most 2,"]),
     "short shape": ("[8, 8]", "[8]", ["lattice.shape[1] is missing", "[8, 8]"]),
     "bad seed": ("seed = 0", "seed = -1", ["layout.seed = -1"]),
     "unknown model": ('"independent"', '"indpendent"', ["model.kind", "did you mean independent?"]),
     "negative alignment": ('"400 um"', '"-4 um"', ["part.alignment_height"]),
     "no section": ("[target]", "checks = 3\n[target]", ["checks = 3 must be a section"]),
-    "both": ("slope = 6.87", "slope = 6\nfriction_coefficient = 1", ["one of the two"]),
+    "both": ("slope = 6.87", "slope = 6\nfriction_coefficient = 1", ["needs either"]),
     "mixed range": ("slope = 6.87", 'slope = 6\nload_range = ["1 mm^2", "2 N"]', ["mixes mm^2 and N"]),
     "falling loads": (
         "slope = 6.87",
@@ -211,7 +211,7 @@ WRONG = {
     "unknown layout": ("seed = 0", "folow_law = true", ["layout.folow_law", "did you mean follow_law?"]),
     "no radius": (RADIUS, "", ["lattice.radius is missing", '"526 um"', "[radii]"]),
     "radii twice": ("[block]", '[radii]\ntools = ["1 mm"]\n[block]', ["lattice.radius and [radii] both"]),
-    "no radii": ("[block]", "[radii]\n[block]", ["radii needs tools or range"]),
+    "no radii": ("[block]", "[radii]\n[block]", ["radii needs either tools or range"]),
     "no tools": ("[block]", "[radii]\ntools = []\n[block]", ["radii.tools = []", '["300 um", "526 um"]']),
     "bad tool": ("[block]", '[radii]\ntools = ["0 mm"]\n[block]', ["radii.tools[0] = '0 mm'", "greater"]),
     "falling range": ("[block]", '[radii]\nrange = ["2 mm", "1 mm"]\n[block]', ["range = [2 mm, 1 mm] must"]),
@@ -267,7 +267,7 @@ def test_the_cost_of_many_places_is_said_before_they_are_designed(read):
         tell_cost(64)
         tell_cost(1_000_000)
     assert len(facts) == 1
-    assert re.match(r"1,000,000 places: about \d+ s and \d\.\d GiB of memory", facts[0])
+    assert re.match(r"1,000,000 sites: about \d+ s and \d\.\d GiB of memory", facts[0])
 
 
 @pytest.mark.parametrize(

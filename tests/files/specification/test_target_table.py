@@ -56,7 +56,7 @@ def test_rescaled_columns_keep_their_digits(tmp_path):
         ('file = "none.csv"', None, "none.csv: no such file"),
         ("file = 3", None, "target.file = 3 must be a text"),
         ('file = "wanted.csv"', "", "is empty"),
-        ('file = "wanted.csv"', "load_N,friction_force_N\n", "holds no samples"),
+        ('file = "wanted.csv"', "load_N,friction_force_N\n", "has no samples"),
         (
             'file = "wanted.csv"',
             "load_N,friction_force_N\n1,2,3\n",
@@ -71,7 +71,7 @@ def test_rescaled_columns_keep_their_digits(tmp_path):
         ('file = "wanted.csv"', "load,friction\n1,2\n", "wanted.csv has the columns load, friction; name"),
         ('file = "wanted.csv"', "P_N,F_N\n1,2\n", "the columns P_N, F_N; .* or rescaled_load_mm2"),
         ('file = "wanted.csv"', "load_N\n1\n", "has one column, .* separated by commas"),
-        ('file = "wanted.csv"', "load_N,load_mN,friction_force_N\n1,2,3\n", "load stands in two columns"),
+        ('file = "wanted.csv"', "load_N,load_mN,friction_force_N\n1,2,3\n", "load is in two columns"),
         (
             'file = "wanted.csv"',
             "load_N,friction_force_N\n0,0\n1,2\n",
