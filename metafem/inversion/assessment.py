@@ -34,7 +34,7 @@ class DesignStatus(Enum):
     REFINED = "refined: the heights were adjusted until the law met the target within the misfit"
     APPROXIMATE = "approximate: the density has the target's slopes at large loads; the law has the misfit"
     UNCORRECTED = "uncorrected: designed for independent asperities; this model's law has the misfit"
-    MISSED = "missed: the law is further from the target than its kind allows; see the misfit"
+    MISSED = "missed: the misfit is above 1 %, or above 10 % for the heights of a density"
 
 
 def found_parameters(

@@ -108,7 +108,7 @@ class Design(Value):
       model       Independent()
       law         100 loads 0.006527 to 0.6527 N, area 0.06483 to 3.559 mm^2
       parameters  scale, intercept, foot_load
-      notes       1 warning
+      notes       1 note
     """
 
     surface: Surface
@@ -334,7 +334,8 @@ def designed(request: Request, generator: np.random.Generator) -> Design:
     misfit = largest_misfit(surface, solver, blueprint, fits)
     status = status_of(solver, blueprint, misfit, bool(moved))
     law = _drawn_law(surface, request)
-    told = design_notes(request, blueprint, surface, fits, misfit, status)
+    loss = float(np.asarray(stepped.get("step_loss", 0.0)))
+    told = design_notes(request, blueprint, surface, fits, misfit, status, loss)
     own = blueprint.notes + placing + moved + told
     return Design(
         surface=surface,

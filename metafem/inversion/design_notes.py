@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from metafem.inversion.assessment import REACHED, DesignStatus, independent_misfit, misfit_meaning
+from metafem.inversion.assessment import MISSED, REACHED, DesignStatus, independent_misfit, misfit_meaning
 from metafem.inversion.candidate import Blueprint, Branch
 from metafem.inversion.limits import Limits
 from metafem.inversion.problem import Request
 from metafem.inversion.strategies.proportional import reached_line
-from metafem.notes import Note
+from metafem.notes import Level, Note
 from metafem.prediction.friction_law import BranchFit
 from metafem.surface import Surface
 
@@ -29,48 +29,68 @@ def design_notes(
     fits: tuple[tuple[Branch, BranchFit], ...],
     misfit: float,
     status: DesignStatus,
+    step_loss: float = 0.0,
 ) -> tuple[Note, ...]:
     """Return notes on a straight target that is missed, and on heights that are hard to make."""
-    notes = _made(surface, request.limits, status)
+    by_steps = misfit - step_loss <= REACHED
+    held = status is DesignStatus.MISSED and not by_steps and _uses_all(surface, request.limits)
+    notes = _made(surface, request.limits, held)
     if misfit <= REACHED:
         return notes
     if blueprint.density is not None:
         return (*notes, _density(request, fits, misfit))
     if blueprint.branches and blueprint.wanted.pointwise and independent_misfit(blueprint) > REACHED:
-        return (*notes, _line(request))
+        return (*notes, _line(request, held))
     return notes
 
 
 def _density(request: Request, fits: tuple[tuple[Branch, BranchFit], ...], misfit: float) -> Note:
     """State the misfit of the density's heights, and that load_range makes the target a line."""
     name = request.target.wording.name(len(fits))
+    meaning = misfit_meaning(False, True, fits, misfit)
     return Note(
-        f"{misfit_meaning(False, True, fits, misfit)}: {100.0 * misfit:.2g} %. The heights are those of a "
-        f"density, whose law has the {name} at large loads and its own intercept. Give load_range: the "
-        f"heights are then adjusted until friction is within {100.0 * REACHED:g} % of the line through the "
-        "origin over those loads"
+        f"the {meaning} is {100.0 * misfit:.2g} %: the heights follow a density, whose law has the {name} at "
+        "large loads and its own intercept. Give load_range: heights are then found whose friction is within "
+        f"{100.0 * REACHED:g} % of the line through the origin over those loads",
+        Level.INFORMATION if misfit <= MISSED else Level.WARNING,
     )
 
 
-def _line(request: Request) -> Note:
-    """State over which loads the line is met."""
+def _line(request: Request, held: bool) -> Note:
+    """State over which loads the line can be met, and what else to change; `held` by max_height or not."""
     target: Any = request.target
     wording = target.wording
     found = reached_line(target, request.radii, request.template.count, request.limits)
     if found is None or found.load_range is None:
-        words = f"nor over any part of it; raise max_height or the {wording.name()}, or use a smaller radius"
+        height = "raise max_height or" if held else "raise"
+        words = f"nor over any part of it; {height} the {wording.name()}, or use a smaller radius"
     else:
-        words = f"independent asperities meet it from {wording.inside(*found.load_range)}"
+        inside = wording.inside(*found.load_range)
+        words = f"asked for alone, {inside} can be met within {100.0 * REACHED:g} % (independent asperities)"
     ends = wording.loads(*target.load_range)
     return Note(f"the line is not met within {100.0 * REACHED:g} % from {ends}: {words}")
 
 
-def _made(surface: Surface, limits: Limits, status: DesignStatus) -> tuple[Note, ...]:
+def _allowed(limits: Limits) -> float:
+    """Return the largest difference of heights [mm]: that of the levels where there are steps."""
+    return limits.span if limits.height_step is None else float(np.ptp(limits.levels))
+
+
+def _uses_all(surface: Surface, limits: Limits) -> bool:
+    """Whether the heights differ by all that they may."""
+    return float(np.ptp(surface.height)) >= _allowed(limits) * (1.0 - ALL_OF_IT)
+
+
+def _made(surface: Surface, limits: Limits, held: bool) -> tuple[Note, ...]:
     """State which heights are restricted by the limits, or hard to make."""
     notes: list[Note] = []
-    used, step = float(np.ptp(surface.height)), limits.height_step or 0.0
-    if status is DesignStatus.MISSED and used >= limits.span * (1.0 - ALL_OF_IT) - step:
-        notes.append(Note(f"the heights use the whole allowed range of {limits.span:g} mm: raise max_height"))
+    if held:
+        steps = "" if limits.height_step is None else ", from the lowest to the highest step"
+        notes.append(
+            Note(
+                f"the heights use the whole allowed range of {_allowed(limits):g} mm{steps}: raise max_height"
+            )
+        )
     low = 0 if limits.height_sd is None else int((surface.height < HEIGHT_TO_ERROR * limits.height_sd).sum())
     if low:
         notes.append(

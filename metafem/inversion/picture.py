@@ -47,9 +47,23 @@ def draw_laws(design: Design, ax: Axes, label: str = "achieved") -> None:
 
 
 def _draw_target(design: Design, ax: Axes) -> None:
+    draw_target(design, ax, design.wanted.load, target_law(design))
+
+
+def draw_target(design: Design, ax: Axes, load: FloatArray, friction: FloatArray) -> None:
+    """Draw a target given at the loads of `design.wanted`: marks where they are few, else a line per branch.
+
+    `load` and `friction`, (k,), may have any units.
+    """
     wanted = design.wanted
-    size = 7 if few(wanted) else 3
-    ax.plot(wanted.load, target_law(design), "o", ms=size, color=TARGET, label="target", zorder=3)
+    if few(wanted):
+        ax.plot(load, friction, "o", ms=7, color=TARGET, label="target", zorder=3)
+        return
+    ends = [branch.load_range for branch, _ in design.fits] or [(wanted.load[0], wanted.load[-1])]
+    for i, (low, high) in enumerate(ends):
+        on = (wanted.load >= low) & (wanted.load <= high)
+        label = "target" if i == 0 else None
+        ax.plot(load[on], friction[on], "--", lw=1.8, color=TARGET, label=label, zorder=3)
 
 
 def _draw_density(design: Design, ax: Axes) -> None:

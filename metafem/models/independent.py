@@ -109,7 +109,10 @@ class Independent:
 
     def curve(self, surface: Surface, load: FloatArray) -> Curve:
         """Equilibria at increasing rescaled loads P/E* [mm^2], (k,)."""
-        approach, carried, area, slope = self.curves(surface.height, surface.radius, load)
+        return self._curve(surface.height, surface.radius, load)
+
+    def _curve(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> Curve:
+        approach, carried, area, slope = self.curves(height, radius, load)
         error = np.abs(carried[0] - load) / np.where(load > 0.0, load, 1.0)
         return Curve(approach[0], carried[0], area[0], slope[0], error)
 
@@ -127,10 +130,14 @@ class Independent:
 
         ``pi R_i - sum_j pi R_j sqrt(R_i d_i) / sum_j sqrt(R_j d_j)`` for the asperities in contact.
         """
-        curve = self.curve(surface, load)
-        indentation = curve.approach[:, None] - surface.gap
-        own = math.pi * surface.radius * (indentation > 0.0)
-        share = np.sqrt(surface.radius * np.maximum(indentation, 0.0))
+        return self.sensitivity_of(surface.height, surface.radius, load)
+
+    def sensitivity_of(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> Sensitivity:
+        """As `sensitivity`, for heights and radii (n,) without a surface, which takes as long to check."""
+        curve = self._curve(height, radius, load)
+        indentation = curve.approach[:, None] - (height.max() - height)
+        own = math.pi * radius * (indentation > 0.0)
+        share = np.sqrt(radius * np.maximum(indentation, 0.0))
         whole = share.sum(axis=1, keepdims=True)
         share /= np.where(whole > 0.0, whole, 1.0)
         return Sensitivity(curve, own - own.sum(axis=1, keepdims=True) * share, indentation)

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from metafem.drawing import ACHIEVED, QUIET, TARGET, new_figure
 from metafem.inversion import Design, feasible_region
-from metafem.inversion.picture import draw_laws, few
+from metafem.inversion.picture import draw_laws, draw_target, few
 from metafem.prediction.friction_law import friction_law
 from metafem.report.comparison import Comparison
 
@@ -81,9 +81,8 @@ def force_figure(design: Design, friction: Friction) -> Figure:
     if design.density is None:
         load = wanted.load * modulus
         force = strength * wanted.law(friction_law(design.surface, law.model, load=load).area)
-        size = 6 if few(wanted) else 2
-        left.plot(load, force, "o", ms=size, color=TARGET, label="target")
-        right.plot(load, force / load, "o", ms=size, color=TARGET, label="target")
+        draw_target(design, left, load, force)
+        draw_target(design, right, load, force / load)
     else:
         for i, (branch, _) in enumerate(design.fits):
             slope = branch.slope * strength / modulus

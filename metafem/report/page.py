@@ -29,6 +29,12 @@ MOST_NAMED = 5
 # Largest number of summits in the table; heights.csv lists all.
 MOST_LISTED = 200
 
+# Significant digits of a parameter, and of one that is a misfit.
+DIGITS, MISFIT_DIGITS = 6, 3
+
+# Parameters below this share of the largest area, height or of 100 % are printed as 0.
+ZERO = 1e-9
+
 # Largest number of printed values of one parameter.
 MOST_PRINTED = 24
 
@@ -62,7 +68,7 @@ PARAMETERS = {
     "layout_after": ("misfit with the optimised assignment", "%", 100.0),
     "step_levels": ("levels after quantisation, above the base", "µm", 1e3),
     "step_counts": ("numbers of asperities on these levels", "", 1.0),
-    "step_loss": ("misfit added by quantisation", "%", 100.0),
+    "step_loss": ("change of the misfit by quantisation", "%", 100.0),
 }
 
 
@@ -144,10 +150,17 @@ def _tiles(design: Design) -> list[tuple[str, str]]:
 def parameter_rows(design: Design) -> list[Row]:
     """Return the parameters of the inversion as labels, values and units."""
     rows = []
+    heights = 1e3 * float(np.abs(design.surface.height).max())
+    scales = {"%": 100.0, "mm²": float(design.law.area[-1]), "µm": heights}
     for name, value in design.parameters.items():
         words, unit, factor = PARAMETERS[name]
         numbers = np.atleast_1d(np.asarray(value) * (int(factor) if factor == 1.0 else factor))
-        text = ", ".join(f"{number:.6g}" for number in numbers[:MOST_PRINTED])
+        zero = ZERO * scales.get(unit, 0.0)
+        digits = MISFIT_DIGITS if unit == "%" else DIGITS
+        text = ", ".join(
+            f"{0.0 if abs(number) < zero else number:.{digits}g}"
+            for number in numbers[:MOST_PRINTED].tolist()
+        )
         more = len(numbers) - MOST_PRINTED
         rows.append((words, f"{text}, and {more} more in design.json" if more > 0 else text, unit))
     return rows

@@ -5,6 +5,9 @@ import pytest
 
 import metafem as mf
 from metafem.inversion import DesignStatus
+from metafem.inversion.height_steps import rounded_to_steps
+from metafem.inversion.radii import Radii
+from metafem.inversion.strategies import sampled
 from tests.models.scenes import said
 
 STEP = 0.006
@@ -75,3 +78,13 @@ def test_a_single_level_leaves_nothing_to_move(template):
 def test_levels_need_a_step():
     with pytest.raises(mf.InvalidInput, match="height_step is None"):
         _ = mf.Limits(0.1).levels
+
+
+def test_steps_with_a_smaller_misfit_say_why(template):
+    limits = mf.Limits(0.12, offset=0.084, height_step=0.006)
+    surface = template.replaced(height=0.15 + 0.04 * np.cos(np.arange(template.count)))
+    target, rng = mf.LinearLaw(6.87, (0.1, 0.2)), np.random.default_rng(0)
+    blueprint = sampled.invert(target, Radii.of(0.526), 64, limits, rng)
+    _, found, (note,) = rounded_to_steps(surface, mf.Independent(), blueprint, limits)
+    assert found["step_loss"] < 0.0
+    assert "the search over steps found a better law" in str(note)

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.report import all_notes
-from metafem.report.figures import law_figure
+from metafem.drawing import TARGET
+from metafem.report import all_notes, parameter_rows
+from metafem.report.figures import force_figure, law_figure
 from metafem.report.page import page
 
 TARGETS = {
@@ -220,3 +221,19 @@ def test_a_comparison_that_has_no_solution_is_left_out(template):
     text = page(design)
     assert "the half-space is left out: order 3 has no solution up to" in text
     assert "order 3 has no solution at" in text
+
+
+def test_parameters_have_no_false_digits(template):
+    result = mf.design(mf.PowerLaw(1.1, (0.05, 0.2)), template)
+    values = {"step_loss": -0.148688123, "intercept": 4.12643e-112, "levels": np.array([0.1, 1e-15])}
+    rows = {unit: value for _, value, unit in parameter_rows(replace(result, parameters=values))}
+    assert rows == {"%": "-14.9", "mm²": "0", "µm": "100, 0"}
+
+
+def test_a_target_over_many_loads_is_a_line(template):
+    result = mf.design(mf.BilinearLaw((6.0, 9.0), 0.08, (0.05, 0.2)), template, limits=mf.Limits(0.27))
+    figures = law_figure(result), force_figure(result, template.friction)
+    for figure in figures:
+        drawn = [line for line in figure.axes[0].lines if line.get_color() == TARGET]
+        assert len(drawn) == 2
+        assert all(line.get_marker() == "None" and line.get_linestyle() == "--" for line in drawn)

@@ -34,6 +34,9 @@ POINT_GOAL = 1e-11
 # is slow, and a random change is faster (measured: a quarter of the time needed with 1e-4).
 GAIN = 0.05
 
+# Heights within this share of the span of the lowest that is allowed are at the foot.
+AT_FOOT = 1e-9
+
 # Most steps of one descent, and of one that must converge to rounding.
 MAX_STEPS, PATIENT_STEPS = 20, 40
 
@@ -51,6 +54,10 @@ class Space(Protocol):
 
     def project(self, unknowns: FloatArray) -> FloatArray:
         """Return the nearest unknowns within the limits."""
+        ...
+
+    def ends(self, unknowns: FloatArray) -> tuple[int, IntArray]:
+        """Return the places of the tallest height and of those as low as allowed."""
         ...
 
     def changed(self, unknowns: FloatArray, rng: np.random.Generator) -> FloatArray:
@@ -73,9 +80,19 @@ class Heights:
         """Return the heights, raised where they are more than `span` below the tallest."""
         return np.asarray(np.maximum(unknowns, unknowns.max() - self.span))
 
+    def ends(self, unknowns: FloatArray) -> tuple[int, IntArray]:
+        """Return the places of the tallest height and of those `span` below it."""
+        return ends(unknowns, self.span)
+
     def changed(self, unknowns: FloatArray, rng: np.random.Generator) -> FloatArray:
         """Return heights moved at random by about their spacing, with a few added or removed."""
         return moved(unknowns, self.most, rng)[0]
+
+
+def ends(height: FloatArray, span: float) -> tuple[int, IntArray]:
+    """Return the places of the tallest height and of those a span below it."""
+    tallest = int(height.argmax())
+    return tallest, np.flatnonzero(height <= height[tallest] - span * (1.0 - AT_FOOT))
 
 
 def moved(height: FloatArray, most: int | None, rng: np.random.Generator) -> tuple[FloatArray, IntArray]:
@@ -116,13 +133,10 @@ def descend(
     for _ in each("step", range(PATIENT_STEPS if patient else MAX_STEPS), at_most=True):
         if np.sqrt(squares / count) <= goal or damping > MOST_DAMPING:
             break
-        product = jacobian @ jacobian.T
-        size = float(np.trace(product)) / count
-        if size == 0.0:
+        step = _step(residual, jacobian, damping, *space.ends(unknowns))
+        if step is None:
             break
-        system = product + damping * size * np.eye(count)
-        # Levenberg–Marquardt step J' (J J' + damping)^-1 r, with a (k, k) system
-        trial = space.project(unknowns - jacobian.T @ np.linalg.solve(system, residual))
+        trial = space.project(unknowns + step)
         area, gradient = evaluate(trial)
         new_residual, new_jacobian = wanted.residual(area, gradient)
         new = float(new_residual @ new_residual)
@@ -135,6 +149,34 @@ def descend(
         else:
             damping *= DAMPING_STEP
     return Refined(unknowns, float(np.sqrt(squares / count)))
+
+
+def _step(
+    residual: FloatArray, jacobian: FloatArray, damping: float, tallest: int, foot: IntArray
+) -> FloatArray | None:
+    """Return the damped step, or None where no unknown changes the law.
+
+    Heights at the foot that would sink further below the tallest follow it: the step is solved again with
+    their columns of the Jacobian added to that of the tallest.
+    """
+    count, held = len(residual), np.empty(0, dtype=np.int64)
+    while True:
+        product = jacobian @ jacobian.T
+        size = float(np.trace(product)) / count
+        if size == 0.0:
+            return None
+        system = product + damping * size * np.eye(count)
+        # Levenberg–Marquardt step J' (J J' + damping)^-1 r, with a (k, k) system
+        step = -jacobian.T @ np.linalg.solve(system, residual)
+        step[held] = step[tallest]
+        sinks = step[foot] < step[tallest]
+        if not sinks.any():
+            return np.asarray(step)
+        new, foot = foot[sinks], foot[~sinks]
+        jacobian = jacobian.copy()
+        jacobian[:, tallest] += jacobian[:, new].sum(axis=1)
+        jacobian[:, new] = 0.0
+        held = np.append(held, new)
 
 
 def search(

@@ -7,17 +7,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from metafem._validate import FloatArray
+from metafem._validate import FloatArray, IntArray
 from metafem.inversion.radii import Radii
 from metafem.inversion.search.initial_guess import initial_heights, slowest_law
-from metafem.inversion.search.levenberg_marquardt import Evaluate, Heights, moved, search
+from metafem.inversion.search.levenberg_marquardt import Evaluate, Heights, ends, moved, search
 from metafem.inversion.targets.wanted import Wanted
 from metafem.models import Independent
 from metafem.models.model import Sensitivity
-from metafem.surface import Material, Surface
 
 # Misfit at which a search ends: height errors of 1 um change A0 by more than this.
 GOAL = 6e-4
+
+# Where an initial guess is deeper than allowed, guesses with these shares of the asperities that are too low
+# are tried: at the foot they all enter the contact early, and fewer of them suffice.
+SHARES_KEPT = (1.0, 0.75, 0.5, 0.25, 0.0)
 
 # Random restarts with continuous radii, before the radii are rounded to tools.
 LOOSE_RESTARTS = 4
@@ -61,8 +64,7 @@ def nearest_law(task: LawSearch, radii: Radii) -> tuple[FloatArray, FloatArray]:
 
 def independent_law(height: FloatArray, radius: FloatArray, load: FloatArray) -> Sensitivity:
     """Return the law of independent asperities and its gradient with respect to the heights."""
-    surface = Surface.square_lattice(height, (1, len(height)), radius=radius, material=Material(1.0))
-    return Independent().sensitivity(surface, load)
+    return Independent().sensitivity_of(height, radius, load)
 
 
 def law_of_heights(radius: float | FloatArray, load: FloatArray) -> Evaluate:
@@ -84,10 +86,19 @@ class _Found:
 
 def _with_one(task: LawSearch, radius: float, restarts: int) -> _Found:
     load = task.wanted.load
-    starts = [initial_heights(load, law, np.full(len(law), radius), task.count)[0] for law in task.laws]
+    guesses = (initial_heights(load, law, np.full(len(law), radius), task.count)[0] for law in task.laws)
+    starts = [start for guess in guesses for start in _with_fewer(guess, task.span)]
     space = Heights(task.span, task.count)
     found = search(law_of_heights(radius, load), starts, task.wanted, space, task.goal, restarts, task.rng)
     return _Found(found.unknowns, np.full(len(found.unknowns), radius), found.misfit)
+
+
+def _with_fewer(height: FloatArray, span: float) -> list[FloatArray]:
+    """Return heights, tallest first; where they are deeper than a span, also with fewer of those too low."""
+    inside = int((height >= height[0] - span).sum())
+    low = len(height) - inside
+    numbers = dict.fromkeys(inside + round(share * low) for share in SHARES_KEPT)
+    return [height[:number] for number in numbers]
 
 
 def _with_several(task: LawSearch, radii: Radii) -> _Found:
@@ -147,6 +158,10 @@ class Asperities:
         """Return the nearest unknowns within the limits."""
         height, radius = self.split(unknowns)
         return self.joined(np.maximum(height, height.max() - self.span), radius)
+
+    def ends(self, unknowns: FloatArray) -> tuple[int, IntArray]:
+        """Return the places of the tallest height and of those `span` below it."""
+        return ends(unknowns[: len(unknowns) // 2], self.span)
 
     def changed(self, unknowns: FloatArray, rng: np.random.Generator) -> FloatArray:
         """Return unknowns with some heights moved and some radii drawn anew."""

@@ -64,7 +64,7 @@ def test_a_density_further_off_names_the_way(template, target):
     result = mf.design(target, template, limits=mf.Limits(0.15))
     assert result.misfit > 0.01
     (told,) = (note for note in result.notes if "Give load_range" in str(note))
-    assert told.warns
+    assert not told.warns  # within the bound of the density itself, 10 %
     assert f"{100 * result.misfit:.2g} %" in str(told)
 
 
@@ -87,8 +87,7 @@ def test_little_height_shortens_the_range(template):
     assert result.status is DesignStatus.MISSED
     (told,) = (str(note) for note in result.notes if "the line is not met within 1 % from" in str(note))
     within = mf.achievable_load_range(result.target, template, mf.Limits(0.15, offset=0.2))
-    for end in within:
-        assert f"{end:.2g}" in told
+    assert f"asked for alone, {result.target.wording.inside(*within)} can be met within 1 %" in told
 
 
 @pytest.mark.parametrize(
@@ -130,3 +129,28 @@ def test_a_range_out_of_reach_says_what_to_change(template):
 def test_bad_ranges_are_named(build, words):
     with pytest.raises(mf.InvalidInput, match=words):
         build()
+
+
+@pytest.mark.parametrize("step", [None, 0.006])
+def test_a_line_beyond_the_allowed_heights_is_met_as_nearly_as_they_allow(template, step):
+    target = mf.LinearLaw.from_friction_coefficient(
+        1.4, template.material, template.friction, load_range=(0.1 / 1.36, 0.6 / 1.36)
+    )
+    limits = mf.Limits(0.12, offset=0.084, height_step=step)
+    result = mf.design(target, template, limits=limits)
+    assert result.status is DesignStatus.MISSED
+    assert result.misfit < 0.036  # found by hand, on the steps
+    told = [str(note) for note in result.notes]
+    assert any("can be met within 1 % (independent asperities)" in note for note in told)
+    whole = 0.12 if step is None else 0.12 - step
+    assert np.ptp(result.surface.height) == pytest.approx(whole)
+    assert any(f"the whole allowed range of {whole:g} mm" in note for note in told)
+
+
+def test_heights_that_steps_alone_hold_back_are_not_said_to_be_too_low(template):
+    limits = mf.Limits(0.12, offset=0.084, height_step=0.02)
+    result = mf.design(mf.LinearLaw(6.87, (0.1, 0.25)), template, limits=limits)
+    assert result.misfit > 0.01 > result.misfit - result.parameters["step_loss"]
+    told = " ".join(str(note) for note in result.notes)
+    assert "raise max_height" not in told
+    assert "a smaller height_step brings it below 1 %" in told
