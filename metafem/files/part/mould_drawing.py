@@ -129,7 +129,7 @@ def _depths(height: FloatArray) -> str:
 
 def _notes(surface: Surface, asperities: int, block: Block, scale: float) -> list[str]:
     ratio = f"{scale:g}:1" if scale >= 1.0 else f"1:{1.0 / scale:g}"
-    rows = "by the column number" if surface.count <= _MOST_NUMBERED else "one row for each"
+    rows = "by its number" if surface.count <= _MOST_NUMBERED else "one row for each"
     notes = [
         f"Lengths in mm. Scale {ratio}. Circles: rims of the holes in the face.",
         "Datum: centre of the outline, on the face. The part lies face down on it: x is mirrored, x -> -x.",
