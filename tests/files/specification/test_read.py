@@ -30,6 +30,13 @@ def test_every_demo_is_designed(read, name):
     assert result.status is not type(result.status).MISSED
 
 
+@pytest.mark.parametrize("name", ["linear", "bilinear"])
+def test_a_demo_names_a_load_range_over_which_its_line_is_met(read, name):
+    text = demo_text(name)
+    assert text.count("\n# load_range = ") == 1
+    assert read(text.replace("\n# load_range", "\nload_range")).design().misfit < 0.01
+
+
 def test_the_linear_demo_is_the_published_surface(read):
     spec = read(LINEAR)
     template = spec.template
