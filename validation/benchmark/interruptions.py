@@ -124,6 +124,7 @@ def command(arguments: list[str], folder: Path, log: str) -> None:
     from metafem.cli import main
 
     os.chdir(folder)
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell ignores it in the background
     with stopped_by_signals():  # from when the file is there: it tells that the command begins
         handle = os.open(folder.with_name(f"{folder.name}-{log}.log"), os.O_WRONLY | os.O_CREAT)
         os.dup2(handle, 1)
