@@ -113,21 +113,28 @@ class BoundaryElements:
         """Equilibria at increasing rescaled loads P/E* [mm^2], (k,); see `_joined`."""
         scene = Scene(surface, self.cell, self.substrate)
         light = _unresolved(load, lambda value: scene.resolves(scene.start(load=value)))
-        states, last = [], None
-        for value in each("resolved contacts: load", load[light:].tolist()):
-            state, last = self._under(scene, value, last)
-            states.append(replace(state, _field=None))  # a curve keeps no pressures
+        states = self._along(scene, load[light:], self._under)
         return self._joined(surface, load[:light], self.gradient_model.curve, states)
 
     def curve_at(self, surface: Surface, approach: FloatArray) -> Curve:
         """Equilibria at increasing approaches [mm], (k,); see `_joined`."""
         scene = Scene(surface, self.cell, self.substrate)
         light = _unresolved(approach, lambda value: scene.resolves(scene.start(approach=value)))
-        states, last = [], None
-        for value in each("resolved contacts: load", approach[light:].tolist()):
-            state, last = self._at(scene, value, last)
-            states.append(replace(state, _field=None))  # a curve keeps no pressures
+        states = self._along(scene, approach[light:], self._at)
         return self._joined(surface, approach[:light], self.gradient_model.curve_at, states)
+
+    def _along(
+        self,
+        scene: Scene,
+        values: FloatArray,
+        solve: Callable[[Scene, float, Start | None], tuple[ContactState, Start | None]],
+    ) -> list[ContactState]:
+        """Solve at increasing loads or approaches, each from the start of the one before."""
+        states, last = [], None
+        for value in each("resolved contacts: load", values.tolist()):
+            state, last = solve(scene, value, last)
+            states.append(replace(state, _field=None))  # a curve keeps no pressures
+        return states
 
     def _joined(
         self,
