@@ -125,12 +125,15 @@ class Independent:
         kernel.curve_at_approach(gap[0], root[0], approach, load, area, slope)
         return Curve(np.array(approach), load, area, slope, np.zeros(len(approach)))
 
-    def sensitivity(self, surface: Surface, load: FloatArray) -> Sensitivity:
+    def sensitivity(
+        self, surface: Surface, load: FloatArray, height: FloatArray | None = None
+    ) -> Sensitivity:
         """Law at increasing rescaled loads (k,), and dA0/dh of each height at fixed load [mm], (k, n).
 
         ``pi R_i - sum_j pi R_j sqrt(R_i d_i) / sum_j sqrt(R_j d_j)`` for the asperities in contact.
+        height: summit heights (n,) [mm] in place of the surface's own; they are not checked.
         """
-        return self.sensitivity_of(surface.height, surface.radius, load)
+        return self.sensitivity_of(surface.height if height is None else height, surface.radius, load)
 
     def sensitivity_of(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> Sensitivity:
         """As `sensitivity`, for heights and radii (n,) without a surface, which takes as long to check."""

@@ -79,9 +79,14 @@ class MeanField:
         """Equilibria at increasing rescaled loads P/E* [mm^2], (k,)."""
         return self._sunk(surface, Independent().curve(surface, load))
 
-    def sensitivity(self, surface: Surface, load: FloatArray) -> Sensitivity:
-        """Law at increasing rescaled loads (k,), and dA0/dh at fixed load, that of `Independent`."""
-        found = Independent().sensitivity(surface, load)
+    def sensitivity(
+        self, surface: Surface, load: FloatArray, height: FloatArray | None = None
+    ) -> Sensitivity:
+        """Law at increasing rescaled loads (k,), and dA0/dh at fixed load, that of `Independent`.
+
+        height: summit heights (n,) [mm] in place of the surface's own; they are not checked.
+        """
+        found = Independent().sensitivity(surface, load, height)
         return replace(found, curve=self._sunk(surface, found.curve))
 
     def curve_at(self, surface: Surface, approach: FloatArray) -> Curve:

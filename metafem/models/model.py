@@ -227,6 +227,11 @@ class Sensitivity:
 class Sensitive(Model, Protocol):
     """A model with the derivatives of its law by the heights."""
 
-    def sensitivity(self, surface: Surface, load: FloatArray) -> Sensitivity:
-        """Law at increasing rescaled loads P/E* (k,), with dA0/dh of each height at fixed load."""
+    def sensitivity(
+        self, surface: Surface, load: FloatArray, height: FloatArray | None = None
+    ) -> Sensitivity:
+        """Law at increasing rescaled loads P/E* (k,), with dA0/dh of each height at fixed load.
+
+        height: summit heights (n,) [mm] in place of the surface's own; they are not checked.
+        """
         ...

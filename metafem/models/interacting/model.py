@@ -298,18 +298,23 @@ class Interacting:
         run_rows(run, len(gap), gap.size * surface.count * len(rising), PAIRS_PER_THREAD)
         return last
 
-    def sensitivity(self, surface: Surface, load: FloatArray) -> Sensitivity:
+    def sensitivity(
+        self, surface: Surface, load: FloatArray, height: FloatArray | None = None
+    ) -> Sensitivity:
         """Law at increasing rescaled loads (k,), and dA0/dh of each height at fixed load [mm], (k, n).
 
         One solution of each load's contact system serves for all heights; beyond the size of the dense
         solver by conjugate gradients, to 1e-9.
+        height: summit heights (n,) [mm] in place of the surface's own; they are not checked.
         """
         from metafem._kernels import continuation as kernel
         from metafem.models.interacting.sensitivity import area_gradients
 
+        heights = surface.height if height is None else height
+        gap = heights.max() - heights
         own, rate = np.zeros((1, surface.count)), np.zeros(surface.count)
         if self.pedestal:
-            own[0], rate = pedestal_influence(surface.height, surface.radius)
+            own[0], rate = pedestal_influence(heights, surface.radius)
         results = kernel.empty_results(1, len(load))
         trail, gradients = np.empty((2, len(load), surface.count))
         bound = self.substrate.for_surface(surface)
@@ -317,13 +322,13 @@ class Interacting:
             gradients[:] = 0.0
             part = kernel.Results(*(array[0] for array in results))
             LargeScene(surface, bound, self.order).follow(
-                own[0], surface.gap, load, True, part, trail, gradients
+                own[0], gap, load, True, part, trail, gradients
             )
             gradients *= 1.0 - rate * Hertz().load_at_indentation(trail, surface.radius)
         else:
             coupling, self_term = self._coupling(surface)
             own += self_term
-            self._run_dense(surface, coupling, own, surface.gap[None, :], load, True, results, trail)
+            self._run_dense(surface, coupling, own, gap[None, :], load, True, results, trail)
             gradients = area_gradients(coupling, self.order, surface.radius, own[0], trail, rate)
         approach, carried, area, stiffness, residual = (results[k][0] for k in range(5))
         curve = Curve(approach, carried, area, stiffness, residual, self._promise(surface))

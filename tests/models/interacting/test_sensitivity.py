@@ -76,3 +76,18 @@ def test_fast_sums_give_the_sensitivities_of_dense_matrices(model, scattered, mo
     scale = np.abs(dense.gradient).max()
     np.testing.assert_allclose(fast.gradient, dense.gradient, rtol=0.0, atol=1e-7 * scale)
     np.testing.assert_allclose(fast.indentation, dense.indentation, rtol=0.0, atol=1e-9)
+
+
+@pytest.mark.parametrize("model", MODELS, ids=repr)
+def test_heights_can_stand_in_place_of_those_of_the_surface(model):
+    rng = np.random.default_rng(1)
+    height = 0.1 + rng.exponential(0.02, 9)
+    flat = mf.Surface.square_lattice(
+        0.1, (3, 3), radius=0.526, material=mf.Material(1.0), block=mf.Block(20.0, 20.0, 3.0)
+    )
+    load = np.array([0.02, 0.08])
+    given = model.sensitivity(flat, load, height)
+    own = model.sensitivity(flat.replaced(height=height), load)
+    np.testing.assert_array_equal(given.curve.area, own.curve.area)
+    np.testing.assert_array_equal(given.gradient, own.gradient)
+    np.testing.assert_array_equal(given.indentation, own.indentation)
