@@ -321,9 +321,7 @@ class Interacting:
         if surface.count > DENSE_LIMIT and isinstance(bound, Radial):
             gradients[:] = 0.0
             part = kernel.Results(*(array[0] for array in results))
-            LargeScene(surface, bound, self.order).follow(
-                own[0], gap, load, True, part, trail, gradients
-            )
+            LargeScene(surface, bound, self.order).follow(own[0], gap, load, True, part, trail, gradients)
             gradients *= 1.0 - rate * Hertz().load_at_indentation(trail, surface.radius)
         else:
             coupling, self_term = self._coupling(surface)
