@@ -19,7 +19,7 @@ from metafem.drawing import svg
 from metafem.report.figures import law_figure
 from validation.check import Check, Claim
 from validation.page import page, readme_table
-from validation.paper_surfaces import fig4
+from validation.paper.surfaces import fig4
 from validation.readme import renew
 
 PICTURE = Path(__file__).parent / "first_minute.svg"

@@ -13,7 +13,7 @@ import numpy as np
 
 import metafem as mf
 from validation.benchmark.timing import Row, best, processor_time
-from validation.paper_surfaces import fig3, fig4, fig5
+from validation.paper.surfaces import fig3, fig4, fig5
 
 SURFACES, LOADS, ASPERITIES = 10_000, 100, 64
 

@@ -22,7 +22,7 @@ from metafem.drawing import new_figure, svg
 from metafem.models.model import Model
 from validation.benchmark.resolved import solve_with_tamaas
 from validation.benchmark.timing import Row, best
-from validation.paper_surfaces import fig4
+from validation.paper.surfaces import fig4
 
 PICTURE = Path(__file__).parents[1] / "work_precision.svg"
 

@@ -9,7 +9,7 @@ import metafem as mf
 from metafem.fe.axisymmetric.geometry import Flat, Oblate
 from metafem.fe.axisymmetric.mesh import graded_mesh
 from metafem.fe.axisymmetric.prescribed_radius import graded, spectral
-from validation.frozen_meshes import FOLDER, recipes
+from validation.finite_elements.frozen_meshes import FOLDER, recipes
 
 
 def parabola(r):

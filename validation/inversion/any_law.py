@@ -11,7 +11,7 @@ from metafem.drawing import new_figure
 from metafem.inversion.radii import Radii
 from metafem.inversion.strategies.proportional import line_range
 from validation.check import Check, Claim, below
-from validation.paper_surfaces import template
+from validation.paper.surfaces import template
 
 SLOPE = 7.0
 MODELS = {

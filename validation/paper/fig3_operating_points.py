@@ -7,7 +7,7 @@ import numpy as np
 import metafem as mf
 from metafem.report.figures import law_figure
 from validation.check import Check, Claim, near
-from validation.paper_surfaces import fig3, template
+from validation.paper.surfaces import fig3, template
 from validation.published import PAPER, paper
 
 # Half of the last printed digit of the points.

@@ -6,7 +6,7 @@ import numpy as np
 
 from metafem.drawing import new_figure
 from validation.check import Claim, below, near
-from validation.paper_surfaces import fig5
+from validation.paper.surfaces import fig5
 from validation.published import PAPER, table
 
 # Printed to 0.1 µm; the rest is what the printed slopes and crossover loads leave open.

@@ -14,8 +14,8 @@ import numpy as np
 import metafem as mf
 from metafem.drawing import new_figure
 from validation.check import Check, Claim, below
-from validation.interaction_error import surfaces
-from validation.paper_surfaces import fig3
+from validation.paper.interaction_error import surfaces
+from validation.paper.surfaces import fig3
 
 # The tests of this claim carry the mark "slow".
 SLOW = True

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from metafem.report.figures import law_figure
 from validation.check import Claim, near
-from validation.paper_surfaces import fig4
+from validation.paper.surfaces import fig4
 from validation.published import PAPER, paper
 
 # Slopes over 25 to 100 % of the load at which the plane reaches the foot of the density, recomputed

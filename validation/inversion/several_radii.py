@@ -12,7 +12,7 @@ from metafem.inversion.feasibility import largest_exponent, least_exponent
 from metafem.inversion.radii import Radii
 from metafem.inversion.strategies.sampled import wanted_law
 from validation.check import Check, Claim, below, near
-from validation.paper_surfaces import template
+from validation.paper.surfaces import template
 
 # Two tools, or any radius between them [mm]; loads and heights of the power laws.
 TOOLS = [0.2, 0.8]

@@ -13,7 +13,7 @@ import numpy as np
 import metafem as mf
 from metafem.drawing import new_figure
 from validation.check import Check, Claim, below, near
-from validation.paper_surfaces import fig3, fig4, template
+from validation.paper.surfaces import fig3, fig4, template
 from validation.published import PAPER, paper, table
 
 # The tests of this claim carry the mark "slow".

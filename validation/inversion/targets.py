@@ -10,7 +10,7 @@ import metafem as mf
 from metafem.drawing import new_figure
 from metafem.inversion.strategies.sampled import wanted_law
 from validation.check import Check, Claim, below
-from validation.paper_surfaces import template
+from validation.paper.surfaces import template
 
 MODELS = {
     "independent": mf.Independent(),

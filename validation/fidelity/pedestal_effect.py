@@ -7,7 +7,7 @@ import numpy as np
 import metafem as mf
 from metafem.drawing import new_figure
 from validation.check import Check, Claim, below
-from validation.interaction_error import LOADS, surfaces
+from validation.paper.interaction_error import LOADS, surfaces
 
 
 def claim() -> Claim:

@@ -14,7 +14,7 @@ import numpy as np
 import metafem as mf
 from metafem.drawing import new_figure
 from validation.check import Check, Claim, below, near
-from validation.interaction_error import surfaces
+from validation.paper.interaction_error import surfaces
 
 # The tests of this claim carry the mark "slow".
 SLOW = True

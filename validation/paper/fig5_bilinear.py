@@ -5,7 +5,7 @@ from __future__ import annotations
 import metafem as mf
 from metafem.report.figures import law_figure
 from validation.check import Claim, below, near
-from validation.paper_surfaces import fig5
+from validation.paper.surfaces import fig5
 from validation.published import PAPER, paper
 
 # The fits of the discrete laws depend on the range, which the paper does not print; a tenth is its own

@@ -6,7 +6,7 @@ import numpy as np
 
 from metafem.drawing import new_figure
 from validation.check import Claim, near
-from validation.paper_surfaces import fig4
+from validation.paper.surfaces import fig4
 from validation.published import PAPER, paper, table
 
 

@@ -6,8 +6,8 @@ from metafem import fe
 from metafem.fe.checks import BLOCK_RADIUS, CAP_ROWS, RADIUS, THICKNESS
 from metafem.report.elements import cap_pressure_figure, mesh_figure
 from validation.check import Claim, from_elements
-from validation.fe_finite_strain import TEXT
-from validation.frozen_meshes import CAP_CONTACT, FOLDER, cap
+from validation.finite_elements.fe_finite_strain import TEXT
+from validation.finite_elements.frozen_meshes import CAP_CONTACT, FOLDER, cap
 
 # Several seconds of finite elements: the test suite runs it with the slow ones.
 SLOW = True

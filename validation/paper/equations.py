@@ -11,7 +11,7 @@ import metafem as mf
 from metafem.inversion.height_density import PiecewiseExponential, TruncatedExponential, TwoBranchExponential
 from metafem.reference import height_densities as printed
 from validation.check import Check, Claim, below
-from validation.paper_surfaces import fig3, template
+from validation.paper.surfaces import fig3, template
 from validation.published import PAPER
 
 RADIUS, COUNT, TOP = 0.526, 64, 0.120

@@ -1,4 +1,4 @@
-"""The recipes behind the meshes in meshes/; `python -m validation.frozen_meshes` writes them anew."""
+"""Recipes of the frozen meshes; `python -m validation.finite_elements.frozen_meshes` writes them to meshes/."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from metafem.fe.axisymmetric.geometry import Cap
 from metafem.fe.axisymmetric.mesh import graded_mesh, half_space_mesh
 from metafem.fe.checks import BLOCK_RADIUS, PITCH, RADIUS, THICKNESS
 
-FOLDER = Path(__file__).parent.parent / "meshes"
+FOLDER = Path(__file__).parents[2] / "meshes"
 
 # Height of the frozen cap and contact radii of the frozen cap and cell [mm].
 CAP_HEIGHT, CAP_CONTACT, CELL_CONTACT = 0.12, 0.10, 0.20

@@ -5,7 +5,7 @@ from __future__ import annotations
 import metafem as mf
 from metafem.inversion.height_density import slope_excess
 from validation.check import Claim, near
-from validation.paper_surfaces import template
+from validation.paper.surfaces import template
 from validation.published import PAPER, paper
 
 

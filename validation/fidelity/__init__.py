@@ -1,0 +1,1 @@
+"""What the substrate and the pedestals change in the predicted laws."""

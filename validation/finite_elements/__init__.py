@@ -1,0 +1,1 @@
+"""One contact by finite elements, against closed forms and other computations."""

@@ -1,0 +1,1 @@
+"""Target laws, radii and assignments to sites beyond those of the paper."""
