@@ -1,10 +1,8 @@
-"""Run all claims: print the table, write results.json and the page, exit 1 if any check failed."""
+"""Check all claims: print the table, write results.json and the page, exit 1 if any check failed."""
 
 from __future__ import annotations
 
-import importlib
 import json
-import pkgutil
 import sys
 import time
 import traceback
@@ -14,10 +12,10 @@ from pathlib import Path
 import click
 
 import metafem as mf
-import validation
 from metafem.drawing import svg
 from metafem.report.figures import law_figure
 from validation.check import Check, Claim
+from validation.discovery import Listed, chosen, groups, module
 from validation.page import page, readme_table
 from validation.paper.surfaces import fig4
 from validation.readme import renew
@@ -28,37 +26,33 @@ MARKS = ("<!-- validation table: python -m validation --readme -->", "<!-- end o
 
 
 def claims() -> list[str]:
-    """Names of the modules that make a claim."""
-    names = []
-    for module in pkgutil.iter_modules(validation.__path__):
-        if not module.ispkg and hasattr(importlib.import_module(f"validation.{module.name}"), "claim"):
-            names.append(module.name)
-    return names
+    """Names of the modules that make a claim, group by group."""
+    return [name for names in groups("claim").values() for name in names]
 
 
 def is_slow(name: str) -> bool:
-    """Whether a claim says that it takes longer than a few seconds: its module holds ``SLOW = True``."""
-    return bool(getattr(importlib.import_module(f"validation.{name}"), "SLOW", False))
+    """Whether a claim takes more than a few seconds: its module holds ``SLOW = True``."""
+    return bool(getattr(module("claim", name), "SLOW", False))
 
 
 @cache
 def evaluate(name: str) -> Claim:
     """Evaluate one claim; an exception is a failed check."""
     try:
-        return importlib.import_module(f"validation.{name}").claim()
+        return module("claim", name).claim()
     except Exception:
         reason = traceback.format_exc(limit=-1).strip().splitlines()[-1]
-        return Claim(name, [Check(f"ran into: {reason}", float("inf"), "no error", False, "")])
+        return Claim(name, [Check(f"ran into: {reason}", float("inf"), "no error", False, "this run")])
 
 
 def renew_readme(results: dict[str, Claim]) -> None:
-    """Write the README's table and picture anew."""
+    """Write the README's table and picture."""
     renew(MARKS, readme_table(results))
     PICTURE.write_text(svg(_first_minute(), "Target, achieved law and finite elements"), "utf-8")
 
 
 def _first_minute():
-    """The demo's law with what finite elements of its caps say."""
+    """Draw the demo's law with the areas of finite elements of its caps."""
     design = fig4("red")
     found = mf.studies.fidelity(design)
     figure = law_figure(design)
@@ -70,21 +64,28 @@ def _first_minute():
     return figure
 
 
-@click.command()
+class ListedClaims(Listed):
+    """The command, whose help lists the claims."""
+
+    attributes = ("claim",)
+
+
+@click.command(cls=ListedClaims)
 @click.option("-o", "--output", default="validation/results", show_default=True, help="Folder to write.")
 @click.option("--readme", is_flag=True, help="Also renew the table in README.md.")
 @click.argument("names", nargs=-1)
 def main(output: str, readme: bool, names: tuple[str, ...]) -> None:
-    """Check NAMES, or every claim."""
+    """Check the claims NAMES, those of whole groups, or all. Prints computed and expected numbers."""
     from rich.console import Console
     from rich.table import Table
 
     console = Console()
     results: dict[str, Claim] = {}
-    for name in names or claims():
+    for name in chosen("claim", names):
         start = time.perf_counter()
         claim = results[name] = evaluate(name)
-        table = Table("check", "computed", "expected", "source", title=claim.title, title_justify="left")
+        title = f"{name}: {claim.title}"
+        table = Table("check", "computed", "expected", "source", title=title, title_justify="left")
         for check in claim.checks:
             style = None if check.passed else "bold red"
             table.add_row(check.name, f"{check.computed:.6g}", check.expected, check.source, style=style)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from metafem.drawing import svg
 from validation.check import Claim
+from validation.discovery import module
 
 TEMPLATE = """<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><title>metafem: validation</title>
@@ -54,5 +55,6 @@ def readme_table(results: dict[str, Claim]) -> str:
     rows = ["| claim | checks passed | file |", "|---|---|---|"]
     for name, claim in results.items():
         passed = sum(check.passed for check in claim.checks)
-        rows.append(f"| {claim.title} | {passed} of {len(claim.checks)} | `validation/{name}.py` |")
+        path = module("claim", name).__name__.replace(".", "/")
+        rows.append(f"| {claim.title} | {passed} of {len(claim.checks)} | `{path}.py` |")
     return "\n".join(rows)

@@ -1,4 +1,4 @@
-"""Recipes of the frozen meshes; `python -m validation.finite_elements.frozen_meshes` writes them to meshes/."""
+"""Recipes of the frozen meshes: `python -m validation.finite_elements.frozen_meshes` writes `meshes/`."""
 
 from __future__ import annotations
 
