@@ -49,7 +49,7 @@ def unit_of(name: str) -> str:
 
 
 @dataclass(frozen=True)
-class Words:
+class ErrorNames:
     """How errors name arguments, entries and numbers: as in Python, or as in the file they came from.
 
     `units` holds the unit in which a quantity was written and the size of that unit in the package's unit;
@@ -68,11 +68,11 @@ class Words:
         if not self.units:
             return f"{value:g}"
         name = name.partition("[")[0]
-        own = unit_of(name), 1.0
-        unit, size = self.units.get(f"{self.section}.{name}") or self.units.get(name, own)
+        default = unit_of(name), 1.0
+        unit, size = self.units.get(f"{self.section}.{name}") or self.units.get(name, default)
         return f"{value / size:g} {unit}".removesuffix(" 1").rstrip()
 
-    def called(self, name: str) -> str:
+    def label(self, name: str) -> str:
         """Return the file's name of an argument or of an entry, such as ``radius[3]``."""
         base, bracket, index = name.partition("[")
         if self.lines and bracket:
@@ -81,34 +81,34 @@ class Words:
         return self.names.get(name, name)
 
 
-_WORDS: ContextVar[Words] = ContextVar("_WORDS", default=Words())  # noqa: B039 - frozen
+_NAMES: ContextVar[ErrorNames] = ContextVar("_NAMES", default=ErrorNames())  # noqa: B039 - frozen
 
 
 @contextmanager
-def about(section: str) -> Iterator[None]:
+def error_section(section: str) -> Iterator[None]:
     """Make errors raised in the body refer to a section of the file."""
-    with speaking(replace(_WORDS.get(), section=section)):
+    with error_names(replace(_NAMES.get(), section=section)):
         yield
 
 
 @contextmanager
-def speaking(words: Words) -> Iterator[None]:
+def error_names(names: ErrorNames) -> Iterator[None]:
     """Make errors raised in the body use these names and units."""
-    token = _WORDS.set(words)
+    token = _NAMES.set(names)
     try:
         yield
     finally:
-        _WORDS.reset(token)
+        _NAMES.reset(token)
 
 
-def told(name: str, value: float) -> str:
+def formatted(name: str, value: float) -> str:
     """Return the number of an argument as errors print it."""
-    return _WORDS.get().number(name, value)
+    return _NAMES.get().number(name, value)
 
 
-def called(name: str) -> str:
+def label(name: str) -> str:
     """Return the name of an argument, or of an entry such as ``radius[3]``, as errors print it."""
-    return _WORDS.get().called(name)
+    return _NAMES.get().label(name)
 
 
 def shown(value: Any, most: int = 60) -> str:
@@ -166,35 +166,35 @@ def _plain(name: str, value: Any) -> Any:
         value = np.ma.getdata(value)
     if value is None or isinstance(value, (str, bytes, bool, complex)):
         raise TypeError(f"{name} is {shown(value)}")
-    found = np.asarray(value)
-    if found.dtype.kind in FOREIGN:
-        raise TypeError(f"{name} is {FOREIGN[found.dtype.kind]}")
-    if found.dtype.kind != "O":
-        return found if found.ndim else found[()]
-    if found.ndim == 0:
+    array = np.asarray(value)
+    if array.dtype.kind in FOREIGN:
+        raise TypeError(f"{name} is {FOREIGN[array.dtype.kind]}")
+    if array.dtype.kind != "O":
+        return array if array.ndim else array[()]
+    if array.ndim == 0:
         return float(value)
-    entries = [plain(f"{name}[{i}]", member) for i, member in enumerate(found.flat)]
-    return np.array(entries, dtype=np.float64).reshape(found.shape)
+    entries = [plain(f"{name}[{i}]", member) for i, member in enumerate(array.flat)]
+    return np.array(entries, dtype=np.float64).reshape(array.shape)
 
 
 def _without_unit(name: str, value: Any) -> Any:
     """Return the numbers of a quantity, recognised by its attributes, in the unit of the name."""
-    wanted = unit_of(name)
+    expected = unit_of(name)
     inner = getattr(value, "data", None)
     if hasattr(inner, "to") and hasattr(inner, "units"):  # a labelled array that wraps a quantity
         value = inner
     for numbers, unit in (("magnitude", "units"), ("value", "unit")):
         if hasattr(value, unit) and hasattr(value, numbers) and hasattr(value, "to"):
             try:
-                return getattr(value.to("" if wanted == "1" else wanted), numbers)
+                return getattr(value.to("" if expected == "1" else expected), numbers)
             except Exception:  # each library raises its own errors
-                raise _wrong_unit(name, getattr(value, unit), wanted) from None
-    label = getattr(value, "units", None) or getattr(value, "unit", None)
-    if isinstance(label, str) and label != wanted:
-        raise _wrong_unit(name, label, wanted)
+                raise _wrong_unit(name, getattr(value, unit), expected) from None
+    text = getattr(value, "units", None) or getattr(value, "unit", None)
+    if isinstance(text, str) and text != expected:
+        raise _wrong_unit(name, text, expected)
     return value
 
 
-def _wrong_unit(name: str, unit: Any, wanted: str) -> InvalidInput:
-    due = "a number without unit" if wanted == "1" else f"{wanted}, or a plain number in {wanted}"
-    return InvalidInput(f"{name} is given in {shown(str(unit))}; it must be {due}")
+def _wrong_unit(name: str, unit: Any, expected: str) -> InvalidInput:
+    allowed = "a number without unit" if expected == "1" else f"{expected}, or a plain number in {expected}"
+    return InvalidInput(f"{name} is given in {shown(str(unit))}; it must be {allowed}")

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from metafem._given import called, plain, shown, told, unit_of
+from metafem._given import formatted, label, plain, shown, unit_of
 from metafem.errors import InvalidInput
 
 FloatArray = NDArray[np.float64]
@@ -40,13 +40,13 @@ def number(
         raise InvalidInput(f"{name} = {shown(value)} is not a number in double precision") from None
     if not math.isfinite(result):
         raise InvalidInput(f"{name} = {result} must be finite")
-    given = f"{called(name)} = {told(name, result)}"
+    given = f"{label(name)} = {formatted(name, result)}"
     if above is not None and not result > above:
-        raise InvalidInput(f"{given} must be greater than {told(name, above)}")
+        raise InvalidInput(f"{given} must be greater than {formatted(name, above)}")
     if at_least is not None and result < at_least:
-        raise InvalidInput(f"{given} must be at least {told(name, at_least)}")
+        raise InvalidInput(f"{given} must be at least {formatted(name, at_least)}")
     if at_most is not None and result > at_most:
-        raise InvalidInput(f"{given} must be at most {told(name, at_most)}")
+        raise InvalidInput(f"{given} must be at most {formatted(name, at_most)}")
     if result and not SMALLEST <= abs(result) <= LARGEST and unit_of(name) != "1":
         raise _beyond(name, given)
     return result
@@ -98,10 +98,10 @@ def array(name: str, value: Any, *, shape: tuple[int | None, ...], positive: boo
         beyond = np.argwhere((np.abs(result) > LARGEST) | (positive & (result > 0.0) & (result < SMALLEST)))
         if beyond.size:
             first = tuple(beyond[0].tolist())
-            raise _beyond(name, f"{called(f'{name}{list(first)}')} = {told(name, result[first])}")
+            raise _beyond(name, f"{label(f'{name}{list(first)}')} = {formatted(name, result[first])}")
     if positive and result.min() <= 0.0:
         i = int(result.argmin())
-        raise InvalidInput(f"{called(f'{name}[{i}]')} = {told(name, result[i])} must be greater than 0")
+        raise InvalidInput(f"{label(f'{name}[{i}]')} = {formatted(name, result[i])} must be greater than 0")
     result.flags.writeable = False
     return result
 
@@ -110,7 +110,7 @@ def proportion(name: str, value: float, other: str, beside: float) -> None:
     """Refuse two lengths whose ratio exceeds the resolution of double precision."""
     small, large = sorted((abs(value), abs(beside)))
     if large > PROPORTION * small:
-        both = f"{called(name)} = {told(name, value)} and {called(other)} = {told(other, beside)}"
+        both = f"{label(name)} = {formatted(name, value)} and {label(other)} = {formatted(other, beside)}"
         raise InvalidInput(
             f"{both} differ by a factor of {large / small:.1g}; it must be at most {PROPORTION:.1g}, the "
             "resolution of double precision"
@@ -132,7 +132,7 @@ def loads(name: str, value: Any) -> FloatArray:
     """Return loads, none of them negative, (k,)."""
     result = array(name, value, shape=(None,))
     if result.min() < 0.0:
-        raise InvalidInput(f"{name} holds {told(name, result.min())}; loads cannot be negative")
+        raise InvalidInput(f"{name} holds {formatted(name, result.min())}; loads cannot be negative")
     return result
 
 
@@ -157,15 +157,15 @@ def depth(value: Any) -> int:
 def increasing(name: str, value: FloatArray) -> FloatArray:
     """Return `value`, whose entries must be positive and strictly increasing."""
     if value[0] <= 0.0:
-        raise InvalidInput(f"{called(f'{name}[0]')} = {told(name, value[0])} must be greater than 0")
+        raise InvalidInput(f"{label(f'{name}[0]')} = {formatted(name, value[0])} must be greater than 0")
     if value[0] < SMALLEST and unit_of(name) != "1":
-        raise _beyond(name, f"{called(f'{name}[0]')} = {told(name, value[0])}")
+        raise _beyond(name, f"{label(f'{name}[0]')} = {formatted(name, value[0])}")
     bad = np.flatnonzero(np.diff(value) <= 0.0)
     if bad.size:
         i = int(bad[0]) + 1
         raise InvalidInput(
-            f"{called(f'{name}[{i}]')} = {told(name, value[i])} does not exceed "
-            f"{called(f'{name}[{i - 1}]')} = {told(name, value[i - 1])}; the values must increase"
+            f"{label(f'{name}[{i}]')} = {formatted(name, value[i])} does not exceed "
+            f"{label(f'{name}[{i - 1}]')} = {formatted(name, value[i - 1])}; the values must increase"
         )
     return value
 

@@ -35,7 +35,7 @@ class _Listener:
     """The steps that are running, outermost first, and the functions to call."""
 
     on_step: OnStep
-    on_fact: Callable[[str], None] | None
+    on_message: Callable[[str], None] | None
     steps: list[_Step] = field(default_factory=list)
 
     def at(self, depth: int, *step: _Step) -> None:
@@ -59,7 +59,7 @@ _LISTENER: ContextVar[_Listener | None] = ContextVar("metafem progress", default
 
 
 @contextmanager
-def listening(on_step: OnStep, on_fact: Callable[[str], None] | None = None) -> Iterator[None]:
+def listening(on_step: OnStep, on_message: Callable[[str], None] | None = None) -> Iterator[None]:
     """Report the progress of the computations within the ``with`` block.
 
     Parameters
@@ -67,7 +67,7 @@ def listening(on_step: OnStep, on_fact: Callable[[str], None] | None = None) -> 
     on_step : callable
         Called as each step begins, with the name of the step and the fraction that is done, from 0 to 1, or
         None if it is not known. Quick computations report many steps per second.
-    on_fact : callable, optional
+    on_message : callable, optional
         Called with messages that should stay on the screen, such as the file in which a solution is kept.
 
     Examples
@@ -80,7 +80,7 @@ def listening(on_step: OnStep, on_fact: Callable[[str], None] | None = None) -> 
     >>> steps[0], steps[-1]
     ('inverting the law', 'computing the law of the heights')
     """
-    token = _LISTENER.set(_Listener(on_step, on_fact))
+    token = _LISTENER.set(_Listener(on_step, on_message))
     try:
         yield
     finally:
@@ -117,8 +117,8 @@ def each(name: str, items: Sequence[Item], *, at_most: bool = False) -> Iterator
         listener.at(depth)
 
 
-def fact(text: str) -> None:
+def message(text: str) -> None:
     """Report a message that should stay on the screen after the step has ended."""
     listener = _LISTENER.get()
-    if listener is not None and listener.on_fact is not None:
-        listener.on_fact(text)
+    if listener is not None and listener.on_message is not None:
+        listener.on_message(text)

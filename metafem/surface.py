@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from metafem import _validate as check
 from metafem import drawing
 from metafem._calls import checked_call, checked_class
-from metafem._given import called, told
+from metafem._given import formatted, label
 from metafem._validate import FloatArray
 from metafem._values import Value, span
 from metafem.errors import InvalidInput
@@ -364,8 +364,8 @@ def _refuse_coincident(position: FloatArray) -> None:
     same = np.flatnonzero((places[order[1:]] == places[order[:-1]]).all(axis=1))
     if same.size:
         i, j = sorted(order[same[0] : same[0] + 2].tolist())
-        x, y = (told("position", float(value)) for value in position[i])
-        both = " and ".join(called(f"position[{k}]") for k in (i, j))
+        x, y = (formatted("position", float(value)) for value in position[i])
+        both = " and ".join(label(f"position[{k}]") for k in (i, j))
         raise InvalidInput(f"{both} coincide at ({x}, {y}); no two asperities may share a position")
 
 

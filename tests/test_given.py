@@ -11,7 +11,7 @@ import pytest
 import xarray as xr
 
 import metafem as mf
-from metafem._given import Words, plain, shown, speaking, told, unit_of
+from metafem._given import ErrorNames, error_names, formatted, plain, shown, unit_of
 
 U = pint.UnitRegistry()
 MATERIAL = mf.Material(1.36)
@@ -155,10 +155,10 @@ def test_absurd_proportions_are_refused_by_name(build, words):
 
 
 def test_errors_speak_in_the_words_of_a_file():
-    words = Words(section="limits", units={"limits.max_height": ("um", 0.001)})
-    with speaking(words), pytest.raises(mf.InvalidInput, match=r"max_height = -120 um must .* than 0 um"):
+    words = ErrorNames(section="limits", units={"limits.max_height": ("um", 0.001)})
+    with error_names(words), pytest.raises(mf.InvalidInput, match=r"max_height = -120 um must .* than 0 um"):
         mf.Limits(-0.12)
-    assert told("max_height", 0.12) == "0.12"
+    assert formatted("max_height", 0.12) == "0.12"
 
 
 def test_names_know_their_units():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.progress import doing, each, fact, listening
+from metafem.progress import doing, each, listening, message
 
 
 def heard(run):
@@ -50,7 +50,7 @@ def test_steps_end_with_an_error_and_with_a_break():
 def test_nobody_need_listen():
     assert list(each("start", [1, 2])) == [1, 2]
     with doing("solving"):
-        fact("kept")
+        message("kept")
 
 
 def test_a_design_tells_of_its_searches_and_of_resolved_loads(template):

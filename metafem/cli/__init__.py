@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from metafem.cli.signals import stop_told, stopped_by_signals
+from metafem.cli.signals import report_stop, stopped_by_signals
 
 __all__ = ["main", "run"]
 
@@ -10,7 +10,7 @@ __all__ = ["main", "run"]
 def run() -> None:
     """Run the metafem command. It is stopped by signals from here on, while its modules are imported too."""
     with stopped_by_signals():
-        with stop_told("nothing was written"):
+        with report_stop("nothing was written"):
             from metafem.cli.commands import main
         main(prog_name="metafem")
 

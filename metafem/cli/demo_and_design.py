@@ -11,7 +11,7 @@ import click
 
 from metafem.cli.group import DEMOS, NOT_ACHIEVED, Name, force_option, json_option, main, model_option
 from metafem.cli.progress import progress
-from metafem.cli.terminal import notes_data, tell_notes, tell_table, terminal
+from metafem.cli.terminal import notes_data, print_notes, print_table, terminal
 from metafem.errors import InvalidInput
 from metafem.progress import doing
 
@@ -104,12 +104,12 @@ def _run(
             write_all(result, fresh, specification, {"report.html": text})
     part = planned(result.surface, result.template, specification.part)
     notes = all_notes(result, specification.hardness) + part_notes(part, specification.part)
-    _tell_design(result, specification, folder, notes, part, as_json)
+    _print_design(result, specification, folder, notes, part, as_json)
     if result.status is DesignStatus.MISSED:
         sys.exit(NOT_ACHIEVED)
 
 
-def _tell_design(
+def _print_design(
     result: Design,
     specification: Specification,
     folder: Path,
@@ -148,8 +148,8 @@ def _tell_design(
     table.add_row("asperities", f"{result.surface.count} of {result.template.count} sites", "")
     console.print(table, highlight=False)
     if result.fits:
-        tell_table(terminal(), *fit_table(result))
-    tell_notes(console, notes)
+        print_table(terminal(), *fit_table(result))
+    print_notes(console, notes)
     console.print(f"wrote {folder}/: open {folder / 'report.html'}", highlight=False, markup=False)
 
 

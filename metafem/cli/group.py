@@ -10,7 +10,7 @@ from typing import Any
 import click
 
 from metafem.cli.output import printing, show_error
-from metafem.cli.signals import stop_told, stopped_by_signals
+from metafem.cli.signals import report_stop, stopped_by_signals
 from metafem.errors import InvalidInput, MetafemError
 
 DEMOS = ("operating-points", "linear", "bilinear")
@@ -64,7 +64,7 @@ class Commands(click.Group):
         """Parse the arguments and run the command; with --json errors are JSON too."""
         given = sys.argv[1:] if args is None else args
         extra["standalone_mode"] = False  # the exit code is set here
-        with stopped_by_signals(), stop_told("no unfinished file is left"), printing():
+        with stopped_by_signals(), report_stop("no unfinished file is left"), printing():
             try:
                 code = super().main(args, *rest, **extra)
             except click.ClickException as error:

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from metafem.cli.group import Name, force_option, json_option, main, model_option
-from metafem.cli.progress import progress, telling_facts
-from metafem.cli.terminal import notes_data, tell_notes, tell_table, terminal
+from metafem.cli.progress import printing_messages, progress
+from metafem.cli.terminal import notes_data, print_notes, print_table, terminal
 from metafem.errors import InvalidInput
 from metafem.progress import doing
 
@@ -90,7 +90,7 @@ def predict(
             raise InvalidInput(
                 f"{name} is a specification; run metafem design {name} -o FOLDER, then metafem predict FOLDER"
             )
-        with telling_facts():
+        with printing_messages():
             surface, used = _surface(source, given, model), mf.Independent()
     if output is not None:
         refuse_existing(output, force, is_law_table)
@@ -108,13 +108,13 @@ def predict(
     if as_json:
         click.echo(json.dumps(_law_data(law)))
     else:
-        _tell_law(law, whole=bool(load))
+        _print_law(law, whole=bool(load))
 
 
 def _surface(source: Path, given: Mapping[str, str | float], model: str | None) -> Surface:
     """Return the surface of a table of heights, with material, friction and block from the options."""
-    from metafem._given import speaking
-    from metafem.files import option_words, quantity, read_surface
+    from metafem._given import error_names
+    from metafem.files import option_names, quantity, read_surface
     from metafem.surface import Friction, Material
 
     if ("composite_modulus" in given) == ("young_modulus" in given):
@@ -133,7 +133,7 @@ def _surface(source: Path, given: Mapping[str, str | float], model: str | None) 
         name: quantity(f"--{name.replace('_', '-')}", value, units[name]) if name in units else float(value)
         for name, value in given.items()
     }
-    with speaking(option_words({name: str(value) for name, value in given.items()})):
+    with error_names(option_names({name: str(value) for name, value in given.items()})):
         ratio = number.get("poisson_ratio", 0.5)
         if "young_modulus" in number:
             material = Material.from_young(number["young_modulus"], ratio)
@@ -164,7 +164,7 @@ def _block(given: dict[str, float], model: str | None) -> Block | None:
     return Block(*(given[name] for name in BLOCK)) if set(BLOCK) <= set(given) else None
 
 
-def _tell_law(law: FrictionLaw, whole: bool) -> None:
+def _print_law(law: FrictionLaw, whole: bool) -> None:
     columns = ["load [N]", "area [mm²]", "separation [mm]", "stiffness [N/mm]"]
     if law.friction is not None:
         columns += ["friction [N]", "F/P"]
@@ -177,9 +177,9 @@ def _tell_law(law: FrictionLaw, whole: bool) -> None:
             numbers += [law.friction_force[i], law.friction_coefficient[i]]
         rows.append(tuple(f"{number:.6g}" for number in numbers))
     console = terminal()
-    tell_table(console, columns, rows)
+    print_table(console, columns, rows)
     console.print(f"model {law.model.name}, {law.status.value}", highlight=False, markup=False)
-    tell_notes(console, law.notes)
+    print_notes(console, law.notes)
 
 
 def _law_data(law: FrictionLaw) -> dict[str, Any]:

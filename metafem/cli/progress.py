@@ -24,7 +24,7 @@ LOOK = 0.5
 
 
 @contextmanager
-def telling_facts() -> Iterator[None]:
+def printing_messages() -> Iterator[None]:
     """Print what quick work reports, such as the columns of a table that are not read, on stderr."""
     from metafem.progress import listening
 

@@ -52,7 +52,7 @@ def stopped_by_signals() -> Iterator[None]:
 
 
 @contextmanager
-def stop_told(left: str) -> Iterator[None]:
+def report_stop(left: str) -> Iterator[None]:
     """Print one line on stderr when the body is stopped by a signal: what it left behind."""
     try:
         yield

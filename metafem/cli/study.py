@@ -10,7 +10,7 @@ import click
 
 from metafem.cli.group import Name, force_option, json_option, main
 from metafem.cli.progress import progress
-from metafem.cli.terminal import tell_notes, tell_table, terminal
+from metafem.cli.terminal import print_notes, print_table, terminal
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -42,14 +42,14 @@ def study(name: str, folder: Path, force: bool, as_json: bool) -> None:
     if as_json:
         click.echo(json.dumps({"file": str(path), **study_data(found)}))
     else:
-        _tell_study(found, path)
+        _print_study(found, path)
 
 
-def _tell_study(found: Dataset, path: Path) -> None:
+def _print_study(found: Dataset, path: Path) -> None:
     from metafem.studies import summary
 
     told = summary(found)
     console = terminal()
-    tell_table(console, told.columns, told.rows, told.title)
-    tell_notes(console, told.notes)
+    print_table(console, told.columns, told.rows, told.title)
+    print_notes(console, told.notes)
     console.print(f"wrote {path}", highlight=False, markup=False)

@@ -25,7 +25,7 @@ def terminal() -> Console:
     return console if console.is_terminal else Console(width=max(WIDE, console.width))
 
 
-def tell_table(
+def print_table(
     console: Console, columns: Sequence[str], rows: Sequence[Sequence[str]], title: str | None = None
 ) -> None:
     """Print a table. Headings may wrap between words; numbers never wrap."""
@@ -51,7 +51,7 @@ def tell_table(
     console.print(table, crop=False)
 
 
-def tell_notes(console: Console, notes: Iterable[Note]) -> None:
+def print_notes(console: Console, notes: Iterable[Note]) -> None:
     """Print notes, one per line; warnings are yellow."""
     for note in notes:
         word, style = ("warning", "yellow") if note.warns else ("note", None)

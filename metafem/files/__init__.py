@@ -10,7 +10,7 @@ from metafem.files.specification.demos import demo_text
 from metafem.files.specification.manual import all_keys, manual
 from metafem.files.specification.models import MODELS, model_named
 from metafem.files.specification.read import Specification, read_spec, refuse_missing_block
-from metafem.files.units import option_words, quantity
+from metafem.files.units import option_names, quantity
 
 __all__ = [
     "MODELS",
@@ -24,7 +24,7 @@ __all__ = [
     "load",
     "manual",
     "model_named",
-    "option_words",
+    "option_names",
     "part_notes",
     "planned",
     "quantity",

@@ -11,9 +11,9 @@ from pathlib import Path
 
 from metafem._given import printable, shown
 from metafem.errors import InvalidInput
-from metafem.files.reading import TABLE, called, decoded, read_bytes
+from metafem.files.reading import TABLE, decoded, file_label, read_bytes
 from metafem.files.units import decimal
-from metafem.progress import fact
+from metafem.progress import message
 
 SEMICOLONS = "if commas are decimal, separate the columns by semicolons"
 
@@ -43,12 +43,12 @@ class Table:
                 )
         return self.rows
 
-    def tell_unread(self, read: Collection[str]) -> None:
+    def report_unread(self, read: Collection[str]) -> None:
         """Report the columns whose titles are not among those that are read."""
         unread = [printable(title, 40) for title in self.header if title not in read]
         if unread:
             what = f"column {unread[0]} is" if len(unread) == 1 else f"columns {', '.join(unread)} are"
-            fact(f"{self.name}: the {what} not read")
+            message(f"{self.name}: the {what} not read")
 
     def number(self, line: int, column: int, text: str) -> Fraction:
         """Return an entry as an exact fraction."""
@@ -76,7 +76,7 @@ def read_table(path: str | Path, example: str) -> Table:
     InvalidInput
         If the file cannot be read, is empty or has one column.
     """
-    content, name = read_bytes(path, TABLE), called(path)
+    content, name = read_bytes(path, TABLE), file_label(path)
     text = decoded(path, content)
     lines = ["\n" if line.lstrip().startswith("#") else line for line in io.StringIO(text, newline=None)]
     first = next((line for line in lines if line.strip()), None)

@@ -24,7 +24,7 @@ def read_bytes(path: str | Path, most: int, missing: str = "no such file") -> by
     InvalidInput
         For anything else: a folder, a device, a pipe, a file that is too large, missing or unreadable.
     """
-    name = called(path)
+    name = file_label(path)
     try:
         kind = _kind(path)
         if not stat.S_ISREG(kind.st_mode):
@@ -48,7 +48,7 @@ def _kind(path: str | Path) -> os.stat_result:
         raise InvalidInput(f"{shown(path)} is not the name of a file") from None
 
 
-def called(path: object) -> str:
+def file_label(path: object) -> str:
     """Return the name of a file for an error, on one line."""
     return printable(str(path), 300)
 
@@ -60,7 +60,7 @@ def decoded(path: str | Path, raw: bytes) -> str:
     except UnicodeDecodeError as error:
         line = raw.count(b"\n", 0, error.start) + 1
         raise InvalidInput(
-            f"{called(path)}: line {line} is not UTF-8; save the file with that encoding"
+            f"{file_label(path)}: line {line} is not UTF-8; save the file with that encoding"
         ) from None
 
 
@@ -76,9 +76,9 @@ def read_record(path: str | Path, missing: str = "no such file") -> Any:
     try:
         return json.loads(text, parse_constant=_refused)
     except RecursionError:
-        raise InvalidInput(f"{called(path)} is damaged: it nests its values too deeply") from None
+        raise InvalidInput(f"{file_label(path)} is damaged: it nests its values too deeply") from None
     except ValueError as error:
-        raise InvalidInput(f"{called(path)} is damaged: {printable(str(error))}") from None
+        raise InvalidInput(f"{file_label(path)} is damaged: {printable(str(error))}") from None
 
 
 def _refused(constant: str) -> float:

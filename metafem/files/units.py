@@ -10,7 +10,7 @@ from fractions import Fraction
 from functools import cache
 from typing import Any
 
-from metafem._given import Words, printable, shown
+from metafem._given import ErrorNames, printable, shown
 from metafem.errors import InvalidInput
 
 # A decimal number, then a product of units with exponents of one digit. Nothing else reaches pint,
@@ -117,11 +117,11 @@ def decimal(text: str) -> Fraction:
     return Fraction(text)
 
 
-def option_words(options: Mapping[str, str | None]) -> Words:
+def option_names(options: Mapping[str, str | None]) -> ErrorNames:
     """Return the names and units of a command's options for errors."""
     given = {name: text for name, text in options.items() if text is not None}
     names = {name: f"--{name.replace('_', '-')}" for name in given}
-    return Words(section="option", units=written_units({"option": given}), names=names)
+    return ErrorNames(section="option", units=written_units({"option": given}), names=names)
 
 
 def written_units(table: Mapping[str, Any]) -> dict[str, tuple[str, float]]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from metafem import _validate as check
 from metafem._calls import checked_class
-from metafem._given import told
+from metafem._given import formatted
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 
@@ -62,7 +62,8 @@ class Limits:
         values["offset"] = check.number("offset", self.offset, at_least=0.0)
         if low >= top:
             raise InvalidInput(
-                f"min_height = {told('min_height', low)} must be below max_height = {told('max_height', top)}"
+                f"min_height = {formatted('min_height', low)} must be below "
+                f"max_height = {formatted('max_height', top)}"
             )
         if self.height_step is not None:
             finest = (top - low) / MOST_LEVELS

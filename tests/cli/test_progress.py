@@ -6,7 +6,7 @@ from rich.console import Console
 
 from metafem.cli import progress as module
 from metafem.cli.progress import FIRST_LINE, NEXT_LINE, Lines, progress
-from metafem.progress import doing, each, fact
+from metafem.progress import doing, each, message
 
 
 def test_quick_work_has_no_lines_and_long_work_few():
@@ -22,7 +22,7 @@ def test_quick_work_has_no_lines_and_long_work_few():
 
 def test_without_a_terminal_facts_are_lines_on_stderr(capsys):
     with progress(), doing("solving"):
-        fact("the solution is kept in /a folder")
+        message("the solution is kept in /a folder")
     out, err = capsys.readouterr()
     assert (out, err) == ("", "the solution is kept in /a folder\n")
 

@@ -7,7 +7,7 @@ import pytest
 
 import metafem as mf
 from metafem.files import read_heights
-from metafem.files.reading import TABLE, called, read_bytes, read_record
+from metafem.files.reading import TABLE, file_label, read_bytes, read_record
 
 READERS = {"spec": mf.read_spec, "table": read_heights, "record": read_record}
 
@@ -60,4 +60,4 @@ def test_files_are_read_whole(tmp_path):
     path = tmp_path / "a"
     path.write_bytes(b"abc")
     assert read_bytes(path, 3) == b"abc"
-    assert called(Path("a\nb")) == r"a\nb"
+    assert file_label(Path("a\nb")) == r"a\nb"

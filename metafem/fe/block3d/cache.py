@@ -18,7 +18,7 @@ import numpy as np
 
 from metafem._caches import cache_folder
 from metafem._validate import FloatArray
-from metafem.progress import fact
+from metafem.progress import message
 
 # Modules that compute an influence, and the libraries they rely on.
 SOURCES = tuple(
@@ -87,9 +87,9 @@ def cached(
     try:
         _write(path, found)
     except OSError as error:
-        fact(f"the solution of the true block is not kept on disk: {error}")
+        message(f"the solution of the true block is not kept on disk: {error}")
         return _noted(found, f"not kept on disk: {error}")
-    fact(f"the solution of the true block is kept for the next time, in {path}")
+    message(f"the solution of the true block is kept for the next time, in {path}")
     return _noted(found, f"kept in {path}")
 
 

@@ -15,7 +15,7 @@ from metafem.files.part.caps import refuse_impossible, with_alignment
 from metafem.files.part.formats import WRITERS, stl_size
 from metafem.files.part.mould_drawing import mould_drawing
 from metafem.notes import Note, information
-from metafem.progress import doing, fact
+from metafem.progress import doing, message
 from metafem.surface import Block, Surface
 
 __all__ = ["FORMATS", "Part", "PartOptions", "part_notes", "planned"]
@@ -129,7 +129,7 @@ class Part:
         )
         if not self.formats:
             return
-        fact(self.size())
+        message(self.size())
         with doing("meshing the part"):
             block = block_mesh(self.surface, self.block, self.chord_error)
             mould = mould_mesh(block, self.surface, self.block, self.chord_error)

@@ -20,7 +20,7 @@ from metafem.files.atomic.manifest import FORMAT, digest
 from metafem.files.atomic.staged import staged
 from metafem.files.part.caps import alignment_asperities
 from metafem.files.part.plan import Part, PartOptions, part_notes, planned
-from metafem.files.reading import called, read_record
+from metafem.files.reading import file_label, read_record
 from metafem.files.result.records import from_record, to_record
 from metafem.files.result.tables import heights_table, law_table, mould_table
 from metafem.files.result.vtu import write_surface
@@ -160,11 +160,11 @@ def load(folder: str | Path) -> Design:
     try:
         design = from_record(record.get("design"), "design")
     except InvalidInput as error:
-        raise InvalidInput(f"{called(path)} is damaged: {error}") from None
+        raise InvalidInput(f"{file_label(path)} is damaged: {error}") from None
     except RecursionError:
-        raise InvalidInput(f"{called(path)} is damaged: it nests its values too deeply") from None
+        raise InvalidInput(f"{file_label(path)} is damaged: it nests its values too deeply") from None
     if not isinstance(design, Design):
-        raise InvalidInput(f"{called(path)} is damaged: it holds no design")
+        raise InvalidInput(f"{file_label(path)} is damaged: it holds no design")
     return design
 
 
@@ -175,12 +175,12 @@ def stored_hardness(folder: str | Path) -> float | None:
     if specification is None:
         return None
     if not isinstance(specification, dict):
-        raise InvalidInput(f"{called(path)} is damaged: it lacks its specification")
+        raise InvalidInput(f"{file_label(path)} is damaged: it lacks its specification")
     hardness = specification.get("hardness")
     try:
         return None if hardness is None else check.number("hardness", hardness, above=0.0)
     except InvalidInput as error:
-        raise InvalidInput(f"{called(path)} is damaged: specification.{error}") from None
+        raise InvalidInput(f"{file_label(path)} is damaged: specification.{error}") from None
 
 
 def same_design(folder: str | Path) -> Callable[[], None]:
@@ -203,13 +203,13 @@ def same_design(folder: str | Path) -> Callable[[], None]:
 def _read(folder: str | Path) -> tuple[Path, dict[str, Any]]:
     """Return the path and the record of a result folder's design.json."""
     if os.path.isfile(folder):
-        instead = f", here {called(Path(folder).parent)}" if Path(folder).name == "design.json" else ""
-        raise InvalidInput(f"{called(folder)} is a file; name a result folder of metafem{instead}")
+        instead = f", here {file_label(Path(folder).parent)}" if Path(folder).name == "design.json" else ""
+        raise InvalidInput(f"{file_label(folder)} is a file; name a result folder of metafem{instead}")
     restore(Path(folder))
     path = Path(folder) / "design.json"
     record = read_record(path, "no such file; name a result folder of metafem")
     if not isinstance(record, dict) or record.get("format") != FORMAT:
-        raise InvalidInput(f"{called(path)} is not a design of this version of metafem ({FORMAT})")
+        raise InvalidInput(f"{file_label(path)} is not a design of this version of metafem ({FORMAT})")
     return path, record
 
 

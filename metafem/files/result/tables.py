@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from metafem._given import Words, printable, speaking
+from metafem._given import ErrorNames, error_names, printable
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.files.csv_rows import Table, read_table
@@ -120,7 +120,7 @@ def read_surface(
 ) -> Surface:
     """Read a surface from a table as `read_heights` does; errors name lines and columns of the file."""
     found = _read(path, radius)
-    with speaking(found.words):
+    with error_names(found.words):
         radii = found.values.get("radius", radius or 0.0)
         return Surface(found.position, found.values["height"], radii, material, friction, block)
 
@@ -131,7 +131,7 @@ class _Summits:
 
     values: dict[str, FloatArray]
     lines: tuple[int, ...]
-    words: Words
+    words: ErrorNames
 
     @property
     def position(self) -> FloatArray:
@@ -152,7 +152,7 @@ def _read(path: str | Path, radius: float | None) -> _Summits:
         raise InvalidInput(
             f"{table.name} lacks the columns {wanted} (or in another unit); it has {has}{instead}"
         )
-    table.tell_unread({SITE, *(table.header[i] for i, _ in found.values())})
+    table.report_unread({SITE, *(table.header[i] for i, _ in found.values())})
     entries = table.entries()
     if not entries:
         raise InvalidInput(f"{table.name} names columns but holds no summit")
@@ -161,7 +161,7 @@ def _read(path: str | Path, radius: float | None) -> _Summits:
         for name, (i, size) in found.items()
     }
     titles = {name: table.header[i] for name, (i, _) in found.items()}
-    words = Words(
+    words = ErrorNames(
         file=table.name,
         lines=tuple(line for line, _ in entries),
         names={"radius": "--radius", **titles, "position": f"{titles['x']}, {titles['y']}"},

@@ -5,7 +5,7 @@ from __future__ import annotations
 from metafem.errors import InvalidInput
 from metafem.files.reading import RECORD
 from metafem.models._resources import require_memory
-from metafem.progress import fact
+from metafem.progress import message
 
 # Per site under the independent model, measured on lattices of 10^5 and 10^6 sites: size of the record with
 # all digits [bytes], peak memory [bytes], and time of design, report and files [s].
@@ -32,7 +32,7 @@ def tell_cost(places: int) -> None:
     """Report time and memory before many sites are designed."""
     if TIME * places >= WORTH_A_LINE:
         memory = f"{MEMORY * places / 2**30:.1f} GiB of memory"
-        fact(
+        message(
             f"{places:,} sites: about {TIME * places:.0f} s and {memory} for the design and its files under "
             "the independent model; other models and the part take longer"
         )

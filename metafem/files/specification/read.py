@@ -11,10 +11,10 @@ from pathlib import Path
 from typing import Any
 
 from metafem._calls import checked_call
-from metafem._given import Words, printable, speaking
+from metafem._given import ErrorNames, error_names, printable
 from metafem.errors import InvalidInput
 from metafem.files.part.plan import PartOptions, planned
-from metafem.files.reading import SPECIFICATION, called, decoded, read_bytes
+from metafem.files.reading import SPECIFICATION, decoded, file_label, read_bytes
 from metafem.files.specification.cost import tell_cost
 from metafem.files.specification.target_table import with_samples
 from metafem.files.specification.words import worded
@@ -157,14 +157,14 @@ def read_spec(path: str | Path) -> Specification:
     (LinearLaw(slope=6.87, load_range=None), 0.12)
     """
     raw = read_bytes(path, SPECIFICATION, "no such file; `metafem demo linear` writes one to start from")
-    name = called(path)
+    name = file_label(path)
     table = _table(name, decoded(path, raw))
     table, kept = with_samples(raw.decode("utf-8"), table, Path(path).parent)
     from pydantic import ValidationError
 
     from metafem.files.specification.sections import Sections
 
-    with speaking(Words(units=written_units(table))):
+    with error_names(ErrorNames(units=written_units(table))):
         try:
             sections = Sections.model_validate(table)
         except ValidationError as error:

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 from pydantic import Field, field_validator, model_validator
 
 from metafem import _validate as check
-from metafem._given import about, printable, told
+from metafem._given import error_section, formatted, printable
 from metafem.errors import InvalidInput
 from metafem.files.part.plan import PartOptions, planned
 from metafem.files.specification.cost import refuse_too_many
@@ -85,7 +85,7 @@ class RadiiSection(Section):
     @classmethod
     def _increasing(cls, given: tuple[float, float] | None) -> tuple[float, float] | None:
         if given is not None and not given[0] < given[1]:
-            low, high = (told("radii.range", radius) for radius in given)
+            low, high = (formatted("radii.range", radius) for radius in given)
             raise InvalidInput(f"= [{low}, {high}] must increase")
         return given
 
@@ -233,7 +233,7 @@ class Sections(Section):
 
         def made(section: str, kind: Any, values: dict[str, Any]) -> Any:
             try:
-                with about(section):
+                with error_section(section):
                     return kind(**values)
             except InvalidInput as error:
                 problems.append(f"{section}.{error}")
@@ -259,9 +259,9 @@ class Sections(Section):
         target = made("target", self.target.target, {"material": stuff, "friction": pair})
         largest = radius if radii is None else radii.high if isinstance(radii, RadiusRange) else max(radii)
         if limits and block and not lost and top > largest:
-            heights = f"limits.offset + limits.max_height = {told('limits.max_height', top)}"
+            heights = f"limits.offset + limits.max_height = {formatted('limits.max_height', top)}"
             problems.append(
-                f"{heights} exceed the radius of {told(source, largest)}: a cap cannot be "
+                f"{heights} exceed the radius of {formatted(source, largest)}: a cap cannot be "
                 "higher than its radius; lower them, or omit [block] and with it the part files"
             )
         part = self.part.options()
@@ -269,7 +269,7 @@ class Sections(Section):
             try:
                 planned(template, template, part)
             except InvalidInput as error:
-                heights = f"limits.offset + limits.max_height = {told('limits.max_height', top)}"
+                heights = f"limits.offset + limits.max_height = {formatted('limits.max_height', top)}"
                 problems.append(f"with summits of {heights}, {error}")
         parts = {"target": target, "template": template, "limits": limits, "layout": layout, "radii": radii}
         parts["part"] = part

@@ -96,7 +96,7 @@ def _samples(path: Path) -> tuple[dict[str, list[Any]], bytes]:
     """Return the samples of a table by key, as a specification would hold them, and the file's bytes."""
     table = read_table(path, EXAMPLE)
     columns = _columns(table)
-    table.tell_unread([table.header[i] for i, _ in columns.values()])
+    table.report_unread([table.header[i] for i, _ in columns.values()])
     if not table.rows:
         raise InvalidInput(f"{table.name} has no samples below its column names ({EXAMPLE})")
     found: dict[str, list[Any]] = {name: [] for name in columns}
