@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,9 @@ SMALLEST, LARGEST = sys.float_info.min**0.2, sys.float_info.max**0.2
 
 # If the ratio of two lengths is larger than this, the smaller one is lost when they are added.
 PROPORTION = 1.0 / sys.float_info.epsilon
+
+# Bounds of Poisson's ratio of a block: 0.5 is incompressible.
+POISSON: Mapping[str, Any] = {"at_least": 0.0, "at_most": 0.5}
 
 
 def number(
@@ -50,6 +54,13 @@ def number(
     if result and not SMALLEST <= abs(result) <= LARGEST and unit_of(name) != "1":
         raise _beyond(name, given)
     return result
+
+
+def member(owner: Any, name: str, *, optional: bool = False, **bounds: float) -> None:
+    """Replace a member of a frozen dataclass by a checked number; an optional one may be None."""
+    value = getattr(owner, name)
+    if value is not None or not optional:
+        object.__setattr__(owner, name, number(name, value, **bounds))
 
 
 def _one(value: Any) -> Any:

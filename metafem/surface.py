@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -59,10 +59,8 @@ class Material:
     poisson_ratio: float = 0.5
 
     def __post_init__(self) -> None:
-        modulus = check.number("composite_modulus", self.composite_modulus, above=0.0)
-        ratio = check.number("poisson_ratio", self.poisson_ratio, at_least=0.0, at_most=0.5)
-        object.__setattr__(self, "composite_modulus", modulus)
-        object.__setattr__(self, "poisson_ratio", ratio)
+        check.member(self, "composite_modulus", above=0.0)
+        check.member(self, "poisson_ratio", **check.POISSON)
 
     @classmethod
     def from_young(cls, young_modulus: float, poisson_ratio: float = 0.5) -> Material:
@@ -86,7 +84,7 @@ class Material:
         Material(composite_modulus=1.36, poisson_ratio=0.5)
         """
         modulus = check.number("young_modulus", young_modulus, above=0.0)
-        ratio = check.number("poisson_ratio", poisson_ratio, at_least=0.0, at_most=0.5)
+        ratio = check.number("poisson_ratio", poisson_ratio, **check.POISSON)
         return cls(modulus / (1.0 - ratio**2), ratio)
 
     @property
@@ -117,10 +115,8 @@ class Friction:
     area_ratio: float = 1.0
 
     def __post_init__(self) -> None:
-        strength = check.number("shear_strength", self.shear_strength, above=0.0)
-        ratio = check.number("area_ratio", self.area_ratio, above=0.0)
-        object.__setattr__(self, "shear_strength", strength)
-        object.__setattr__(self, "area_ratio", ratio)
+        check.member(self, "shear_strength", above=0.0)
+        check.member(self, "area_ratio", above=0.0)
 
 
 @checked_class
@@ -145,7 +141,7 @@ class Block:
 
     def __post_init__(self) -> None:
         for name in ("width", "length", "thickness"):
-            object.__setattr__(self, name, check.number(name, getattr(self, name), above=0.0))
+            check.member(self, name, above=0.0)
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -294,8 +290,7 @@ class Surface(Value):
 
     def replaced(self, **changes: Any) -> Surface:
         """Return a copy with some of the constructor's arguments changed."""
-        names = ("position", "height", "radius", "material", "friction", "block")
-        return Surface(**{**{name: getattr(self, name) for name in names}, **changes})
+        return replace(self, **changes)
 
     def tilted(self, angle_x: float, angle_y: float) -> Surface:
         """Return the surface tilted against the plane: heights ``h + x tan(angle_x) + y tan(angle_y)``.

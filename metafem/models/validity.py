@@ -16,6 +16,7 @@ from dataclasses import replace
 import numpy as np
 
 from metafem._validate import FloatArray, IntArray
+from metafem.contact.cap_geometry import foot_radius
 from metafem.errors import MetafemError, NotConverged
 from metafem.models.interacting.model import DENSE_LIMIT, Interacting
 from metafem.models.model import ContactState, Curve, Model, Status
@@ -349,11 +350,11 @@ def _surface_notes(surface: Surface) -> list[Note]:
 
 
 def _overlapping_caps(surface: Surface) -> int:
-    """Return how many pairs of spherical caps, with base radius ``sqrt(2 R h - h^2)``, overlap."""
+    """Return how many pairs of spherical caps overlap."""
     from scipy.spatial import cKDTree
 
     height = np.clip(surface.height, 0.0, surface.radius)
-    foot = np.sqrt(height * (2.0 * surface.radius - height))
+    foot = foot_radius(height, surface.radius)
     pairs = cKDTree(surface.position).query_pairs(2.0 * float(foot.max()), output_type="ndarray")
     distance = np.hypot(*(surface.position[pairs[:, 0]] - surface.position[pairs[:, 1]]).T)
     return int((distance < foot[pairs].sum(axis=1)).sum())

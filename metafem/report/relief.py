@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from metafem.contact.cap_geometry import foot_radius
 from metafem.drawing import FloatArray
 
 # Single precision is enough for the pixels of a picture.
@@ -103,7 +104,7 @@ def _field(
     right, away = turned(position)
     for i in np.flatnonzero(top > 0.0):
         drop = min(top[i] / factor, radius[i])
-        foot = math.sqrt(drop * (2.0 * radius[i] - drop))
+        foot = float(foot_radius(drop, radius[i]))
         a, b = np.searchsorted(v, (away[i] - foot, away[i] + foot))
         c, d = np.searchsorted(u, (right[i] - foot, right[i] + foot))
         square = (v[a:b, None] - away[i]) ** 2 + (u[c:d] - right[i]) ** 2

@@ -9,6 +9,7 @@ import numpy as np
 
 from metafem._validate import FloatArray, IntArray
 from metafem.contact import Hertz
+from metafem.contact.cap_geometry import foot_radius
 from metafem.errors import InvalidInput, NotConverged
 from metafem.progress import each
 from metafem.surface import Surface
@@ -58,7 +59,7 @@ class CapContact:
         """
         open_ = indentation <= 0.0
         d, h = np.where(open_, 1.0, indentation), height
-        foot = np.sqrt(h * (2.0 * self.radius - h))
+        foot = foot_radius(h, self.radius)
         a = np.sqrt(self.radius * d)
         for _ in range(NEWTON_STEPS):
             step = 1e-6 * a
@@ -165,7 +166,7 @@ def cap_contact(surface: Surface, indentation: FloatArray) -> CapContact:
         raise InvalidInput(
             "a summit in contact is not a cap: its height must be above 0 and at most its radius"
         )
-    foot = np.sqrt(heights * (2.0 * radius - heights))
+    foot = foot_radius(heights, radius)
     share = np.sqrt(radius * indentation[touching]) / foot
     low, high = float(heights.min()), float(heights.max())
     # small contacts obey Hertz's law; starting at a tenth of the range keeps the smallest contact meshable
@@ -175,7 +176,7 @@ def cap_contact(surface: Surface, indentation: FloatArray) -> CapContact:
     def excess(h: float, s: float) -> tuple[float, float]:
         from metafem.fe import press
 
-        foot = math.sqrt(h * (2.0 * radius - h))
+        foot = float(foot_radius(h, radius))
         a = s * foot
         contact = press(
             a,

@@ -12,6 +12,7 @@ from metafem import _validate as check
 from metafem._calls import checked_class
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
+from metafem.substrate.protocol import agreed
 from metafem.substrate.radial import Radial
 from metafem.surface import Surface
 
@@ -62,11 +63,8 @@ class BondedLayer(Radial):
     poisson_ratio: float | None = None
 
     def __post_init__(self) -> None:
-        if self.thickness is not None:
-            object.__setattr__(self, "thickness", check.number("thickness", self.thickness, above=0.0))
-        if self.poisson_ratio is not None:
-            ratio = check.number("poisson_ratio", self.poisson_ratio, at_least=0.0, at_most=0.5)
-            object.__setattr__(self, "poisson_ratio", ratio)
+        check.member(self, "thickness", optional=True, above=0.0)
+        check.member(self, "poisson_ratio", optional=True, **check.POISSON)
 
     @property
     def name(self) -> str:
@@ -75,11 +73,12 @@ class BondedLayer(Radial):
 
     def for_surface(self, surface: Surface) -> BondedLayer:
         """Return the layer with the thickness and Poisson ratio of a surface."""
-        ratio = _agreed("poisson_ratio", self.poisson_ratio, surface.material.poisson_ratio)
+        ratio = agreed("BondedLayer", "poisson_ratio", self.poisson_ratio, surface.material.poisson_ratio)
         block = surface.block
         if block is None and self.thickness is None:
             raise InvalidInput("BondedLayer() needs the surface's block, or a thickness of its own")
-        thickness = _agreed("thickness", self.thickness, None if block is None else block.thickness)
+        given = None if block is None else block.thickness
+        thickness = agreed("BondedLayer", "thickness", self.thickness, given)
         return replace(self, thickness=thickness, poisson_ratio=ratio)
 
     @property
@@ -111,13 +110,6 @@ class BondedLayer(Radial):
                 "a bare BondedLayer needs thickness and poisson_ratio; for_surface(surface) fills them in"
             )
         return self.thickness, self.poisson_ratio
-
-
-def _agreed(name: str, own: float | None, given: float | None) -> float | None:
-    """Return the one value that is there; two must be equal."""
-    if own is not None and given is not None and own != given:
-        raise InvalidInput(f"BondedLayer has {name} = {own:g}, but the surface has {given:g}")
-    return given if own is None else own
 
 
 def _deficit(wavenumber: FloatArray, poisson_ratio: float) -> FloatArray:

@@ -2,10 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Protocol, runtime_checkable
+from typing import Protocol, TypeVar, runtime_checkable
 
 from metafem._validate import FloatArray
+from metafem.errors import InvalidInput
 from metafem.surface import Surface
+
+T = TypeVar("T")
+
+
+def agreed(substrate: str, name: str, stated: T | None, given: T | None) -> T | None:
+    """Return a value that the substrate states or the surface gives; if both do, they must be equal."""
+    if stated is not None and given is not None and stated != given:
+        raise InvalidInput(f"{substrate} has {name} = {stated}, but the surface has {given}")
+    return given if stated is None else stated
 
 
 @runtime_checkable

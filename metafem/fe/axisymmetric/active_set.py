@@ -81,7 +81,7 @@ def search_contact(
     """
     depth = check.number("indentation", indentation, above=0.0)
     big = check.number("radius", radius, above=0.0)
-    nu = check.number("poisson_ratio", poisson_ratio, at_least=0.0, at_most=0.5)
+    nu = check.number("poisson_ratio", poisson_ratio, **check.POISSON)
     size = math.sqrt(depth * big)
     width = check.number("cell", cell, above=0.0, at_most=0.25 * size)
     # In units of the contact's radius a^2 = R d, so that lengths of any size are solved alike.

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from metafem import _validate as check
-from metafem._validate import FloatArray
+from metafem.contact.cap_geometry import sphere_profile
 from metafem.errors import InvalidInput
 from metafem.fe.axisymmetric.geometry import Cap
 from metafem.fe.axisymmetric.mesh import graded_mesh
@@ -49,16 +49,12 @@ def measure_pedestal(height_ratio: float, contact_ratio: float, poisson_ratio: f
     """
     height = check.number("height_ratio", height_ratio, above=0.0, at_most=1.0)
     a = check.number("contact_ratio", contact_ratio, above=0.0)
-    nu = check.number("poisson_ratio", poisson_ratio, at_least=0.0, at_most=0.5)
+    nu = check.number("poisson_ratio", poisson_ratio, **check.POISSON)
     cap = Cap(1.0, height, EXTENT, EXTENT)
     if a >= cap.foot:
         raise InvalidInput(f"contact_ratio = {a:g} must lie within the cap's edge at {cap.foot:g}")
-
-    def sphere(r: FloatArray) -> FloatArray:
-        return np.asarray(r**2 / (1.0 + np.sqrt((1.0 - r) * (1.0 + r))))
-
     edge = float(cap.surface(np.array(a))[0])
     mesh = graded_mesh(edge, EXTENT, EXTENT, cap.foot, contact_edge=EDGE)
-    pressed = graded(mesh, cap, DEGREE, nu, sphere, a, EXTENT, False)
+    pressed = graded(mesh, cap, DEGREE, nu, lambda r: sphere_profile(r, 1.0), a, EXTENT, False)
     hertz = (0.75 * pressed.load) ** (2.0 / 3.0)
     return float(math.pi * (pressed.indentation - hertz) / pressed.load + SHORTFALL / EXTENT)

@@ -9,6 +9,7 @@ from typing import Protocol
 import numpy as np
 
 from metafem._validate import FloatArray
+from metafem.contact.cap_geometry import foot_radius
 
 
 class Geometry(Protocol):
@@ -100,7 +101,7 @@ class Cap:
     @property
     def foot(self) -> float:
         """Radius of the cap's base [mm]."""
-        return math.sqrt(self.height * (2.0 * self.radius - self.height))
+        return float(foot_radius(self.height, self.radius))
 
     @property
     def angle(self) -> float:

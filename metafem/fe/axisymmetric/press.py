@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
+from metafem.contact.cap_geometry import sphere_profile
 from metafem.errors import InvalidInput, NotConverged
 from metafem.fe import linear_solve
 from metafem.fe.axisymmetric.geometry import Cap, Flat, Oblate
@@ -166,7 +167,7 @@ def press(
     (0.02027883, 0.02027883)
     """
     a = check.number("contact_radius", contact_radius, above=0.0)
-    nu = check.number("poisson_ratio", poisson_ratio, at_least=0.0, at_most=0.5)
+    nu = check.number("poisson_ratio", poisson_ratio, **check.POISSON)
     shape = _profile(radius, height, profile)
     if thickness is None:
         for name, size in (("height", height), ("block_radius", block_radius), ("cell_radius", cell_radius)):
@@ -216,8 +217,7 @@ def _profile(radius: Any, height: Any, profile: Profile | None) -> Profile:
     big = check.number("radius", radius, above=0.0)
     if height is None:
         return lambda r: r**2 / (2.0 * big)
-    # R - sqrt(R^2 - r^2) without cancellation.
-    return lambda r: r**2 / (big + np.sqrt((big - r) * (big + r)))
+    return lambda r: sphere_profile(r, big)
 
 
 def _extent(thickness: float, block_radius: float | None, cell_radius: float | None) -> float:

@@ -6,7 +6,6 @@ import math
 import warnings
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 
@@ -15,6 +14,7 @@ from metafem._validate import FloatArray
 from metafem.errors import InvalidInput, MetafemWarning, NotConverged
 from metafem.fe.block3d.cache import BlockInfluence, cached, is_cached
 from metafem.progress import doing
+from metafem.substrate.protocol import agreed
 from metafem.surface import Block, Surface
 
 # Relative residual above which a linear solution is refused; the elements' own error is larger.
@@ -76,12 +76,9 @@ class Block3D:
     def __post_init__(self) -> None:
         if not (self.block is None or isinstance(self.block, Block)):
             raise InvalidInput(f"block = {self.block!r} must be a metafem.Block")
-        if self.poisson_ratio is not None:
-            ratio = check.number("poisson_ratio", self.poisson_ratio, at_least=0.0, at_most=0.5)
-            object.__setattr__(self, "poisson_ratio", ratio)
-        for name in ("cell", "edge_cell"):
-            size = check.number(name, getattr(self, name), above=0.0, at_most=1.0)
-            object.__setattr__(self, name, size)
+        check.member(self, "poisson_ratio", optional=True, **check.POISSON)
+        check.member(self, "cell", above=0.0, at_most=1.0)
+        check.member(self, "edge_cell", above=0.0, at_most=1.0)
 
     @property
     def name(self) -> str:
@@ -90,10 +87,10 @@ class Block3D:
 
     def for_surface(self, surface: Surface) -> Block3D:
         """Return the substrate with the block and the Poisson ratio of a surface, checked against it."""
-        block = _agreed("block", self.block, surface.block)
+        block = agreed("Block3D", "block", self.block, surface.block)
         if block is None:
             raise InvalidInput("Block3D() needs the surface's block, or one of its own")
-        ratio = _agreed("poisson_ratio", self.poisson_ratio, surface.material.poisson_ratio)
+        ratio = agreed("Block3D", "poisson_ratio", self.poisson_ratio, surface.material.poisson_ratio)
         half = 0.5 * np.array([block.width, block.length])
         outside = np.flatnonzero((np.abs(surface.position) >= half).any(axis=1))
         if outside.size:
@@ -142,13 +139,6 @@ class Block3D:
                 stacklevel=2,
             )
         return found
-
-
-def _agreed(name: str, own: Any, given: Any) -> Any:
-    """Return the one value that is there; two must be equal."""
-    if own is not None and given is not None and own != given:
-        raise InvalidInput(f"Block3D has {name} = {own}, but the surface has {given}")
-    return given if own is None else own
 
 
 def _numbers(bound: Block3D, position: FloatArray) -> tuple[tuple[float, ...], FloatArray]:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
+from metafem.contact.cap_geometry import sphere_profile
 from metafem.errors import InvalidInput, NotConverged
 from metafem.fe.axisymmetric.geometry import Cap
 from metafem.fe.axisymmetric.mesh import graded_mesh
@@ -220,7 +222,6 @@ def _flatten(
     place: float, cap: Cap, stuck: _Stuck | None, refinement: int, start: Flattened | None
 ) -> Flattened:
     """Flatten the cap up to one material radius, from a state with nearly the same if there is one."""
-    big = cap.radius
     mesh = graded_mesh(
         float(cap.surface(np.array(place))[0]),
         cap.outer,
@@ -232,11 +233,11 @@ def _flatten(
     body = SoftBody(mesh.refined(refinement) if refinement else mesh, cap, 2, 0.5)
     if start is not None and len(start.unknowns) != body.size:
         start = None
-
-    def profile(r: FloatArray) -> FloatArray:
-        return np.asarray(r**2 / (big + np.sqrt((big - r) * (big + r))))
-
-    return body.flatten(profile, None if stuck is None else (stuck.displacement, stuck.mode), start)
+    return body.flatten(
+        partial(sphere_profile, radius=cap.radius),
+        None if stuck is None else (stuck.displacement, stuck.mode),
+        start,
+    )
 
 
 def _cap(a: float, radius: Any, height: Any, thickness: Any, block_radius: Any) -> Cap:

@@ -8,6 +8,7 @@ from functools import cache
 import numpy as np
 
 from metafem._validate import FloatArray, IntArray
+from metafem.contact.cap_geometry import foot_radius
 
 # Neighbours in a ring of six points are 60 degrees apart: an arc of pi/3 ring spacings.
 _RING_ARC = math.pi / 3.0
@@ -41,7 +42,7 @@ def cap_vertices(height: FloatArray, radius: FloatArray, rings: int) -> FloatArr
     polar = _opening(height, radius)[:, None] * np.arange(rings + 1) / rings
     across = radius[:, None] * np.sin(polar)
     z = height[:, None] - 2.0 * radius[:, None] * np.sin(0.5 * polar) ** 2
-    across[:, -1] = np.sqrt(height * (2.0 * radius - height))
+    across[:, -1] = foot_radius(height, radius)
     z[:, -1] = 0.0
     return np.stack([across[:, ring] * np.cos(turn), across[:, ring] * np.sin(turn), z[:, ring]], axis=2)
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
+from metafem.contact.cap_geometry import foot_radius
 from metafem.errors import InvalidInput
 from metafem.surface import Block, Surface
 
@@ -100,7 +101,7 @@ def refuse_impossible(surface: Surface, block: Block, asperities: int) -> None:
             f"{name(i)} has the height {h[i]:g} mm; a cap of radius {R[i]:g} mm needs a height above 0 "
             "and at most its radius"
         )
-    base = np.sqrt(h * (2.0 * R - h))
+    base = foot_radius(h, R)
     room = 0.5 * np.array([block.width, block.length])
     for i in np.flatnonzero((np.abs(surface.position) + base[:, None] >= room).any(axis=1))[:1]:
         raise InvalidInput(

@@ -12,6 +12,7 @@ from html import escape
 import numpy as np
 
 from metafem._validate import FloatArray
+from metafem.contact.cap_geometry import foot_radius
 from metafem.surface import Block, Surface
 
 # Scales of ISO 5455, largest first, and the room for the plan view on an A3 sheet [mm].
@@ -73,7 +74,7 @@ def mould_drawing(surface: Surface, asperities: int, block: Block) -> str:
         _centre_lines(left, wide, high),
     ]
     x, y = left + 0.5 * wide + scale * place[:, 0], _TOP + 0.5 * high - scale * place[:, 1]
-    rim = scale * np.sqrt(surface.height * (2.0 * surface.radius - surface.height))
+    rim = scale * foot_radius(surface.height, surface.radius)
     for (colour, dashes), (which, _) in zip(_TOOLS, tools, strict=False):
         lines.append(f'<g stroke="{colour}" stroke-width=".25" stroke-dasharray="{dashes or "none"}">')
         lines += [f'<circle cx="{x[i]:.6g}" cy="{y[i]:.6g}" r="{rim[i]:.3g}"/>' for i in which]

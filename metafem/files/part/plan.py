@@ -67,8 +67,7 @@ class PartOptions:
 
     def __post_init__(self) -> None:
         for name in ("alignment_height", "chord_error"):
-            if getattr(self, name) is not None:
-                object.__setattr__(self, name, check.number(name, getattr(self, name), above=0.0))
+            check.member(self, name, optional=True, above=0.0)
         if isinstance(self.formats, str) or not all(name in FORMATS for name in self.formats):
             raise InvalidInput(f"formats = {shown(self.formats)} must be a list of {', '.join(FORMATS)}")
         object.__setattr__(self, "formats", tuple(dict.fromkeys(self.formats)))
