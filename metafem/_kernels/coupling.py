@@ -27,7 +27,7 @@ from metafem._kernels.contact import hertz
 LEAST_CURVATURE = 0.1
 
 
-class Field(NamedTuple):
+class Coupling(NamedTuple):
     """Influence of the asperities on each other, (n, n), row j for the source j, zero diagonals allowed.
 
     The plain matrices hold derivatives at the source, those marked `at` derivatives at the asperity

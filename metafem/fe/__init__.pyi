@@ -3,7 +3,6 @@ from .axisymmetric.active_set import search_contact as search_contact
 from .axisymmetric.cap_compliance import measure_pedestal as measure_pedestal
 from .axisymmetric.mesh import read_mesh as read_mesh
 from .axisymmetric.press import PressedContact as PressedContact
-from .axisymmetric.press import Status as Status
 from .axisymmetric.press import press as press
 from .block3d.substrate import Block3D as Block3D
 from .checks import Check as Check
@@ -12,6 +11,7 @@ from .checks import cap_check as cap_check
 from .checks import cell_check as cell_check
 from .checks import hertz_check as hertz_check
 from .checks import layer_check as layer_check
-from .large_strain.body import Equilibrium as Equilibrium
+from .large_strain.body import NewtonStatus as NewtonStatus
 from .large_strain.press import FiniteContact as FiniteContact
 from .large_strain.press import press_finite as press_finite
+from .linear_solve import LinearStatus as LinearStatus

@@ -1,12 +1,16 @@
-"""Sparse symmetric systems: a fast factorisation, checked, with a careful one behind it."""
+"""Sparse symmetric systems: a fast factorisation whose result is checked, and a second one with pivoting."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
 from dataclasses import dataclass
+from enum import Enum
+from typing import Any
 
 import numpy as np
-from scipy.sparse import csc_matrix, diags
-from scipy.sparse.linalg import SuperLU, splu
+from scipy.sparse import diags
+from scipy.sparse.linalg import splu
 
 from metafem._validate import FloatArray
 
@@ -18,49 +22,63 @@ RESIDUAL = 1e-10
 STEPS = 3
 
 
+class LinearStatus(Enum):
+    """How a linear system was solved; the value is the message."""
+
+    CONVERGED = "converged: the factorisation's residual is at rounding"
+    PIVOTED = "converged: the factorisation was repeated with pivoting"
+    NOT_CONVERGED = "not converged: the factorisation's residual stays large with pivoting too"
+
+
 @dataclass(frozen=True, eq=False)
 class Solved:
-    """Solution of a system, its scaled residual, and whether pivoting was needed."""
+    """Solution of a system (n, k), its scaled residual (infinite for a singular matrix), and its status."""
 
     value: FloatArray
     residual: float
-    pivoted: bool
+    status: LinearStatus
 
 
-def solve(matrix: csc_matrix, right: FloatArray, threshold: float = 0.0) -> Solved:
-    """Solve the symmetric system for all columns of `right`, (n, k).
+def solve(matrix: Any, right: FloatArray, threshold: float = 0.0) -> Solved:
+    """Solve a sparse symmetric system for all columns of `right`, (n, k).
 
     Rows and columns are scaled by the roots of the diagonal, or of their largest entry where it is zero.
     Where the elements' bubbles have been eliminated before, definite displacements are left over definite
     pressures of the other sign: a quasi-definite matrix, which needs no pivoting in any order (Vanderbei,
-    SIAM J. Optim. 5, 100 (1995), doi:10.1137/0805005). A `threshold` takes a diagonal pivot only if it is
-    that share of its column. Where the residual is not small, the system is factorised again with full
-    partial pivoting.
+    SIAM J. Optim. 5, 100 (1995), doi:10.1137/0805005). With a `threshold` a diagonal pivot is used only if
+    it exceeds that fraction of the largest entry of its column. If the residual is not small, the system is
+    factorised again with full partial pivoting, and the solution with the smaller residual is returned.
     """
-    diagonal = np.abs(matrix.diagonal())
-    largest = np.abs(matrix).max(axis=0).toarray().ravel()
-    scale = 1.0 / np.sqrt(np.where(diagonal > 0.0, diagonal, largest))
+    size = np.abs(matrix.diagonal())
+    size = np.where(size > 0.0, size, np.abs(matrix).max(axis=0).toarray().ravel())
+    scale = 1.0 / np.sqrt(np.where(size > 0.0, size, 1.0))
     scaled = (diags(scale) @ matrix @ diags(scale)).tocsc()
     target = scale[:, None] * right
-    result = _refined(_symmetric(scaled, threshold), scaled, target)
-    pivoted = not result[1] <= RESIDUAL
-    if pivoted:
-        result = _refined(splu(scaled), scaled, target)
-    return Solved(scale[:, None] * result[0], result[1], pivoted)
-
-
-def _symmetric(matrix: csc_matrix, threshold: float) -> SuperLU:
-    return splu(
-        matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=threshold, options={"SymmetricMode": True}
+    symmetric: dict[str, Any] = {"SymmetricMode": True}
+    value, residual = _refined(
+        lambda: splu(scaled, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=threshold, options=symmetric),
+        scaled,
+        target,
     )
+    status = LinearStatus.CONVERGED
+    if not residual <= RESIDUAL:
+        value, residual = min(
+            (_refined(lambda: splu(scaled), scaled, target), (value, residual)), key=lambda pair: pair[1]
+        )
+        status = LinearStatus.PIVOTED if residual <= RESIDUAL else LinearStatus.NOT_CONVERGED
+    return Solved(scale[:, None] * value, residual, status)
 
 
-def _refined(factors: SuperLU, matrix: csc_matrix, right: FloatArray) -> tuple[FloatArray, float]:
+def _refined(factorised: Callable[[], Any], matrix: Any, right: FloatArray) -> tuple[FloatArray, float]:
     """Return the solution after refinement and its largest residual, relative to each column."""
     size = np.abs(right).max(axis=0)
     size[size == 0.0] = 1.0
+    try:
+        factors = factorised()
+    except RuntimeError:  # a pivot of exactly zero
+        return np.zeros_like(right), math.inf
     value = factors.solve(right)
     for _ in range(STEPS):
-        rest = right - matrix @ value
-        value = value + factors.solve(rest)
-    return value, float((np.abs(right - matrix @ value).max(axis=0) / size).max())
+        value = value + factors.solve(right - matrix @ value)
+    residual = float((np.abs(right - matrix @ value).max(axis=0) / size).max())
+    return value, residual if math.isfinite(residual) else math.inf

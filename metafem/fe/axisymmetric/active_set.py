@@ -13,8 +13,8 @@ from skfem import Basis, BilinearForm, ElementQuad1, ElementQuad2, ElementVector
 from metafem import _validate as check
 from metafem._validate import FloatArray, IntArray
 from metafem.errors import NotConverged
-from metafem.fe import linear_solve
 from metafem.fe.axisymmetric.mesh import uniform_mesh
+from metafem.fe.linear_solve import LinearStatus, solve
 
 # The cells near the contact end at this many contact radii, and the half-space at that many.
 REACH, EXTENT = 1.1, 1e5
@@ -122,8 +122,8 @@ def _flexibility(mesh: MeshQuad, nu: float) -> tuple[FloatArray, FloatArray]:
     unit = np.zeros((matrix.shape[0], len(touch)))
     # Positive forces press down, along depth; a ring's force is 2 pi times its share per radian.
     unit[touch, np.arange(len(touch))] = 1.0 / (2.0 * math.pi)
-    solved = linear_solve.solve(matrix[free][:, free].tocsc(), unit[free], THRESHOLD)
-    if solved.residual > linear_solve.RESIDUAL:
+    solved = solve(matrix[free][:, free].tocsc(), unit[free], THRESHOLD)
+    if solved.status is LinearStatus.NOT_CONVERGED:
         raise NotConverged(f"the linear system keeps a residual of {solved.residual:.1e}", solved)
     return displacement.doflocs[0, touch], solved.value[np.searchsorted(free, touch)]
 

@@ -13,8 +13,8 @@ from skfem import ElementQuadP, MeshQuad
 from skfem.assembly.dofs import Dofs
 
 from metafem._validate import FloatArray, IntArray
-from metafem.fe import linear_solve
 from metafem.fe.axisymmetric.geometry import Geometry
+from metafem.fe.linear_solve import LinearStatus, solve
 
 # Gauss points per direction beyond the degree: the elements' own polynomials need one, the analytic
 # maps and 1/r are resolved by the others.
@@ -35,8 +35,8 @@ def hierarchical(kind: Any, degree: int) -> Any:
         logger.setLevel(level)
 
 
-class Field:
-    """Numbering and reference shapes of the scalar polynomials of one degree on a mesh."""
+class Polynomials:
+    """Scalar polynomials of one degree on a mesh: numbering and reference shapes."""
 
     def __init__(self, mesh: MeshQuad, degree: int) -> None:
         self.element = hierarchical(ElementQuadP, degree)
@@ -64,14 +64,13 @@ class Solution:
         Forces per 2 pi that hold the fixed ones.
     residual : float
         Scaled residual of the linear system, recomputed.
-    pivoted : bool
-        Whether the factorisation had to be repeated with pivoting.
+    status : LinearStatus
     """
 
     skeleton: FloatArray
     reaction: FloatArray
     residual: float
-    pivoted: bool
+    status: LinearStatus
 
 
 class Body:
@@ -96,7 +95,7 @@ class Body:
     def __init__(self, mesh: MeshQuad, geometry: Geometry, degree: int, poisson_ratio: float) -> None:
         self.mesh, self.geometry, self.degree = mesh, geometry, degree
         self.poisson_ratio = poisson_ratio
-        self.displacement, self.pressure = Field(mesh, degree), Field(mesh, degree - 1)
+        self.displacement, self.pressure = Polynomials(mesh, degree), Polynomials(mesh, degree - 1)
 
     @property
     def shear_modulus(self) -> float:
@@ -209,9 +208,9 @@ class Body:
         rows = self.matrix[free]
         skeleton = np.zeros((self.matrix.shape[0], value.shape[1]))
         skeleton[fixed] = value[fixed]
-        solved = linear_solve.solve(rows[:, free].tocsc(), -(rows @ skeleton))
+        solved = solve(rows[:, free].tocsc(), -(rows @ skeleton))
         skeleton[free] = solved.value
-        return Solution(skeleton, self.matrix @ skeleton, solved.residual, solved.pivoted)
+        return Solution(skeleton, self.matrix @ skeleton, solved.residual, solved.status)
 
     def fields_at(
         self, skeleton: FloatArray, element: IntArray, place: FloatArray

@@ -13,6 +13,7 @@ from metafem._validate import FloatArray
 from metafem.fe.axisymmetric.elasticity import Body, Solution, hierarchical
 from metafem.fe.axisymmetric.geometry import Geometry, Oblate
 from metafem.fe.axisymmetric.surface_values import locate
+from metafem.fe.linear_solve import LinearStatus
 
 Profile = Callable[[FloatArray], FloatArray]
 
@@ -27,7 +28,7 @@ class Pressed:
         P/E* [mm^2] and indentation [mm].
     bracket : float
         Half of the relative width between the two criteria's loads or indentations, 0 for one criterion.
-    residual, pivoted : float, bool
+    residual, status : float, LinearStatus
         Of the linear system.
     body, skeleton : Body, ndarray
         Where the fields are evaluated.
@@ -39,7 +40,7 @@ class Pressed:
     indentation: float
     bracket: float
     residual: float
-    pivoted: bool
+    status: LinearStatus
     body: Body
     skeleton: FloatArray
     extent: float
@@ -145,7 +146,7 @@ def _combined(body: Body, solution: Solution, indentation: float, bracket: float
         indentation=float(indentation),
         bracket=float(bracket),
         residual=solution.residual,
-        pivoted=solution.pivoted,
+        status=solution.status,
         body=body,
         skeleton=solution.skeleton @ share,
         extent=extent,

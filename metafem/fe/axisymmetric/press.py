@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from enum import Enum
 from typing import Any
 
 import numpy as np
@@ -15,11 +14,11 @@ from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.contact.cap_geometry import sphere_profile
 from metafem.errors import InvalidInput, NotConverged
-from metafem.fe import linear_solve
 from metafem.fe.axisymmetric.geometry import Cap, Flat, Oblate
 from metafem.fe.axisymmetric.mesh import graded_mesh, half_space_mesh
 from metafem.fe.axisymmetric.prescribed_radius import Pressed, graded, spectral
 from metafem.fe.axisymmetric.surface_values import contact_pressure, surface_displacement
+from metafem.fe.linear_solve import LinearStatus
 
 # A layer without a side ends at this many thicknesses. Its field decays as exp(-0.739 r/t) at nu = 0.5 (the
 # root of cos y = y) and faster below, so what the side sends back to the contact is below 1e-7 of it.
@@ -30,14 +29,6 @@ HALF_SPACE_DEGREES = (12, 10)
 GRADED_DEGREES = (6, 5)
 
 Profile = Callable[[FloatArray], FloatArray]
-
-
-class Status(Enum):
-    """How a solution ended; the value is the message."""
-
-    CONVERGED = "converged: the factorisation's residual is at rounding"
-    PIVOTED = "converged: the factorisation was repeated with pivoting"
-    NOT_CONVERGED = "not converged: the factorisation's residual stays large with pivoting too"
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +47,7 @@ class PressedContact:
         Relative; bounds the errors of load and indentation.
     residual : float
         Scaled residual of the linear system, recomputed.
-    status : Status
+    status : LinearStatus
 
     Examples
     --------
@@ -73,7 +64,7 @@ class PressedContact:
     indentation: float
     error_estimate: float
     residual: float
-    status: Status
+    status: LinearStatus
     pressed: Pressed = field(repr=False)
 
     def displacement(self, r: ArrayLike) -> FloatArray:
@@ -190,18 +181,16 @@ def _result(a: float, fine: Pressed, coarse: Pressed) -> PressedContact:
     if not (fine.load > 0.0 and fine.indentation > 0.0):
         raise InvalidInput("the profile carries no load: it must fall away from the axis")
     steps = [abs(getattr(coarse, what) / getattr(fine, what) - 1.0) for what in ("load", "indentation")]
-    settled = fine.residual <= linear_solve.RESIDUAL
-    status = Status.PIVOTED if fine.pivoted else Status.CONVERGED
     contact = PressedContact(
         contact_radius=a,
         rescaled_load=fine.load,
         indentation=fine.indentation,
         error_estimate=max(steps) + fine.bracket + fine.residual,
         residual=fine.residual,
-        status=status if settled else Status.NOT_CONVERGED,
+        status=fine.status,
         pressed=fine,
     )
-    if not settled:
+    if fine.status is LinearStatus.NOT_CONVERGED:
         raise NotConverged(f"the linear system keeps a residual of {fine.residual:.1e}", contact)
     return contact
 

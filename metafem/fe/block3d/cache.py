@@ -22,8 +22,11 @@ from metafem.progress import message
 
 # Modules that compute an influence, and the libraries they rely on.
 SOURCES = tuple(
-    f"metafem.fe.block3d.{name}"
-    for name in ("boussinesq", "elasticity", "faces", "grading", "influence", "line_elements", "solver")
+    f"metafem.fe.{name}"
+    for name in (
+        *(f"block3d.{part}" for part in ("boussinesq", "elasticity", "faces", "grading", "influence")),
+        *("block3d.line_elements", "linear_solve"),
+    )
 )
 LIBRARIES = ("numpy", "scipy", "scikit-fem")
 

@@ -17,13 +17,13 @@ from metafem.fe.block3d.boussinesq import displacement
 from metafem.fe.block3d.faces import Face, mirrored
 from metafem.fe.block3d.grading import Lines
 from metafem.fe.block3d.line_elements import LineElements
-from metafem.fe.block3d.solver import solve
+from metafem.fe.linear_solve import solve
 
 BoolArray = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
-class Field:
+class Remainder:
     """What the block adds to the half-space under each of m loads with their mirror images."""
 
     parity: tuple[int, int]
@@ -80,7 +80,7 @@ class Quarter:
             np.arange(3 * math.prod(shape)).reshape(3, *shape),
         )
 
-    def solve(self, parity: tuple[int, int], source: FloatArray) -> Field:
+    def solve(self, parity: tuple[int, int], source: FloatArray) -> Remainder:
         """Solve for what the block adds to the half-space under mirrored unit loads.
 
         Parameters
@@ -100,10 +100,11 @@ class Quarter:
             load[:nodal] -= side.interpolation.T @ stress
         free, fixed = np.flatnonzero(~known), np.flatnonzero(known)
         rows = self.matrix[free]
-        value[free], residual = solve(rows[:, free].tocsc(), load[free] - rows[:, fixed] @ value[fixed])
-        return Field(parity, source, value[:nodal], (self.matrix @ value - load)[base], residual)
+        solved = solve(rows[:, free].tocsc(), load[free] - rows[:, fixed] @ value[fixed])
+        value[free] = solved.value
+        return Remainder(parity, source, value[:nodal], (self.matrix @ value - load)[base], solved.residual)
 
-    def influence(self, field: Field, place: FloatArray) -> FloatArray:
+    def influence(self, field: Remainder, place: FloatArray) -> FloatArray:
         """Normal displacement of the top at places (n, 2), beyond the half-space's, (n, m) [1/mm].
 
         By Betti's theorem between the field of a load at the place p and that of a source j. With U, T
@@ -120,7 +121,7 @@ class Quarter:
             result -= side.traction(place, parity, nu).T @ (side.weight[:, None] * whole)
         return result
 
-    def top(self, field: Field, place: FloatArray) -> FloatArray:
+    def top(self, field: Remainder, place: FloatArray) -> FloatArray:
         """The same as `influence`, interpolated in the elements themselves; for places in the quarter."""
         along = [self.axes[k].at(place[:, k]).toarray() for k in (0, 1)]
         normal = field.displacement[self._index[2, :, :, 0]]

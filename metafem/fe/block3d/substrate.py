@@ -17,9 +17,6 @@ from metafem.progress import doing
 from metafem.substrate.protocol import agreed
 from metafem.surface import Block, Surface
 
-# Relative residual above which a linear solution is refused; the elements' own error is larger.
-RESIDUAL_LIMIT = 1e-8
-
 # Error estimate, in units of 1/(pi t), above which the answer comes with a warning: a hundredth of what
 # a layer's bottom changes.
 ERROR_LIMIT = 1e-2
@@ -159,12 +156,13 @@ def _solution(bound: Block3D, position: bytes) -> BlockInfluence:
     shape, place = _numbers(bound, np.frombuffer(position).reshape(-1, 2))
 
     def compute() -> BlockInfluence:
-        # scikit-fem is loaded only where there is something to solve
+        # scikit-fem and scipy are loaded only where there is something to solve
         from metafem.fe.block3d.influence import site_influence
+        from metafem.fe.linear_solve import RESIDUAL
 
         with doing("solving the true block, once for these places"):
             found = site_influence(block, ratio, place, bound.cell, bound.edge_cell)
-        if found.residual > RESIDUAL_LIMIT:
+        if found.residual > RESIDUAL:
             raise NotConverged(
                 f"the block's linear solution keeps a residual of {found.residual:.1e} with pivoting", found
             )

@@ -12,10 +12,10 @@ from scipy.sparse import coo_matrix, csc_matrix
 
 from metafem._validate import FloatArray, IntArray
 from metafem.errors import NotConverged
-from metafem.fe import linear_solve
 from metafem.fe.axisymmetric.elasticity import EXTRA_POINTS, Body
 from metafem.fe.axisymmetric.prescribed_radius import Profile, contact_data
 from metafem.fe.large_strain import neo_hookean
+from metafem.fe.linear_solve import solve
 
 # Newton doubles its digits: a step that has not ended after so many starts too far away and is halved.
 NEWTON = 12
@@ -31,7 +31,7 @@ THRESHOLD = 1e-3
 SMALLEST_STEP = 1.0 / 64.0
 
 
-class Equilibrium(Enum):
+class NewtonStatus(Enum):
     """How Newton's method ended; the value is the message."""
 
     CONVERGED = "converged: the nodal forces balance"
@@ -72,9 +72,9 @@ class Flattened:
     unknowns: FloatArray
 
     @property
-    def status(self) -> Equilibrium:
+    def status(self) -> NewtonStatus:
         """Whether the state is complete."""
-        return Equilibrium.CONVERGED if self.share == 1.0 else Equilibrium.NOT_CONVERGED
+        return NewtonStatus.CONVERGED if self.share == 1.0 else NewtonStatus.NOT_CONVERGED
 
 
 @dataclass(frozen=True, eq=False)
@@ -247,12 +247,13 @@ class SoftBody(Body):
                 return self._state(share, unknowns, amplitudes, gradient, force, error, bracket)
             right = np.column_stack([force + matrix @ jump, matrix @ plane.modes])
             full = np.zeros(right.shape)
-            try:
-                full[free] = -linear_solve.solve(matrix[free][:, free].tocsc(), right[free], THRESHOLD).value
-                at_edge = (right + matrix @ full)[plane.edge]
-                step = np.linalg.solve(at_edge[:, 1:], -at_edge[:, 0])
-            except (RuntimeError, np.linalg.LinAlgError):  # a singular tangent: too far from the solution
+            solved = solve(matrix[free][:, free].tocsc(), right[free], THRESHOLD)
+            full[free] = -solved.value
+            at_edge = (right + matrix @ full)[plane.edge]
+            # a singular tangent: too far from the solution
+            if not math.isfinite(solved.residual) or np.linalg.det(at_edge[:, 1:]) == 0.0:
                 return None
+            step = np.linalg.solve(at_edge[:, 1:], -at_edge[:, 0])
             way = full[:, 1:] + plane.modes
             move = jump + full[:, 0] + way @ step
             unknowns, amplitudes = unknowns + move, amplitudes + step

@@ -15,7 +15,7 @@ from metafem.contact.cap_geometry import sphere_profile
 from metafem.errors import InvalidInput, NotConverged
 from metafem.fe.axisymmetric.geometry import Cap
 from metafem.fe.axisymmetric.mesh import graded_mesh
-from metafem.fe.large_strain.body import Equilibrium, Flattened, SoftBody
+from metafem.fe.large_strain.body import Flattened, NewtonStatus, SoftBody
 
 # Size of the last elements at the edge, relative to the contact's radius: the edge's bracket is of this
 # order, small beside the error of quadratic elements.
@@ -57,7 +57,7 @@ class FiniteContact:
         this body; what another height or block changes is not in it.
     residual : float
         Largest nodal force out of balance, relative to the load.
-    status : Equilibrium
+    status : NewtonStatus
     """
 
     contact_radius: float
@@ -66,7 +66,7 @@ class FiniteContact:
     indentation: float
     error_estimate: float
     residual: float
-    status: Equilibrium
+    status: NewtonStatus
     state: Flattened = field(repr=False)
 
 

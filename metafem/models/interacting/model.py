@@ -26,7 +26,7 @@ from metafem.surface import Surface
 
 if TYPE_CHECKING:
     from metafem._kernels.continuation import Results
-    from metafem._kernels.coupling import Field
+    from metafem._kernels.coupling import Coupling
 
 # Largest residual of a returned state; the kernel aims a digit lower.
 TOLERANCE = 1e-12
@@ -270,7 +270,7 @@ class Interacting:
     def _run_dense(
         self,
         surface: Surface,
-        coupling: Field,
+        coupling: Coupling,
         own: FloatArray,
         gap: FloatArray,
         rising: FloatArray,
@@ -332,7 +332,7 @@ class Interacting:
         curve = Curve(approach, carried, area, stiffness, residual, self._promise(surface))
         return Sensitivity(curve, gradients, trail)
 
-    def _coupling(self, surface: Surface) -> tuple[Field, FloatArray]:
+    def _coupling(self, surface: Surface) -> tuple[Coupling, FloatArray]:
         """Return the influence of the asperities on each other, and their own regular terms (n,)."""
         bound = self.substrate.for_surface(surface)
         # a radial influence depends on the sites alone
@@ -350,14 +350,14 @@ class _Sites:
 
 
 @lru_cache(maxsize=KEPT_FIELDS)
-def _kept_field(substrate: Radial, order: int, sites: _Sites) -> tuple[Field, FloatArray]:
+def _kept_field(substrate: Radial, order: int, sites: _Sites) -> tuple[Coupling, FloatArray]:
     """Return the influence between sites, computed once for all heights on them."""
     return _field(substrate, order, sites.surface)
 
 
-def _field(substrate: Substrate, order: int, surface: Surface) -> tuple[Field, FloatArray]:
+def _field(substrate: Substrate, order: int, surface: Surface) -> tuple[Coupling, FloatArray]:
     """Compute the influence of the asperities on each other, and their own regular terms (n,)."""
-    from metafem._kernels.coupling import Field
+    from metafem._kernels.coupling import Coupling
 
     # the matrices, those with their ends exchanged, the Jacobian, and as much while they are made
     require_memory(8 * surface.count**2 * (3 if order == 1 else 14), f"{surface.count} asperities")
@@ -365,9 +365,9 @@ def _field(substrate: Substrate, order: int, surface: Surface) -> tuple[Field, F
     own = np.diagonal(influence).copy()
     np.fill_diagonal(influence, 0.0)
     if order == 1:
-        return Field(influence, *(np.empty((0, 0)) for _ in range(6))), own
+        return Coupling(influence, *(np.empty((0, 0)) for _ in range(6))), own
     derivatives = [np.ascontiguousarray(d) for d in substrate.influence_derivatives(surface)]
-    return Field(influence, *derivatives, *(np.ascontiguousarray(d.T) for d in derivatives)), own
+    return Coupling(influence, *derivatives, *(np.ascontiguousarray(d.T) for d in derivatives)), own
 
 
 def _refuse_thin_layer(substrate: Substrate, contact_radius: float) -> None:

@@ -14,12 +14,12 @@ import math
 import numpy as np
 from scipy.linalg.lapack import dgesv
 
-from metafem._kernels.coupling import Field, State, empty_state, respond
+from metafem._kernels.coupling import Coupling, State, empty_state, respond
 from metafem._validate import FloatArray, IntArray
 
 
 def area_gradients(
-    field: Field,
+    field: Coupling,
     order: int,
     radius: FloatArray,
     own: FloatArray,
@@ -49,7 +49,7 @@ def area_gradients(
     return gradients
 
 
-def _influences(field: Field, order: int) -> FloatArray:
+def _influences(field: Coupling, order: int) -> FloatArray:
     """Return displacements, and for order 3 curvatures and slopes, at i by the load of j, (m, n, n)."""
     if order == 1:
         return np.asarray(field.influence[None])

@@ -146,7 +146,7 @@ def test_a_residual_that_stays_is_reported_with_the_state(monkeypatch):
     monkeypatch.setattr("metafem.fe.linear_solve.RESIDUAL", 0.0)
     with pytest.raises(mf.NotConverged, match="residual") as caught:
         mf.fe.press(0.2, R)
-    assert caught.value.state.status is mf.fe.Status.NOT_CONVERGED
+    assert caught.value.state.status is mf.fe.LinearStatus.NOT_CONVERGED
 
 
 def test_a_radius_outside_the_body_is_refused():

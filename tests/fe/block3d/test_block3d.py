@@ -16,7 +16,7 @@ from skfem.helpers import ddot, div, sym_grad
 import metafem as mf
 from metafem.fe import Block3D
 from metafem.fe.block3d import cache as cache_module
-from metafem.fe.block3d import influence, solver
+from metafem.fe.block3d import influence
 from metafem.fe.block3d.boussinesq import displacement, traction
 from metafem.fe.block3d.cache import statements
 from metafem.fe.block3d.elasticity import Quarter
@@ -276,24 +276,13 @@ def test_unwritable_folder_is_a_note(stored, tmp_path, monkeypatch):
     assert "not kept on disk" in stored().notes[-1]
 
 
-def test_vanishing_pivots_are_solved_with_pivoting():
-    matrix = sp.csc_array(np.array([[0.0, 1.0], [1.0, 0.0]]))
-    solution, residual = solver.solve(matrix, np.array([[1.0], [2.0]]))
-    np.testing.assert_allclose(solution, [[2.0], [1.0]])
-    assert residual < 1e-15
-
-
-def test_singular_matrix_is_reported():
-    assert solver.solve(sp.csc_array((2, 2)), np.ones((2, 1)))[1] == math.inf
-
-
 class _Useless:
     def solve(self, right):
         return np.zeros_like(right)
 
 
 def test_failed_factorisation_raises(monkeypatch):
-    monkeypatch.setattr("metafem.fe.block3d.solver.splu", lambda *_, **__: _Useless())
+    monkeypatch.setattr("metafem.fe.linear_solve.splu", lambda *_, **__: _Useless())
     with pytest.raises(mf.NotConverged, match="residual") as raised:
         Block3D(cell=1.0, edge_cell=0.5).influence_matrix(scene(SITES[:1]))
     assert raised.value.state.residual > 1e-8

@@ -48,7 +48,7 @@ def test_small_strain_limit():
     # The coarse mesh's own error is 1.5e-3.
     assert contact.rescaled_load == pytest.approx(small.rescaled_load, rel=2e-3)
     assert contact.indentation == pytest.approx(small.indentation, rel=2e-3)
-    assert contact.status is mf.fe.Equilibrium.CONVERGED
+    assert contact.status is mf.fe.NewtonStatus.CONVERGED
     assert contact.residual <= soft_body.RESIDUAL
 
 
@@ -122,7 +122,7 @@ def test_a_newton_that_does_not_end_is_reported(monkeypatch):
     monkeypatch.setattr(soft_body, "NEWTON", 2)
     with pytest.raises(mf.NotConverged, match="plane's way") as caught:
         mf.fe.press_finite(0.2, **BODY)
-    assert caught.value.state.status is mf.fe.Equilibrium.NOT_CONVERGED
+    assert caught.value.state.status is mf.fe.NewtonStatus.NOT_CONVERGED
 
 
 @pytest.mark.parametrize(
