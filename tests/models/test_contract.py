@@ -7,10 +7,32 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
 import metafem as mf
+from metafem.inversion import DesignStatus
 from tests.models.scenes import HEIGHT, MODELS, PLACE, RADIUS, lattice, scene
 
+CELL = 0.015
+CELLS = mf.BoundaryElements(CELL)
+# The second tolerance makes another choice for most of the scenes here.
+AUTOMATIC = (mf.Automatic(1e-3), mf.Automatic(1e-4), mf.Automatic(substrate=mf.BondedLayer()))
+PEDESTAL = MODELS[-1]
+EVERY = (*MODELS, CELLS, *AUTOMATIC)
 
-def same_contact(state, other, length=1.0, modulus=1.0, rtol=1e-12):
+
+def rounding(model, asperities=1e-11):
+    """Relative difference of two solutions of the same equations.
+
+    That of `asperities` is rounding; an iteration over cells ends within its tolerance, here ten times it.
+    """
+    return 10 * model.tolerance if model == CELLS else asperities
+
+
+def cell_error(state):
+    """Relative error of areas and loads by the cells, twice: 0.37 over the square of cells per radius."""
+    smallest = np.sqrt(state.asperity_area[state.asperity_area > 0.0].min() / np.pi)
+    return 2 * 0.37 * (CELL / smallest) ** 2
+
+
+def same_contact(state, other, length=1.0, modulus=1.0, rtol=1e-12, stiffness=1e-7):
     """`other` is `state` with lengths and moduli multiplied."""
     force = modulus * length**2
     assert_allclose(
@@ -20,20 +42,22 @@ def same_contact(state, other, length=1.0, modulus=1.0, rtol=1e-12):
     assert other.area == pytest.approx(length**2 * state.area, rel=rtol)
     assert other.approach == pytest.approx(length * state.approach, rel=rtol)
     # the inner iteration may stop a step earlier or later, which costs the square of its tolerance
-    assert other.stiffness == pytest.approx(modulus * length * state.stiffness, rel=1e-7)
+    assert other.stiffness == pytest.approx(modulus * length * state.stiffness, rel=max(stiffness, rtol))
 
 
-@pytest.fixture(params=MODELS, ids=lambda model: f"{model}".replace("metafem.", ""))
+@pytest.fixture(params=EVERY, ids=lambda model: f"{model}".replace("metafem.", ""))
 def model(request):
     return request.param
 
 
 def test_area_load_and_stiffness_grow_with_the_approach(model):
-    curve = model.curve_at(scene(), np.linspace(1e-4, 0.2, 40))
-    assert (np.diff(curve.load) > 0.0).all()
-    assert (np.diff(curve.area) > 0.0).all()
-    assert (curve.stiffness > 0.0).all()
-    assert curve.residual.max() <= model.tolerance
+    approach = np.linspace(1e-4, 0.2, 10 if model == CELLS else 40)
+    law = mf.friction_law(scene(), model, separation=HEIGHT.max() - approach)
+    assert (np.diff(law.load) > 0.0).all()
+    assert (np.diff(law.area) > 0.0).all()
+    assert (law.stiffness > 0.0).all()
+    assert law.residual.max() <= model.tolerance
+    assert law.status is mf.Status.CONVERGED
 
 
 def test_open_surface_carries_nothing(model):
@@ -45,9 +69,10 @@ def test_open_surface_carries_nothing(model):
 def test_load_and_approach_are_inverse(model):
     under_load = mf.equilibrium(scene(), model, load=0.1)
     assert under_load.load == pytest.approx(0.1, rel=1e-12)
-    same_contact(under_load, mf.equilibrium(scene(), model, approach=under_load.approach), rtol=1e-11)
+    rtol = rounding(model)
+    same_contact(under_load, mf.equilibrium(scene(), model, approach=under_load.approach), rtol=rtol)
     # the separation carries the rounding of the height
-    same_contact(under_load, mf.equilibrium(scene(), model, separation=under_load.separation), rtol=1e-11)
+    same_contact(under_load, mf.equilibrium(scene(), model, separation=under_load.separation), rtol=rtol)
 
 
 def test_stiffness_is_the_derivative_of_the_load(model):
@@ -63,28 +88,45 @@ def test_curve_agrees_with_single_equilibria(model):
     law = mf.friction_law(scene(), model, load=loads)
     for k in (0, 4, 8):
         state = mf.equilibrium(scene(), model, load=loads[k])
-        assert law.area[k] == pytest.approx(state.area, rel=1e-11)
-        assert law.stiffness[k] == pytest.approx(state.stiffness, rel=1e-6)
+        if model in AUTOMATIC:  # one load may need a cheaper model than a curve: each is within the tolerance
+            assert law.area[k] == pytest.approx(state.area, rel=2 * model.tolerance)
+        else:
+            assert law.area[k] == pytest.approx(state.area, rel=rounding(model))
+            assert law.stiffness[k] == pytest.approx(state.stiffness, rel=1e-6)
 
 
 def test_permutation_changes_nothing(model):
     order = np.array([3, 0, 5, 1, 4, 2])
     state = mf.equilibrium(scene(), model, load=0.1)
     other = mf.equilibrium(scene(PLACE[order], HEIGHT[order], RADIUS[order]), model, load=0.1)
-    assert_allclose(other.asperity_load, state.asperity_load[order], rtol=1e-11)
-    assert other.area == pytest.approx(state.area, rel=1e-12)
+    assert_allclose(other.asperity_load, state.asperity_load[order], rtol=rounding(model))
+    assert other.area == pytest.approx(state.area, rel=rounding(model, 1e-12))
 
 
 @pytest.mark.parametrize("angle", [0.3, 2.0])
 def test_rotation_changes_nothing(model, angle):
     turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
     states = [mf.equilibrium(scene(place), model, load=0.1) for place in (PLACE, PLACE @ turn.T)]
-    same_contact(*states)
+    # the turned summits lie differently on the cells
+    same_contact(*states, rtol=cell_error(states[0]) if model == CELLS else 1e-12)
+
+
+def test_a_quarter_turn_changes_nothing(model):
+    states = [
+        mf.equilibrium(scene(place), model, load=0.1) for place in (PLACE, PLACE[:, ::-1] * [-1.0, 1.0])
+    ]
+    same_contact(*states, rtol=rounding(model, 1e-12))
+
+
+def test_a_translation_by_a_part_of_a_cell_changes_nothing(model):
+    """The grid of the cells moves with the surface."""
+    states = [mf.equilibrium(scene(place), model, load=0.1) for place in (PLACE, PLACE + 0.37 * CELL)]
+    same_contact(*states, rtol=rounding(model, 1e-12))
 
 
 def test_translation_costs_the_rounding_of_the_moved_input(model):
     states = [mf.equilibrium(scene(place), model, load=0.1) for place in (PLACE, PLACE + 1e6)]
-    same_contact(*states, rtol=1e6 * 2.2e-16)  # eps of 1e6 mm over distances of 1 mm
+    same_contact(*states, rtol=rounding(model, 1e6 * 2.2e-16))  # eps of 1e6 mm over distances of 1 mm
 
 
 @pytest.mark.parametrize("length", [1e-6, 1e6])
@@ -92,8 +134,11 @@ def test_unit_of_length_changes_nothing(model, length):
     moved = scene(PLACE * length, HEIGHT * length, RADIUS * length, thickness=7.2 * length)
     same_contact(
         mf.equilibrium(scene(), model, load=0.1),
-        mf.equilibrium(moved, model, load=0.1 * length**2),
+        mf.equilibrium(
+            moved, mf.BoundaryElements(CELL * length) if model == CELLS else model, load=0.1 * length**2
+        ),
         length=length,
+        rtol=rounding(model, 1e-12),
     )
 
 
@@ -101,13 +146,15 @@ def test_unit_of_length_changes_nothing(model, length):
 def test_unit_of_force_changes_nothing(model, modulus):
     state = mf.equilibrium(scene(), model, load=0.1)
     other = mf.equilibrium(scene(modulus=1.36 * modulus), model, load=0.1 * modulus)
-    same_contact(state, other, modulus=modulus)
+    same_contact(state, other, modulus=modulus, rtol=rounding(model, 1e-12))
 
 
 def test_one_asperity(model):
     surface = scene(PLACE[:1], HEIGHT[:1], RADIUS[:1])
-    for load in (1e-9, 0.01):
-        assert mf.equilibrium(surface, model, load=load).load == pytest.approx(load, rel=1e-12)
+    # too light for cells of a given size, for which a law is that of point loads: a law of two loads
+    law = mf.friction_law(surface, model, load=[1e-9, 0.01])
+    assert_allclose(law.load, [1e-9, 0.01], rtol=1e-12)
+    assert mf.equilibrium(surface, model, load=0.01).area == pytest.approx(law.area[1], rel=rounding(model))
 
 
 @pytest.mark.parametrize("height", [[0.1, 0.1 - 1e-6], [0.1, 0.1], [0.1, 0.1 - 1e-13]])
@@ -126,6 +173,8 @@ def test_radii_over_three_decades(model):
     assert (np.diff(law.area) > 0.0).all()
 
 
+# Resolved contacts of the whole surface, merged in the end, would take minutes.
+@pytest.mark.parametrize("model", MODELS)
 def test_loads_from_nothing_to_ten_times_full_contact(model):
     surface = lattice(0.12 - np.minimum(np.random.default_rng(1).exponential(0.035, 36), 0.12))
     full = mf.equilibrium(surface, separation=0.0).load
@@ -162,3 +211,26 @@ def test_random_scenes_converge(count, seed, approach, spread, decades, model):
     assert state.residual <= model.tolerance
     again = mf.equilibrium(surface, model, load=state.load)
     assert again.area == pytest.approx(state.area, rel=1e-9)
+
+
+# Independent asperities meet it with one of two 20 um lower; interaction changes the area by some 0.3 %.
+POINT = mf.OperatingPoints([0.022], [0.165])
+
+
+@pytest.mark.parametrize("model", EVERY)
+def test_a_design_under_every_model_meets_its_target(model):
+    template = scene(PLACE[:2], 0.12 * np.ones(2), 0.526)
+    design = mf.design(POINT, template, model, mf.Limits(0.12))
+    law = mf.friction_law(design.surface, model, load=1.36 * POINT.rescaled_load)
+    misfit = abs(law.rescaled_friction[0] / POINT.rescaled_friction[0] - 1)
+    assert design.misfit == pytest.approx(misfit, abs=1e-11)
+    if (
+        model == PEDESTAL
+    ):  # the heights are raised to their limit after the search, which changes the pedestals
+        assert misfit < 1e-5
+    else:
+        assert misfit < 1e-9
+        assert design.status is DesignStatus.EXACT
+    if model.couples:  # the design does more than repeat that of independent asperities
+        alone = mf.friction_law(design.surface, load=law.load)
+        assert abs(alone.area[0] / law.area[0] - 1) > 1e-3
