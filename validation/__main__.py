@@ -18,6 +18,7 @@ from validation.check import Check, Claim
 from validation.discovery import Listed, chosen, groups, module
 from validation.page import page, readme_table
 from validation.paper.surfaces import fig4
+from validation.published import REFERENCE
 from validation.readme import renew
 
 PICTURE = Path(__file__).parent / "first_minute.svg"
@@ -78,6 +79,7 @@ def main(output: str, readme: bool, names: tuple[str, ...]) -> None:
     """Check the claims NAMES, those of whole groups, or all. Prints computed and expected numbers."""
     from rich.console import Console
     from rich.table import Table
+    from rich.text import Text
 
     console = Console()
     results: dict[str, Claim] = {}
@@ -88,7 +90,8 @@ def main(output: str, readme: bool, names: tuple[str, ...]) -> None:
         table = Table("check", "computed", "expected", "source", title=title, title_justify="left")
         for check in claim.checks:
             style = None if check.passed else "bold red"
-            table.add_row(check.name, f"{check.computed:.6g}", check.expected, check.source, style=style)
+            row = (check.name, f"{check.computed:.6g}", check.expected, check.source)
+            table.add_row(*map(Text, row), style=style)  # texts: a unit in brackets is no markup
         console.print(table)
         console.print(f"{time.perf_counter() - start:.1f} s\n")
     folder = Path(output)
@@ -100,6 +103,7 @@ def main(output: str, readme: bool, names: tuple[str, ...]) -> None:
         renew_readme(results)
     checks = [check for claim in results.values() for check in claim.checks]
     failed = sum(not check.passed for check in checks)
+    console.print(REFERENCE)
     console.print(f"{len(checks) - failed} of {len(checks)} checks passed; {folder / 'index.html'}")
     sys.exit(1 if failed else 0)
 

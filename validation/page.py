@@ -5,6 +5,7 @@ from __future__ import annotations
 from metafem.drawing import svg
 from validation.check import Claim
 from validation.discovery import module
+from validation.published import REFERENCE
 
 TEMPLATE = """<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><title>metafem: validation</title>
@@ -19,6 +20,7 @@ th { color: #667078; } .failed td { color: #b3261e; font-weight: 600; }
 </style></head><body>
 <h1>Validation of metafem</h1>
 <p>{{ passed }} of {{ total }} checks passed. Every number is computed when this page is made.</p>
+<p>{{ reference }}.</p>
 {% for claim in claims %}
 <h2>{{ claim.title }}</h2>
 {% if claim.text %}<p>{{ claim.text }}</p>{% endif %}
@@ -46,12 +48,18 @@ def page(claims: list[Claim]) -> str:
     return (
         Environment(autoescape=True, undefined=StrictUndefined)
         .from_string(TEMPLATE)
-        .render(claims=claims, drawn=drawn, total=len(checks), passed=sum(check.passed for check in checks))
+        .render(
+            claims=claims,
+            drawn=drawn,
+            total=len(checks),
+            passed=sum(check.passed for check in checks),
+            reference=REFERENCE,
+        )
     )
 
 
 def readme_table(results: dict[str, Claim]) -> str:
-    """Return the summary, one line a claim, in Markdown."""
+    """Return the summary, one line for each claim, in Markdown."""
     rows = ["| claim | checks passed | file |", "|---|---|---|"]
     for name, claim in results.items():
         passed = sum(check.passed for check in claim.checks)

@@ -20,13 +20,17 @@ from metafem.reference import bonded_layer, single_contacts
 RADIUS, PITCH, THICKNESS, BLOCK_RADIUS = 0.526, 1.5, 7.2, 10.0
 
 # Load and indentation over Hertz's at the same contact radius, by height and contact radius [mm]: true cap
-# on the bonded block, nu = 0.5, small strain; another implementation's numbers, good to 0.2 %.
+# on the bonded block, nu = 0.5, small strain; numbers of a separate program, good to 0.2 %.
 CAP_ROWS = {(0.12, 0.10): (1.016, 1.015), (0.20, 0.26): (1.112, 1.121)}
 
 HERTZ = "Hertz (1882), doi:10.1515/crll.1882.92.156"
 SNEDDON = "Sneddon (1965), doi:10.1016/0020-7225(65)90019-4"
-HANKEL = "Hankel integral of the bonded layer, Johnson (1985), section 5.8"
-OTHER = "an independent small-strain computation"
+HANKEL = "Hankel integral of the bonded layer, Johnson (1985), section 5.8, doi:10.1017/CBO9781139171731"
+CURVATURE = f"1/R + P S/2 with the curvature S of the lattice sum; {HANKEL}"
+LATTICE = f"lattice sum of the layer's influence; {HANKEL}"
+DINI = "Dini series of a cylinder on a rigid base, metafem.reference.bonded_layer.cell_influence"
+FIRST_ORDER = "at least order 1: the edge of the contact is known to one cell; fitted"
+OTHER = "small-strain finite elements of a separate program that shares no code with metafem, unpublished"
 
 
 @dataclass(frozen=True)
@@ -96,13 +100,13 @@ def hertz_check(poisson_ratio: float = 0.5) -> list[Check]:
         _relative("indentation", contact.indentation, indentation, 1e-8, HERTZ),
         _relative("outer field over Hertz's, worst", worst, 1.0, 1e-8, HERTZ),
         _relative("load of a quartic punch", quartic.rescaled_load, power, 1e-8, SNEDDON),
-        _bound("error estimate", contact.error_estimate, 1e-6, "its own, between two degrees"),
+        _bound("error estimate", contact.error_estimate, 1e-6, "difference between two degrees, this check"),
         # Every degree gains a third of a digit or more while rounding is far away.
-        _rate("digits gained per degree", -spectrum.rate, 1.0 / 3.0, "fitted"),
+        _rate("digits gained per degree", -spectrum.rate, 1.0 / 3.0, "exponential convergence; fitted"),
         _bound("load by active set, relative error", float(search[0].error[-1]), 1e-4, HERTZ),
         _bound("radius by active set, relative error", float(search[1].error[-1]), 1e-4, HERTZ),
-        _rate("active set: order of the load", search[0].rate, 1.0, "fitted"),
-        _rate("active set: order of the radius", search[1].rate, 1.0, "fitted"),
+        _rate("active set: order of the load", search[0].rate, 1.0, FIRST_ORDER),
+        _rate("active set: order of the radius", search[1].rate, 1.0, FIRST_ORDER),
     ]
 
 
@@ -118,10 +122,22 @@ def cap_check() -> list[Check]:
             _relative(
                 f"{name}: indentation over Hertz", contact.indentation / hertz[1], expected[1], 2e-3, OTHER
             ),
-            _bound(f"{name}: error estimate", contact.error_estimate, 1e-4, "its own bracket"),
+            _bound(
+                f"{name}: error estimate",
+                contact.error_estimate,
+                1e-4,
+                "bracket between two edge criteria, this check",
+            ),
         ]
     # The bracket spans one element at the edge: order one, which a fit over three sizes gives to 0.1.
-    checks.append(_rate("order of the edge's bracket", cap_convergence().rate, 0.9, "fitted"))
+    checks.append(
+        _rate(
+            "order of the edge's bracket",
+            cap_convergence().rate,
+            0.9,
+            "theory: order 1, one element at the edge; fitted",
+        )
+    )
     return checks
 
 
@@ -156,10 +172,10 @@ def cell_check() -> list[Check]:
         lattice = own + load * (total + 0.1 * a**2 * curvature)
         series = own + load * bonded_layer.cell_influence(a, side, THICKNESS, 0.5)
         checks += [
-            _relative(f"a = {a} mm: load", contact.rescaled_load, load, 5e-4, "curvature of the lattice sum"),
-            _relative(f"a = {a} mm: indentation", contact.indentation, lattice, 5e-3, "lattice sum"),
+            _relative(f"a = {a} mm: load", contact.rescaled_load, load, 5e-4, CURVATURE),
+            _relative(f"a = {a} mm: indentation", contact.indentation, lattice, 5e-3, LATTICE),
             # The series' own error: the pressure is Hertz's in it, up to terms of a^5.
-            _relative(f"a = {a} mm: indentation", contact.indentation, series, 5e-4, "Dini series"),
+            _relative(f"a = {a} mm: indentation", contact.indentation, series, 5e-4, DINI),
         ]
     return checks
 

@@ -1,4 +1,4 @@
-"""The true spherical cap on the bonded block."""
+"""The true spherical cap on the bonded block, at small strain."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from validation.check import Claim, from_elements
 from validation.finite_elements.fe_finite_strain import TEXT
 from validation.finite_elements.frozen_meshes import CAP_CONTACT, FOLDER, cap
 
-# Several seconds of finite elements: the test suite runs it with the slow ones.
+# Several seconds of finite elements.
 SLOW = True
 
 
 def claim() -> Claim:
-    """Compare load and indentation with another computation."""
+    """Compare load and indentation with a separate program."""
     return Claim(
         "Finite elements: the spherical cap on the bonded block",
         from_elements(fe.cap_check()),

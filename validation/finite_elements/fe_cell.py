@@ -1,4 +1,4 @@
-"""One cell of an infinite lattice against the lattice sum of the layer."""
+"""One cell of an infinite lattice, compared with the lattice sum of the layer."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from metafem.reference import bonded_layer
 from metafem.reference import single_contacts as exact
 from validation.check import Claim, from_elements
 
-# Several seconds of finite elements: the test suite runs it with the slow ones.
+# Several seconds of finite elements.
 SLOW = True
 
 
@@ -36,7 +36,7 @@ def _figure():
     fine = np.linspace(0.05, 0.33, 60)
     ax.plot(a, 100.0 * (np.array(load) / exact.hertz(a, RADIUS)[0] - 1.0), "o", label="one cell")
     bent = 1.0 / (1.0 - 2.0 / 3.0 * fine**3 * curvature)
-    ax.plot(fine, 100.0 * (bent - 1.0), "k-", lw=0.8, label="curvature of the neighbours' field")
-    ax.set(xlabel="contact radius [mm]", ylabel="load over Hertz's at the same a [%]")
+    ax.plot(fine, 100.0 * (bent - 1.0), "k-", lw=0.8, label="curvature of the field of the neighbours")
+    ax.set(xlabel="contact radius [mm]", ylabel="load over that of Hertz at the same a [%]")
     ax.legend(frameon=False)
     return figure

@@ -1,4 +1,4 @@
-"""Hertz's contact by high-order finite elements, and by a search on an ordinary mesh."""
+"""Hertz's contact by high-order elements and by an active set on an ordinary mesh."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from validation.check import Claim, from_elements
 
 A, R = 0.2, 0.526
 
-# Several seconds of finite elements: the test suite runs it with the slow ones.
+# Several seconds of finite elements.
 SLOW = True
 
 
@@ -31,7 +31,7 @@ def _rates():
     figure = new_figure(8.0, 3.2)
     left, right = figure.subplots(1, 2)
     spectrum = spectral_convergence()
-    left.semilogy(spectrum.value, spectrum.error, "o-", label=f"{-spectrum.rate:.2f} digits a degree")
+    left.semilogy(spectrum.value, spectrum.error, "o-", label=f"{-spectrum.rate:.2f} digits per degree")
     left.set(xlabel="degree of the elements", ylabel="relative error of the load")
     left.legend(frameon=False)
     for name, study in zip(("load", "radius"), search_convergence(), strict=True):

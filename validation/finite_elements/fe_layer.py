@@ -1,4 +1,4 @@
-"""The influence of the bonded layer against its Hankel integral."""
+"""The influence of the bonded layer, compared with its Hankel integral."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from metafem.fe.checks import RADIUS, THICKNESS
 from metafem.reference import bonded_layer
 from validation.check import Claim, from_elements
 
-# Several seconds of finite elements: the test suite runs it with the slow ones.
+# Several seconds of finite elements.
 SLOW = True
 
 

@@ -1,4 +1,4 @@
-"""The compliance of a cap's pedestal: the models' table against finite elements."""
+"""The compliance of a cap's pedestal: the table of the models, compared with finite elements."""
 
 from __future__ import annotations
 
@@ -11,22 +11,22 @@ from metafem.contact.cap_compliance import SHARES, TABLE, pedestal_compliance
 from metafem.drawing import new_figure
 from validation.check import Claim, below
 
-# Between the rows and columns of the table.
-PLACES = ((0.06, 0.3), (0.23, 0.5), (0.38, 0.1), (0.57, 0.3))
+# h/R and contact radius over foot radius, between the nodes of the table.
+BETWEEN = ((0.06, 0.3), (0.23, 0.5), (0.38, 0.1), (0.57, 0.3))
 
-# Several seconds of finite elements: the test suite runs it with the slow ones.
+# Several seconds of finite elements.
 SLOW = True
+
+SOURCE = "metafem.fe.measure_pedestal at a shape between the nodes of the table, which are fits to its values"
 
 
 def claim() -> Claim:
-    """Compute the compliance anew where the table has no row."""
+    """Compute the compliance by finite elements where the table has no node."""
     checks = []
-    for ratio, share in PLACES:
+    for ratio, share in BETWEEN:
         a = share * math.sqrt(ratio * (2.0 - ratio))
         error = abs(float(pedestal_compliance(ratio, 1.0, a)) / fe.measure_pedestal(ratio, a) - 1.0)
-        checks.append(
-            below(f"h/R = {ratio}, a/R = {a:.3f}: error of the fit", error, 1e-3, "finite elements")
-        )
+        checks.append(below(f"h/R = {ratio}, a/R = {a:.3f}: error of the table", error, 1e-3, SOURCE))
     return Claim("The pedestal's compliance", checks, {"compliance": _figure})
 
 

@@ -24,7 +24,7 @@ def cap() -> Cap:
 
 
 def recipes() -> dict[str, MeshQuad]:
-    """Make all of them."""
+    """Return each frozen mesh by its name."""
     edge = float(cap().surface(np.array(CAP_CONTACT))[0])
     return {
         "half_space": half_space_mesh(),

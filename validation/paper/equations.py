@@ -1,4 +1,4 @@
-"""Equations S1 to S8 against quadrature, over the paper's range and far beyond it."""
+"""Equations S1 to S8, compared with numerical integration and with their printed forms."""
 
 from __future__ import annotations
 
@@ -15,12 +15,14 @@ from validation.paper.surfaces import fig3, template
 from validation.published import PAPER
 
 RADIUS, COUNT, TOP = 0.526, 64, 0.120
-QUADRATURE = 1e-9  # what scipy's adaptive rule delivers on integrands with a root at their end
-PRINTED = 1e-9  # beyond x = 1e-3 the printed forms have lost fewer digits than this
+QUADRATURE = 1e-9  # accuracy of scipy.integrate.quad for integrands with a root at one end
+PRINTED = 1e-9  # rounding error of the printed forms for x above 1e-3
+
+INTERCEPT = f"{PAPER}, SM, building a quasi-linear friction law, α"
 
 
 def claim() -> Claim:
-    """Compare each closed form with an integral or with the form that is printed."""
+    """Compare each closed form with an integral or with its printed form."""
     plain = [TruncatedExponential(TOP / x, TOP) for x in (1e-3, 0.1, 1.0, 3.0, 13.3, 100.0)]
     branched = [
         TwoBranchExponential(0.03568, TOP, 0.015338, 0.14941),
@@ -33,21 +35,23 @@ def claim() -> Claim:
         *_integrals("two branches", branched),
     ]
     worst = max(abs(d.asymptotic_slope(RADIUS) / printed.slope(d.scale, RADIUS, TOP) - 1) for d in plain[1:])
-    checks.append(below("S3–S5: slope against the printed form", worst, PRINTED, f"{PAPER}, S3"))
+    checks.append(below("S3–S5: slope against the printed form", worst, PRINTED, f"{PAPER}, eqs. S3 to S5"))
     worst = max(
         abs(d.intercept(COUNT, RADIUS) / printed.intercept(d.scale, RADIUS, TOP, COUNT) - 1)
         for d in plain[2:]
     )
-    checks.append(below("intercept against the printed form", worst, PRINTED, f"{PAPER}, text"))
+    checks.append(below("intercept against the printed form", worst, PRINTED, INTERCEPT))
     for name, value in (("m_2", _second_slope_error), ("P_c", _crossover_error)):
         checks.append(
-            below(f"S8: {name} against the printed form", max(map(value, branched)), PRINTED, f"{PAPER}, S8")
+            below(
+                f"S8: {name} against the printed form", max(map(value, branched)), PRINTED, f"{PAPER}, eq. S8"
+            )
         )
     return Claim("Equations S1 to S8", checks)
 
 
 def _points_equations() -> Check:
-    """S1 is met if the law of the designed heights, summed here, passes through the points."""
+    """S1 holds if the law of the designed heights, summed here, passes through the points."""
     design, radius = fig3(), float(template("fig3").radius[0])
     height, worst = design.surface.height, 0.0
     for load, friction in zip(design.target.rescaled_load, design.target.rescaled_friction, strict=True):
@@ -55,7 +59,9 @@ def _points_equations() -> Check:
         depth = np.clip(height - state.separation, 0.0, None)
         area, carried = np.pi * radius * depth.sum(), 4 / 3 * np.sqrt(radius) * (depth**1.5).sum()
         worst = max(worst, abs(area / friction - 1.0), abs(carried / load - 1.0))
-    return below("S1: both lines at the solution, relative", worst, 1e-9, f"{PAPER}, S1")
+    return below(
+        "S1: both lines at the solution, relative", worst, 1e-9, f"{PAPER}, eq. S1, summed over the heights"
+    )
 
 
 def _integrals(name: str, densities: list[PiecewiseExponential]) -> list[Check]:
@@ -67,7 +73,12 @@ def _integrals(name: str, densities: list[PiecewiseExponential]) -> list[Check]:
                 closed = float(density.moment(power, delta))
                 worst[what] = max(worst[what], abs(closed / _moment(density, power, delta) - 1.0))
     return [
-        below(f"S2, {name}: {what} against quadrature", error, QUADRATURE, "quadrature")
+        below(
+            f"S2, {name}: {what} against quadrature",
+            error,
+            QUADRATURE,
+            "eq. S2 integrated by scipy.integrate.quad",
+        )
         for what, error in worst.items()
     ]
 

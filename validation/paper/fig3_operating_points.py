@@ -13,26 +13,37 @@ from validation.published import PAPER, paper
 # Half of the last printed digit of the points.
 LOAD_DIGIT, FRICTION_DIGIT = 5e-4, 5e-3
 
-# Recomputed independently from the printed points [µm].
+# Solution of eq. S1 for the printed points [µm]. tests/validation/test_expected_numbers.py solves it.
 LEVELS, ADJUSTMENTS = (270.0, 180.4, 128.6), (240.8, 170.4, 107.4)
+
+SOLVED = f"{PAPER}, eq. S1 for the printed points, solved by tests/validation/test_expected_numbers.py"
+POINTS = f"{PAPER}, Fig. 3, operating points in SM"
 
 
 def claim() -> Claim:
-    """Design the surface from its points, and press the printed one."""
+    """Design a surface from the operating points, and evaluate the printed one."""
     design, wanted = fig3(), paper()["fig3"]
     found = design.parameters
-    checks = [near("largest relative error at the points", design.misfit, 0, 1e-9, "target")]
+    checks = [
+        near(
+            "largest relative error at the points",
+            design.misfit,
+            0,
+            1e-9,
+            f"{PAPER}, eq. S1: the law passes through the points",
+        )
+    ]
     for i in range(3):
-        where = f"{PAPER}, Fig. 3"
+        where = f"{PAPER}, SM, inversion scheme for operating points"
         checks += [
             near(f"n_{i + 1}", found["counts"][i], wanted["counts"][i], 0, where),
-            near(f"level {i + 1} [µm]", found["levels"][i] * 1e3, LEVELS[i], 0.05, "solved for"),
+            near(f"level {i + 1} [µm]", found["levels"][i] * 1e3, LEVELS[i], 0.05, SOLVED),
             near(
                 f"adjustment {i + 1} [µm]",
                 found["adjustment_heights"][i] * 1e3,
                 ADJUSTMENTS[i],
                 0.05,
-                "solved for",
+                SOLVED,
             ),
         ]
     checks += _printed_surface(wanted)
@@ -40,7 +51,7 @@ def claim() -> Claim:
 
 
 def _printed_surface(wanted: dict) -> list[Check]:
-    """Show that the printed heights pass through the printed points, to the digits of both."""
+    """Check that the law of the printed heights passes through the printed points, to the digits of both."""
     levels = np.repeat(wanted["levels_um"], wanted["counts"])
     height = np.concatenate([levels, wanted["adjustment_um"]]) / 1e3
     lattice = template("fig3")
@@ -56,5 +67,5 @@ def _printed_surface(wanted: dict) -> list[Check]:
         ]
         tolerance = FRICTION_DIGIT + 0.5 * (at[2] - at[0])
         name = f"friction of the printed heights at P/E* = {load} [mm²]"
-        checks.append(near(name, at[1], friction, tolerance, f"{PAPER}, Fig. 3"))
+        checks.append(near(name, at[1], friction, tolerance, POINTS))
     return checks

@@ -1,4 +1,4 @@
-"""The five surfaces of the paper's Figs. 3 to 5, designed anew from their targets."""
+"""The five surfaces of the paper's Figs. 3 to 5, designed from their targets."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ def template(figure: str) -> mf.Surface:
 
 
 def fig3() -> mf.Design:
-    """Three operating points."""
+    """Design the surface of Fig. 3 for three operating points."""
     wanted = paper()["fig3"]
     target = mf.OperatingPoints(wanted["load_mm2"], wanted["friction_mm2"])
     return mf.design(target, template("fig3"), limits=mf.Limits(wanted["max_height_um"] / 1e3))
 
 
 def fig4(colour: str) -> mf.Design:
-    """A linear law, "blue" or "red"."""
+    """Design a surface of Fig. 4 for a linear law, "blue" or "red"."""
     printed = paper()["fig4"]
     wanted = printed[colour]
     limits = mf.Limits(
@@ -43,7 +43,7 @@ def fig4(colour: str) -> mf.Design:
 
 
 def fig5(colour: str) -> mf.Design:
-    """A bilinear law, "blue" or "red"."""
+    """Design a surface of Fig. 5 for a bilinear law, "blue" or "red"."""
     printed = paper()["fig5"]
     target = mf.BilinearLaw(printed["slopes"], printed[colour]["crossover_load_mm2"])
     limits = mf.Limits(printed["max_height_um"] / 1e3, offset=printed["offset_um"] / 1e3)

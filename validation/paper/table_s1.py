@@ -1,4 +1,4 @@
-"""Table S1: the numbers of asperities on the levels of the two linear laws."""
+"""Table S1: numbers of asperities on the height levels of the two linear laws."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from validation.published import PAPER, paper, table
 
 
 def claim() -> Claim:
-    """Design both surfaces from their slopes and count."""
+    """Design both surfaces from their slopes and count the asperities on each level."""
     printed, wanted = table("table_s1"), paper()["fig4"]
     checks = []
     for colour in ("blue", "red"):
@@ -22,7 +22,7 @@ def claim() -> Claim:
         wrong = np.count_nonzero(counts != printed[f"count_{colour}"])
         scale = design.parameters["scale"] * 1e3
         checks += [
-            near(f"{colour}: levels whose number differs", wrong, 0, 0, f"{PAPER}, Table S1"),
+            near(f"{colour}: levels with another number of asperities", wrong, 0, 0, f"{PAPER}, Table S1"),
             near(f"{colour}: scale λ [µm]", scale, wanted[colour]["scale_um"], 0.5, f"{PAPER}, Table S1"),
         ]
     return Claim("Table S1: levels of the linear laws", checks, {"numbers": _figure})

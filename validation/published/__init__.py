@@ -1,4 +1,4 @@
-"""Numbers that the paper prints, for comparison only."""
+"""Numbers that the paper prints; only the validation compares with them."""
 
 from __future__ import annotations
 
@@ -10,6 +10,10 @@ import numpy as np
 
 FOLDER = Path(__file__).parent
 PAPER = "Aymard et al. 2024"
+REFERENCE = f"{PAPER}: Science 383, 200-204, doi:10.1126/science.adk4234; SM: its Supplementary Materials"
+
+# Results of a program outside this package that shares no code with it. They are not published.
+SEPARATE = "a separate program that shares no code with metafem, unpublished"
 
 
 def paper() -> dict[str, Any]:

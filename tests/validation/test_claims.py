@@ -1,0 +1,36 @@
+"""Each claim of the validation holds, and each check names a source."""
+
+import re
+
+import pytest
+
+from validation.__main__ import claims, evaluate, is_slow
+
+NAMES = [pytest.param(name, marks=pytest.mark.slow) if is_slow(name) else name for name in claims()]
+
+# Words that name no source.
+VAGUE = re.compile(
+    r"promise|recomputed|independent(ly)? comput|another (code|implementation)|^solved|^exact$|^target$", re.I
+)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_claim_holds(name):
+    failed = [check for check in evaluate(name).checks if not check.passed]
+    assert not failed
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_each_check_names_its_source(name):
+    for check in evaluate(name).checks:
+        assert check.source.strip(), check.name
+        assert not VAGUE.search(check.source), check
+
+
+def test_a_claim_that_raises_is_a_failed_check(monkeypatch):
+    from validation.paper import bounds
+
+    monkeypatch.setattr(bounds, "claim", lambda: 1 / 0)
+    (check,) = evaluate.__wrapped__("bounds").checks
+    assert not check.passed
+    assert "ZeroDivisionError" in check.name
