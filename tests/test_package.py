@@ -6,9 +6,14 @@ import tomllib
 from importlib.machinery import PathFinder
 from pathlib import Path
 
+import grimp
+import numpy as np
 import pytest
+from scipy.sparse.csgraph import connected_components
 
 import metafem as mf
+
+HOME = Path(mf.__file__).parent
 
 
 @pytest.mark.parametrize("name", mf.__all__)
@@ -29,8 +34,7 @@ def test_unknown_name_is_an_attribute_error():
 
 def test_a_folder_left_by_another_installation_does_not_shadow_the_package(tmp_path):
     (tmp_path / "metafem" / "_kernels" / "__pycache__").mkdir(parents=True)
-    root = Path(mf.__file__).parents[1]
-    found = PathFinder.find_spec("metafem", [str(tmp_path), str(root)])
+    found = PathFinder.find_spec("metafem", [str(tmp_path), str(HOME.parent)])
     assert found.origin == mf.__file__
     # which holds for an entry of the path, not for the finder of an editable installation
     setup = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text())["tool"]
@@ -43,3 +47,14 @@ def test_importing_the_package_loads_nothing_heavy():
     code = f"import metafem.cli, sys; print(sorted({heavy} & set(sys.modules)))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
+
+
+def test_no_module_imports_itself_through_others():
+    """Imports within functions count, those for type checking alone do not."""
+    graph = grimp.build_graph("metafem", exclude_type_checking_imports=True, cache_dir=None)
+    modules = sorted(graph.modules)
+    imports = np.array([np.isin(modules, list(graph.find_modules_directly_imported_by(m))) for m in modules])
+    _, circle = connected_components(imports, connection="strong")
+    sizes = np.bincount(circle)
+    assert [m for m, i in zip(modules, circle, strict=True) if sizes[i] > 1] == []
+    assert len(modules) > 150  # the whole package was read
