@@ -5,12 +5,6 @@ from .axisymmetric.mesh import read_mesh as read_mesh
 from .axisymmetric.press import PressedContact as PressedContact
 from .axisymmetric.press import press as press
 from .block3d.substrate import Block3D as Block3D
-from .checks import Check as Check
-from .checks import Convergence as Convergence
-from .checks import cap_check as cap_check
-from .checks import cell_check as cell_check
-from .checks import hertz_check as hertz_check
-from .checks import layer_check as layer_check
 from .large_strain.body import NewtonStatus as NewtonStatus
 from .large_strain.press import FiniteContact as FiniteContact
 from .large_strain.press import press_finite as press_finite

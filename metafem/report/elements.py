@@ -31,18 +31,18 @@ def elements_section(design: Design) -> dict[str, Any]:
     The contact radius of the cap is that of independent asperities at the design's largest load. The
     computation takes about a minute.
     """
-    from metafem import fe
+    from metafem import fe, studies
 
-    lists = {
-        "Hertz's contact on a half-space": fe.hertz_check,
-        "the true cap on a bonded block": fe.cap_check,
-        "the influence of the bonded layer": fe.layer_check,
-        "one cell of an infinite lattice": fe.cell_check,
+    groups = {
+        "Hertz's contact on a half-space": studies.hertz_check,
+        "the true cap on a bonded block": studies.cap_check,
+        "the influence of the bonded layer": studies.layer_check,
+        "one cell of an infinite lattice": studies.cell_check,
     }
     rows = [
         (title, check.name, f"{check.computed:.6g}", check.expectation, check.passed, check.source)
-        for title in each("check", list(lists))
-        for check in lists[title]()
+        for title in each("check", list(groups))
+        for check in groups[title]()
     ]
     surface = design.surface
     state = Independent().solve_load(surface, float(design.law.rescaled_load[-1]))

@@ -1,7 +1,6 @@
-"""Studies of a design as datasets: its law under more detailed models, and the effects of interaction."""
+"""Studies of a design as datasets, and checks of the finite elements against closed forms."""
 
-from metafem.studies.fidelity import fidelity
-from metafem.studies.interaction import interaction
-from metafem.studies.summary import Summary, summary
+import lazy_loader
 
-__all__ = ["Summary", "fidelity", "interaction", "summary"]
+# As in metafem: each study imports what it needs when it is first used.
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

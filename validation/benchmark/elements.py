@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from metafem import fe
-from metafem.fe.checks import BLOCK_RADIUS, RADIUS, THICKNESS
+from metafem import fe, studies
+from metafem.studies.element_checks import BLOCK_RADIUS, RADIUS, THICKNESS
 from validation.benchmark.timing import Row, best
 
 
@@ -14,7 +14,7 @@ def rows() -> list[Row]:
         fe.press(0.2, RADIUS, height=0.2, thickness=THICKNESS, block_radius=BLOCK_RADIUS)
 
     def checks() -> None:
-        for check in (fe.hertz_check, fe.cap_check, fe.layer_check, fe.cell_check):
+        for check in (studies.hertz_check, studies.cap_check, studies.layer_check, studies.cell_check):
             check()
 
     measured = [

@@ -6,11 +6,11 @@ import math
 
 import numpy as np
 
-from metafem import fe
+from metafem import fe, studies
 from metafem.drawing import new_figure
-from metafem.fe.checks import PITCH, RADIUS, THICKNESS
 from metafem.reference import bonded_layer
 from metafem.reference import single_contacts as exact
+from metafem.studies.element_checks import PITCH, RADIUS, THICKNESS
 from validation.check import Claim, from_elements
 
 # Several seconds of finite elements.
@@ -21,7 +21,7 @@ def claim() -> Claim:
     """Compare load and indentation at three contact radii."""
     return Claim(
         "Finite elements: interaction in an infinite lattice",
-        from_elements(fe.cell_check()),
+        from_elements(studies.cell_check()),
         {"stiffening": _figure},
     )
 

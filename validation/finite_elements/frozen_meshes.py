@@ -10,7 +10,7 @@ from skfem import MeshQuad
 
 from metafem.fe.axisymmetric.geometry import Cap
 from metafem.fe.axisymmetric.mesh import graded_mesh, half_space_mesh
-from metafem.fe.checks import BLOCK_RADIUS, PITCH, RADIUS, THICKNESS
+from metafem.studies.element_checks import BLOCK_RADIUS, PITCH, RADIUS, THICKNESS
 
 FOLDER = Path(__file__).parents[2] / "meshes"
 
