@@ -51,8 +51,8 @@ def reported(name: str, computed: float, source: str) -> Check:
 
 
 def from_elements(checks: list[Any]) -> list[Check]:
-    """Return the checks of `metafem.fe` in the form of this package."""
-    return [Check(c.name, c.computed, c.expectation, c.passed, c.source) for c in checks]
+    """Return the checks of `metafem.studies` in the form of this package."""
+    return [Check(c.name, c.computed, c.expected, c.passed, c.source) for c in checks]
 
 
 @dataclass(frozen=True)

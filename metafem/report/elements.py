@@ -40,7 +40,7 @@ def elements_section(design: Design) -> dict[str, Any]:
         "one cell of an infinite lattice": studies.cell_check,
     }
     rows = [
-        (title, check.name, f"{check.computed:.6g}", check.expectation, check.passed, check.source)
+        (title, check.name, f"{check.computed:.6g}", check.expected, check.passed, check.source)
         for title in each("check", list(groups))
         for check in groups[title]()
     ]

@@ -1,0 +1,21 @@
+"""Checks of the finite elements: that they fail where an expectation is wrong, and the orders they fit."""
+
+from metafem.studies import element_checks
+
+
+def test_a_wrong_expectation_fails(monkeypatch):
+    monkeypatch.setattr(element_checks, "CAP_ROWS", {(0.12, 0.10): (1.03, 1.015)})
+    load, indentation, estimate, order = element_checks.cap_check()
+    assert not load.passed
+    assert (indentation.passed, estimate.passed, order.passed) == (True, True, True)
+    assert load.expected == "1.03 ± 0.002 relative"
+
+
+def test_the_layer_is_checked_in_units_of_the_half_space(monkeypatch):
+    monkeypatch.setattr(element_checks.bonded_layer, "regular_influence", lambda *_: 0.0)
+    assert not any(check.passed for check in element_checks.layer_check())
+
+
+def test_errors_of_the_load_fall_by_digits_with_the_degree():
+    study = element_checks.spectral_convergence(0.3)
+    assert study.rate < -0.5
