@@ -37,12 +37,12 @@ from .inversion.design import Design as Design
 from .inversion.design import design as design
 from .models import Automatic as Automatic
 from .models import BoundaryElements as BoundaryElements
-from .models import ContactState as ContactState
 from .models import Independent as Independent
 from .models import Interacting as Interacting
 from .models import MeanField as MeanField
 from .models import Status as Status
 from .notes import Note as Note
+from .prediction import ContactState as ContactState
 from .prediction import FrictionLaw as FrictionLaw
 from .prediction import equilibrium as equilibrium
 from .prediction import friction_law as friction_law

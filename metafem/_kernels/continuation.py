@@ -59,7 +59,7 @@ def empty_results(rows: int, columns: int) -> Results:
     return Results(*(np.zeros((rows, columns)) for _ in Results._fields))
 
 
-def empty_workplace(count: int, order: int) -> tuple[State, Memory, Scratch]:
+def empty_workspace(count: int, order: int) -> tuple[State, Memory, Scratch]:
     """Return the state, memory and scratch of one thread."""
     return empty_state(count), empty_memory(count), empty_scratch(count, order)
 
@@ -173,6 +173,7 @@ def curves(field, order, radius, own, gap, control, by_load, results, state, mem
             if control[j] <= 0.0:
                 for i in range(n):
                     state.z[i] = min(results.approach[row, j], 0.0) - gap[row, i]
+                    state.indentation[i] = state.z[i]
                     state.load[i] = state.square[i] = 0.0
                 if trail.size > 0:
                     copy(state.z, trail[j])

@@ -126,8 +126,8 @@ def curves(gap, root_radius, load, approach, carried, area, slope):
         x = 0.0
         for j in range(load.size):
             x = approach_at_load(gap[i], root_radius[i], load[j], x)
-            approach[i, j] = x
             base, depth = refine(gap[i], root_radius[i], load[j], x)
+            approach[i, j] = base + depth
             carried[i, j], area[i, j], slope[i, j] = sums(gap[i], root_radius[i], base, depth)
 
 

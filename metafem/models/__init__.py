@@ -6,18 +6,18 @@ from metafem.models.boundary_elements.model import BoundaryElements
 from metafem.models.independent import Independent
 from metafem.models.interacting.model import Interacting
 from metafem.models.mean_field import MeanField
-from metafem.models.model import ContactState, Curve, Model, Sensitive, Sensitivity, Status
+from metafem.models.model import Curve, Model, RescaledState, Sensitive, Sensitivity, Status
 
 __all__ = [
     "Automatic",
     "BoundaryElements",
     "ContactField",
-    "ContactState",
     "Curve",
     "Independent",
     "Interacting",
     "MeanField",
     "Model",
+    "RescaledState",
     "Sensitive",
     "Sensitivity",
     "Status",

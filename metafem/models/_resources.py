@@ -23,11 +23,11 @@ def run_rows(run: Callable[[slice], None], rows: int, work: int, work_per_thread
     Each row is computed separately, so the results do not depend on the number of threads.
     """
     pieces = min(THREADS, 1 + work // work_per_thread, rows)
+    if pieces <= 1:
+        run(slice(0, rows))
+        return
     edges = np.linspace(0, rows, pieces + 1).astype(int).tolist()
     slices = [slice(start, end) for start, end in pairwise(edges)]
-    if pieces == 1:
-        run(slices[0])
-        return
     with ThreadPoolExecutor(pieces) as pool:
         list(pool.map(run, slices))
 

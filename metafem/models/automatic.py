@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
+from typing import ClassVar
 
 import numpy as np
 
@@ -14,8 +15,9 @@ from metafem.errors import InvalidInput, NotConverged
 from metafem.models.boundary_elements.model import BoundaryElements
 from metafem.models.independent import Independent
 from metafem.models.interacting.model import DENSE_LIMIT, Interacting
-from metafem.models.model import ContactState, Curve, Model
-from metafem.models.validity import converged, truncation
+from metafem.models.model import Curve, Model, controlled
+from metafem.models.stand_in import WithoutGradients
+from metafem.models.truncation import truncation
 from metafem.notes import Level, Note, information
 from metafem.substrate import HalfSpace, Radial, Substrate
 from metafem.surface import Surface
@@ -33,7 +35,7 @@ ASIDE = "the surface's block is not used: the contacts are coupled through a hal
 
 @checked_class
 @dataclass(frozen=True)
-class Automatic:
+class Automatic(WithoutGradients):
     """Choose among `Independent`, `Interacting` and `BoundaryElements` by estimates of their errors.
 
     The error of order 3 is estimated as (a/r)^5 from the contacts of the independent model. The cheaper
@@ -61,6 +63,8 @@ class Automatic:
     Interacting(order=1, substrate=HalfSpace(), contact=Hertz(), pedestal=False)
     """
 
+    title: ClassVar[str] = "automatic"
+
     tolerance: float = 1e-3
     substrate: Substrate = field(default_factory=HalfSpace)
 
@@ -69,68 +73,30 @@ class Automatic:
         object.__setattr__(self, "tolerance", value)
         Interacting(substrate=self.substrate)  # checks the substrate
 
-    @property
-    def name(self) -> str:
-        """Name of the model in texts; it includes a substrate other than the half-space."""
-        return "automatic" if self.substrate == HalfSpace() else f"automatic, {self.gradient_model.name}"
-
-    @property
-    def couples(self) -> bool:
-        """Whether the load of a contact depends on the others at given indentations: yes."""
-        return True
-
-    @property
-    def gradient_model(self) -> Interacting:
-        """`Interacting` on the same substrate."""
-        return Interacting(substrate=self.substrate)
-
-    @property
-    def reference(self) -> Interacting:
-        """`Interacting` on the same substrate; resolved contacts, where chosen, are more accurate."""
-        return self.gradient_model
-
-    def solve(self, surface: Surface, approach: float) -> ContactState:
-        """Equilibrium at a given approach [mm] by the model that is chosen for it.
+    def curve(
+        self, surface: Surface, load: FloatArray | None = None, *, approach: FloatArray | None = None
+    ) -> Curve:
+        """Equilibria at increasing rescaled loads P/E* [mm^2] or approaches [mm], (k,); see `_parts`.
 
         At a given approach even a uniform displacement changes the load. The choice is therefore made for
-        A0(P) at the load of interacting point loads at this approach.
+        A0(P) at the loads of interacting point loads at these approaches.
         """
-        point = Interacting(order=1, substrate=self.substrate).curve_at(surface, np.array([approach]))
-        model, notes = self._choice(surface, point.load)
-        if isinstance(model, Independent):  # its load at this approach would be different
-            model = Interacting(order=1, substrate=self.substrate)
-        state = model.solve(surface, approach)
-        return replace(state, notes=(*notes, *state.notes))
-
-    def solve_load(self, surface: Surface, load: float) -> ContactState:
-        """Equilibrium at a given rescaled load P/E* [mm^2] by the model that is chosen for it."""
-        model, notes = self._choice(surface, np.array([load]))
-        state = model.solve_load(surface, load)
-        return replace(state, notes=(*notes, *state.notes))
-
-    def curve(self, surface: Surface, load: FloatArray) -> Curve:
-        """Equilibria at increasing rescaled loads P/E* [mm^2], (k,); see `_parts`."""
-        loads = np.asarray(load)
+        values, by_load = controlled(load, approach)
+        point = Interacting(order=1, substrate=self.substrate)
+        loads = values if by_load else point.curve(surface, approach=values).load
         parts = []
         for model, rows, notes in self._parts(surface, loads):
-            parts.append(replace(converged(model, model.curve(surface, loads[rows])), notes=notes))
-        return Curve.joined(parts)
-
-    def curve_at(self, surface: Surface, approach: FloatArray) -> Curve:
-        """Equilibria at increasing approaches [mm], (k,); see `_parts`."""
-        point = Interacting(order=1, substrate=self.substrate)
-        values = np.asarray(approach)
-        parts = []
-        for model, rows, notes in self._parts(surface, point.curve_at(surface, values).load):
-            chosen = point if isinstance(model, Independent) else model
-            curve = converged(chosen, chosen.curve_at(surface, values[rows]))
-            parts.append(replace(curve, notes=notes))
+            if by_load:
+                curve = model.curve(surface, values[rows])
+            else:  # the load of independent asperities at this approach would be different
+                curve = (model if model.couples else point).curve(surface, approach=values[rows])
+            parts.append(replace(curve.checked(), notes=notes))
         return Curve.joined(parts)
 
     def _parts(self, surface: Surface, load: FloatArray) -> list[tuple[Model, slice, tuple[Note, ...]]]:
         """Return a model for all loads, or one below the first load that needs resolved contacts."""
         model, notes = self._choice(surface, load)
-        if not isinstance(model, BoundaryElements):
+        if model == model.gradient_model:  # asperities
             return [(model, slice(0, len(load)), notes)]
         low, high = 0, len(load) - 1  # the last one needs resolved contacts: errors grow with the load
         while low < high:
@@ -185,9 +151,9 @@ class Automatic:
         errors: list[float] = []
         if last <= self.tolerance:
             try:
-                full = converged(reference, reference.curve(surface, probed)).area
+                full = reference.curve(surface, probed).checked().area
                 for model in models:
-                    area = converged(model, model.curve(surface, probed)).area
+                    area = model.curve(surface, probed).checked().area
                     errors.append(float(np.abs(area / full - 1.0).max()) + last)
                     if errors[-1] <= self.tolerance:  # it will be chosen
                         break
@@ -202,4 +168,4 @@ class Automatic:
 
 def _contact_radius(surface: Surface, load: float) -> FloatArray:
     """Return the contact radii of independent asperities (n,) [mm]; coupled ones hardly exceed them."""
-    return np.sqrt(Independent().solve_load(surface, float(load)).asperity_area / math.pi)
+    return np.sqrt(Independent().curve(surface, np.array([load])).last.area / math.pi)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,8 +15,8 @@ from metafem._validate import FloatArray
 from metafem.contact import Hertz
 from metafem.errors import InvalidInput
 from metafem.models._resources import run_rows
-from metafem.models.interacting.model import Interacting
-from metafem.models.model import ContactState, Curve, Sensitivity, Status
+from metafem.models.model import Curve, RescaledState, Sensitivity, controlled
+from metafem.models.stand_in import Uncoupled
 from metafem.surface import Surface
 
 # Relative error of the load. The unknown is the indentation of the shallowest contact, to keep its digits.
@@ -27,7 +28,7 @@ POINTS_PER_THREAD = 20_000
 
 @checked_class
 @dataclass(frozen=True)
-class Independent:
+class Independent(Uncoupled):
     """Independent Hertzian asperities under a common plane.
 
     ``A0 = sum pi R_i d_i`` and ``P/E* = sum 4/3 sqrt(R_i) d_i^(3/2)`` with ``d_i = max(h_i - delta, 0)``.
@@ -44,86 +45,43 @@ class Independent:
     """
 
     @property
-    def tolerance(self) -> float:
-        """Largest relative error of the load of a converged state."""
-        return TOLERANCE
-
-    @property
     def name(self) -> str:
         """Name of the model in texts and for ``--model``."""
         return "independent"
 
-    @property
-    def couples(self) -> bool:
-        """Whether the load of a contact depends on the others at given indentations: no."""
-        return False
-
-    @property
-    def gradient_model(self) -> Independent:
-        """The model itself."""
-        return self
-
-    @property
-    def reference(self) -> Interacting:
-        """Order 3 on the half-space."""
-        return Interacting()
-
-    def solve(self, surface: Surface, approach: float) -> ContactState:
-        """Equilibrium at a given approach [mm]."""
-        return self._state(surface, approach, approach - surface.gap)
-
-    def solve_load(self, surface: Surface, load: float) -> ContactState:
-        """Equilibrium at a rescaled load P/E* [mm^2]."""
+    def curve(
+        self, surface: Surface, load: FloatArray | None = None, *, approach: FloatArray | None = None
+    ) -> Curve:
+        """Equilibria at increasing rescaled loads P/E* [mm^2] or approaches [mm], (k,)."""
         from metafem._kernels import independent as kernel
 
+        values, by_load = controlled(load, approach)
+        if by_load:
+            return self._curve(surface.height, surface.radius, values)
         gap, root = _sorted_by_gap(surface.height[None, :], surface.radius)
-        approach = kernel.approach_at_load(gap[0], root[0], load, 0.0)
-        base, depth = kernel.refine(gap[0], root[0], load, approach)
-        state = self._state(surface, base + depth, depth + (base - surface.gap))
-        wanted = surface.material.composite_modulus * load
-        error = abs(state.load - wanted) / wanted if wanted > 0.0 else state.load
-        well = error <= TOLERANCE
-        return replace(state, residual=error, status=Status.CONVERGED if well else Status.NOT_CONVERGED)
-
-    def _state(self, surface: Surface, approach: float, indentation: FloatArray) -> ContactState:
-        modulus = surface.material.composite_modulus
-        law = Hertz()
-        contact_radius = law.contact_radius(indentation, surface.radius)
-        load = modulus * law.load(contact_radius, surface.radius)
-        area = law.area(contact_radius)
-        total = math.fsum(load)
-        separation = float(surface.height.max()) - approach
-        return ContactState(
-            load=total,
-            area=math.fsum(area),
-            separation=separation,
-            approach=approach,
-            stiffness=modulus * math.fsum(law.stiffness(contact_radius, surface.radius)),
-            asperity_load=load,
-            asperity_area=area,
-            residual=0.0,
-            status=Status.CONVERGED,
-            model=self,
-            base_gap=separation,
-        )
-
-    def curve(self, surface: Surface, load: FloatArray) -> Curve:
-        """Equilibria at increasing rescaled loads P/E* [mm^2], (k,)."""
-        return self._curve(surface.height, surface.radius, load)
+        carried, area, slope = (np.empty(len(values)) for _ in range(3))
+        kernel.curve_at_approach(gap[0], root[0], values, carried, area, slope)
+        last = partial(self._last, surface.height, surface.radius, 0.0, values[-1])
+        return Curve(np.array(values), carried, area, slope, np.zeros(len(values)), TOLERANCE, last)
 
     def _curve(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> Curve:
-        approach, carried, area, slope = self.curves(height, radius, load)
-        error = np.abs(carried[0] - load) / np.where(load > 0.0, load, 1.0)
-        return Curve(approach[0], carried[0], area[0], slope[0], error)
-
-    def curve_at(self, surface: Surface, approach: FloatArray) -> Curve:
-        """Equilibria at given approaches [mm], (k,)."""
         from metafem._kernels import independent as kernel
 
-        gap, root = _sorted_by_gap(surface.height[None, :], surface.radius)
-        load, area, slope = (np.empty(len(approach)) for _ in range(3))
-        kernel.curve_at_approach(gap[0], root[0], approach, load, area, slope)
-        return Curve(np.array(approach), load, area, slope, np.zeros(len(approach)))
+        gap, root = _sorted_by_gap(height[None, :], radius)
+        approach, carried, area, slope = (part[0] for part in _follow(gap, root, load))
+        error = np.abs(carried - load) / np.where(load > 0.0, load, 1.0)
+        base, depth = kernel.refine(gap[0], root[0], load[-1], approach[-1])
+        last = partial(self._last, height, radius, base, depth)
+        return Curve(approach, carried, area, slope, error, TOLERANCE, last)
+
+    def _last(self, height: FloatArray, radius: FloatArray, base: float, depth: float) -> RescaledState:
+        """Return the state at the approach base + depth, whose parts keep the digits of shallow contacts."""
+        top = float(height.max())
+        indentation = depth + (base - (top - height))
+        law = Hertz()
+        contact_radius = law.contact_radius(indentation, radius)
+        carried, area = law.load(contact_radius, radius), law.area(contact_radius)
+        return RescaledState(carried, area, indentation, top - (base + depth), self)
 
     def sensitivity(
         self, surface: Surface, load: FloatArray, height: FloatArray | None = None
@@ -139,11 +97,11 @@ class Independent:
         """As `sensitivity`, for heights and radii (n,) without a surface, which takes as long to check."""
         curve = self._curve(height, radius, load)
         indentation = curve.approach[:, None] - (height.max() - height)
-        own = math.pi * radius * (indentation > 0.0)
+        alone = math.pi * radius * (indentation > 0.0)
         share = np.sqrt(radius * np.maximum(indentation, 0.0))
-        whole = share.sum(axis=1, keepdims=True)
-        share /= np.where(whole > 0.0, whole, 1.0)
-        return Sensitivity(curve, own - own.sum(axis=1, keepdims=True) * share, indentation)
+        total = share.sum(axis=1, keepdims=True)
+        share /= np.where(total > 0.0, total, 1.0)
+        return Sensitivity(curve, alone - alone.sum(axis=1, keepdims=True) * share, indentation)
 
     def curves(
         self, height: ArrayLike, radius: ArrayLike, rescaled_load: ArrayLike
@@ -171,8 +129,6 @@ class Independent:
         >>> area.shape, bool((area[0] == area[1]).all())
         ((2, 2), True)
         """
-        from metafem._kernels import independent as kernel
-
         heights = check.lists("height", height, None)
         radii = check.lists("radius", radius, None).reshape(np.shape(radius))
         if radii.shape not in ((), heights.shape[1:], heights.shape):
@@ -185,16 +141,22 @@ class Independent:
         loads = check.loads("rescaled_load", rescaled_load)
         gap, root = _sorted_by_gap(heights, radii)
         order = np.argsort(loads, kind="stable")
-        rising = loads[order]
-        results = kernel.empty_results(len(gap), len(loads))
-
-        def run(rows: slice) -> None:
-            kernel.curves(gap[rows], root[rows], rising, *(part[rows] for part in results))
-
-        run_rows(run, len(gap), len(gap) * len(loads), POINTS_PER_THREAD)
         back = np.argsort(order, kind="stable")
-        approach, carried, area, slope = (part[:, back] for part in results)
+        approach, carried, area, slope = (part[:, back] for part in _follow(gap, root, loads[order]))
         return approach, carried, area, slope
+
+
+def _follow(gap: FloatArray, root: FloatArray, load: FloatArray) -> tuple[FloatArray, ...]:
+    """Return approach, load, area and stiffness (m, k) of sorted gaps (m, n) at increasing loads (k,)."""
+    from metafem._kernels import independent as kernel
+
+    results = kernel.empty_results(len(gap), len(load))
+
+    def run(rows: slice) -> None:
+        kernel.curves(gap[rows], root[rows], load, *(part[rows] for part in results))
+
+    run_rows(run, len(gap), len(gap) * len(load), POINTS_PER_THREAD)
+    return results
 
 
 def _sorted_by_gap(height: FloatArray, radius: FloatArray) -> tuple[FloatArray, FloatArray]:

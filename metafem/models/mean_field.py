@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
 from metafem._calls import checked_class
 from metafem._validate import FloatArray
-from metafem.models.independent import TOLERANCE, Independent
-from metafem.models.interacting.model import Interacting
-from metafem.models.model import ContactState, Curve, Sensitivity
+from metafem.models.independent import Independent
+from metafem.models.model import Curve, RescaledState, Sensitivity, controlled
+from metafem.models.stand_in import Uncoupled
 from metafem.notes import information
 from metafem.surface import Surface
 
@@ -24,7 +25,7 @@ MAX_STEPS = 200
 
 @checked_class
 @dataclass(frozen=True)
-class MeanField:
+class MeanField(Uncoupled):
     """Independent asperities on a base that sinks by ``c p sqrt(A)/E*``, p = P/A the nominal pressure.
 
     ``c = 0.9464`` is the mean over a uniformly loaded square of area A, the nominal area of
@@ -42,42 +43,21 @@ class MeanField:
     """
 
     @property
-    def tolerance(self) -> float:
-        """Largest relative error of a converged state."""
-        return TOLERANCE
-
-    @property
     def name(self) -> str:
         """Name of the model in texts and for ``--model``."""
         return "mean-field"
 
-    @property
-    def couples(self) -> bool:
-        """Whether the load of a contact depends on the others at given indentations: no."""
-        return False
-
-    @property
-    def gradient_model(self) -> MeanField:
-        """The model itself."""
-        return self
-
-    @property
-    def reference(self) -> Interacting:
-        """Order 3 on the half-space."""
-        return Interacting()
-
-    def solve(self, surface: Surface, approach: float) -> ContactState:
-        """Equilibrium at a given approach [mm]."""
-        local = float(self._local(surface, np.array([approach]))[0])
-        return self._state(surface, Independent().solve(surface, local), approach)
-
-    def solve_load(self, surface: Surface, load: float) -> ContactState:
-        """Equilibrium at a given rescaled load P/E* [mm^2]."""
-        return self._state(surface, Independent().solve_load(surface, load))
-
-    def curve(self, surface: Surface, load: FloatArray) -> Curve:
-        """Equilibria at increasing rescaled loads P/E* [mm^2], (k,)."""
-        return self._sunk(surface, Independent().curve(surface, load))
+    def curve(
+        self, surface: Surface, load: FloatArray | None = None, *, approach: FloatArray | None = None
+    ) -> Curve:
+        """Equilibria at increasing rescaled loads P/E* [mm^2] or approaches [mm], (k,)."""
+        values, by_load = controlled(load, approach)
+        if by_load:
+            return self._sunk(surface, Independent().curve(surface, values))
+        local = Independent().curve(surface, approach=self._local(surface, values))
+        sunk = self._sunk(surface, local)
+        error = np.abs(sunk.approach - values) / np.where(local.approach > 0.0, local.approach, 1.0)
+        return replace(sunk, approach=np.array(values), residual=error)
 
     def sensitivity(
         self, surface: Surface, load: FloatArray, height: FloatArray | None = None
@@ -89,47 +69,26 @@ class MeanField:
         found = Independent().sensitivity(surface, load, height)
         return replace(found, curve=self._sunk(surface, found.curve))
 
-    def curve_at(self, surface: Surface, approach: FloatArray) -> Curve:
-        """Equilibria at given approaches [mm], (k,)."""
-        local = Independent().curve_at(surface, self._local(surface, approach))
-        sunk = self._sunk(surface, local)
-        error = np.abs(sunk.approach - approach) / np.where(local.approach > 0.0, local.approach, 1.0)
-        return replace(sunk, approach=np.array(approach), residual=error)
-
     def _sunk(self, surface: Surface, curve: Curve) -> Curve:
+        """Return the curve of independent asperities on the base that sinks."""
         compliance = _compliance(surface)
-        stiffness = curve.stiffness / (1.0 + compliance * curve.stiffness)
-        return replace(curve, approach=curve.approach + compliance * curve.load, stiffness=stiffness)
-
-    def _state(self, surface: Surface, state: ContactState, approach: float | None = None) -> ContactState:
-        """Return the state whose contacts are those of a state of independent asperities."""
-        modulus = surface.material.composite_modulus
-        compliance = _compliance(surface) / modulus
-        local = state.approach
-        sunk = local + compliance * state.load
-        residual = state.residual if approach is None or local <= 0.0 else abs(sunk - approach) / local
-        reached = sunk if approach is None else approach
-        note = (
-            ()
-            if surface.count > 1
-            else (information("one asperity has no neighbours: the mean field is zero"),)
-        )
         return replace(
-            state,
-            approach=reached,
-            separation=float(surface.height.max()) - reached,
-            stiffness=state.stiffness / (1.0 + compliance * state.stiffness),
-            residual=residual,
-            model=self,
-            notes=(*state.notes, *note),
+            curve,
+            approach=curve.approach + compliance * curve.load,
+            stiffness=curve.stiffness / (1.0 + compliance * curve.stiffness),
+            compute_last=partial(self._last, surface, curve),
         )
+
+    def _last(self, surface: Surface, curve: Curve) -> RescaledState:
+        lone = information("one asperity has no neighbours: the mean field is zero")
+        return replace(curve.last, model=self, notes=() if surface.count > 1 else (lone,))
 
     def _local(self, surface: Surface, approach: FloatArray) -> FloatArray:
         """Return the approaches y relative to the sunken base, y + compliance P(y) = approach."""
         compliance = _compliance(surface)
         local = np.array(approach)
         for _ in range(MAX_STEPS):
-            curve = Independent().curve_at(surface, local)
+            curve = Independent().curve(surface, approach=local)
             excess = local + compliance * curve.load - approach
             step = excess / (1.0 + compliance * curve.stiffness)
             lower = np.where(excess > 0.0, local - step, local)

@@ -1,21 +1,23 @@
-"""The protocol of all models, and their results."""
+"""The protocol of all models, and the curves that they return; every load is rescaled, P/E* [mm^2]."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
-from typing import TYPE_CHECKING, Protocol, runtime_checkable
+from functools import cached_property
+from typing import TYPE_CHECKING, Protocol, cast, runtime_checkable
 
 import numpy as np
 
+from metafem._given import shown
 from metafem._validate import FloatArray
-from metafem._values import Value
-from metafem.errors import InvalidInput
-from metafem.models.boundary_elements.field import ContactField
-from metafem.notes import Note, counted, late_notes
+from metafem.errors import InvalidInput, NotConverged
+from metafem.notes import Note
 from metafem.surface import Surface
 
 if TYPE_CHECKING:
+    from metafem.models.boundary_elements.field import ContactField
     from metafem.models.interacting.model import Interacting
 
 
@@ -27,8 +29,39 @@ class Status(Enum):
 
 
 @dataclass(frozen=True, eq=False)
+class RescaledState:
+    """The asperities of one equilibrium.
+
+    Attributes
+    ----------
+    load : ndarray, (n,)
+        Rescaled load of each asperity, P_i/E* [mm^2].
+    area : ndarray, (n,)
+        Contact area of each asperity [mm^2].
+    indentation : ndarray, (n,)
+        Indentation of each asperity [mm]; for an open one its gap, negative.
+    base_gap : float
+        Smallest distance between the plane and the base plane beside a summit [mm], see `ContactState`.
+    model : Model
+        The model that was solved.
+    notes : tuple of Note
+        Approximations of this state.
+    field : ContactField or None
+        Fields on cells, with the pressure over E* [-].
+    """
+
+    load: FloatArray
+    area: FloatArray
+    indentation: FloatArray
+    base_gap: float
+    model: Model
+    notes: tuple[Note, ...] = ()
+    field: ContactField | None = None
+
+
+@dataclass(frozen=True, eq=False)
 class Curve:
-    """Equilibria of one surface along a list of loads or approaches, all arrays (k,).
+    """Equilibria of one surface along increasing loads or approaches, all arrays (k,).
 
     Attributes
     ----------
@@ -37,15 +70,25 @@ class Curve:
     load : ndarray
         Rescaled load P/E* [mm^2], recomputed at the approach.
     area : ndarray
-        Real contact area [mm^2].
+        Real contact area A0 [mm^2].
     stiffness : ndarray
         Derivative of the rescaled load by the approach [mm].
     residual : ndarray
-        Largest relative error of the equations (0: none) on what is returned.
+        Largest relative error of the equations [-], recomputed on what is returned.
     tolerance : float
-        Tolerance of the residual for this surface, where it is larger than that of the model.
+        Largest residual of a converged equilibrium.
+    compute_last : callable
+        Returns the last state; it is called when `last` is first read.
     notes : tuple of Note
-        Approximations of the solution.
+        Approximations of the whole curve.
+
+    Examples
+    --------
+    >>> import metafem as mf
+    >>> surface = Surface.square_lattice([0.1, 0.12], (1, 2), radius=0.526, material=mf.Material(1.36))
+    >>> curve = mf.Independent().curve(surface, [0.01, 0.02])
+    >>> curve.area.round(4), curve.converged, curve.last.load.round(4)
+    (array([0.0836, 0.1439]), True, array([0.0044, 0.0156]))
     """
 
     approach: FloatArray
@@ -53,7 +96,8 @@ class Curve:
     area: FloatArray
     stiffness: FloatArray
     residual: FloatArray
-    tolerance: float = 0.0
+    tolerance: float
+    compute_last: Callable[[], RescaledState]
     notes: tuple[Note, ...] = ()
 
     @classmethod
@@ -70,104 +114,57 @@ class Curve:
             whole("stiffness"),
             whole("residual"),
             max(part.tolerance for part in parts),
+            parts[-1].compute_last,
             tuple(dict.fromkeys(note for part in parts for note in part.notes)),
         )
 
+    @cached_property
+    def last(self) -> RescaledState:
+        """State of the asperities at the last load."""
+        return self.compute_last()
 
-@dataclass(frozen=True, eq=False, repr=False)
-class ContactState(Value):
-    """Equilibrium of one surface at one load.
-
-    Attributes
-    ----------
-    load : float
-        Normal load P [N], the sum over the asperities.
-    area : float
-        Real contact area A0 [mm^2].
-    separation : float
-        Distance of the plane from the undeformed base plane [mm].
-    approach : float
-        Tallest summit minus separation [mm]; keeps its digits at light loads.
-    stiffness : float
-        Normal contact stiffness, dP per decrease of the separation [N/mm], not negative.
-    asperity_load, asperity_area : ndarray, (n,)
-        Load [N] and area [mm^2] of each asperity.
-    residual : float
-        ``max(max |F_i| / max d, |sum P_i - P| / P)``, recomputed on this state.
-    status : Status
-    model : object
-        The model that was solved.
-    base_gap : float
-        Smallest distance left between the plane and the base plane beside a summit [mm], see below.
-    notes : tuple of Note
-        Approximations of the solution with their bounds, and estimates of what the model neglects.
-    field : ContactField
-        Pressure, gap and displacement on the cells of `BoundaryElements`; InvalidInput is raised for any
-        other model.
-
-    Notes
-    -----
-    The base between the summits is displaced with them. A load on asperity j displaces the whole surface, and
-    the base beside asperity i as much as its summit: by u_i, the sum over the other asperities and over the
-    regular self term of the block. The gap beside asperity i is then ``separation + u_i``; for an asperity in
-    contact that is ``h_i - d_i``, its height minus its indentation. The base gap is the smallest of these.
-    For independent asperities it is the separation; the mean field adds the uniform displacement.
-    The Hertzian displacement around the contact itself, and that of the foot of its cap, are not included;
-    both increase the gap. The base outside the array is not displaced: a plane that extends far beyond the
-    array touches it there at zero separation.
-
-    Examples
-    --------
-    >>> import metafem as mf
-    >>> surface = mf.Surface.square_lattice([0.12, 0.1], (1, 2), radius=0.526, material=mf.Material(1.36))
-    >>> state = mf.equilibrium(surface, load=0.01)
-    >>> state.asperity_area.round(3)
-    array([0.055, 0.022])
-    >>> state
-    <ContactState: load 0.01 N, area 0.07696 mm^2, separation 0.08672 mm, 2 of 2 asperities in contact, ...>
-    """
-
-    load: float
-    area: float
-    separation: float
-    approach: float
-    stiffness: float
-    asperity_load: FloatArray
-    asperity_area: FloatArray
-    residual: float
-    status: Status
-    model: Model
-    base_gap: float
-    notes: tuple[Note, ...] = late_notes()
-    _field: ContactField | None = None
+    @cached_property
+    def solved(self) -> np.ndarray:
+        """Whether each equilibrium is converged and finite, (k,)."""
+        return np.asarray((self.residual <= self.tolerance) & np.isfinite(self.load + self.area))
 
     @property
-    def field(self) -> ContactField:
-        """Pressure, gap and displacement on cells; raises InvalidInput for models without cells."""
-        if self._field is None:
-            raise InvalidInput(
-                f"{self.model!r} has no pressure field; solve with metafem.BoundaryElements(cell=...)"
-            )
-        return self._field
+    def converged(self) -> bool:
+        """Whether all equilibria are converged."""
+        return bool(self.solved.all())
 
-    def __repr__(self) -> str:
-        closed = int((self.asperity_area > 0.0).sum())
-        return (
-            f"<ContactState: load {self.load:.4g} N, area {self.area:.4g} mm^2, separation "
-            f"{self.separation:.4g} mm, {closed} of {len(self.asperity_area)} asperities in contact, "
-            f"{self.model!r}, {self.status.name.lower()}, residual {self.residual:.1e}, "
-            f"{counted(self.notes)}>"
+    @property
+    def status(self) -> Status:
+        """Whether all equilibria are converged, with the message."""
+        return Status.CONVERGED if self.converged else Status.NOT_CONVERGED
+
+    def checked(self) -> Curve:
+        """Return the curve, or raise NotConverged with it."""
+        if not self.converged:
+            raise NotConverged(f"not converged: largest residual {self.residual.max():.2g}", self)
+        return self
+
+
+def controlled(load: FloatArray | None, approach: FloatArray | None) -> tuple[FloatArray, bool]:
+    """Return the one of the two arrays that is given, and whether it holds loads."""
+    if (load is None) == (approach is None):
+        raise InvalidInput("a curve needs either load [mm^2] or approach [mm]")
+    by_load = load is not None
+    return np.asarray(load if by_load else approach, dtype=np.float64), by_load
+
+
+def checked_model(model: object) -> Model:
+    """Return a model, or raise InvalidInput for anything else."""
+    if isinstance(model, type) or not hasattr(model, "curve"):
+        raise InvalidInput(
+            f"model = {shown(model)} must be a model such as metafem.Independent(); loads go by load="
         )
+    return cast("Model", model)
 
 
 @runtime_checkable
 class Model(Protocol):
-    """A frozen value that turns a surface and a load into an equilibrium."""
-
-    @property
-    def tolerance(self) -> float:
-        """Largest residual of a converged state."""
-        ...
+    """A frozen value that turns a surface and loads into equilibria."""
 
     @property
     def name(self) -> str:
@@ -189,20 +186,10 @@ class Model(Protocol):
         """Model with which this one is compared: `Interacting` of order 3 on its substrate."""
         ...
 
-    def solve(self, surface: Surface, approach: float) -> ContactState:
-        """Equilibrium at a given approach [mm]."""
-        ...
-
-    def solve_load(self, surface: Surface, load: float) -> ContactState:
-        """Equilibrium at a given rescaled load P/E* [mm^2]."""
-        ...
-
-    def curve(self, surface: Surface, load: FloatArray) -> Curve:
-        """Equilibria at increasing rescaled loads P/E* [mm^2], (k,)."""
-        ...
-
-    def curve_at(self, surface: Surface, approach: FloatArray) -> Curve:
-        """Equilibria at increasing approaches [mm], (k,)."""
+    def curve(
+        self, surface: Surface, load: FloatArray | None = None, *, approach: FloatArray | None = None
+    ) -> Curve:
+        """Equilibria at increasing rescaled loads P/E* [mm^2] or approaches [mm], (k,)."""
         ...
 
 
@@ -216,7 +203,15 @@ class Sensitivity:
     gradient : ndarray, (k, n)
         dA0/dh [mm].
     indentation : ndarray, (k, n)
-        Indentation of each asperity [mm]; for an open one its gap, negative.
+        Indentation of each asperity without the change of its curvature by the others [mm]; for an open one
+        its gap, negative.
+
+    Examples
+    --------
+    >>> import metafem as mf
+    >>> surface = Surface.square_lattice([0.1, 0.12], (1, 2), radius=0.526, material=mf.Material(1.36))
+    >>> mf.Interacting().sensitivity(surface, np.array([0.02])).gradient.round(3)
+    array([[ 0.316, -0.316]])
     """
 
     curve: Curve

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+
 from metafem import _validate as check
 from metafem._calls import checked_call
 from metafem.errors import InvalidInput, NotConverged
-from metafem.models.independent import Independent
-from metafem.models.model import ContactState, Model, Status
-from metafem.models.validity import REMEDY, state_notes
+from metafem.models import Independent, Model
+from metafem.models.model import checked_model
 from metafem.notes import when_read
+from metafem.prediction.contact_state import ContactState
+from metafem.prediction.validity import REMEDY, left_out_notes
 from metafem.surface import Surface
 
 
@@ -56,24 +59,41 @@ def equilibrium(
     >>> round(state.area, 4), round(state.load, 12)
     (0.7474, 0.2)
     """
-    solver: Model = Independent() if model is None else model
     check.instance("surface", surface, Surface, "a metafem.Surface")
-    check.instance("model", solver, Model, "a model such as metafem.Independent(); loads go by load=")
+    solver = checked_model(Independent() if model is None else model)
     given = {"load": load, "approach": approach, "separation": separation}
     named = [name for name, value in given.items() if value is not None]
     if len(named) != 1:
         raise InvalidInput(
             f"exactly one of load, approach and separation must be given; got {named or 'none'}"
         )
+    modulus = surface.material.composite_modulus
+    top = float(surface.height.max())
     if load is not None:
-        newtons = check.number("load", load, at_least=0.0)
-        state = solver.solve_load(surface, newtons / surface.material.composite_modulus)
+        curve = solver.curve(surface, np.array([check.number("load", load, at_least=0.0) / modulus]))
     elif approach is not None:
-        state = solver.solve(surface, check.number("approach", approach))
+        curve = solver.curve(surface, approach=np.array([check.number("approach", approach)]))
     else:
-        distance = check.number("separation", separation)
-        state = replace(solver.solve(surface, float(surface.height.max()) - distance), separation=distance)
-    if state.status is not Status.CONVERGED:
-        reason = "; ".join([f"residual {state.residual:.2g}", *map(str, state.notes)])
+        separation = check.number("separation", separation)
+        curve = solver.curve(surface, approach=np.array([top - separation]))
+    last, reached = curve.last, float(curve.approach[0])
+    notes = (*curve.notes, *last.notes)
+    state = ContactState(
+        load=modulus * float(curve.load[0]),
+        area=float(curve.area[0]),
+        separation=top - reached if separation is None else separation,
+        approach=reached,
+        stiffness=modulus * float(curve.stiffness[0]),
+        asperity_load=modulus * last.load,
+        asperity_area=last.area,
+        residual=float(curve.residual[0]),
+        status=curve.status,
+        model=last.model,
+        base_gap=last.base_gap,
+        notes=when_read(left_out_notes, surface, solver, curve, notes) if curve.converged else notes,
+        _field=None if last.field is None else replace(last.field, pressure=modulus * last.field.pressure),
+    )
+    if not curve.converged:
+        reason = "; ".join([f"residual {state.residual:.2g}", *map(str, notes)])
         raise NotConverged(f"{state.status.value}: {reason}; {REMEDY}", state)
-    return replace(state, notes=when_read(state_notes, surface, solver, state))
+    return state

@@ -16,9 +16,10 @@ from metafem._validate import FloatArray
 from metafem._values import Value, span
 from metafem.errors import InvalidInput, NotConverged
 from metafem.models import Curve, Independent, Model, Status
-from metafem.models.validity import REMEDY, law_notes
+from metafem.models.model import checked_model
 from metafem.notes import Note, counted, late_notes, when_read
 from metafem.prediction import tables
+from metafem.prediction.validity import REMEDY, left_out_notes
 from metafem.surface import Friction, Material, Surface
 
 if TYPE_CHECKING:
@@ -376,19 +377,18 @@ def friction_law(
     >>> law.area.round(5)
     array([0.01652, 0.0661 ])
     """
-    solver: Model = Independent() if model is None else model
     check.instance("surface", surface, Surface, "a metafem.Surface")
-    check.instance("model", solver, Model, "a model such as metafem.Independent(); loads go by load=")
+    solver = checked_model(Independent() if model is None else model)
     if load is not None and separation is not None:
         raise InvalidInput("only one of load and separation can be given")
     top = float(surface.height.max())
     modulus = surface.material.composite_modulus
     if separation is not None:
         distance = np.sort(check.array("separation", separation, shape=(None,)))[::-1]
-        curve = solver.curve_at(surface, top - distance)
+        curve = solver.curve(surface, approach=top - distance)
     else:
         if load is None:
-            end = solver.curve_at(surface, np.array([_grid_end(surface)])).load[0]
+            end = solver.curve(surface, approach=np.array([_grid_end(surface)])).load[0]
             rescaled = end * np.arange(1, GRID_POINTS + 1) / GRID_POINTS
         else:
             newtons = np.sort(check.array("load", load, shape=(None,)))
@@ -402,8 +402,6 @@ def friction_law(
 
 def _law(surface: Surface, model: Model, curve: Curve, separation: FloatArray) -> FrictionLaw:
     modulus = surface.material.composite_modulus
-    worst = float(curve.residual.max()) if np.isfinite(curve.load + curve.area).all() else np.inf
-    status = Status.CONVERGED if worst <= max(model.tolerance, curve.tolerance) else Status.NOT_CONVERGED
     law = FrictionLaw(
         load=modulus * curve.load,
         area=curve.area,
@@ -411,14 +409,15 @@ def _law(surface: Surface, model: Model, curve: Curve, separation: FloatArray) -
         approach=curve.approach,
         stiffness=modulus * curve.stiffness,
         residual=curve.residual,
-        status=status,
+        status=curve.status,
         model=model,
         material=surface.material,
         friction=surface.friction,
-        notes=when_read(law_notes, surface, model, curve),
+        notes=when_read(left_out_notes, surface, model, curve, curve.notes),
     )
-    if status is not Status.CONVERGED:
-        raise NotConverged(f"{status.value}: largest residual {worst:.2g}; {REMEDY}", law)
+    if not curve.converged:
+        worst = curve.residual.max()
+        raise NotConverged(f"{curve.status.value}: largest residual {worst:.2g}; {REMEDY}", law)
     return law
 
 

@@ -45,9 +45,9 @@ def elements_section(design: Design) -> dict[str, Any]:
         for check in groups[title]()
     ]
     surface = design.surface
-    state = Independent().solve_load(surface, float(design.law.rescaled_load[-1]))
+    last = Independent().curve(surface, design.law.rescaled_load[-1:]).last
     tallest = int(surface.height.argmax())
-    a, radius = math.sqrt(float(state.asperity_area[tallest]) / math.pi), float(surface.radius[tallest])
+    a, radius = math.sqrt(float(last.area[tallest]) / math.pi), float(surface.radius[tallest])
     nu = surface.material.poisson_ratio
     figures = [
         svg(hertz_figure(fe.press(a, radius, nu), radius), "Pressure and displacement against Hertz's")

@@ -11,7 +11,7 @@ import numpy as np
 from metafem.drawing import svg
 from metafem.errors import MetafemError
 from metafem.inversion import Design
-from metafem.models.validity import base_contact_load
+from metafem.prediction.validity import base_contact_load
 from metafem.progress import doing
 from metafem.report.comparison import MOST_COMPARED, Comparison, compared
 from metafem.report.elements import elements_section

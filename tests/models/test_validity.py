@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.models.validity import BOUND, base_contact_load, truncation
+from metafem.models.truncation import truncation
+from metafem.prediction.validity import BOUND, base_contact_load
 from tests.models.scenes import lattice, said, scene
 
 LAYER = mf.Interacting(substrate=mf.BondedLayer())
@@ -132,7 +133,7 @@ def test_notes_are_estimated_when_read_and_kept(monkeypatch):
         again = pickle.loads(pickle.dumps(result))
         first = result.notes
         assert again.notes == first
-        monkeypatch.setattr("metafem.models.validity._left_out", None)
+        monkeypatch.setattr("metafem.prediction.validity.left_out_notes", None)
         assert result.notes is first
         monkeypatch.undo()
 

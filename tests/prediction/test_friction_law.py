@@ -5,7 +5,7 @@ import pytest
 from scipy import stats
 
 import metafem as mf
-from metafem.models.validity import base_contact_load
+from metafem.prediction.validity import base_contact_load
 from tests.models.scenes import MODELS, said
 
 

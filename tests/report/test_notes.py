@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.models.validity import BOUND
+from metafem.prediction.validity import BOUND
 from metafem.report import all_notes
 from metafem.report.comparison import compared
 

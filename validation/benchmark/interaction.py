@@ -11,8 +11,7 @@ import numpy as np
 import metafem as mf
 import metafem.substrate
 from metafem._kernels import continuation
-from metafem.models.interacting.large import LargeScene
-from metafem.models.interacting.model import NO_TRAIL
+from metafem.models.interacting.large import NOT_RECORDED, LargeScene
 from validation.benchmark.timing import Row, best
 
 # Rescaled load per asperity at which two thirds of them touch [mm^2].
@@ -67,12 +66,12 @@ def products(surface: mf.Surface, substrate: metafem.substrate.Radial, order: in
 
 def kernel_time(model: mf.Interacting, surface: mf.Surface, loads: int) -> float:
     """Seconds per load of one warm curve inside the compiled kernel, on one core."""
-    coupling, own = model._coupling(surface)
+    coupling, own = model._coupling(surface, model.substrate.for_surface(surface))
     results = continuation.empty_results(1, loads)
-    place = continuation.empty_workplace(surface.count, model.order)
+    place = continuation.empty_workspace(surface.count, model.order)
     rising = np.linspace(0.5 / loads, 0.5, loads)
     radius, gap = np.array(surface.radius[None]), surface.gap[None]
-    arguments = (coupling, model.order, radius, own[None], gap, rising, True, results, *place, NO_TRAIL)
+    arguments = (coupling, model.order, radius, own[None], gap, rising, True, results, *place, NOT_RECORDED)
     return best(lambda: continuation.curves(*arguments), 20) / loads
 
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import ClassVar
 
 import numpy as np
 
@@ -14,10 +15,9 @@ from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.models.boundary_elements import far_field
 from metafem.models.boundary_elements.field import ContactField
-from metafem.models.boundary_elements.solve import COARSEST, TOLERANCE, Scene, Solution
-from metafem.models.boundary_elements.start import Start
-from metafem.models.interacting.model import Interacting
-from metafem.models.model import ContactState, Curve, Status
+from metafem.models.boundary_elements.solve import COARSEST, TOLERANCE, InitialGuess, Scene, Solution
+from metafem.models.model import Curve, RescaledState, controlled
+from metafem.models.stand_in import WithoutGradients
 from metafem.notes import Note, information
 from metafem.progress import each
 from metafem.substrate import HalfSpace, Radial
@@ -29,7 +29,7 @@ NONE = np.zeros((0, 2))
 
 @checked_class
 @dataclass(frozen=True)
-class BoundaryElements:
+class BoundaryElements(WithoutGradients):
     """Elastic contact of paraboloids with a rigid plane, resolved by cells of constant pressure.
 
     Finds the pressures with ``p >= 0, u + gap - approach >= 0, p (u + gap - approach) = 0``, where u
@@ -65,6 +65,8 @@ class BoundaryElements:
     (0.373, True)
     """
 
+    title: ClassVar[str] = "resolved"
+
     cell: float
     substrate: Radial = field(default_factory=HalfSpace)
 
@@ -76,150 +78,76 @@ class BoundaryElements:
                 "alone: metafem.HalfSpace() or metafem.BondedLayer()"
             )
 
-    @property
-    def tolerance(self) -> float:
-        """Largest residual of a converged state: gap or overlap over the largest indentation."""
-        return TOLERANCE
-
-    @property
-    def name(self) -> str:
-        """Name of the model in texts; it includes a substrate other than the half-space."""
-        return "resolved" if self.substrate == HalfSpace() else f"resolved, {self.substrate.name}"
-
-    @property
-    def couples(self) -> bool:
-        """Whether the load of a contact depends on the others at given indentations: yes."""
-        return True
-
-    @property
-    def gradient_model(self) -> Interacting:
-        """`Interacting` on the same substrate."""
-        return Interacting(substrate=self.substrate)
-
-    @property
-    def reference(self) -> Interacting:
-        """`Interacting` on the same substrate; differences from it are not counted as errors."""
-        return self.gradient_model
-
-    def solve(self, surface: Surface, approach: float) -> ContactState:
-        """Equilibrium at a given approach [mm]."""
-        return self._at(Scene(surface, self.cell, self.substrate), approach, None)[0]
-
-    def solve_load(self, surface: Surface, load: float) -> ContactState:
-        """Equilibrium at a given rescaled load P/E* [mm^2]."""
-        return self._under(Scene(surface, self.cell, self.substrate), load, None)[0]
-
-    def curve(self, surface: Surface, load: FloatArray) -> Curve:
-        """Equilibria at increasing rescaled loads P/E* [mm^2], (k,); see `_joined`."""
-        scene = Scene(surface, self.cell, self.substrate)
-        light = _unresolved(load, lambda value: scene.resolves(scene.start(load=value)))
-        states = self._along(scene, load[light:], self._under)
-        return self._joined(surface, load[:light], self.gradient_model.curve, states)
-
-    def curve_at(self, surface: Surface, approach: FloatArray) -> Curve:
-        """Equilibria at increasing approaches [mm], (k,); see `_joined`."""
-        scene = Scene(surface, self.cell, self.substrate)
-        light = _unresolved(approach, lambda value: scene.resolves(scene.start(approach=value)))
-        states = self._along(scene, approach[light:], self._at)
-        return self._joined(surface, approach[:light], self.gradient_model.curve_at, states)
-
-    def _along(
-        self,
-        scene: Scene,
-        values: FloatArray,
-        solve: Callable[[Scene, float, Start | None], tuple[ContactState, Start | None]],
-    ) -> list[ContactState]:
-        """Solve at increasing loads or approaches, each from the start of the one before."""
-        states, last = [], None
-        for value in each("resolved contacts: load", values.tolist()):
-            state, last = solve(scene, value, last)
-            states.append(replace(state, _field=None))  # a curve keeps no pressures
-        return states
-
-    def _joined(
-        self,
-        surface: Surface,
-        light: FloatArray,
-        predict: Callable[[Surface, FloatArray], Curve],
-        states: list[ContactState],
+    def curve(
+        self, surface: Surface, load: FloatArray | None = None, *, approach: FloatArray | None = None
     ) -> Curve:
-        """Return the curve, by order 3 at light loads where the cells are too coarse for the contacts.
+        """Equilibria at increasing rescaled loads P/E* [mm^2] or approaches [mm], (k,).
 
-        There the contacts are far smaller than their distances, and order 3 is more accurate.
+        Along the curve order 3 takes light loads where the cells are too coarse for the contacts: there the
+        contacts are far smaller than their distances, and order 3 is more accurate.
         """
-        resolved = _curve(surface, states)
-        if not light.size:
-            return resolved
-        first = predict(surface, light)
+        values, by_load = controlled(load, approach)
+        scene = Scene(surface, self.cell, self.substrate)
+        guesses = [scene.initial_guess(value, by_load) if value > 0.0 else None for value in values.tolist()]
+        fine = [guess is not None and scene.resolves(guess) for guess in guesses]
+        light = fine.index(True) if any(fine) else 0
+        if not (values[:light] > 0.0).any():
+            light = 0
+        parts = [self._light(surface, values[:light], by_load)] if light else []
+        rows = range(light, len(values))
+        parts += [
+            self._point(scene, guesses[k], float(values[k]), by_load)
+            for k in each("resolved contacts: load", list(rows))
+        ]
+        return Curve.joined(parts)
+
+    def _light(self, surface: Surface, values: FloatArray, by_load: bool) -> Curve:
+        """Return the part of a curve whose contacts are too small for the cells, by order 3."""
+        model = self.gradient_model
+        first = model.curve(surface, values) if by_load else model.curve(surface, approach=values)
         end = surface.material.composite_modulus * first.load[-1]
         note = information(
-            f"up to {end:.4g} N the law is that of the model {self.gradient_model.name}: the largest contact "
+            f"up to {end:.4g} N the law is that of the model {model.name}: the largest contact "
             f"has fewer than {COARSEST:g} cells of {self.cell:g} mm per radius"
         )
-        return Curve.joined([replace(first, notes=(*first.notes, note)), resolved])
+        return replace(first, notes=(*first.notes, note))
 
-    def _at(self, scene: Scene, approach: float, guess: Start | None) -> tuple[ContactState, Start | None]:
-        if approach <= 0.0:
-            return self._open(scene.surface, approach), None
-        first = scene.start(approach=approach, guess=guess)
-        return self._state(scene, scene.solve(first)), first
+    def _point(self, scene: Scene, guess: InitialGuess | None, value: float, by_load: bool) -> Curve:
+        """Return the equilibrium at one load [mm^2] or approach [mm]."""
+        if guess is None:  # no load, or no contact
+            row = (0.0 if by_load else value, 0.0, 0.0, 0.0, 0.0)
+            last = partial(self._open, scene.surface, row[0])
+        else:
+            solution, h = scene.solve(guess, value if by_load else None), self.cell
+            load, area = (h**2 * math.fsum(part) for part in (solution.contacts.load, solution.contacts.area))
+            residual = solution.minimum.error / solution.indentation if solution.covered else math.inf
+            if by_load:
+                residual = max(residual, abs(load - value) / value)
+            row = (h * solution.minimum.multiplier, load, area, h * solution.stiffness, residual)
+            last = partial(self._last, scene, solution)
+        approach, carried, total, stiffness, error = np.array(row)[:, None]
+        return Curve(approach, carried, total, stiffness, error, TOLERANCE, last)
 
-    def _under(self, scene: Scene, load: float, guess: Start | None) -> tuple[ContactState, Start | None]:
-        if load == 0.0:
-            return self._open(scene.surface, 0.0), None
-        first = scene.start(load=load, guess=guess)
-        state = self._state(scene, scene.solve(first, load))
-        error = abs(state.load / scene.surface.material.composite_modulus - load) / load
-        return replace(state, residual=max(state.residual, error)), first
-
-    def _open(self, surface: Surface, approach: float) -> ContactState:
+    def _open(self, surface: Surface, approach: float) -> RescaledState:
         """Return the state without contact."""
-        separation = float(surface.height.max()) - approach
-        return ContactState(
-            load=0.0,
-            area=0.0,
-            separation=separation,
-            approach=approach,
-            stiffness=0.0,
-            asperity_load=np.zeros(surface.count),
-            asperity_area=np.zeros(surface.count),
-            residual=0.0,
-            status=Status.CONVERGED,
-            model=self,
-            base_gap=separation,
-            _field=ContactField(self.cell, NONE, NONE.astype(np.int64), *(NONE[:, 0] for _ in range(3))),
-        )
+        zero, gap = np.zeros(surface.count), approach - surface.gap
+        field = ContactField(self.cell, NONE, NONE.astype(np.int64), *(NONE[:, 0] for _ in range(3)))
+        return RescaledState(zero, zero, gap, float((surface.height - gap).min()), self, field=field)
 
-    def _state(self, scene: Scene, solution: Solution) -> ContactState:
+    def _last(self, scene: Scene, solution: Solution) -> RescaledState:
         surface, h = scene.surface, self.cell
-        modulus = surface.material.composite_modulus
-        area = h**2 * solution.contacts.area
         load = h**2 * solution.contacts.load
-        approach = h * solution.minimum.multiplier
-        residual = solution.minimum.error / solution.indentation
-        separation = float(surface.height.max()) - approach
-        converged = solution.covered and residual <= TOLERANCE
-        return ContactState(
-            load=modulus * math.fsum(load),
-            area=math.fsum(area),
-            separation=separation,
-            approach=approach,
-            stiffness=modulus * h * solution.stiffness,
-            asperity_load=modulus * load,
-            asperity_area=area,
-            residual=residual,
-            status=Status.CONVERGED if converged else Status.NOT_CONVERGED,
+        # the indentation of point loads: what is left after the displacement by all of them
+        indentation = h * solution.minimum.multiplier - surface.gap - scene.coupling @ load
+        return RescaledState(
+            load=load,
+            area=h**2 * solution.contacts.area,
+            indentation=indentation,
+            base_gap=float((surface.height - indentation).min()),
             model=self,
-            base_gap=separation + float((scene.coupling @ load).min()),
             notes=_notes(scene, solution),
-            _field=_field(scene, solution),
+            field=_field(scene, solution),
         )
-
-
-def _unresolved(values: FloatArray, resolves: Callable[[float], bool]) -> int:
-    """Return how many of increasing loads or approaches are too light to be resolved; 0 where all are."""
-    light = next((k for k, value in enumerate(values.tolist()) if value > 0.0 and resolves(value)), 0)
-    return light if (values[:light] > 0.0).any() else 0
 
 
 def _field(scene: Scene, solution: Solution) -> ContactField:
@@ -230,19 +158,10 @@ def _field(scene: Scene, solution: Solution) -> ContactField:
         cell=h,
         corner=low + 0.5 * (high - low) + h * np.array([p.corner for p in solution.patches]),
         shape=np.array([p.shape for p in solution.patches]),
-        pressure=scene.surface.material.composite_modulus * found.pressure,
+        pressure=found.pressure,
         gap=h * found.gradient,
         undeformed_gap=h * undeformed,
     )
-
-
-def _curve(surface: Surface, states: list[ContactState]) -> Curve:
-    modulus = surface.material.composite_modulus
-    approach, load, area, stiffness, residual = (
-        np.array([getattr(s, name) for s in states])
-        for name in ("approach", "load", "area", "stiffness", "residual")
-    )
-    return Curve(approach, load / modulus, area, stiffness / modulus, residual)
 
 
 def _notes(scene: Scene, solution: Solution) -> tuple[Note, ...]:

@@ -9,14 +9,15 @@ import numpy as np
 
 from metafem._validate import FloatArray
 from metafem.contact import Hertz
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, MetafemError
 from metafem.models._resources import require_memory
 from metafem.models.boundary_elements import quadratic_program
 from metafem.models.boundary_elements.contact_areas import Contacts, measure
 from metafem.models.boundary_elements.far_field import table_bytes
 from metafem.models.boundary_elements.influence import Influence
 from metafem.models.boundary_elements.patches import Patch, Summits, box_rate, boxes, patch
-from metafem.models.boundary_elements.start import Start, start
+from metafem.models.independent import Independent
+from metafem.models.interacting.model import Interacting
 from metafem.substrate import Radial
 from metafem.surface import Surface
 
@@ -80,6 +81,14 @@ class Solution:
     stiffness: float
 
 
+@dataclass(frozen=True, eq=False)
+class InitialGuess:
+    """Indentations (n,) [mm], negative where open, and the approach [mm]."""
+
+    indentation: FloatArray
+    approach: float
+
+
 class Scene:
     """One surface on one substrate, with the data that all loads share."""
 
@@ -92,30 +101,35 @@ class Scene:
         self.coupling = self.substrate.influence_matrix(surface)
         self.slope_x, self.slope_y, self.laplacian = self.substrate.influence_derivatives(surface)
 
-    def start(
-        self, *, approach: float | None = None, load: float | None = None, guess: Start | None = None
-    ) -> Start:
-        """Return the solution of coupled point loads at an approach [mm] or a load P/E* [mm^2]."""
-        gap, radius = self.surface.gap, self.surface.radius
-        return start(self.coupling, gap, radius, approach=approach, load=load, guess=guess)
+    def initial_guess(self, value: float, by_load: bool) -> InitialGuess:
+        """Return the solution of coupled point loads at a load P/E* [mm^2] or an approach [mm].
 
-    def largest(self, first: Start) -> float:
+        On very thin layers there is none, and independent asperities are taken.
+        """
+        control = {"load" if by_load else "approach": np.array([value])}
+        try:
+            curve = Interacting(order=1, substrate=self.substrate).curve(self.surface, **control).checked()
+        except MetafemError:
+            curve = Independent().curve(self.surface, **control)
+        return InitialGuess(curve.last.indentation, float(curve.approach[0]))
+
+    def largest(self, guess: InitialGuess) -> float:
         """Return the radius of the largest contact of an initial guess [mm]."""
-        return math.sqrt(float((self.surface.radius * np.maximum(first.indentation, 0.0)).max()))
+        return float(Hertz().contact_radius(guess.indentation, self.surface.radius).max())
 
-    def resolves(self, first: Start) -> bool:
+    def resolves(self, guess: InitialGuess) -> bool:
         """Whether the cells are fine enough for the largest contact of an initial guess."""
-        return self.largest(first) >= COARSEST * self.cell
+        return self.largest(guess) >= COARSEST * self.cell
 
-    def solve(self, first: Start, load: float | None = None) -> Solution:
+    def solve(self, guess: InitialGuess, load: float | None = None) -> Solution:
         """Solve from an initial guess, at its approach or a load, on patches that cover every contact."""
-        if not self.resolves(first):
-            largest = self.largest(first)
+        if not self.resolves(guess):
+            largest = self.largest(guess)
             raise InvalidInput(
                 f"cell = {self.cell:g} mm is too coarse for the largest contact, whose radius is about "
                 f"{largest:.3g} mm; {COARSEST:g} cells per radius need cell <= {largest / COARSEST:.3g} mm"
             )
-        d = first.indentation
+        d = guess.indentation
         half_width = np.where(d > -NEARLY_CLOSED * d.max(), self._reach(d, 1.0 + MARGIN_SHARE), 0.0)
         patches = self._patches(half_width)
         pressure = self._hertz(d, patches)
@@ -126,7 +140,7 @@ class Scene:
             operator = self._influence(patches)
             # half of the tolerance, as the final indentation may be smaller than the expected one
             tolerance = 0.5 * TOLERANCE * indentation
-            minimum = self._minimum(operator, patches, pressure, first.approach, load, tolerance)
+            minimum = self._minimum(operator, patches, pressure, guess.approach, load, tolerance)
             parts = operator.split(minimum.pressure)
             contacts = measure(patches, parts, self.surface.count)
             indentation = float((contacts.area / (math.pi * self.summits.radius)).max())

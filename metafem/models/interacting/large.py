@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,8 +12,7 @@ from metafem.models._resources import require_memory
 from metafem.models.interacting.coarse import coarsen
 from metafem.models.interacting.ewald_sums import ScatteredSums
 from metafem.models.interacting.fft_sums import LatticeSums, find_lattice
-from metafem.models.interacting.newton_krylov import TOLERANCE, Contacts, Iterate, Sums
-from metafem.notes import Note, information
+from metafem.models.interacting.newton_krylov import TOLERANCE, ContactEquations, Iterate, Sums, open_state
 from metafem.progress import each
 from metafem.substrate import Radial
 from metafem.surface import Surface
@@ -23,14 +21,8 @@ if TYPE_CHECKING:
     from metafem._kernels.continuation import Results
 
 
-@dataclass(frozen=True)
-class Last:
-    """Rescaled loads, squares of the contact radii and indentations of the last equilibrium, (n,)."""
-
-    load: FloatArray
-    square: FloatArray
-    indentation: FloatArray
-    notes: tuple[Note, ...] = ()
+# In place of an array of results that are not recorded.
+NOT_RECORDED = np.empty((0, 0))
 
 
 class LargeScene:
@@ -43,51 +35,48 @@ class LargeScene:
 
     def follow(
         self,
-        own: FloatArray,
+        self_term: FloatArray,
         gap: FloatArray,
         control: FloatArray,
         by_load: bool,
         results: Results,
-        trail: FloatArray | None = None,
-        gradients: FloatArray | None = None,
-    ) -> Last:
+        indentation: FloatArray = NOT_RECORDED,
+        gradient: FloatArray = NOT_RECORDED,
+    ) -> Iterate:
         """Fill the results (k,) at increasing loads or approaches, and return the last state.
 
-        If they are given, fill the nominal indentations and dA0/dh at fixed load too, (k, n) [mm].
+        Nominal indentations and dA0/dh at fixed load are filled where there is room for them, (k, n) [mm].
         """
-        own = own + self.substrate.self_influence
-        contacts = Contacts(self.sums, self.order, self.radius, own, gap, self.coarse)
-        x, z, rate = 0.0, -gap, None
-        zero = np.zeros_like(gap)
-        last = Last(zero, zero, -gap)
+        own = self_term + self.substrate.self_influence
+        equations = ContactEquations(self.sums, self.order, self.radius, own, gap, self.coarse)
+        x, rate = 0.0, None
+        state = open_state(-gap)
         for j, value in enumerate(each("load", control.tolist())):
             results.approach[j] = 0.0 if by_load else value
             if value <= 0.0:
-                if trail is not None:
-                    trail[j] = -gap
-                last = Last(zero, zero, min(float(results.approach[j]), 0.0) - gap)
-                continue
-            target = float(value) if by_load else 0.0
-            if rate is None:
-                x = uniform_approach(gap, self.radius, target) if by_load else float(value)
-                z, x = self.coarse.start(self.radius, gap, x, target)
+                state = open_state(min(float(results.approach[j]), 0.0) - gap)
             else:
-                ahead = (target - results.load[j - 1]) / results.stiffness[j - 1] if by_load else value - x
-                z, x = z + ahead * rate, x + float(ahead)
-            state, x = contacts.newton(z, x, target)
-            z = state.z
-            largest = float(state.indentation.max())
-            state.residual = max(state.residual, self.sums.error(state.load) / largest)
-            rate = None
-            if state.residual <= TOLERANCE:
-                results.stiffness[j], rate = contacts.tangent(state)
-            self._record(results, j, x, state)
-            if trail is not None:
-                trail[j] = z
-            if gradients is not None:
-                gradients[j] = contacts.area_gradient(state)
-            last = Last(state.load, state.square, state.indentation, (information(self.sums.note),))
-        return last
+                target = float(value) if by_load else 0.0
+                if rate is None:
+                    x = uniform_approach(gap, self.radius, target) if by_load else float(value)
+                    z, x = self.coarse.start(self.radius, gap, x, target)
+                else:
+                    ahead = (
+                        (target - results.load[j - 1]) / results.stiffness[j - 1] if by_load else value - x
+                    )
+                    z, x = state.z + ahead * rate, x + float(ahead)
+                state, x = equations.newton(z, x, target)
+                largest = float(state.indentation.max())
+                state.residual = max(state.residual, self.sums.error(state.load) / largest)
+                rate = None
+                if state.residual <= TOLERANCE:
+                    results.stiffness[j], rate = equations.tangent(state)
+                self._record(results, j, x, state)
+                if gradient.size:
+                    gradient[j] = equations.area_gradient(state)
+            if indentation.size:
+                indentation[j] = state.z
+        return state
 
     @staticmethod
     def _record(results: Results, j: int, approach: float, state: Iterate) -> None:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Hashable
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
-from typing import TYPE_CHECKING
+from functools import lru_cache, partial
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,17 +18,20 @@ from metafem.contact import Contact, Hertz
 from metafem.errors import InvalidInput, NotConverged
 from metafem.models._resources import require_memory, run_rows
 from metafem.models.interacting.cap_influence import pedestal_influence, pedestal_notes
-from metafem.models.interacting.large import LargeScene, Last
+from metafem.models.interacting.large import NOT_RECORDED, LargeScene
 from metafem.models.interacting.newton_krylov import TOLERANCE as FAST_TOLERANCE
-from metafem.models.model import ContactState, Curve, Sensitivity, Status
-from metafem.substrate import BondedLayer, HalfSpace, Radial, Substrate
+from metafem.models.interacting.newton_krylov import Iterate
+from metafem.models.interacting.sensitivity import area_gradients
+from metafem.models.model import Curve, RescaledState, Sensitivity, controlled
+from metafem.notes import Note, information
+from metafem.substrate import HalfSpace, Radial, Substrate
 from metafem.surface import Surface
 
 if TYPE_CHECKING:
     from metafem._kernels.continuation import Results
-    from metafem._kernels.coupling import Coupling
+    from metafem._kernels.coupling import Coupling, State
 
-# Largest residual of a returned state; the kernel aims a digit lower.
+# Largest residual of a converged state; the kernel aims a digit lower.
 TOLERANCE = 1e-12
 
 # Scenes up to this size are solved with all pairs in dense matrices: at 2000 a product takes as long as
@@ -42,9 +45,6 @@ PAIRS_PER_THREAD = 200_000
 # Influences that are kept for the next call, and the largest scene of which one is: seven matrices of
 # 256 sites take 3.5 MiB.
 KEPT_FIELDS, MOST_KEPT = 8, 256
-
-# Placeholder where the states of a curve are not recorded.
-NO_TRAIL = np.empty((0, 0))
 
 
 @checked_class
@@ -88,6 +88,8 @@ class Interacting:
     (6.462, -0.0227)
     """
 
+    couples: ClassVar[bool] = True
+
     order: int = 3
     substrate: Substrate = field(default_factory=HalfSpace)
     contact: Contact = field(default_factory=Hertz)
@@ -107,23 +109,12 @@ class Interacting:
             raise InvalidInput(f"pedestal = {self.pedestal!r} must be True or False")
 
     @property
-    def tolerance(self) -> float:
-        """Largest residual of a converged state of up to 2000 asperities; 1e-9 above."""
-        return TOLERANCE
-
-    @property
     def name(self) -> str:
         """Name of the model in texts: its substrate, and other attributes that are not the default."""
-        substrate = getattr(
-            self.substrate, "name", type(self.substrate).__name__
-        )  # a user's substrate may have no name
+        # a user's substrate may have no name
+        substrate = getattr(self.substrate, "name", type(self.substrate).__name__)
         order = "" if self.order == 3 else f", order {self.order}"
         return f"{substrate}{order}{', with pedestals' if self.pedestal else ''}"
-
-    @property
-    def couples(self) -> bool:
-        """Whether the load of a contact depends on the others at given indentations: yes."""
-        return True
 
     @property
     def gradient_model(self) -> Interacting:
@@ -135,21 +126,14 @@ class Interacting:
         """The same model of order 3."""
         return replace(self, order=3)
 
-    def solve(self, surface: Surface, approach: float) -> ContactState:
-        """Equilibrium at a given approach [mm]."""
-        return self._state(surface, approach, by_load=False)
-
-    def solve_load(self, surface: Surface, load: float) -> ContactState:
-        """Equilibrium at a given rescaled load P/E* [mm^2]."""
-        return self._state(surface, load, by_load=True)
-
-    def curve(self, surface: Surface, load: FloatArray) -> Curve:
-        """Equilibria at increasing rescaled loads P/E* [mm^2], (k,)."""
-        return self._curve(surface, np.asarray(load), by_load=True)
-
-    def curve_at(self, surface: Surface, approach: FloatArray) -> Curve:
-        """Equilibria at increasing approaches [mm], (k,)."""
-        return self._curve(surface, np.asarray(approach), by_load=False)
+    def curve(
+        self, surface: Surface, load: FloatArray | None = None, *, approach: FloatArray | None = None
+    ) -> Curve:
+        """Equilibria at increasing rescaled loads P/E* [mm^2] or approaches [mm], (k,)."""
+        values, by_load = controlled(load, approach)
+        solution = self._solve(surface, surface.height[None, :], values, by_load)
+        self._refuse_thin_layer(surface, solution.results)
+        return self._curve(surface, solution)
 
     def curves(
         self, surface: Surface, height: ArrayLike, rescaled_load: ArrayLike
@@ -191,112 +175,18 @@ class Interacting:
         """
         heights = check.lists("height", height, surface.count)
         loads = check.loads("rescaled_load", rescaled_load)
-        results, _ = self._run(surface, heights, loads, by_load=True)
-        _refuse_thin_layer(self.substrate.for_surface(surface), float(results.radius.max()))
-        worst = float(results.residual.max())
-        promise = self._promise(surface)
-        if not worst <= promise:
-            count = int((~(results.residual <= promise)).sum())
-            raise NotConverged(f"{count} equilibria not converged: largest residual {worst:.2g}", results)
-        return results.approach, results.load, results.area, results.stiffness
-
-    def _promise(self, surface: Surface) -> float:
-        """Return the residual that is promised for a surface of this size."""
-        return TOLERANCE if surface.count <= DENSE_LIMIT else FAST_TOLERANCE
-
-    def _curve(self, surface: Surface, control: FloatArray, by_load: bool) -> Curve:
-        results, _ = self._run(surface, surface.height[None, :], control, by_load)
-        _refuse_thin_layer(self.substrate.for_surface(surface), float(results.radius.max()))
-        approach, load, area, stiffness, residual = (results[k][0] for k in range(5))
-        return Curve(approach, load, area, stiffness, residual, self._promise(surface))
-
-    def _state(self, surface: Surface, control: float, by_load: bool) -> ContactState:
-        results, last = self._run(surface, surface.height[None, :], np.array([control]), by_load)
-        modulus = surface.material.composite_modulus
-        bound = self.substrate.for_surface(surface)
-        _refuse_thin_layer(bound, float(results.radius.max()))
-        approach = float(results.approach[0, 0])
-        separation = float(surface.height.max()) - approach
-        residual = float(results.residual[0, 0])
-        return ContactState(
-            load=modulus * float(results.load[0, 0]),
-            area=float(results.area[0, 0]),
-            separation=separation,
-            approach=approach,
-            stiffness=modulus * float(results.stiffness[0, 0]),
-            asperity_load=modulus * last.load,
-            asperity_area=math.pi * last.square,
-            residual=residual,
-            status=Status.CONVERGED if residual <= self._promise(surface) else Status.NOT_CONVERGED,
-            model=self,
-            base_gap=self._base_gap(surface, separation, last),
-            notes=(*last.notes, *(pedestal_notes(surface) if self.pedestal else ())),
-        )
-
-    def _base_gap(self, surface: Surface, separation: float, last: Last) -> float:
-        """Return what is left beside a summit; the shift of a contact adds less than a micron to it."""
-        if not last.load.any():
-            return separation
-        left = surface.height - last.indentation
-        if self.pedestal:  # the cap's foot sinks, the base beside it hardly
-            left = left - pedestal_influence(surface.height, surface.radius)[0] * last.load
-        return float(left.min())
-
-    def _run(
-        self, surface: Surface, height: FloatArray, control: FloatArray, by_load: bool
-    ) -> tuple[Results, Last]:
-        """Solve (m, n) heights at (k,) loads or approaches, in any order; keep the last state."""
-        from metafem._kernels import continuation as kernel
-
-        own = np.zeros(height.shape)
-        if self.pedestal:
-            own += pedestal_influence(height, surface.radius)[0]
-        gap = height.max(axis=1, keepdims=True) - height
-        order = np.argsort(control, kind="stable")
-        rising = np.ascontiguousarray(control[order])
-        results = kernel.empty_results(len(height), len(rising))
-        bound = self.substrate.for_surface(surface)
-        if surface.count > DENSE_LIMIT and isinstance(bound, Radial):
-            large = LargeScene(surface, bound, self.order)
-            for row in range(len(height)):
-                part = kernel.Results(*(array[row] for array in results))
-                last = large.follow(own[row], gap[row], rising, by_load, part)
-        else:
-            coupling, self_term = self._coupling(surface)
-            last = self._run_dense(surface, coupling, own + self_term, gap, rising, by_load, results)
+        order = np.argsort(loads, kind="stable")
         back = np.argsort(order, kind="stable")
-        return kernel.Results(*(array[:, back] for array in results)), last
-
-    def _run_dense(
-        self,
-        surface: Surface,
-        coupling: Coupling,
-        own: FloatArray,
-        gap: FloatArray,
-        rising: FloatArray,
-        by_load: bool,
-        results: Results,
-        trail: FloatArray = NO_TRAIL,
-    ) -> Last:
-        """Fill the results by the compiled kernel, in up to two threads."""
-        from metafem._kernels import continuation as kernel
-
-        radius = np.array(np.broadcast_to(surface.radius, gap.shape), order="C")
-        last = Last(np.zeros(surface.count), np.zeros(surface.count), np.zeros(surface.count))
-
-        def run(rows: slice) -> None:
-            state, memory, scratch = kernel.empty_workplace(surface.count, self.order)
-            part = kernel.Results(*(array[rows] for array in results))
-            kernel.curves(
-                coupling, self.order, radius[rows], own[rows], gap[rows], rising, by_load, part,
-                state, memory, scratch, trail,
-            )  # fmt: skip
-            if rows.stop == len(gap):
-                last.load[:], last.square[:] = state.load, state.square
-                last.indentation[:] = state.indentation
-
-        run_rows(run, len(gap), gap.size * surface.count * len(rising), PAIRS_PER_THREAD)
-        return last
+        results = self._solve(surface, heights, loads[order], by_load=True).results
+        results = type(results)(*(array[:, back] for array in results))
+        self._refuse_thin_layer(surface, results)
+        failed = ~(results.residual <= _tolerance(surface))
+        if failed.any():
+            worst = float(results.residual.max())
+            raise NotConverged(
+                f"{int(failed.sum())} equilibria not converged: largest residual {worst:.2g}", results
+            )
+        return results.approach, results.load, results.area, results.stiffness
 
     def sensitivity(
         self, surface: Surface, load: FloatArray, height: FloatArray | None = None
@@ -307,38 +197,103 @@ class Interacting:
         solver by conjugate gradients, to 1e-9.
         height: summit heights (n,) [mm] in place of the surface's own; they are not checked.
         """
-        from metafem._kernels import continuation as kernel
-        from metafem.models.interacting.sensitivity import area_gradients
-
         heights = surface.height if height is None else height
-        gap = heights.max() - heights
-        own, rate = np.zeros((1, surface.count)), np.zeros(surface.count)
+        indentation, gradient = np.zeros((2, len(load), surface.count))
+        solution = self._solve(surface, heights[None, :], load, True, indentation, gradient)
         if self.pedestal:
-            own[0], rate = pedestal_influence(heights, surface.radius)
-        results = kernel.empty_results(1, len(load))
-        trail, gradients = np.empty((2, len(load), surface.count))
+            _, rate = pedestal_influence(heights, surface.radius)
+            gradient *= 1.0 - rate * Hertz().load_at_indentation(indentation, surface.radius)
+        return Sensitivity(self._curve(surface, solution), gradient, indentation)
+
+    def _curve(self, surface: Surface, solution: _Solution) -> Curve:
+        approach, load, area, stiffness, residual = (part[0] for part in solution.results[:5])
+        last = partial(self._last, surface, solution)
+        return Curve(approach, load, area, stiffness, residual, _tolerance(surface), last)
+
+    def _last(self, surface: Surface, solution: _Solution) -> RescaledState:
+        state, height = solution.last, solution.height
+        base = height - state.indentation
+        if self.pedestal:  # the foot of the cap sinks with the summit, the base beside it hardly
+            base = base - pedestal_influence(height, surface.radius)[0] * state.load
+        notes = (*solution.notes, *(pedestal_notes(surface) if self.pedestal else ()))
+        area = math.pi * state.square
+        # the shift of a contact adds less than a micrometre to the base gap
+        return RescaledState(state.load, area, state.indentation, float(base.min()), self, notes)
+
+    def _solve(
+        self,
+        surface: Surface,
+        height: FloatArray,
+        control: FloatArray,
+        by_load: bool,
+        indentation: FloatArray = NOT_RECORDED,
+        gradient: FloatArray = NOT_RECORDED,
+    ) -> _Solution:
+        """Solve heights (m, n) at increasing loads or approaches (k,).
+
+        Nominal indentations and dA0/dh of the last heights, without the change of the pedestals, are
+        filled where there is room for them, (k, n) [mm].
+        """
+        from metafem._kernels import continuation as kernel
+
+        gap = height.max(axis=1, keepdims=True) - height
+        self_term = np.zeros(height.shape)
+        if self.pedestal:
+            self_term += pedestal_influence(height, surface.radius)[0]
+        results = kernel.empty_results(len(height), len(control))
         bound = self.substrate.for_surface(surface)
         if surface.count > DENSE_LIMIT and isinstance(bound, Radial):
-            gradients[:] = 0.0
-            part = kernel.Results(*(array[0] for array in results))
-            LargeScene(surface, bound, self.order).follow(own[0], gap, load, True, part, trail, gradients)
-            gradients *= 1.0 - rate * Hertz().load_at_indentation(trail, surface.radius)
-        else:
-            coupling, self_term = self._coupling(surface)
-            own += self_term
-            self._run_dense(surface, coupling, own, gap[None, :], load, True, results, trail)
-            gradients = area_gradients(coupling, self.order, surface.radius, own[0], trail, rate)
-        approach, carried, area, stiffness, residual = (results[k][0] for k in range(5))
-        curve = Curve(approach, carried, area, stiffness, residual, self._promise(surface))
-        return Sensitivity(curve, gradients, trail)
+            large = LargeScene(surface, bound, self.order)
+            for row in range(len(height)):
+                part = kernel.Results(*(array[row] for array in results))
+                last = large.follow(self_term[row], gap[row], control, by_load, part, indentation, gradient)
+            return _Solution(results, height[-1], last, (information(large.sums.note),))
+        coupling, regular = self._coupling(surface, bound)
+        self_term += regular
+        radius = np.array(np.broadcast_to(surface.radius, gap.shape), order="C")
+        control = np.ascontiguousarray(control)
+        states = {}
 
-    def _coupling(self, surface: Surface) -> tuple[Coupling, FloatArray]:
+        def run(rows: slice) -> None:
+            state, memory, scratch = kernel.empty_workspace(surface.count, self.order)
+            part = kernel.Results(*(array[rows] for array in results))
+            kernel.curves(
+                coupling, self.order, radius[rows], self_term[rows], gap[rows], control, by_load, part,
+                state, memory, scratch, indentation,
+            )  # fmt: skip
+            states[rows.stop] = state
+
+        run_rows(run, len(gap), gap.size * surface.count * len(control), PAIRS_PER_THREAD)
+        if gradient.size:
+            gradient[:] = area_gradients(coupling, self.order, surface.radius, self_term[-1], indentation)
+        return _Solution(results, height[-1], states[len(gap)])
+
+    def _refuse_thin_layer(self, surface: Surface, results: Results) -> None:
+        """Raise InvalidInput where contacts are wider than the layer is thick: no expansion holds there."""
+        thickness = getattr(self.substrate.for_surface(surface), "thickness", None)
+        contact_radius = float(results.radius.max())
+        if thickness is not None and contact_radius > thickness:
+            raise InvalidInput(
+                f"the layer of {thickness:g} mm is thinner than the contacts, whose radius is "
+                f"{contact_radius:.4g} mm; use resolved contacts or a thicker layer"
+            )
+
+    def _coupling(self, surface: Surface, bound: Substrate) -> tuple[Coupling, FloatArray]:
         """Return the influence of the asperities on each other, and their own regular terms (n,)."""
-        bound = self.substrate.for_surface(surface)
         # a radial influence depends on the sites alone
         if isinstance(bound, Radial) and isinstance(bound, Hashable) and surface.count <= MOST_KEPT:
-            return _kept_field(bound, self.order, _Sites(surface.position.tobytes(), surface))
-        return _field(self.substrate, self.order, surface)
+            return _kept_coupling(bound, self.order, _Sites(surface.position.tobytes(), surface))
+        return _compute_coupling(self.substrate, self.order, surface)
+
+
+@dataclass(frozen=True, eq=False)
+class _Solution:
+    """Results (m, k) of m lists of heights, and the last heights (n,) with their last state."""
+
+    results: Results
+    height: FloatArray
+    last: State | Iterate
+    notes: tuple[Note, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -350,12 +305,12 @@ class _Sites:
 
 
 @lru_cache(maxsize=KEPT_FIELDS)
-def _kept_field(substrate: Radial, order: int, sites: _Sites) -> tuple[Coupling, FloatArray]:
+def _kept_coupling(substrate: Radial, order: int, sites: _Sites) -> tuple[Coupling, FloatArray]:
     """Return the influence between sites, computed once for all heights on them."""
-    return _field(substrate, order, sites.surface)
+    return _compute_coupling(substrate, order, sites.surface)
 
 
-def _field(substrate: Substrate, order: int, surface: Surface) -> tuple[Coupling, FloatArray]:
+def _compute_coupling(substrate: Substrate, order: int, surface: Surface) -> tuple[Coupling, FloatArray]:
     """Compute the influence of the asperities on each other, and their own regular terms (n,)."""
     from metafem._kernels.coupling import Coupling
 
@@ -370,11 +325,6 @@ def _field(substrate: Substrate, order: int, surface: Surface) -> tuple[Coupling
     return Coupling(influence, *derivatives, *(np.ascontiguousarray(d.T) for d in derivatives)), own
 
 
-def _refuse_thin_layer(substrate: Substrate, contact_radius: float) -> None:
-    """Raise InvalidInput where contacts are wider than the layer is thick: no expansion holds there."""
-    thickness = substrate.thickness if isinstance(substrate, BondedLayer) else None
-    if thickness is not None and contact_radius > thickness:
-        raise InvalidInput(
-            f"the layer of {thickness:g} mm is thinner than the contacts, whose radius is "
-            f"{contact_radius:.4g} mm; use resolved contacts or a thicker layer"
-        )
+def _tolerance(surface: Surface) -> float:
+    """Return the largest residual of a converged state of a surface of this size."""
+    return TOLERANCE if surface.count <= DENSE_LIMIT else FAST_TOLERANCE

@@ -78,9 +78,15 @@ class Iterate:
         return np.asarray(self.z > 0.0)
 
 
+def open_state(gap: FloatArray) -> Iterate:
+    """Return the state without contact; gap: that of each summit, negative (n,) [mm]."""
+    zero = np.zeros_like(gap)
+    return Iterate(gap, zero, gap, zero, np.ones_like(gap), zero, (zero, zero), 0.0)
+
+
 @dataclass
-class Contacts:
-    """The contacts of one surface, coupled by fast sums.
+class ContactEquations:
+    """The equations of the contacts of one surface, coupled by fast sums.
 
     The inner solves of Newton's method use the Jacobian of order 1, as order 3 changes it by a percent.
     """
@@ -88,7 +94,7 @@ class Contacts:
     sums: Sums
     order: int
     radius: FloatArray
-    own: FloatArray
+    self_term: FloatArray
     gap: FloatArray
     coarse: Coarse
 
@@ -97,7 +103,7 @@ class Contacts:
         closed = np.maximum(z, 0.0)
         load = Hertz().load_at_indentation(z, self.radius)
         if self.order == 1:
-            u = self.own * load + self.sums.displacement(load)
+            u = self.self_term * load + self.sums.displacement(load)
             state = Iterate(z, load, z, u, np.ones_like(z), self.radius * closed, (z, z))
         else:
             curvature, x, y = self.sums.field(load)
@@ -105,7 +111,7 @@ class Contacts:
             square = self.radius * closed / bend**2
             moment = -load * self.radius
             u = self.sums.displacement(load, 0.1 * load * square, moment * x, moment * y)
-            u += self.own * load - 0.5 * self.radius * (x**2 + y**2)
+            u += self.self_term * load - 0.5 * self.radius * (x**2 + y**2)
             state = Iterate(z, load, z * bend, u, bend, square, (x, y))
         state.error = state.indentation + state.displacement - (approach - self.gap)
         overlap = np.where(z > 0.0, np.abs(state.error), z - state.error)
@@ -132,7 +138,7 @@ class Contacts:
             leave = largest * max(forcing * min(state.residual, 1.0), 0.3 * GOAL)
             loads, shift, rest = self.solve(state, -state.error, missing, leave)
             step = (
-                rest + shift + np.where(state.closed, self.diagonal(state) - self.own, 0.0) * loads
+                rest + shift + np.where(state.closed, self.diagonal(state) - self.self_term, 0.0) * loads
             ) / state.bend
             length = 1.0
             for _ in range(MAX_CUTS):
@@ -150,7 +156,7 @@ class Contacts:
         """Return the diagonal of the Jacobian dF/dp; 0 for open asperities."""
         root = np.sqrt(self.radius * np.maximum(state.z, 0.0))
         hertz = np.divide(state.bend, 2.0 * root, out=np.zeros_like(root), where=root > 0.0)
-        return np.asarray(np.where(root > 0.0, hertz + self.own, 0.0))
+        return np.asarray(np.where(root > 0.0, hertz + self.self_term, 0.0))
 
     def tangent(self, state: Iterate) -> tuple[float, FloatArray]:
         """Return dP/dx [mm] and dz/dx (n,) at an equilibrium."""
@@ -159,12 +165,16 @@ class Contacts:
         alone = 1.0 / float((1.0 / diagonal[state.closed]).sum())
         none = np.zeros_like(diagonal)
         share, shift, rest = self.solve(state, none, 1.0, TANGENT * alone, exact=True)
-        rate = (rest + shift + np.where(state.closed, diagonal - self.own, 0.0) * share) / state.bend / shift
+        rate = (
+            (rest + shift + np.where(state.closed, diagonal - self.self_term, 0.0) * share)
+            / state.bend
+            / shift
+        )
         # y.H y is stationary at the tangent, and rest = -H y
         return -1.0 / float(share @ rest), rate
 
     def area_gradient(self, state: Iterate) -> FloatArray:
-        """Return dA0/dh at fixed load [mm] at an equilibrium, by `interacting_sensitivity`'s equations.
+        """Return dA0/dh at fixed load [mm] at an equilibrium, by the equations of `interacting.sensitivity`.
 
         ``H l = c + x 1`` with the x for which the l of the contacts sum to zero.
         """

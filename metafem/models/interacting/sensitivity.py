@@ -22,30 +22,26 @@ def area_gradients(
     field: Coupling,
     order: int,
     radius: FloatArray,
-    own: FloatArray,
-    trail: FloatArray,
-    own_rate: FloatArray,
+    self_term: FloatArray,
+    indentation: FloatArray,
 ) -> FloatArray:
-    """Return dA0/dh at fixed load [mm], (k, n), for the equilibria z in the rows of `trail`.
-
-    own_rate: derivative of `own`, the self term, by the height.
-    """
-    gradients = np.zeros_like(trail)
+    """Return dA0/dh at fixed load [mm], (k, n), for equilibria of nominal indentations z (k, n)."""
+    gradients = np.zeros_like(indentation)
     state = empty_state(len(radius))
     influences = _influences(field, order)
-    for row, z in enumerate(trail):
+    for row, z in enumerate(indentation):
         state.z[:] = z
-        count = respond(field, order, radius, own, state)
+        count = respond(field, order, radius, self_term, state)
         if count == 0:
             continue
         closed = state.closed[:count]
-        hessian, by_load = _system(influences, radius, own, state, closed)
+        hessian, by_load = _system(influences, radius, self_term, state, closed)
         _, _, found, failed = dgesv(hessian, np.column_stack([by_load, np.ones(count)]), overwrite_a=True)
         if failed:
             raise np.linalg.LinAlgError("the contact system of an equilibrium is singular")
         by_area, by_approach = found.T
         change = by_area - by_area.sum() / by_approach.sum() * by_approach
-        gradients[row, closed] = change * (1.0 - own_rate[closed] * state.load[closed])
+        gradients[row, closed] = change
     return gradients
 
 
@@ -58,7 +54,7 @@ def _influences(field: Coupling, order: int) -> FloatArray:
 
 
 def _system(
-    influences: FloatArray, radius: FloatArray, own: FloatArray, state: State, closed: IntArray
+    influences: FloatArray, radius: FloatArray, self_term: FloatArray, state: State, closed: IntArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return d2W/dp2 on the asperities in contact, every term of `coupling.quadratic_form`, and dA0/dp [-].
 
@@ -69,7 +65,7 @@ def _system(
     part = influences.take(closed, axis=1).take(closed, axis=2)
     matrix, rates = part[0], part[1:]
     root = 2.0 * np.sqrt(R * z)
-    matrix[np.diag_indices(len(closed))] += bend / root + own[closed]
+    matrix[np.diag_indices(len(closed))] += bend / root + self_term[closed]
     widened = R / (root * bend**2)
     if not len(rates):
         return matrix, math.pi * widened

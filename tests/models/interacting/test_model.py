@@ -264,7 +264,7 @@ def test_curves_agree_with_single_loads_where_many_close_heights_enter(seed):
     height = 0.12 * rng.uniform(0.4, 0.6) + 1e-3 * rng.exponential(size=36)
     height[0] = 0.24
     surface = mf.Surface.square_lattice(height, (6, 6), pitch=4.0, radius=1.0, material=mf.Material(1.0))
-    entry = mf.Independent().curve_at(surface, np.array([0.24 - np.sort(height)[-2]])).load[0]
+    entry = mf.Independent().curve(surface, approach=np.array([0.24 - np.sort(height)[-2]])).load[0]
     load = entry * np.linspace(0.5, 1.6, 40)
     curve = mf.Interacting().curve(surface, load)
     assert curve.residual.max() <= 1e-12

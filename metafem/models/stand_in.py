@@ -1,0 +1,54 @@
+"""Attributes that several models share: the models that stand in for them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar, Self
+
+from metafem.substrate import HalfSpace, Substrate
+
+if TYPE_CHECKING:
+    from metafem.models.interacting.model import Interacting
+
+
+class Uncoupled:
+    """A model of asperities that do not interact, with sensitivities of its own."""
+
+    couples: ClassVar[bool] = False
+
+    @property
+    def gradient_model(self) -> Self:
+        """The model itself."""
+        return self
+
+    @property
+    def reference(self) -> Interacting:
+        """Order 3 on the half-space."""
+        from metafem.models.interacting.model import Interacting
+
+        return Interacting()
+
+
+class WithoutGradients:
+    """A coupled model on a substrate, for whose sensitivities those of `Interacting` are used."""
+
+    couples: ClassVar[bool] = True
+    title: ClassVar[str]
+    substrate: Substrate
+
+    @property
+    def name(self) -> str:
+        """Name of the model in texts; it includes a substrate other than the half-space."""
+        on = "" if self.substrate == HalfSpace() else f", {self.gradient_model.name}"
+        return f"{self.title}{on}"
+
+    @property
+    def gradient_model(self) -> Interacting:
+        """`Interacting` of order 3 on the same substrate."""
+        from metafem.models.interacting.model import Interacting
+
+        return Interacting(substrate=self.substrate)
+
+    @property
+    def reference(self) -> Interacting:
+        """`Interacting` of order 3 on the same substrate."""
+        return self.gradient_model

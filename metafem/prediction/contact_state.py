@@ -1,0 +1,97 @@
+"""The equilibrium of one surface at one load, in N."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from metafem._validate import FloatArray
+from metafem._values import Value
+from metafem.errors import InvalidInput
+from metafem.models import ContactField, Model, Status
+from metafem.notes import Note, counted, late_notes
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ContactState(Value):
+    """Equilibrium of one surface at one load.
+
+    Attributes
+    ----------
+    load : float
+        Normal load P [N], the sum over the asperities.
+    area : float
+        Real contact area A0 [mm^2].
+    separation : float
+        Distance of the plane from the undeformed base plane [mm].
+    approach : float
+        Tallest summit minus separation [mm]; keeps its digits at light loads.
+    stiffness : float
+        Normal contact stiffness, dP per decrease of the separation [N/mm], not negative.
+    asperity_load, asperity_area : ndarray, (n,)
+        Load [N] and area [mm^2] of each asperity.
+    residual : float
+        ``max(max |F_i| / max d, |sum P_i - P| / P)``, recomputed on this state.
+    status : Status
+    model : object
+        The model that was solved.
+    base_gap : float
+        Smallest distance left between the plane and the base plane beside a summit [mm], see below.
+    notes : tuple of Note
+        Approximations of the solution with their bounds, and estimates of what the model neglects.
+    field : ContactField
+        Pressure, gap and displacement on the cells of `BoundaryElements`; InvalidInput is raised for any
+        other model.
+
+    Notes
+    -----
+    The base between the summits is displaced with them. A load on asperity j displaces the whole surface, and
+    the base beside asperity i as much as its summit: by u_i, the sum over the other asperities and over the
+    regular self term of the block. The gap beside asperity i is then ``separation + u_i``; for an asperity in
+    contact that is ``h_i - d_i``, its height minus its indentation. The base gap is the smallest of these.
+    For independent asperities it is the separation; the mean field adds the uniform displacement.
+    The Hertzian displacement around the contact itself, and that of the foot of its cap, are not included;
+    both increase the gap. The base outside the array is not displaced: a plane that extends far beyond the
+    array touches it there at zero separation.
+
+    Examples
+    --------
+    >>> import metafem as mf
+    >>> surface = mf.Surface.square_lattice([0.12, 0.1], (1, 2), radius=0.526, material=mf.Material(1.36))
+    >>> state = mf.equilibrium(surface, load=0.01)
+    >>> state.asperity_area.round(3)
+    array([0.055, 0.022])
+    >>> state
+    <ContactState: load 0.01 N, area 0.07696 mm^2, separation 0.08672 mm, 2 of 2 asperities in contact, ...>
+    """
+
+    load: float
+    area: float
+    separation: float
+    approach: float
+    stiffness: float
+    asperity_load: FloatArray
+    asperity_area: FloatArray
+    residual: float
+    status: Status
+    model: Model
+    base_gap: float
+    notes: tuple[Note, ...] = late_notes()
+    _field: ContactField | None = None
+
+    @property
+    def field(self) -> ContactField:
+        """Pressure, gap and displacement on cells; raises InvalidInput for models without cells."""
+        if self._field is None:
+            raise InvalidInput(
+                f"{self.model!r} has no pressure field; solve with metafem.BoundaryElements(cell=...)"
+            )
+        return self._field
+
+    def __repr__(self) -> str:
+        closed = int((self.asperity_area > 0.0).sum())
+        return (
+            f"<ContactState: load {self.load:.4g} N, area {self.area:.4g} mm^2, separation "
+            f"{self.separation:.4g} mm, {closed} of {len(self.asperity_area)} asperities in contact, "
+            f"{self.model!r}, {self.status.name.lower()}, residual {self.residual:.1e}, "
+            f"{counted(self.notes)}>"
+        )

@@ -1,0 +1,279 @@
+"""What a model leaves out of a surface at given loads: estimates, and the notes that state them.
+
+Every model is compared with asperities that interact by order 3, in A0 at a given load, on the bonded layer
+where the surface has a block. A uniform sinking does not change A0(P), and the remaining change has either
+sign. Sums over the neighbours are wrong by factors of ten where contacts are crowded; order 3 at a few loads
+costs less than a design and agrees with resolved contacts within a factor of two, even where contacts overlap
+or are as wide as a layer. `truncation` estimates its own error. The true block differs from the layer by less
+than 0.4 % in A0, and its influence takes a minute, so the layer is used.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from metafem._validate import FloatArray, IntArray
+from metafem.contact.cap_geometry import foot_radius
+from metafem.errors import MetafemError, NotConverged
+from metafem.models import Curve, Interacting, Model
+from metafem.models.interacting.model import DENSE_LIMIT
+from metafem.models.truncation import COMPARED, crowding, truncation
+from metafem.notes import Note, information
+from metafem.substrate import BondedLayer, HalfSpace
+from metafem.surface import Surface
+
+# Relative error of A0 at given load, rms over the loads, above which a note is a warning. The surfaces of the
+# source paper reach 0.4 to 3.3 % by interaction, for any assignment of their heights, and the paper counts
+# them as achieved; at 5 % every design needs a warning. The rms over the probed loads differs from that over
+# a hundred loads by less than the fifth between.
+BOUND = 0.04
+
+# Smallest error that is stated in a note of information.
+STATED = 0.01
+
+# Loads of a law at which the error is estimated, and the same for scenes beyond the dense solver.
+PROBES, FEW_PROBES = 8, 3
+
+# Contact radius over radius of curvature up to which Hertz's law with a fitted modulus stays near the soft
+# cap at large strain: 2 % in the load at 0.5, and a tenth is added. An error of BOUND in A0 is one of 6 % in
+# the load, which is reached at 1.3 times that ratio even if the error grows as (a/R)^4.
+WIDEST, TOO_WIDE = 0.55, 0.65
+
+# What to do where a model finds no equilibrium.
+REMEDY = "use lighter loads, a larger pitch or the model resolved"
+
+UNKNOWN = "the effect of elastic interaction cannot be estimated over all loads"
+
+# The base gap at its load of contact, relative to the largest height.
+BASE_TOLERANCE = 1e-9
+
+# Largest number of steps to an approach at which the plane reaches the base; each step at least doubles the
+# part of the approach that is left after the sinking.
+MOST_STEPS = 60
+
+
+def left_out_notes(surface: Surface, model: Model, curve: Curve, notes: tuple[Note, ...]) -> tuple[Note, ...]:
+    """Return `notes`, followed by estimates of what the model leaves out along a curve."""
+    return (
+        *notes,
+        *_base_notes(surface, model, curve),
+        *_wide_notes(surface, curve),
+        *_interaction_notes(surface, model, curve),
+        *_surface_notes(surface),
+    )
+
+
+def reference_of(surface: Surface, model: Model) -> Interacting:
+    """Return the model with which a model is compared on a surface, with its block where it has one."""
+    reference = model.reference
+    if surface.block is not None and reference.substrate == HalfSpace():
+        return replace(reference, substrate=BondedLayer())
+    return reference
+
+
+def _interaction_notes(surface: Surface, model: Model, curve: Curve) -> list[Note]:
+    """State the change by neighbours and block, and whether order 3 holds."""
+    reference, gradient_model = reference_of(surface, model), model.gradient_model
+    rows = _probed(curve.load, surface.count)
+    if not rows.size:
+        return []
+    load, area = curve.load[rows], curve.area[rows]
+    notes: list[Note] = []
+    try:
+        if reference != gradient_model:
+            full = reference.curve(surface, load)
+            if model.couples:  # the difference of resolved contacts from order 3 is not that of the block
+                area = gradient_model.curve(surface, load).checked().area
+            if full.solved.any():
+                change = full.area[full.solved] / area[full.solved] - 1.0
+                notes += _change_notes(surface, model, reference, load[full.solved], change)
+            if not full.converged:
+                newtons = surface.material.composite_modulus * load[~full.solved][0]
+                raise NotConverged(f"order 3 has no solution at {newtons:.4g} N", full)
+    except MetafemError as reason:
+        notes.append(Note(f"{UNKNOWN}: {reason}; use the model resolved, or lighter loads"))
+    if model == gradient_model:  # otherwise the contacts are resolved and may merge
+        notes += _width_notes(surface, model, reference, curve)
+    return notes
+
+
+def _probed(load: FloatArray, count: int) -> IntArray:
+    """Return the rows of a few positive loads, the last among them."""
+    rows: IntArray = np.flatnonzero(load > 0.0)
+    some = PROBES if count <= DENSE_LIMIT else FEW_PROBES
+    if rows.size <= some:
+        return rows
+    ends: IntArray = np.rint(np.arange(1, some + 1) * rows.size / some).astype(np.int64) - 1
+    return rows[ends]
+
+
+def _change_notes(
+    surface: Surface, model: Model, reference: Interacting, load: FloatArray, change: FloatArray
+) -> list[Note]:
+    """State the change of A0 at given load by what the model leaves out."""
+    rms = math.sqrt(float((change**2).mean()))
+    if rms < STATED:
+        return []
+    most = int(np.abs(change).argmax())
+    layer = reference.substrate != HalfSpace()
+    if not model.couples:
+        cause = "the elastic interaction of the asperities, which this model leaves out,"
+    elif model.reference == reference:
+        cause = "the size of the contacts, which point loads leave out,"
+    else:
+        cause = "the block's thickness, which a half-space leaves out,"
+    spread = f"by {100.0 * rms:.2g} % rms and " if load.size > 1 else ""
+    text = (
+        f"{cause} changes A0 at a given load {spread}by up to {100.0 * change[most]:+.2g} %, at "
+        f"{surface.material.composite_modulus * load[most]:.4g} N (order 3 on the "
+        f"{'bonded layer' if layer else 'half-space'})"
+    )
+    if rms <= BOUND:
+        return [information(text)]
+    return [Note(f"{text}; use the model {'layer' if layer else 'half-space'}, or a larger pitch")]
+
+
+def _width_notes(surface: Surface, model: Model, reference: Interacting, curve: Curve) -> list[Note]:
+    """State where contacts overlap, or are too wide for their distances and their layer."""
+    radius, newtons = np.sqrt(curve.last.area / math.pi), _last_force(surface, curve)
+    overlaps, ratio = crowding(surface, radius)
+    if overlaps:
+        return [
+            Note(
+                f"contacts overlap: {overlaps} {'pair reaches' if overlaps == 1 else 'pairs reach'} into "
+                f"each other at {newtons:.4g} N, where real contacts merge; use the model resolved, a "
+                "larger pitch or lighter loads"
+            )
+        ]
+    notes = []
+    if ratio > COMPARED and model.couples:
+        notes.append(
+            information(
+                f"a/r = {ratio:.2f} exceeds {COMPARED}, up to which order 3 was compared with resolved "
+                "contacts"
+            )
+        )
+    error = truncation(surface, radius, reference.substrate)
+    if error > BOUND:
+        notes.append(
+            Note(
+                f"the contacts are too wide for their distances or their layer: the error of order 3 may be "
+                f"{100.0 * error:.2g} % in A0 at {newtons:.4g} N; use the model resolved"
+            )
+        )
+    return notes
+
+
+def _last_force(surface: Surface, curve: Curve) -> float:
+    """Return the last load of a curve [N]."""
+    return surface.material.composite_modulus * float(curve.load[-1])
+
+
+def base_contact_load(surface: Surface, model: Model) -> float:
+    """Return the rescaled load [mm^2] at which the plane reaches the sunken base beside a summit.
+
+    The base gap of `ContactState` is zero there. For resolved contacts order 3 is used.
+
+    Raises
+    ------
+    NotConverged, InvalidInput
+        Where the model has no solution under such a load.
+    """
+    from scipy.optimize import brentq
+
+    top = float(surface.height.max())
+    if top <= 0.0:
+        return 0.0
+
+    def state_at(approach: float) -> tuple[float, float]:
+        """Return the base gap [mm] and the rescaled load [mm^2]."""
+        curve = model.gradient_model.curve(surface, approach=np.array([approach])).checked()
+        return curve.last.base_gap, float(curve.load[0])
+
+    # independent asperities reach the base here; sinking delays it, and a layer that rises may hasten it
+    high, gap = top, state_at(top)[0]
+    for _ in range(MOST_STEPS):
+        if gap <= BASE_TOLERANCE * top:
+            break
+        high += max(2.0 * gap, high - top)  # the steps double where nearly all of a step is sinking
+        gap = state_at(high)[0]
+    if abs(gap) > BASE_TOLERANCE * top:
+        high = brentq(lambda x: state_at(x)[0], 0.0, high, xtol=BASE_TOLERANCE * top)
+    return state_at(high)[1]
+
+
+def _base_notes(surface: Surface, model: Model, curve: Curve) -> list[Note]:
+    """State the load from which the plane would reach the base plane."""
+    gap, newtons = curve.last.base_gap, _last_force(surface, curve)
+    if gap > 0.0:
+        return []
+    try:
+        onset = min(surface.material.composite_modulus * base_contact_load(surface, model), newtons)
+    except MetafemError:  # no solution at lighter loads: the base is reached at this load at the latest
+        onset = newtons
+    return [
+        Note(
+            f"the base plane would touch from a load of {onset:.4g} N on: at {newtons:.4g} N the plane "
+            f"would be {-1e3 * gap:.3g} um below the base beside a summit; the load that the base "
+            "would carry is not counted"
+        )
+    ]
+
+
+def _wide_notes(surface: Surface, curve: Curve) -> list[Note]:
+    """State where contacts are too wide for models of small strain."""
+    ratio = float((np.sqrt(curve.last.area / math.pi) / surface.radius).max())
+    if ratio <= WIDEST:
+        return []
+    text = (
+        f"the widest contact has a/R = {ratio:.2f} at {_last_force(surface, curve):.4g} N: Hertz's law "
+        f"holds up to about {WIDEST:g}, with a fitted modulus"
+    )
+    return [Note(text) if ratio > TOO_WIDE else information(text)]
+
+
+def _surface_notes(surface: Surface) -> list[Note]:
+    """State where the surface cannot be made as a part."""
+    notes = []
+    high = int((surface.height > surface.radius).sum())
+    if high:
+        notes.append(
+            Note(
+                f"{high} of {surface.count} summits stand higher than their radius and cannot be made as "
+                f"caps: lower them to {float(surface.radius.min()):g} mm, or use larger radii"
+            )
+        )
+    buried = _overlapping_caps(surface)
+    if buried:
+        notes.append(
+            Note(
+                f"the caps of {buried} {'pair' if buried == 1 else 'pairs'} of summits overlap on the base "
+                "plane and cannot be made as separate caps: increase the pitch, or lower the summits"
+            )
+        )
+    block = surface.block
+    if block is not None:
+        outside = np.abs(surface.position) > 0.5 * np.array([block.width, block.length])
+        count = int(outside.any(axis=1).sum())
+        if count:
+            notes.append(
+                Note(
+                    f"{count} of {surface.count} summits stand outside the block of {block.width:g} by "
+                    f"{block.length:g} mm, whose centre is at (0, 0): make it larger, or move them"
+                )
+            )
+    return notes
+
+
+def _overlapping_caps(surface: Surface) -> int:
+    """Return how many pairs of spherical caps overlap."""
+    from scipy.spatial import cKDTree
+
+    height = np.clip(surface.height, 0.0, surface.radius)
+    foot = foot_radius(height, surface.radius)
+    pairs = cKDTree(surface.position).query_pairs(2.0 * float(foot.max()), output_type="ndarray")
+    distance = np.hypot(*(surface.position[pairs[:, 0]] - surface.position[pairs[:, 1]]).T)
+    return int((distance < foot[pairs].sum(axis=1)).sum())
