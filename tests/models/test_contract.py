@@ -8,6 +8,7 @@ from numpy.testing import assert_allclose
 
 import metafem as mf
 from metafem.inversion import DesignStatus
+from metafem.models.boundary_elements.solve import TOLERANCE
 from tests.models.scenes import HEIGHT, MODELS, PLACE, RADIUS, lattice, scene
 
 CELL = 0.015
@@ -23,7 +24,7 @@ def rounding(model, asperities=1e-11):
 
     That of `asperities` is rounding; an iteration over cells ends within its tolerance, here ten times it.
     """
-    return 10 * model.tolerance if model == CELLS else asperities
+    return 10 * TOLERANCE if model == CELLS else asperities
 
 
 def cell_error(state):
