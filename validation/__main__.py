@@ -33,14 +33,14 @@ def claims() -> list[str]:
 
 def is_slow(name: str) -> bool:
     """Whether a claim takes more than a few seconds: its module holds ``SLOW = True``."""
-    return bool(getattr(module("claim", name), "SLOW", False))
+    return bool(getattr(module(name, "claim"), "SLOW", False))
 
 
 @cache
 def evaluate(name: str) -> Claim:
     """Evaluate one claim; an exception is a failed check."""
     try:
-        return module("claim", name).claim()
+        return module(name, "claim").claim()
     except Exception:
         reason = traceback.format_exc(limit=-1).strip().splitlines()[-1]
         return Claim(name, [Check(f"ran into: {reason}", float("inf"), "no error", False, "this run")])
@@ -83,7 +83,7 @@ def main(output: str, readme: bool, names: tuple[str, ...]) -> None:
 
     console = Console()
     results: dict[str, Claim] = {}
-    for name in chosen("claim", names):
+    for name in chosen(names, "claim"):
         start = time.perf_counter()
         claim = results[name] = evaluate(name)
         title = f"{name}: {claim.title}"

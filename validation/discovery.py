@@ -14,27 +14,27 @@ import validation
 
 
 @cache
-def groups(attribute: str) -> dict[str, list[str]]:
-    """Return the packages of validation and the names of their modules that have an attribute."""
+def groups(*attributes: str) -> dict[str, list[str]]:
+    """Return the packages of validation and the names of their modules that have one of some attributes."""
     found: dict[str, list[str]] = {}
     for package in pkgutil.iter_modules(validation.__path__):
         if package.ispkg:
             path = importlib.import_module(f"validation.{package.name}").__path__
-            names = [module.name for module in pkgutil.iter_modules(path) if module.name != "__main__"]
-            kept = [name for name in names if hasattr(_module(package.name, name), attribute)]
+            names = [each.name for each in pkgutil.iter_modules(path) if each.name != "__main__"]
+            kept = [name for name in names if set(attributes) & set(vars(_module(package.name, name)))]
             if kept:
                 found[package.name] = kept
     return found
 
 
-def module(attribute: str, name: str) -> ModuleType:
+def module(name: str, *attributes: str) -> ModuleType:
     """Return the module of a short name, such as "fig4_linear"."""
-    return next(_module(group, name) for group, names in groups(attribute).items() if name in names)
+    return next(_module(group, name) for group, names in groups(*attributes).items() if name in names)
 
 
-def chosen(attribute: str, arguments: tuple[str, ...]) -> list[str]:
+def chosen(arguments: tuple[str, ...], *attributes: str) -> list[str]:
     """Return the named modules, those of the named groups, or all if nothing is named."""
-    known = groups(attribute)
+    known = groups(*attributes)
     every = [name for names in known.values() for name in names]
     for argument in arguments:
         if argument not in known and argument not in every:
@@ -42,23 +42,22 @@ def chosen(attribute: str, arguments: tuple[str, ...]) -> list[str]:
     return [name for argument in arguments or known for name in known.get(argument, [argument])]
 
 
-def first_line(module: ModuleType) -> str:
+def first_line(documented: ModuleType) -> str:
     """Return the first line of a module's docstring."""
-    return (inspect.getdoc(module) or "").partition("\n")[0]
+    return (inspect.getdoc(documented) or "").partition("\n")[0]
 
 
 class Listed(click.Command):
-    """A command whose help lists the modules that have one of its attributes, group by group."""
+    """A command whose help lists the modules that have one of some attributes, group by group."""
 
     attributes: tuple[str, ...] = ()
 
     def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the names of each group with the first lines of their docstrings."""
-        for attribute in self.attributes:
-            for group, names in groups(attribute).items():
-                title = first_line(importlib.import_module(f"validation.{group}")).rstrip(".")
-                with formatter.section(f"{group}, {title[0].lower()}{title[1:]}"):
-                    formatter.write_dl([(name, first_line(_module(group, name))) for name in names])
+        for group, names in groups(*self.attributes).items():
+            title = first_line(importlib.import_module(f"validation.{group}")).rstrip(".")
+            with formatter.section(f"{group}, {title[0].lower()}{title[1:]}"):
+                formatter.write_dl([(name, first_line(_module(group, name))) for name in names])
 
 
 def _module(group: str, name: str) -> ModuleType:

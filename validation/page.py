@@ -63,6 +63,6 @@ def readme_table(results: dict[str, Claim]) -> str:
     rows = ["| claim | checks passed | file |", "|---|---|---|"]
     for name, claim in results.items():
         passed = sum(check.passed for check in claim.checks)
-        path = module("claim", name).__name__.replace(".", "/")
+        path = module(name, "claim").__name__.replace(".", "/")
         rows.append(f"| {claim.title} | {passed} of {len(claim.checks)} | `{path}.py` |")
     return "\n".join(rows)

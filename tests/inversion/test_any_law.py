@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 import metafem as mf
 from metafem.inversion import DesignStatus
 from tests.models.scenes import said
-from validation.benchmark.inversion import LATTICE, LIMITS, random_law
+from validation.scenes.random_laws import LATTICE, LIMITS, random_law
 
 MODELS = [mf.Independent(), mf.Interacting(), mf.Interacting(substrate=mf.BondedLayer())]
 

@@ -28,11 +28,11 @@ def test_claims_are_grouped_by_subject():
 
 
 def test_names_select_claims_and_groups():
-    assert chosen("claim", ("fig4_linear",)) == ["fig4_linear"]
-    assert chosen("claim", ("fidelity", "bounds")) == [*groups("claim")["fidelity"], "bounds"]
-    assert module("claim", "fig4_linear").__name__ == "validation.paper.fig4_linear"
+    assert chosen(("fig4_linear",), "claim") == ["fig4_linear"]
+    assert chosen(("fidelity", "bounds"), "claim") == [*groups("claim")["fidelity"], "bounds"]
+    assert module("fig4_linear", "claim").__name__ == "validation.paper.fig4_linear"
     with pytest.raises(click.BadParameter, match=r"'fig9' is none of .*fig4_linear"):
-        chosen("claim", ("fig9",))
+        chosen(("fig9",), "claim")
 
 
 def test_help_lists_every_claim_with_one_line():
@@ -41,4 +41,4 @@ def test_help_lists_every_claim_with_one_line():
         assert f"\n{group}" in text
         for name in names:
             assert f"\n  {name} " in text
-            assert first_line(module("claim", name)).endswith(".")
+            assert first_line(module(name, "claim")).endswith(".")

@@ -1,1 +1,1 @@
-"""Speed, measured where anyone can repeat it: `python -m validation.benchmark`."""
+"""Times, memory and counts, each beside the largest value that is allowed."""

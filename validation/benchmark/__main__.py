@@ -1,48 +1,51 @@
-"""Run the benchmarks and print what was wanted and what was measured."""
+"""Run the benchmarks and print the required and the measured numbers."""
 
 from __future__ import annotations
 
-import importlib
-import pkgutil
-
 import click
 
-import validation.benchmark
 from validation.benchmark import work_precision
+from validation.discovery import Listed, chosen, module
 from validation.readme import renew
+from validation.scenes.model_table import MARKS
 
-MARKS = ("<!-- models: python -m validation.benchmark --readme -->", "<!-- end of the models -->")
-
-
-def benchmarks(kind: str = "rows") -> list[str]:
-    """Names of the modules that measure rows, or what takes longer than minutes: "long_rows"."""
-    names = [module.name for module in pkgutil.iter_modules(validation.benchmark.__path__)]
-    modules = {name: f"validation.benchmark.{name}" for name in names if not name.startswith("_")}
-    return [name for name, path in modules.items() if hasattr(importlib.import_module(path), kind)]
+# Functions of a benchmark; "long_rows" takes more than three minutes.
+KINDS = ("rows", "long_rows")
 
 
-@click.command()
-@click.option("--long", is_flag=True, help="Also measure what takes longer than three minutes.")
+class ListedBenchmarks(Listed):
+    """The command, whose help lists the benchmarks."""
+
+    attributes = KINDS
+
+
+@click.command(cls=ListedBenchmarks)
+@click.option("--long", is_flag=True, help="Also measure what takes more than three minutes.")
 @click.option("--readme", is_flag=True, help="Renew the table of the models in README.md, and its picture.")
 @click.argument("names", nargs=-1)
 def main(long: bool, readme: bool, names: tuple[str, ...]) -> None:
-    """Measure NAMES, or everything; with --readme and no names, only what the README shows."""
+    """Measure the benchmarks NAMES, or all; with --readme and no names, only the table of the models."""
     from rich.console import Console
     from rich.table import Table
+    from rich.text import Text
 
     if readme:
         renew(MARKS, work_precision.readme_table())
         work_precision.draw()
         if not names:
             return
-    for kind in ("rows", "long_rows") if long else ("rows",):
-        known = benchmarks(kind)
-        for name in (name for name in names or known if name in known):
-            table = Table("what", "wanted", "measured", "", title=name, title_justify="left")
-            for row in getattr(importlib.import_module(f"validation.benchmark.{name}"), kind)():
-                style = None if row.measured <= row.wanted else "red"
-                table.add_row(row.what, f"{row.wanted:g}", f"{row.measured:.3g}", row.unit, style=style)
-            Console().print(table)
+    console = Console()
+    for name in chosen(names, *KINDS):
+        benchmark = module(name, *KINDS)
+        table = Table("quantity", "required at most", "measured", "unit", title=name, title_justify="left")
+        for kind in KINDS if long else KINDS[:1]:
+            for row in getattr(benchmark, kind, list)():
+                style = None if row.measured <= row.required else "red"
+                cells = (row.what, f"{row.required:g}", f"{row.measured:.3g}", row.unit)
+                table.add_row(*map(Text, cells), style=style)
+        console.print(table)
+        if not long and hasattr(benchmark, KINDS[1]):
+            console.print(f"{name}: more with --long")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Errors, time and memory of the true block's influence between the sites of the paper's lattice."""
+"""Error, time and memory of the influence of the true block between the sites of the paper's lattice."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ import metafem as mf
 from metafem import _caches
 from metafem.fe.block3d.substrate import _solution
 from metafem.reference import bonded_layer
-from validation.benchmark.timing import Row, best
+from validation.timing import Row, best
 
 THICKNESS, POISSON_RATIO = 7.2, 0.5
-# Refined: 0.8 of the default cells, and 2/3 of the last ones, at the singular edge.
+# Refined: 0.8 times the default cells, and 2/3 of the last cells at the singular edge.
 REFINED = {"cell": 0.2, "edge_cell": 0.004}
 # The wide block has three times as many cells; its edges are far from the loads.
 WIDE = {"cell": 0.4, "edge_cell": 0.05}
@@ -37,12 +37,12 @@ def layer_matrix(position: np.ndarray) -> np.ndarray:
     r = np.hypot(*(position[:, None] - position).transpose(2, 0, 1))
     distinct, which = np.unique(r.round(9), return_inverse=True)
     beyond = [bonded_layer.influence(each, THICKNESS, POISSON_RATIO) for each in distinct[1:]]
-    own = bonded_layer.regular_influence(0.0, THICKNESS, POISSON_RATIO)
-    return np.array([own, *beyond])[which].reshape(r.shape)
+    diagonal = bonded_layer.regular_influence(0.0, THICKNESS, POISSON_RATIO)
+    return np.array([diagonal, *beyond])[which].reshape(r.shape)
 
 
 def rows() -> list[Row]:
-    """Measure every row of the table that concerns the block."""
+    """Measure the errors, times and memory of the block."""
     surface = lattice()
     before = os.environ.get(_caches.VARIABLE)
     with tempfile.TemporaryDirectory() as folder:
@@ -67,16 +67,16 @@ def rows() -> list[Row]:
             _solution.cache_clear()
     error = float(np.abs(found.matrix - refined).max())
     return [
-        Row("worst entry against a refined solution", 3e-5, error, "/mm"),
-        Row("its own error estimate", 3e-5, found.error_estimate, "/mm"),
-        Row("reciprocity", 1e-5, found.asymmetry, "/mm"),
+        Row("largest difference from a refined solution", 3e-5, error, "/mm"),
+        Row("error estimate of the default solution", 3e-5, found.error_estimate, "/mm"),
+        Row("asymmetry of the matrix (reciprocity)", 1e-5, found.asymmetry, "/mm"),
         Row(
-            "90 mm wide, against the layer",
+            "largest difference of a block of 90 mm from the layer",
             1e-5,
             float(np.abs(wide - layer_matrix(surface.position)).max()),
             "/mm",
         ),
-        Row("once", 120.0, once, "s"),
-        Row("largest memory", 4.0, memory, "GiB"),
-        Row("from the cache", 0.1, again, "s"),
+        Row("first computation", 120.0, once, "s"),
+        Row("peak memory", 4.0, memory, "GiB"),
+        Row("read from the cache", 0.1, again, "s"),
     ]

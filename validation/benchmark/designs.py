@@ -1,4 +1,4 @@
-"""Times of designs, of many laws at once, and of the commands."""
+"""Times of the paper's designs, of 10,000 laws at once, and of the commands."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from pathlib import Path
 import numpy as np
 
 import metafem as mf
-from validation.benchmark.timing import Row, best, processor_time
 from validation.paper.surfaces import fig3, fig4, fig5
+from validation.timing import Row, best, processor_time
 
 SURFACES, LOADS, ASPERITIES = 10_000, 100, 64
 
-# The claims that need no other model; those of interaction and finite elements take a minute or two.
+# The claims that need the independent model only.
 INDEPENDENT = (
     "bounds",
     "equations",
@@ -30,7 +30,7 @@ INDEPENDENT = (
 
 
 def rows() -> list[Row]:
-    """Measure every row of the first part's table that is a time."""
+    """Measure designs, laws, commands and the claims of the independent model."""
     measured = [
         Row(f"one design, {name}", 20.0, 1e3 * best(work, 10), "ms")
         for name, work in (
@@ -46,13 +46,13 @@ def rows() -> list[Row]:
     metafem = [sys.executable, "-m", "metafem"]
     measured.append(Row("metafem --help, processor time", 0.25, processor_time([*metafem, "--help"]), "s"))
     with tempfile.TemporaryDirectory() as folder:
-        # A cache of its own shows the first time on this machine; the second run reads it.
+        # A separate cache shows the first run on a machine; the second run reads it.
         environment = os.environ | {"NUMBA_CACHE_DIR": str(Path(folder) / "cache")}
-        for what, wanted in (("the first time", 45.0), ("once compiled", 8.0)):
+        for what, allowed in (("the first time", 45.0), ("once compiled", 8.0)):
             start = time.perf_counter()
             command = [*metafem, "demo", "linear", "--force", "--json"]
             subprocess.run(command, check=True, cwd=folder, env=environment, capture_output=True)
-            measured.append(Row(f"metafem demo linear, {what}", wanted, time.perf_counter() - start, "s"))
+            measured.append(Row(f"metafem demo linear, {what}", allowed, time.perf_counter() - start, "s"))
     start = time.perf_counter()
     with tempfile.TemporaryDirectory() as folder:
         subprocess.run([sys.executable, "-m", "validation", "-o", folder, *INDEPENDENT], capture_output=True)

@@ -1,14 +1,14 @@
-"""Times of the finite-element contacts and checks."""
+"""Times of single contacts by finite elements, and of their checks."""
 
 from __future__ import annotations
 
 from metafem import fe, studies
 from metafem.studies.element_checks import BLOCK_RADIUS, RADIUS, THICKNESS
-from validation.benchmark.timing import Row, best
+from validation.timing import Row, best
 
 
 def rows() -> list[Row]:
-    """Measure a half-space, a cap on its block, and all checks."""
+    """Measure Hertz's contact on a half-space, a cap on its block, and all checks."""
 
     def cap() -> None:
         fe.press(0.2, RADIUS, height=0.2, thickness=THICKNESS, block_radius=BLOCK_RADIUS)

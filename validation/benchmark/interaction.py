@@ -1,4 +1,4 @@
-"""Times of interacting models: single laws, many laws, large lattices and scattered positions."""
+"""Times of `Interacting`: one law, many laws, large lattices and scattered sites, and their growth."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ import numpy as np
 import metafem as mf
 import metafem.substrate
 from metafem._kernels import continuation
-from metafem.models.interacting.large import NOT_RECORDED, LargeScene
-from validation.benchmark.timing import Row, best
+from metafem.models.interacting.large import LargeScene
+from validation.timing import Row, best, kernel_time
 
 # Rescaled load per asperity at which two thirds of them touch [mm^2].
 LOAD_PER_ASPERITY = 0.003
@@ -23,40 +23,40 @@ MATERIAL = mf.Material(1.36)
 BLOCK = mf.Block(20.0, 20.0, 7.2)
 SIDES = (64, 256, 1000)
 
-# Products of order 3 by expansion in the shifts, over those of order 1.
+# FFT products of order 3, which expands in the displacement of the contacts, over those of order 1.
 EXPANSION = 8
 
-# Scattered asperities, and as many as take minutes.
+# Numbers of scattered asperities; the last one takes minutes.
 COUNTS, LARGEST = (10_000, 100_000), 1_000_000
 SUBSTRATES = {"half-space": mf.HalfSpace(), "layer": mf.BondedLayer()}
 
 
 def heights(shape: int | tuple[int, ...]) -> np.ndarray:
-    """Exponential heights of scale 0.036 mm, cut at 0.12 mm, tallest first in density."""
+    """Return 0.12 mm minus random depths, exponential with scale 0.036 mm and at most 0.12 mm."""
     return 0.12 - np.minimum(np.random.default_rng(0).exponential(0.036, shape), 0.12)
 
 
 def small() -> mf.Surface:
-    """The paper's lattice."""
+    """Return the paper's lattice with random heights."""
     return mf.Surface.square_lattice(heights(ASPERITIES), radius=0.526, material=MATERIAL, block=BLOCK)
 
 
 def lattice(side: int) -> mf.Surface:
-    """A square lattice of `side` rows with the same heights."""
+    """Return a square lattice of `side` rows with random heights."""
     height = heights(side**2)
     return mf.Surface.square_lattice(height, (side, side), radius=0.526, material=MATERIAL, block=BLOCK)
 
 
 def scattered(count: int) -> mf.Surface:
-    """Places at random within two thirds of each cell of a lattice."""
+    """Return asperities at random sites within two thirds of each cell of a lattice."""
     shift = np.random.default_rng(1).uniform(-0.5, 0.5, (count, 2))
     columns = round(np.sqrt(count))
-    place = PITCH * np.column_stack([np.arange(count) % columns, np.arange(count) // columns])
-    return mf.Surface(place + shift, heights(count), 0.526, MATERIAL, block=BLOCK)
+    corner = PITCH * np.column_stack([np.arange(count) % columns, np.arange(count) // columns])
+    return mf.Surface(corner + shift, heights(count), 0.526, MATERIAL, block=BLOCK)
 
 
 def products(surface: mf.Surface, substrate: metafem.substrate.Radial, order: int) -> int:
-    """FFT products of one load, the tangent stiffness included."""
+    """Number of FFT products of one load, including those of the tangent stiffness."""
     scene = LargeScene(surface, substrate.for_surface(surface), order)
     results = continuation.Results(*np.zeros((len(continuation.Results._fields), 1)))
     load = np.array([LOAD_PER_ASPERITY * surface.count])
@@ -64,19 +64,8 @@ def products(surface: mf.Surface, substrate: metafem.substrate.Radial, order: in
     return scene.sums.products
 
 
-def kernel_time(model: mf.Interacting, surface: mf.Surface, loads: int) -> float:
-    """Seconds per load of one warm curve inside the compiled kernel, on one core."""
-    coupling, own = model._coupling(surface, model.substrate.for_surface(surface))
-    results = continuation.empty_results(1, loads)
-    place = continuation.empty_workspace(surface.count, model.order)
-    rising = np.linspace(0.5 / loads, 0.5, loads)
-    radius, gap = np.array(surface.radius[None]), surface.gap[None]
-    arguments = (coupling, model.order, radius, own[None], gap, rising, True, results, *place, NOT_RECORDED)
-    return best(lambda: continuation.curves(*arguments), 20) / loads
-
-
 def rows() -> list[Row]:
-    """Measure every row of the second part's table that is a time of an asperity model."""
+    """Measure one law, many laws, large lattices and scattered asperities."""
     measured = []
     for name, substrate in SUBSTRATES.items():
         for order in (1, 3):
@@ -91,14 +80,17 @@ def rows() -> list[Row]:
         seconds = best(lambda model=model: model.curves(small(), height, load), 1)
         what = f"10,000 curves of 20 loads, 64 asperities, order 3, {name}, two cores"
         measured.append(Row(what, 10.0, seconds, "s"))
-    for name, substrate, wanted in (("layer", mf.BondedLayer(), 40), ("half-space", mf.HalfSpace(), 150)):
+    for name, substrate, products_allowed in (
+        ("layer", mf.BondedLayer(), 40),
+        ("half-space", mf.HalfSpace(), 150),
+    ):
         for side in SIDES:
             count = products(lattice(side), substrate, 1)
             what = f"lattice of {side} x {side}, one load, order 1, {name}: FFT products"
-            measured.append(Row(what, wanted, count, ""))
+            measured.append(Row(what, products_allowed, count, ""))
         count = products(lattice(SIDES[1]), substrate, 3)
         what = f"lattice of {SIDES[1]} x {SIDES[1]}, one load, order 3, {name}: FFT products"
-        measured.append(Row(what, EXPANSION * wanted, count, ""))
+        measured.append(Row(what, EXPANSION * products_allowed, count, ""))
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
     measured.append(Row(f"memory after the lattice of {SIDES[-1]} x {SIDES[-1]}", 3.0, memory, "GiB"))
     for name, substrate in SUBSTRATES.items():
@@ -109,7 +101,7 @@ def rows() -> list[Row]:
 
 
 def long_rows() -> list[Row]:
-    """Measure how the time of scattered asperities grows up to the largest scene."""
+    """Measure how the time of scattered asperities grows up to the largest number."""
     return [
         growth(name, counts := (COUNTS[0], LARGEST), [scattered_time(count, substrate) for count in counts])
         for name, substrate in SUBSTRATES.items()
@@ -117,7 +109,7 @@ def long_rows() -> list[Row]:
 
 
 def scattered_time(count: int, substrate: metafem.substrate.Radial) -> float:
-    """Seconds of one load of scattered asperities, after a small scene that warms up."""
+    """Seconds of one load of scattered asperities, after a small surface that is not timed."""
     model = mf.Interacting(order=1, substrate=substrate)
     for size in (COUNTS[0] // 2, count):
         surface = scattered(size)

@@ -1,13 +1,13 @@
-"""Time and memory of the files of parts, each in a process of its own."""
+"""Time and memory of writing the part, its mould and its drawing, each in a process of its own."""
 
 from __future__ import annotations
 
 import subprocess
 import sys
 
-from validation.benchmark.timing import Row
+from validation.timing import Row
 
-# Rows of a square lattice, and what is wanted: seconds and megabytes.
+# Rows of a square lattice, and the allowed seconds and megabytes.
 CASES = ((8, 5.0, 300.0), (100, 30.0, 1024.0))
 
 WORK = """
@@ -34,8 +34,8 @@ def rows() -> list[Row]:
     measured = []
     for lattice, seconds, megabytes in CASES:
         command = [sys.executable, "-c", WORK, str(lattice)]
-        told = subprocess.run(command, check=True, capture_output=True, text=True).stdout
-        spent, used = (float(number) for number in told.split())
+        printed = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+        spent, used = (float(number) for number in printed.split())
         what = f"files of a part of {lattice**2:,} asperities"
         measured.append(Row(what, seconds, spent, "s"))
         measured.append(Row(f"{what}, peak memory", megabytes, used, "MiB"))

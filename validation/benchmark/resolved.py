@@ -1,9 +1,9 @@
-"""Resolved contacts beside tamaas: one load of an 8 x 8 surface on a half-space, the same cells.
+"""Time of one load of resolved contacts, and its ratio to that of tamaas with the same cells.
 
-Both get the same grid: tamaas the whole of it, metafem the neighbourhoods of the contacts. tamaas is the
-extra ``[peers]`` (AGPL-3.0; imported here and nowhere in metafem); without it metafem's own time is
-measured alone. At 6 um tamaas takes minutes, and is asked with ``--long`` alone.
-``python -m validation.benchmark.resolved`` prints the loads and areas of both as well.
+The surface has 8 x 8 asperities on a half-space. Both use the same grid: tamaas all of it, metafem the
+neighbourhoods of the contacts. tamaas is installed by the extra ``[peers]`` (AGPL-3.0; metafem does not
+import it); without it only the time of metafem is measured. With cells of 6 µm tamaas takes minutes and runs
+with ``--long`` only. ``python -m validation.benchmark.resolved`` also prints the loads and areas of both.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ import numpy as np
 from scipy.fft import next_fast_len
 
 import metafem as mf
-from validation.benchmark.timing import Row, best
+from validation.timing import Row, best
 
 PITCH, RADIUS, MODULUS = 1.5, 0.526, 1.36
 CELL, LOAD = 0.006, 1.5
@@ -29,8 +29,8 @@ QUICK_CELL = 0.02
 # Heights: quantiles of a truncated exponential of scale 0.04 mm up to 0.12 mm, raised by 0.084 mm.
 SCALE, MAX_HEIGHT, OFFSET = 0.04, 0.12, 0.084
 
-# What tamaas is asked for, on its own measure of complementarity: looser than metafem's residual, in
-# favour of tamaas.
+# Tolerance of tamaas, on its own measure of complementarity: looser than the residual of metafem, in favour
+# of tamaas.
 PEER_TOLERANCE = 1e-6
 
 
@@ -45,7 +45,7 @@ class Answer:
 
 
 def scene() -> mf.Surface:
-    """The surface: every asperity is in contact under `LOAD`."""
+    """Return the surface, whose asperities are all in contact under `LOAD`."""
     share = (np.arange(64) + 0.5) / 64
     height = OFFSET - SCALE * np.log1p(share * math.expm1(-MAX_HEIGHT / SCALE))
     height = np.random.default_rng(1).permutation(height)
@@ -53,7 +53,7 @@ def scene() -> mf.Surface:
 
 
 def solve(surface: mf.Surface, cell: float) -> Answer:
-    """Answer of metafem: the fastest of three runs after one that compiles."""
+    """Answer of metafem: the fastest of three runs, compilation excluded."""
     model = mf.BoundaryElements(cell)
     seconds = best(lambda: mf.equilibrium(surface, model, load=LOAD), 3)
     state = mf.equilibrium(surface, model, load=LOAD)
@@ -66,11 +66,11 @@ def solve_with_tamaas(surface: mf.Surface, cell: float, load: float = LOAD) -> A
 
     tamaas.initialize(2)
     side = next_fast_len(math.ceil(8.0 * PITCH / cell))
-    # the middle cell stands on the centre of the surface, as in metafem's grid
+    # the middle cell is at the centre of the surface, as in the grid of metafem
     x = cell * (np.arange(side) - side // 2)
-    places = [[np.flatnonzero(abs(x - c) <= 0.5 * PITCH) for c in centre] for centre in surface.position]
+    cells = [[np.flatnonzero(abs(x - c) <= 0.5 * PITCH) for c in centre] for centre in surface.position]
     profile = np.full((side, side), -np.inf)
-    each = zip(places, surface.position, surface.height, surface.radius, strict=True)
+    each = zip(cells, surface.position, surface.height, surface.radius, strict=True)
     for (i, j), (cx, cy), height, radius in each:
         rho2 = (x[i, None] - cx) ** 2 + (x[None, j] - cy) ** 2
         profile[np.ix_(i, j)] = height - rho2 / (2.0 * radius)
@@ -83,7 +83,7 @@ def solve_with_tamaas(surface: mf.Surface, cell: float, load: float = LOAD) -> A
     begin = time.perf_counter()
     error = solver.solve(load / (side * cell) ** 2)
     seconds = time.perf_counter() - begin
-    area = math.fsum(ellipse(x[i], x[j], model.traction[np.ix_(i, j)]) for i, j in places)
+    area = math.fsum(ellipse(x[i], x[j], model.traction[np.ix_(i, j)]) for i, j in cells)
     return Answer(seconds, float(model.traction.sum()) * cell**2, area, error)
 
 
@@ -98,44 +98,46 @@ def ellipse(x: np.ndarray, y: np.ndarray, pressure: np.ndarray) -> float:
 
 
 def rows() -> list[Row]:
-    """Measure the time of one load, and beside tamaas at cells of which it is quick."""
-    own = solve(scene(), CELL)
-    measured = [Row(f"one load, 64 resolved asperities, cell {1e3 * CELL:g} µm", 10.0, own.seconds, "s")]
-    return measured + _beside_tamaas(QUICK_CELL)
+    """Measure the time of one load, and compare with tamaas at coarse cells."""
+    metafem = solve(scene(), CELL)
+    measured = [Row(f"one load, 64 resolved asperities, cell {1e3 * CELL:g} µm", 10.0, metafem.seconds, "s")]
+    return measured + _compared_with_tamaas(QUICK_CELL)
 
 
 def long_rows() -> list[Row]:
-    """Measure beside tamaas at the fine cells."""
-    return _beside_tamaas(CELL)
+    """Compare with tamaas at fine cells."""
+    return _compared_with_tamaas(CELL)
 
 
-def _beside_tamaas(cell: float) -> list[Row]:
-    """Compare times and areas at one cell, where the peer is installed."""
+def _compared_with_tamaas(cell: float) -> list[Row]:
+    """Compare times and areas at one size of the cells, if tamaas is installed."""
     if importlib.util.find_spec("tamaas") is None:
         return []
     surface = scene()
-    own, peer = solve(surface, cell), solve_with_tamaas(surface, cell)
-    # what tamaas' looser tolerance costs it
-    difference = abs(own.area / peer.area - 1.0)
+    metafem, peer = solve(surface, cell), solve_with_tamaas(surface, cell)
+    # within the looser tolerance of tamaas
+    difference = abs(metafem.area / peer.area - 1.0)
     name = f"cell {1e3 * cell:g} µm"
     return [
-        Row(f"its share of tamaas' time, {name}", 0.1, own.seconds / peer.seconds, ""),
-        Row(f"difference of the areas, {name}, relative", 10.0 * PEER_TOLERANCE, difference, ""),
+        Row(f"time over that of tamaas in the same run, {name}", 0.1, metafem.seconds / peer.seconds, ""),
+        Row(f"relative difference of the areas from tamaas, {name}", 10.0 * PEER_TOLERANCE, difference, ""),
     ]
 
 
 @click.command()
 @click.option("--cell", default=CELL, show_default=True, help="Side of the cells [mm].")
 def main(cell: float) -> None:
-    """Print what both solvers found."""
+    """Print the time, load, area and error of both solvers."""
     surface = scene()
-    own, peer = solve(surface, cell), solve_with_tamaas(surface, cell)
+    metafem, peer = solve(surface, cell), solve_with_tamaas(surface, cell)
     click.echo(f"{'':8s}{'seconds':>10s}{'load [N]':>14s}{'area [mm^2]':>14s}{'error':>10s}")
-    for name, answer in (("metafem", own), ("tamaas", peer)):
+    for name, answer in (("metafem", metafem), ("tamaas", peer)):
         numbers = f"{answer.seconds:10.2f}{answer.load:14.8f}{answer.area:14.8f}{answer.error:10.1e}"
         click.echo(f"{name:8s}{numbers}")
-    click.echo(f"seconds a load: wanted below 10, measured {own.seconds:.2f}")
-    click.echo(f"times faster: wanted 10, measured {peer.seconds / own.seconds:.1f}")
+    click.echo(f"seconds for one load: required below 10, measured {metafem.seconds:.2f}")
+    click.echo(
+        f"time of tamaas over that of metafem: required 10, measured {peer.seconds / metafem.seconds:.1f}"
+    )
 
 
 if __name__ == "__main__":

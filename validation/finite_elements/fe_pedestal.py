@@ -17,7 +17,7 @@ BETWEEN = ((0.06, 0.3), (0.23, 0.5), (0.38, 0.1), (0.57, 0.3))
 # Several seconds of finite elements.
 SLOW = True
 
-SOURCE = "metafem.fe.measure_pedestal at a shape between the nodes of the table, which are fits to its values"
+SOURCE = "metafem.fe.measure_pedestal at a shape between the nodes of the table, which it computed"
 
 
 def claim() -> Claim:

@@ -1,0 +1,40 @@
+"""Sampled laws of random surfaces, which an inversion must therefore recover."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+import metafem as mf
+
+RADIUS = 0.526
+LATTICE = mf.Surface.square_lattice(
+    0.3, radius=RADIUS, material=mf.Material(1.36), block=mf.Block(20.0, 20.0, 7.2)
+)
+LIMITS = mf.Limits(0.3, offset=0.05)
+
+
+def random_law(seed: int, points: int = 30) -> mf.SampledLaw:
+    """Return the law of a surface of random heights, so that the law can be reached."""
+    rng = np.random.default_rng(seed)
+    kind = rng.integers(3)
+    if kind == 0:
+        height = rng.exponential(rng.uniform(0.005, 0.05), 64)
+    elif kind == 1:
+        height = rng.uniform(0.0, rng.uniform(0.02, 0.15), 64)
+    else:
+        height = np.concatenate([rng.normal(0.1, 0.01, 32), rng.normal(0.05, 0.02, 32)])
+    full = 4 / 3 * math.sqrt(RADIUS) * float(((height - height.min()) ** 1.5).sum())
+    load = full * rng.uniform(0.5, 1.2) * np.arange(1, points + 1) / points
+    return mf.SampledLaw(load, mf.Independent().curves(height, RADIUS, load)[2][0])
+
+
+def mixed_law(seed: int, tools: Sequence[float]) -> mf.SampledLaw:
+    """Return the law of a surface of random heights whose radii are drawn from some tools."""
+    rng = np.random.default_rng(seed)
+    height, radius = rng.exponential(rng.uniform(0.005, 0.05), 64), rng.choice(list(tools), 64)
+    full = float((4 / 3 * np.sqrt(radius) * (height - height.min()) ** 1.5).sum())
+    load = full * rng.uniform(0.5, 1.2) * np.arange(1, 31) / 30
+    return mf.SampledLaw(load, mf.Independent().curves(height, radius, load)[2][0])
