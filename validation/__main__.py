@@ -6,6 +6,7 @@ import json
 import sys
 import time
 import traceback
+from dataclasses import asdict
 from functools import cache
 from pathlib import Path
 
@@ -96,7 +97,7 @@ def main(output: str, readme: bool, names: tuple[str, ...]) -> None:
         console.print(f"{time.perf_counter() - start:.1f} s\n")
     folder = Path(output)
     folder.mkdir(parents=True, exist_ok=True)
-    data = {name: {"title": c.title, "checks": [k.row() for k in c.checks]} for name, c in results.items()}
+    data = {name: {"title": c.title, "checks": [asdict(k) for k in c.checks]} for name, c in results.items()}
     (folder / "results.json").write_text(json.dumps(data, indent=1, ensure_ascii=False), "utf-8")
     (folder / "index.html").write_text(page(list(results.values())), "utf-8")
     if readme:
