@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from metafem.inversion import Design
     from metafem.inversion.candidate import Branch
     from metafem.notes import Note
-    from metafem.prediction.friction_law import BranchFit
+    from metafem.prediction import BranchFit
 
 
 @main.command()

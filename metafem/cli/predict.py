@@ -17,7 +17,7 @@ from metafem.errors import InvalidInput
 from metafem.progress import doing
 
 if TYPE_CHECKING:
-    from metafem.prediction.friction_law import FrictionLaw
+    from metafem.prediction import FrictionLaw
     from metafem.surface import Block, Surface
 
 # Dimensions of a block, as options and as arguments.

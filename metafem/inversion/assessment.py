@@ -9,7 +9,7 @@ import numpy as np
 from metafem.inversion.candidate import Blueprint, Branch, Parameter
 from metafem.inversion.strategies.sampled import open_parameters
 from metafem.models import Independent, Model
-from metafem.prediction.friction_law import BranchFit, friction_law
+from metafem.prediction import BranchFit, friction_law, law_at
 from metafem.surface import Material, Surface
 
 # Tolerance of an exact design: relative error of the friction at each load of the target.
@@ -58,11 +58,10 @@ def found_parameters(
 
 def branch_fits(surface: Surface, model: Model, blueprint: Blueprint) -> tuple[tuple[Branch, BranchFit], ...]:
     """Fit the law over each straight branch."""
-    modulus = surface.material.composite_modulus
     found = []
     for branch in blueprint.branches:
-        load = modulus * np.linspace(*branch.load_range, BRANCH_POINTS)
-        found.append((branch, friction_law(surface, model, load=load).fit(branch.load_range)))
+        load = np.linspace(*branch.load_range, BRANCH_POINTS)
+        found.append((branch, law_at(surface, model, load).fit(branch.load_range)))
     return tuple(found)
 
 

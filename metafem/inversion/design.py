@@ -48,7 +48,7 @@ from metafem.inversion.targets.laws import (
 from metafem.inversion.targets.wanted import Wanted
 from metafem.models import Model
 from metafem.notes import Note, counted, late_notes, when_read
-from metafem.prediction.friction_law import BranchFit, FrictionLaw, friction_law
+from metafem.prediction import BranchFit, FrictionLaw, friction_law
 from metafem.progress import doing
 from metafem.surface import Surface
 

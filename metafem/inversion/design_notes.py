@@ -12,7 +12,7 @@ from metafem.inversion.limits import Limits
 from metafem.inversion.problem import Request
 from metafem.inversion.strategies.proportional import reached_line
 from metafem.notes import Level, Note
-from metafem.prediction.friction_law import BranchFit
+from metafem.prediction import BranchFit
 from metafem.surface import Surface
 
 # Heights should be larger than the height errors by at least this factor.

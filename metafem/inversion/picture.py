@@ -9,7 +9,7 @@ import numpy as np
 from metafem._validate import FloatArray
 from metafem.drawing import TARGET
 from metafem.inversion.targets.wanted import Wanted
-from metafem.prediction.friction_law import friction_law
+from metafem.prediction import friction_law
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -86,9 +86,9 @@ class Curve:
     --------
     >>> import metafem as mf
     >>> surface = Surface.square_lattice([0.1, 0.12], (1, 2), radius=0.526, material=mf.Material(1.36))
-    >>> curve = mf.Independent().curve(surface, [0.01, 0.02])
+    >>> curve = mf.Independent().curve(surface, np.array([0.01, 0.02]))
     >>> curve.area.round(4), curve.converged, curve.last.load.round(4)
-    (array([0.0836, 0.1439]), True, array([0.0044, 0.0156]))
+    (array([0.096 , 0.1551]), True, array([0.0069, 0.0131]))
     """
 
     approach: FloatArray
@@ -211,7 +211,7 @@ class Sensitivity:
     >>> import metafem as mf
     >>> surface = Surface.square_lattice([0.1, 0.12], (1, 2), radius=0.526, material=mf.Material(1.36))
     >>> mf.Interacting().sensitivity(surface, np.array([0.02])).gradient.round(3)
-    array([[ 0.316, -0.316]])
+    array([[ 0.205, -0.205]])
     """
 
     curve: Curve

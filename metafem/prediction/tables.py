@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from pandas import DataFrame
     from xarray import Dataset
 
-    from metafem.prediction.friction_law import FrictionLaw
+    from metafem.prediction.law import FrictionLaw
 
 # Quantities of a law, in the order of their columns, with unit and meaning.
 QUANTITIES = {

@@ -10,7 +10,7 @@ from metafem._validate import FloatArray
 from metafem.inversion import Design
 from metafem.models import Independent
 from metafem.notes import Note
-from metafem.prediction.friction_law import FrictionLaw
+from metafem.prediction import FrictionLaw
 from metafem.studies.substrates import laws_on_substrates
 
 # A report takes a second or two; above this number of asperities interacting laws take longer.

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from metafem.drawing import ACHIEVED, QUIET, TARGET, new_figure
 from metafem.inversion import Design, feasible_region
 from metafem.inversion.picture import draw_laws, draw_target, few
-from metafem.prediction.friction_law import friction_law
+from metafem.prediction import friction_law
 from metafem.report.comparison import Comparison
 
 if TYPE_CHECKING:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from metafem.inversion import Design
 from metafem.inversion.candidate import Branch
-from metafem.prediction.friction_law import BranchFit
+from metafem.prediction import BranchFit
 
 
 def fit_table(design: Design) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:

@@ -8,7 +8,7 @@ from metafem._validate import FloatArray
 from metafem.errors import InvalidInput, NotConverged
 from metafem.models import Independent, Interacting, Model
 from metafem.notes import Note, information
-from metafem.prediction.friction_law import FrictionLaw, friction_law
+from metafem.prediction import FrictionLaw, friction_law
 from metafem.progress import each
 from metafem.substrate import BondedLayer
 from metafem.surface import Surface

@@ -5,6 +5,7 @@ import pytest
 from scipy import stats
 
 import metafem as mf
+from metafem.prediction import law_at
 from metafem.prediction.validity import base_contact_load
 from tests.models.scenes import MODELS, said
 
@@ -133,3 +134,13 @@ def test_fits_are_in_newtons_too(rough):
     for ranges in ({}, {"load_range": (0.1, 0.4), "load": (0.1, 0.4)}):
         with pytest.raises(mf.InvalidInput, match=r"needs either load_range .* or load"):
             law.fit(**ranges)
+
+
+@pytest.mark.parametrize("modulus", [1.36, 0.7, 3.3e5])
+def test_a_fit_holds_the_loads_at_the_ends_of_its_range(rough, modulus):
+    surface = rough.replaced(material=mf.Material(modulus))
+    for ends in ((0.1, 0.7), (0.03, 0.3)):
+        assert law_at(surface, mf.Independent(), np.linspace(*ends, 26)).fit(ends).points == 26
+        newtons = modulus * np.linspace(*ends, 26)
+        law = mf.friction_law(surface, load=newtons)
+        assert law.fit(load=(newtons[0], newtons[-1])).points == 26

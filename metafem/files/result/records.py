@@ -32,7 +32,7 @@ from metafem.inversion.height_density import TruncatedExponential, TwoBranchExpo
 from metafem.inversion.targets.wording import Wording
 from metafem.models import Automatic, BoundaryElements, Independent, Interacting, MeanField, Status
 from metafem.notes import Level, Note
-from metafem.prediction.friction_law import BranchFit, FrictionLaw
+from metafem.prediction import BranchFit, FrictionLaw
 from metafem.substrate import BondedLayer, HalfSpace
 from metafem.surface import Block, Friction, Material, Surface
 
@@ -81,10 +81,24 @@ def _earlier_design(record: Mapping[str, Any]) -> dict[str, Any]:
     return dict(record)
 
 
+def _earlier_law(record: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a friction law's record with rescaled loads and stiffness in place of those in N."""
+    try:
+        modulus = record["material"]["composite_modulus"]
+        rescaled = {
+            f"rescaled_{name}": {"float64": [value / modulus for value in record[name]["float64"]]}
+            for name in ("load", "stiffness")
+        }
+    except (KeyError, TypeError, ZeroDivisionError):  # a record of today, or a damaged one
+        return dict(record)
+    return {**{key: value for key, value in record.items() if key not in ("load", "stiffness")}, **rescaled}
+
+
 # What makes a record of an earlier version one of today.
 EARLIER: Mapping[str, Callable[[Mapping[str, Any]], dict[str, Any]]] = {
     "LinearLaw": _earlier_line,
     "Design": _earlier_design,
+    "FrictionLaw": _earlier_law,
 }
 
 

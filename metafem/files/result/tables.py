@@ -16,8 +16,7 @@ from metafem.errors import InvalidInput
 from metafem.files.csv_rows import Table, read_table
 from metafem.files.units import factor
 from metafem.inversion import Design
-from metafem.prediction import tables
-from metafem.prediction.friction_law import FrictionLaw
+from metafem.prediction import FrictionLaw, tables
 from metafem.surface import Block, Friction, Material, Surface
 
 __all__ = ["heights_table", "is_law_table", "law_table", "mould_table", "read_heights", "read_surface"]

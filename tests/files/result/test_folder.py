@@ -133,7 +133,7 @@ WRONG = [
     ("surface.height.float64", [[1.0]], "design.surface: height has shape"),
     ("surface.height.float64", ["0.1"], "design.surface.height = .* is not an array of float64"),
     ("surface.position.float64", [[i, 0.0] for i in range(9)], "surface.position must be that of the"),
-    ("law.load.float64", [1.0], "design.law: area has shape"),
+    ("law.rescaled_load.float64", [1.0], "design.law: area has shape"),
     ("law.model", {"type": "Hertz"}, "design.law.model = .* must be a Model"),
     ("law.model", 3, "design.law.model = 3 must be a Model"),
     ("law.material.composite_modulus", 2.0, "law.material and law.friction must be those"),
@@ -168,7 +168,7 @@ def test_a_damaged_member_is_named(tmp_path, linear, place, value, message):
 def test_a_law_whose_loads_fall_or_areas_are_negative_is_refused(linear):
     law = linear[1].law
     with pytest.raises(mf.InvalidInput, match="the loads of a law must not decrease"):
-        replace(law, load=law.load[::-1].copy())
+        replace(law, rescaled_load=law.rescaled_load[::-1].copy())
     with pytest.raises(mf.InvalidInput, match=r"area\[0\] = -.* is impossible"):
         replace(law, area=-law.area)
 

@@ -1,0 +1,102 @@
+"""Straight lines through the branches of a friction law."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from metafem._validate import FloatArray
+from metafem.errors import InvalidInput
+from metafem.surface import Friction, Material
+
+# Share of Student's distribution below the upper end of a two-sided 68 % interval.
+UPPER = 0.84
+
+
+@dataclass(frozen=True)
+class BranchFit:
+    """Straight line through a branch of a law, in rescaled load and friction.
+
+    Attributes
+    ----------
+    slope : float
+        Slope m [-]; the friction coefficient is about ``sigma B / E* m``.
+    intercept : float
+        Friction at zero load [mm^2].
+    slope_interval, intercept_interval : (float, float)
+        68 % confidence intervals of the regression.
+    load_range : (float, float)
+        Range of the rescaled loads of the fitted points [mm^2].
+    points : int
+        Number of points.
+    friction_coefficient, friction_coefficient_interval : float and (float, float), or None
+        ``dF/dP = sigma B / E* m`` [-] and its 68 % interval; None for a surface without a Friction.
+    intercept_force, intercept_force_interval : float and (float, float), or None
+        Friction force at zero load [N] and its 68 % interval; None for a surface without a Friction.
+
+    Examples
+    --------
+    >>> import metafem as mf
+    >>> surface = mf.Surface.square_lattice(0.1, (2, 2), radius=0.526, material=mf.Material(1.36))
+    >>> fit = mf.friction_law(surface, load=np.linspace(0.1, 0.2, 11)).fit(load=(0.1, 0.2))
+    >>> round(fit.slope, 2), round(fit.intercept, 2), fit.points, fit.friction_coefficient
+    (3.75, 0.2, 11, None)
+    """
+
+    slope: float
+    intercept: float
+    slope_interval: tuple[float, float]
+    intercept_interval: tuple[float, float]
+    load_range: tuple[float, float]
+    points: int
+    friction_coefficient: float | None = None
+    friction_coefficient_interval: tuple[float, float] | None = None
+    intercept_force: float | None = None
+    intercept_force_interval: tuple[float, float] | None = None
+
+
+def fit_branch(
+    load: FloatArray,
+    area: FloatArray,
+    load_range: tuple[float, float],
+    material: Material,
+    friction: Friction | None,
+) -> BranchFit:
+    """Fit areas (k,) [mm^2] to rescaled loads (k,) [mm^2] between two loads by least squares."""
+    from scipy.special import stdtrit
+
+    low, high = load_range
+    if high <= low:
+        raise InvalidInput(f"load_range = ({low:g}, {high:g}) must increase")
+    chosen = (load >= low) & (load <= high)
+    count = int(chosen.sum())
+    if count < 3 or np.ptp(load[chosen]) == 0.0:
+        raise InvalidInput(
+            f"load_range = ({low:g}, {high:g}) holds {count} of the law's points, which run from "
+            f"{load.min():g} to {load.max():g} mm^2; a fit needs at least 3 points, "
+            "at different loads"
+        )
+    x, y = load[chosen], area[chosen]
+    centre, spread = x.mean(), ((x - x.mean()) ** 2).sum()
+    slope = float(((x - centre) * (y - y.mean())).sum() / spread)
+    intercept = float(y.mean() - slope * centre)
+    variance = float(((y - intercept - slope * x) ** 2).sum()) / (count - 2)
+    student = float(stdtrit(count - 2, UPPER))
+    slope_error = student * math.sqrt(variance / spread)
+    intercept_error = student * math.sqrt(variance * (1.0 / count + centre**2 / spread))
+    slopes = slope - slope_error, slope + slope_error
+    intercepts = intercept - intercept_error, intercept + intercept_error
+    fit = BranchFit(slope, intercept, slopes, intercepts, (low, high), count)
+    if friction is None:
+        return fit
+    stress = friction.shear_strength * friction.area_ratio
+    per_slope = stress / material.composite_modulus
+    return replace(
+        fit,
+        friction_coefficient=per_slope * slope,
+        friction_coefficient_interval=(per_slope * slopes[0], per_slope * slopes[1]),
+        intercept_force=stress * intercept,
+        intercept_force_interval=(stress * intercepts[0], stress * intercepts[1]),
+    )
