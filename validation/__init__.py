@@ -1,1 +1,1 @@
-"""Claims about metafem and the paper it stands on, each checked by one file."""
+"""Claims about metafem and the paper whose method it uses, one file for each."""

@@ -191,7 +191,11 @@ def layer_check(poisson_ratio: float = 0.5) -> list[Check]:
         layer = half_space + float(bonded_layer.regular_influence(r, THICKNESS, poisson_ratio))
         computed = float(contact.displacement(r)) / contact.rescaled_load / half_space
         expected, passed = f"{layer / half_space:.6g} ± 0.0001", abs(computed - layer / half_space) <= 1e-4
-        checks.append(Check(f"layer over half-space at {r} mm", computed, expected, passed, HANKEL))
+        checks.append(
+            Check(
+                f"ν = {poisson_ratio}, r = {r} mm: layer over half-space", computed, expected, passed, HANKEL
+            )
+        )
     return checks
 
 
@@ -220,9 +224,9 @@ def cell_check() -> list[Check]:
         series = alone + load * bonded_layer.cell_influence(a, side, THICKNESS, 0.5)
         checks += [
             _near(f"a = {a} mm: load", contact.rescaled_load, load, 5e-4, CURVATURE),
-            _near(f"a = {a} mm: indentation", contact.indentation, lattice, 5e-3, LATTICE),
+            _near(f"a = {a} mm: indentation, lattice sum", contact.indentation, lattice, 5e-3, LATTICE),
             # Error of the series: its pressure is Hertz's, up to terms of a^5.
-            _near(f"a = {a} mm: indentation", contact.indentation, series, 5e-4, DINI),
+            _near(f"a = {a} mm: indentation, series", contact.indentation, series, 5e-4, DINI),
         ]
     return checks
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 
-from validation.scenes.damaged_files import PATIENCE, measure
+from validation.scenes.damaged_files import LIMIT, measure
 from validation.timing import Row
 
 # Number of damaged files.
@@ -20,7 +20,7 @@ def rows(count: int = COUNT) -> list[Row]:
     of = f"{count} damaged records, specifications and tables"
     return [
         Row(f"{of}: tracebacks, or warnings of libraries", 0, len(tally.tracebacks), ""),
-        Row(f"{of}: processor time above {PATIENCE} s", 0, len(tally.hangs), ""),
+        Row(f"{of}: processor time above {LIMIT} s", 0, len(tally.hangs), ""),
         Row(f"{of}: exit codes other than 0, 1 and 2", 0, len(tally.codes), ""),
         Row(f"{of}: messages with other than one line per problem", 0, len(tally.lines), ""),
     ]

@@ -17,7 +17,7 @@ SIDE, BLOCK = 100, '"156 mm"'
 
 
 def rows() -> list[Row]:
-    """Run `metafem design` on a lattice of 100 x 100 in a process of its own."""
+    """Run `metafem design` on a lattice of 100 x 100 in a separate process."""
     text = demo_text("linear").replace("shape = [8, 8]", f"shape = [{SIDE}, {SIDE}]")
     text = text.replace('width = "20 mm"', f"width = {BLOCK}").replace(
         'length = "20 mm"', f"length = {BLOCK}"

@@ -1,4 +1,4 @@
-"""Time and memory of writing the part, its mould and its drawing, each in a process of its own."""
+"""Time and memory of writing the part, its mould and its drawing, each in a separate process."""
 
 from __future__ import annotations
 

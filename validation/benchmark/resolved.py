@@ -46,8 +46,8 @@ class Answer:
 
 def scene() -> mf.Surface:
     """Return the surface, whose asperities are all in contact under `LOAD`."""
-    share = (np.arange(64) + 0.5) / 64
-    height = OFFSET - SCALE * np.log1p(share * math.expm1(-MAX_HEIGHT / SCALE))
+    quantile = (np.arange(64) + 0.5) / 64
+    height = OFFSET - SCALE * np.log1p(quantile * math.expm1(-MAX_HEIGHT / SCALE))
     height = np.random.default_rng(1).permutation(height)
     return mf.Surface.square_lattice(height, (8, 8), PITCH, radius=RADIUS, material=mf.Material(MODULUS))
 

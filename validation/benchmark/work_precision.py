@@ -94,18 +94,18 @@ def rows() -> list[Row]:
 
 
 def readme_table() -> str:
-    """Return the README's table of the models in Markdown, costs rounded to 1, 2 or 5."""
+    """Return the README's table of the models in Markdown, times rounded to 1, 2 or 5."""
     lines = [
         f"| model | assumes | one load, 64 asperities | each of {LAW_LOADS} loads | error in A0 | range |",
         "|---|---|---|---|---|---|",
     ]
-    doubt = max(reference(load)[1] for load in LOADS)
+    uncertainty = max(reference(load)[1] for load in LOADS)
     for name, line, setting, assumption, span in TABLE:
-        mine = [p for p in points() if (p.line, p.setting) == (line, setting)]
-        alone = rounded(mine[-1].seconds)
+        selected = [p for p in points() if (p.line, p.setting) == (line, setting)]
+        one_load = rounded(selected[-1].seconds)
         law = "–" if line.startswith("Boundary") else rounded(_law_seconds(LINES[line][setting]))
-        error = shown_error(max(p.error for p in mine), doubt)
-        lines.append(f"| `{name}` | {assumption} | {alone} | {law} | {error} | {span} |")
+        error = shown_error(max(p.error for p in selected), uncertainty)
+        lines.append(f"| `{name}` | {assumption} | {one_load} | {law} | {error} | {span} |")
     return "\n".join(lines)
 
 
@@ -115,10 +115,10 @@ def draw() -> None:
     axes = figure.subplots(1, 2, sharex=True, sharey=True)
     for ax, load in zip(axes, LOADS, strict=True):
         for line, colour in COLOURS.items():
-            mine = [p for p in points() if (p.line, p.load) == (line, load)]
-            if not mine:
+            selected = [p for p in points() if (p.line, p.load) == (line, load)]
+            if not selected:
                 continue
-            seconds, error = [p.seconds for p in mine], [p.error for p in mine]
+            seconds, error = [p.seconds for p in selected], [p.error for p in selected]
             marker = "s" if line == PEER else "o"
             ax.plot(seconds, error, marker=marker, ms=5, lw=1, color=colour, label=line)
         ax.axhline(reference(load)[1], color="grey", lw=0.8, ls=":", label="uncertainty of the reference")
@@ -156,7 +156,7 @@ def main() -> None:
     for load in LOADS:
         click.echo(f"the reference at {load:g} mm² is uncertain by {reference(load)[1]:.1e}")
     if importlib.util.find_spec("tamaas") is None:
-        click.echo("tamaas is not installed (extra [peers]); its line is left out")
+        click.echo("tamaas is not installed (extra [peers]); its line is missing")
     draw()
     click.echo(PICTURE)
 

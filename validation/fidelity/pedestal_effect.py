@@ -18,16 +18,18 @@ def claim() -> Claim:
     """Compare the layer with and without pedestals, at order 3."""
     checks = []
     for name in surfaces():
-        alone, bare, standing = laws(name)
-        raised = standing.area / bare.area - 1.0
-        sunk = bare.area / alone.area - 1.0
-        lower = 1e3 * (bare.separation - standing.separation)
+        independent, layer, pedestals = laws(name)
+        added = pedestals.area / layer.area - 1.0
+        coupled = layer.area / independent.area - 1.0
+        lower = 1e3 * (layer.separation - pedestals.separation)
         checks += [
-            reported(f"{name}: rms change of A0 by the pedestals", _rms(raised), MODELS),
-            reported(f"{name}: rms change of A0 by the layer alone", _rms(sunk), MODELS),
-            reported(f"{name}: rms change of A0 by both", _rms(standing.area / alone.area - 1.0), MODELS),
+            reported(f"{name}: rms change of A0 by the pedestals", _rms(added), MODELS),
+            reported(f"{name}: rms change of A0 by the layer alone", _rms(coupled), MODELS),
+            reported(
+                f"{name}: rms change of A0 by both", _rms(pedestals.area / independent.area - 1.0), MODELS
+            ),
             reported(f"{name}: decrease of separation at the last load [µm]", lower[-1], MODELS),
-            below(f"{name}: largest loss of A0 by the pedestals", float(-raised.min()), 0.0, SIGN),
+            below(f"{name}: largest loss of A0 by the pedestals", float(-added.min()), 0.0, SIGN),
         ]
     return Claim("The pedestals' effect on the law", checks, {"change": _figure})
 
@@ -54,8 +56,8 @@ def _figure():
     figure = new_figure(8.0, 3.2)
     ax = figure.add_subplot()
     for name in surfaces():
-        alone, _, standing = laws(name)
-        ax.plot(LOADS, 100.0 * (standing.area / alone.area - 1.0), label=name)
+        independent, _, pedestals = laws(name)
+        ax.plot(LOADS, 100.0 * (pedestals.area / independent.area - 1.0), label=name)
     ax.axhline(0.0, color="grey", lw=0.8)
     ax.set_xlabel("rescaled load  P/E* [mm²]")
     ax.set_ylabel("change of A0, layer and pedestals [%]")

@@ -23,8 +23,8 @@ SOURCE = "metafem.fe.measure_pedestal at a shape between the nodes of the table,
 def claim() -> Claim:
     """Compute the compliance by finite elements where the table has no node."""
     checks = []
-    for ratio, share in BETWEEN:
-        a = share * math.sqrt(ratio * (2.0 - ratio))
+    for ratio, fraction in BETWEEN:
+        a = fraction * math.sqrt(ratio * (2.0 - ratio))
         error = abs(float(pedestal_compliance(ratio, 1.0, a)) / fe.measure_pedestal(ratio, a) - 1.0)
         checks.append(below(f"h/R = {ratio}, a/R = {a:.3f}: error of the table", error, 1e-3, SOURCE))
     return Claim("The pedestal's compliance", checks, {"compliance": _figure})
@@ -35,9 +35,9 @@ def _figure():
     ax = figure.add_subplot()
     table = np.array(TABLE)
     ratio = np.linspace(table[0, 0], table[-1, 0], 80)
-    for share, column in zip(SHARES, table[:, 1:].T, strict=True):
+    for fraction, column in zip(SHARES, table[:, 1:].T, strict=True):
         ax.plot(table[:, 0], column, "o", ms=3)
-        a = share * np.sqrt(ratio * (2.0 - ratio))
+        a = fraction * np.sqrt(ratio * (2.0 - ratio))
         ax.plot(ratio, pedestal_compliance(ratio, 1.0, a), "k-", lw=0.7)
     ax.set(xlabel="h/R", ylabel="compliance c_p R", title="contacts of 0.05, 0.2, 0.4, 0.6 of the foot")
     ax.title.set_fontsize(9)

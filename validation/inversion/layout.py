@@ -67,9 +67,9 @@ def claim() -> Claim:
             below(f"{name}: rms by interaction, arranged", after, fraction * before, gain(fraction))
         )
     before = rms(between, surfaces()["Fig. 3"])
-    for free, words in ((False, "its 58 sites"), (True, "all 64 sites")):
+    for free, sites in ((False, "its 58 sites"), (True, "all 64 sites")):
         found = [rms(between, result.surface) for result in with_freedom(free)]
-        what = f"Fig. 3 on {words}, {SEEDS} seeds"
+        what = f"Fig. 3 on {sites}, {SEEDS} seeds"
         checks.append(reported(f"{what}: median rms", np.median(found), MODEL_SOURCE))
         checks.append(below(f"{what}: least rms", min(found), 0.5 * before, gain(0.5)))
     for name in TILTED:
@@ -95,9 +95,9 @@ def _laws():
     figure = new_figure(8.0, 3.4)
     ax = figure.add_subplot()
     for i, (name, surface) in enumerate(surfaces().items()):
-        alone = mf.Independent().curve(surface, OTHER_LOADS).area
+        independent = mf.Independent().curve(surface, OTHER_LOADS).area
         for part, style in ((surface, "--"), (arranged(name, False).surface, "-")):
-            change = 100.0 * (MODEL.curve(part, OTHER_LOADS).area / alone - 1.0)
+            change = 100.0 * (MODEL.curve(part, OTHER_LOADS).area / independent - 1.0)
             ax.plot(OTHER_LOADS, change, style, color=f"C{i}", label=name if style == "-" else None)
     ax.set_xlabel("rescaled load  P/E* [mm²]")
     ax.set_ylabel("change of A0 by interaction [%]")

@@ -102,24 +102,24 @@ def _least() -> list[Check]:
 def _coefficients() -> list[Check]:
     """Friction coefficients range from the least of the smaller tool to the largest of the larger one."""
     pair, limits = template("fig4_red"), mf.Limits(0.12, offset=0.1, height_sd=0.003)
-    alone = [mf.achievable_friction_coefficients(pair, limits, [radius]) for radius in (0.2, 1.6)]
+    single = [mf.achievable_friction_coefficients(pair, limits, [radius]) for radius in (0.2, 1.6)]
     both = mf.achievable_friction_coefficients(pair, limits, [0.2, 1.6])
     target = mf.LinearLaw.from_friction_coefficient(
-        0.5 * (alone[0][1] + alone[1][0]), pair.material, pair.friction
+        0.5 * (single[0][1] + single[1][0]), pair.material, pair.friction
     )
     found = mf.design_radii(target, pair, [0.2, 1.6], limits=limits)
     return [
         near(
             "least friction coefficient with both tools",
             both[0],
-            alone[0][0],
+            single[0][0],
             1e-12,
             f"{PAPER}, lower bound 3π/4 √(R/h_m) σB/E* with the smaller radius",
         ),
         near(
             "largest with both",
             both[1],
-            alone[1][1],
+            single[1][1],
             1e-12,
             f"{PAPER}, eq. S3 with the larger radius and λ of ten height errors",
         ),
@@ -141,7 +141,7 @@ def _exponents():
         1.55: (1.51, "largest exponent of one radius: 1.51"),
     }
     for ax, exponent in zip(figure.subplots(1, 2), EXPONENTS, strict=True):
-        known, words = bounds[exponent]
+        known, label = bounds[exponent]
         for model, solver in MODELS.items():
             result = designed(exponent, "two tools", model)
             wanted = wanted_law(result.target)
@@ -150,7 +150,7 @@ def _exponents():
         ax.semilogx(
             wanted.load, (wanted.load / RANGE[0]) ** (exponent - known), "k--", lw=0.8, label="target"
         )
-        ax.axhline(1.0, color="grey", lw=0.8, label=words)
+        ax.axhline(1.0, color="grey", lw=0.8, label=label)
         ax.set_title(f"exponent {exponent:g}", fontsize=10)
         ax.set_xlabel("rescaled load  P/E* [mm²]")
         ax.set_ylabel(f"A0/P^{known:.3g}, relative to its first value")

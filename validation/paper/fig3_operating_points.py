@@ -22,7 +22,7 @@ POINTS = f"{PAPER}, Fig. 3, operating points in SM"
 
 def claim() -> Claim:
     """Design a surface from the operating points, and evaluate the printed one."""
-    design, wanted = fig3(), paper()["fig3"]
+    design, printed = fig3(), paper()["fig3"]
     found = design.parameters
     checks = [
         near(
@@ -36,7 +36,7 @@ def claim() -> Claim:
     for i in range(3):
         where = f"{PAPER}, SM, inversion scheme for operating points"
         checks += [
-            near(f"n_{i + 1}", found["counts"][i], wanted["counts"][i], 0, where),
+            near(f"n_{i + 1}", found["counts"][i], printed["counts"][i], 0, where),
             near(f"level {i + 1} [µm]", found["levels"][i] * 1e3, LEVELS[i], 0.05, SOLVED),
             near(
                 f"adjustment {i + 1} [µm]",
@@ -46,21 +46,21 @@ def claim() -> Claim:
                 SOLVED,
             ),
         ]
-    checks += _printed_surface(wanted)
+    checks += _printed_surface(printed)
     return Claim("Fig. 3: three operating points", checks, {"law": lambda: law_figure(fig3())})
 
 
-def _printed_surface(wanted: dict) -> list[Check]:
+def _printed_surface(printed: dict) -> list[Check]:
     """Check that the law of the printed heights passes through the printed points, to the digits of both."""
-    levels = np.repeat(wanted["levels_um"], wanted["counts"])
-    height = np.concatenate([levels, wanted["adjustment_um"]]) / 1e3
+    levels = np.repeat(printed["levels_um"], printed["counts"])
+    height = np.concatenate([levels, printed["adjustment_um"]]) / 1e3
     lattice = template("fig3")
     surface = lattice.replaced(
         position=lattice.position[: len(height)], height=height, radius=lattice.radius[: len(height)]
     )
     modulus = surface.material.composite_modulus
     checks = []
-    for load, friction in zip(wanted["load_mm2"], wanted["friction_mm2"], strict=True):
+    for load, friction in zip(printed["load_mm2"], printed["friction_mm2"], strict=True):
         at = [
             mf.equilibrium(surface, load=modulus * (load + step)).area
             for step in (-LOAD_DIGIT, 0, LOAD_DIGIT)

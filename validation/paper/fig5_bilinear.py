@@ -21,16 +21,16 @@ def claim() -> Claim:
     checks = []
     for colour in ("red", "blue"):
         design = fig5(colour)
-        wanted, radius = design.target, float(design.surface.radius[0])
+        target, radius = design.target, float(design.surface.radius[0])
         slopes = design.density.asymptotic_slopes(radius)
         crossover = design.density.crossover_load(design.surface.count, radius)
         touching = mf.equilibrium(design.surface, separation=design.parameters["crossover_height"])
         discrete = touching.load / design.surface.material.composite_modulus
         for i in (0, 1):
             checks.append(
-                near(f"{colour}: slope m_{i + 1} of the density", slopes[i], wanted.slopes[i], 1e-9, TARGET)
+                near(f"{colour}: slope m_{i + 1} of the density", slopes[i], target.slopes[i], 1e-9, TARGET)
             )
-            deviation = abs(design.fits[i][1].slope / wanted.slopes[i] - 1.0)
+            deviation = abs(design.fits[i][1].slope / target.slopes[i] - 1.0)
             checks.append(
                 below(
                     f"{colour}: deviation of the fitted slope {i + 1}",
@@ -40,10 +40,10 @@ def claim() -> Claim:
                 )
             )
         checks += [
-            near(f"{colour}: crossover of the density", crossover, wanted.crossover_load, 1e-9, TARGET),
+            near(f"{colour}: crossover of the density", crossover, target.crossover_load, 1e-9, TARGET),
             below(
                 f"{colour}: deviation of the crossover load of 64 asperities",
-                abs(discrete / wanted.crossover_load - 1.0),
+                abs(discrete / target.crossover_load - 1.0),
                 DISCRETE,
                 ACCEPTED,
             ),

@@ -58,10 +58,10 @@ def changes(name: str, model: str, assignments: int = ASSIGNMENTS) -> dict[str, 
     centred = np.empty(surface.count)
     centred[nearest] = np.sort(surface.height)[::-1]
     heights = [surface.height, centred, *(rng.permutation(surface.height) for _ in range(assignments))]
-    alone, _, area, _ = mf.Independent().curves(surface.height, surface.radius, LOADS)
+    independent, _, area, _ = mf.Independent().curves(surface.height, surface.radius, LOADS)
     approach, _, coupled, _ = MODELS[model].curves(surface, np.array(heights), LOADS)
     designed, centre, *shuffled = coupled / area - 1.0
-    sinking = approach[0] - alone[0]
+    sinking = approach[0] - independent[0]
     return {"designed": designed, "centred": centre, "random": np.array(shuffled), "sinking": sinking}
 
 

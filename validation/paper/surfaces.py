@@ -25,21 +25,21 @@ def template(figure: str) -> mf.Surface:
 
 def fig3() -> mf.Design:
     """Design the surface of Fig. 3 for three operating points."""
-    wanted = paper()["fig3"]
-    target = mf.OperatingPoints(wanted["load_mm2"], wanted["friction_mm2"])
-    return mf.design(target, template("fig3"), limits=mf.Limits(wanted["max_height_um"] / 1e3))
+    printed = paper()["fig3"]
+    target = mf.OperatingPoints(printed["load_mm2"], printed["friction_mm2"])
+    return mf.design(target, template("fig3"), limits=mf.Limits(printed["max_height_um"] / 1e3))
 
 
 def fig4(colour: str) -> mf.Design:
     """Design a surface of Fig. 4 for a linear law, "blue" or "red"."""
     printed = paper()["fig4"]
-    wanted = printed[colour]
+    law = printed[colour]
     limits = mf.Limits(
-        max_height=wanted["max_height_um"] / 1e3,
-        offset=wanted["offset_um"] / 1e3,
+        max_height=law["max_height_um"] / 1e3,
+        offset=law["offset_um"] / 1e3,
         height_step=printed["level_step_um"] / 1e3,
     )
-    return mf.design(mf.LinearLaw(wanted["target_slope"]), template(f"fig4_{colour}"), limits=limits)
+    return mf.design(mf.LinearLaw(law["target_slope"]), template(f"fig4_{colour}"), limits=limits)
 
 
 def fig5(colour: str) -> mf.Design:

@@ -12,7 +12,7 @@ from validation.published import PAPER, paper, table
 
 def claim() -> Claim:
     """Design both surfaces from their slopes and count the asperities on each level."""
-    printed, wanted = table("table_s1"), paper()["fig4"]
+    printed, parameters = table("table_s1"), paper()["fig4"]
     checks = []
     for colour in ("blue", "red"):
         design = fig4(colour)
@@ -23,7 +23,7 @@ def claim() -> Claim:
         scale = design.parameters["scale"] * 1e3
         checks += [
             near(f"{colour}: levels with another number of asperities", wrong, 0, 0, f"{PAPER}, Table S1"),
-            near(f"{colour}: scale λ [µm]", scale, wanted[colour]["scale_um"], 0.5, f"{PAPER}, Table S1"),
+            near(f"{colour}: scale λ [µm]", scale, parameters[colour]["scale_um"], 0.5, f"{PAPER}, Table S1"),
         ]
     return Claim("Table S1: levels of the linear laws", checks, {"numbers": _figure})
 

@@ -25,13 +25,13 @@ from metafem.files import Specification, demo_text
 
 # Limits beyond which a command counts as hanging [s]: of its processor time, which other programs do not
 # change, and of the time on the clock, for a command that waits.
-PATIENCE, WAIT = 5, 60
+LIMIT, WAIT = 5, 60
 
 # Every n-th accepted specification is designed; the others are only read.
 DESIGNED = 10
 
-# Every n-th case runs in a process of its own.
-APART = 500
+# Every n-th case runs in a separate process.
+SEPARATE = 500
 
 # Designs with more sites may need more time than the limit.
 FEW_SITES = 100
@@ -182,8 +182,8 @@ def damaged_record(rng: random.Random, raw: bytes) -> bytes:
         case 1:
             parent[f"{key}_"] = parent[key]
         case 2:
-            other, there = rng.choice(members)
-            parent[key] = json.loads(json.dumps(other[there]))
+            other, name = rng.choice(members)
+            parent[key] = json.loads(json.dumps(other[name]))
         case _:
             parent[key] = rng.choice(VALUES)
     return json.dumps(record).encode("utf-8", "surrogatepass")
@@ -286,14 +286,14 @@ def measure(count: int, seed: int = 0) -> Tally:
             if "-o" in arguments:
                 arguments[arguments.index("-o") + 1] = str(folder / "out")
             label = f"{seed}/{i} {Path(arguments[1]).name}"
-            if i % APART == APART - 1:
+            if i % SEPARATE == SEPARATE - 1:
                 done = subprocess.run(
                     [sys.executable, "-m", "metafem", *arguments], capture_output=True, text=True, check=False
                 )
                 judge(tally, label, done.returncode, done.stdout, done.stderr)
                 continue
             try:
-                with bounded(PATIENCE):
+                with bounded(LIMIT):
                     result = runner.invoke(cli.main, arguments)
             except TooLong:
                 tally.hangs.append(label)

@@ -1,6 +1,6 @@
 """Runs of `metafem design` that are stopped at random moments, and pairs of runs with one result folder.
 
-Each run is a whole `metafem design` in a process of its own. Half of the runs replace, with --force, a result
+Each run is a whole `metafem design` in a separate process. Half of the runs replace, with --force, a result
 folder that also holds notes of the user. The processes are forked from one that has imported all modules, so
 that signals arrive during the computation. Afterwards the folder must hold the notes and all files of one
 design, to the bit, and after the next run in its parent no other file.
@@ -40,7 +40,7 @@ LOADED = (
 LOADED += ("meshio", "rich.console", "rich.table", "scipy.optimize", "numba")
 NOTES = {"notes.txt": "a note", "photos/first.txt": "another note"}
 # A quarter of the asperities of the demo, for a quarter of its areas.
-CHEAP = {
+SMALL = {
     "[8, 8]": "[4, 4]",
     '"0.144 mm^2", "0.336 mm^2", "0.649 mm^2"': '"0.036 mm^2", "0.084 mm^2", "0.162 mm^2"',
     '"0.84 mm^2", "1.68 mm^2", "4.12 mm^2"': '"0.21 mm^2", "0.42 mm^2", "1.03 mm^2"',
@@ -94,9 +94,9 @@ def leftovers(folder: Path) -> list[str]:
 
 @contextmanager
 def scene() -> Iterator[Scene]:
-    """Design three cheap surfaces to compare with."""
+    """Design three small surfaces to compare with."""
     text = demo_text("operating-points")
-    for before, after in CHEAP.items():
+    for before, after in SMALL.items():
         text = text.replace(before, after)
     texts = {name: text.replace("seed = 0", f"seed = {seed}") for seed, name in enumerate(("old", "a", "b"))}
     with tempfile.TemporaryDirectory() as name:
