@@ -1,10 +1,15 @@
-"""Settings and scenes that all tests share."""
+"""Settings, scenes and results that tests share."""
+
+import json
+from functools import cache
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from hypothesis import settings
 
 import metafem as mf
+from metafem import cli
 
 # Property tests draw the same cases on every run and are never timed.
 settings.register_profile("metafem", deadline=None, derandomize=True, max_examples=40)
@@ -30,3 +35,22 @@ def template():
 def rough(template):
     """The same lattice with exponential heights."""
     return template.replaced(height=np.random.default_rng(1).exponential(0.03, template.count) + 0.05)
+
+
+@pytest.fixture(scope="session")
+def demo_results(tmp_path_factory):
+    """A function that returns the folder in which a demo ran, and the data that it printed.
+
+    Each demo runs once, with ``--json``. The folder is read only: copy what a test changes.
+    """
+
+    @cache
+    def made(name):
+        folder = tmp_path_factory.mktemp(name)
+        with pytest.MonkeyPatch.context() as patch:
+            patch.chdir(folder)
+            result = CliRunner().invoke(cli.main, ["demo", name, "--json"])
+        assert result.exit_code == 0, result.output
+        return folder, json.loads(result.stdout)
+
+    return made

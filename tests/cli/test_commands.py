@@ -3,7 +3,6 @@
 import json
 import re
 import shutil
-from functools import cache
 from pathlib import Path
 
 import pytest
@@ -30,30 +29,14 @@ def run(tmp_path, monkeypatch):
     return call
 
 
-@pytest.fixture(scope="module")
-def made(tmp_path_factory):
-    """Return a folder in which a demo ran once for all tests, and what it told with --json."""
-
-    @cache
-    def call(name):
-        folder = tmp_path_factory.mktemp(name)
-        with pytest.MonkeyPatch.context() as patch:
-            patch.chdir(folder)
-            result = CliRunner().invoke(cli.main, ["demo", name, "--json"])
-        assert result.exit_code == 0, result.output
-        return folder, json.loads(result.stdout)
-
-    return call
-
-
 @pytest.fixture
-def demo(made, run, tmp_path):
-    """Put what a demo made into the folder of a test, and return what it told."""
+def demo(demo_results, run, tmp_path):
+    """Copy what a demo wrote into the folder of a test, and return the data that it printed."""
 
     def call(name):
-        folder, told = made(name)
+        folder, data = demo_results(name)
         shutil.copytree(folder, tmp_path, dirs_exist_ok=True)
-        return told
+        return data
 
     return call
 
@@ -237,16 +220,18 @@ def test_report_is_written_anew_and_the_same(run, demo):
     assert path.read_bytes() == before
 
 
-def test_study_prints_its_table_and_keeps_its_file(run, demo):
-    demo("linear")
-    result = run("study", "interaction", "linear")
+def test_study_prints_its_table_and_keeps_its_file(run):
+    text = demo_text("linear").replace("[8, 8]", "[3, 3]").replace('height_step = "6 um"', "")
+    Path("small.toml").write_text(text, "utf-8")
+    assert run("design", "small.toml", "-o", "small").exit_code == 0
+    result = run("study", "interaction", "small")
     assert (result.exit_code, "half-space" in result.output) == (0, True), result.output
     assert "…" not in result.output
-    refused = run("study", "interaction", "linear")
+    refused = run("study", "interaction", "small")
     assert (refused.exit_code, "--force" in refused.output) == (2, True)
-    told = json.loads(run("study", "interaction", "linear", "--force", "--json").stdout)
-    with xr.open_dataset("linear/interaction.nc", engine="h5netcdf") as kept:
-        assert kept.area_change.values.tolist() == told["data"]["area_change"]["values"]
+    data = json.loads(run("study", "interaction", "small", "--force", "--json").stdout)
+    with xr.open_dataset("small/interaction.nc", engine="h5netcdf") as kept:
+        assert kept.area_change.values.tolist() == data["data"]["area_change"]["values"]
         assert kept.sinking.attrs["units"] == "mm"
 
 
@@ -321,8 +306,8 @@ def test_a_design_is_warned_of_what_its_model_leaves_out(run, changes, words):
 
 
 @pytest.mark.parametrize("name", DEMOS)
-def test_the_demos_are_free_of_false_alarms(made, name):
-    notes = made(name)[1]["notes"]
+def test_the_demos_are_free_of_false_alarms(demo_results, name):
+    notes = demo_results(name)[1]["notes"]
     warnings = [note["text"] for note in notes if note["level"] == "warning"]
     assert not [text for text in warnings if "A0" in text or "contacts" in text or "base plane" in text]
 

@@ -2,45 +2,29 @@
 
 import re
 from dataclasses import replace
-from functools import cache
 
 import numpy as np
 import pytest
 
 import metafem as mf
+from metafem.cli.group import DEMOS
 from metafem.drawing import TARGET
 from metafem.report import all_notes, parameter_rows
 from metafem.report.figures import force_figure, law_figure
 from metafem.report.page import page
 
-TARGETS = {
-    "points": (mf.OperatingPoints([0.144, 0.336, 0.649], [0.84, 1.68, 4.12]), mf.Limits(0.27)),
-    "linear": (mf.LinearLaw(6.87), mf.Limits(0.12, offset=0.084, height_step=0.006)),
-    "bilinear": (mf.BilinearLaw((7.15, 12.52), 0.038), mf.Limits(0.12, offset=0.05)),
-}
+@pytest.fixture
+def paper(demo_results):
+    """A function that returns one of the paper's designs and the page that the command wrote for it."""
 
-
-@pytest.fixture(scope="module")
-def paper():
-    """Return one of the paper's designs and its page, made once for all tests."""
-    template = mf.Surface.square_lattice(
-        0.12,
-        radius=0.526,
-        material=mf.Material(1.36),
-        friction=mf.Friction(0.358, 0.85),
-        block=mf.Block(20.0, 20.0, 7.2),
-    )
-
-    @cache
-    def call(kind):
-        target, limits = TARGETS[kind]
-        design = mf.design(target, template, limits=limits)
-        return design, page(design)
+    def call(name):
+        folder, _ = demo_results(name)
+        return mf.load(folder / name), (folder / name / "report.html").read_text("utf-8")
 
     return call
 
 
-@pytest.mark.parametrize("kind", TARGETS)
+@pytest.mark.parametrize("kind", DEMOS)
 def test_page_is_self_contained_and_reproducible(paper, kind):
     design, text = paper(kind)
     assert text == page(design)
@@ -82,8 +66,7 @@ def test_page_tells_of_tools_and_steps(template):
     ids=["tools", "any"],
 )
 def test_page_tells_of_radii_that_differ(template, radius, told):
-    target, limits = TARGETS["linear"]
-    design = mf.design(target, template, limits=limits)
+    design = mf.design(mf.LinearLaw(6.87), template, limits=mf.Limits(0.12, offset=0.084))
     surface = design.surface.replaced(radius=radius)
     text = page(replace(design, surface=surface, law=mf.friction_law(surface, load=design.law.load)))
     assert f'summit radius R</td><td class="number">{told}</td>' in text
@@ -209,7 +192,7 @@ def test_page_warns_of_what_interaction_changes(template, changes):
     assert any("changes A0" in note.text for note in design.notes if note.warns)
 
 
-@pytest.mark.parametrize("kind", TARGETS)
+@pytest.mark.parametrize("kind", DEMOS)
 def test_page_of_the_paper_is_free_of_false_alarms(paper, kind):
     text = paper(kind)[1]
     assert not re.findall("use the model (layer|half-space|resolved)", text)
