@@ -13,6 +13,7 @@ from metafem.report import all_notes, parameter_rows
 from metafem.report.figures import force_figure, law_figure
 from metafem.report.page import page
 
+
 @pytest.fixture
 def paper(demo_results):
     """A function that returns one of the paper's designs and the page that the command wrote for it."""
