@@ -73,7 +73,7 @@ def test_a_block_is_said_to_be_solved_and_where_it_is_kept(tmp_path, monkeypatch
     with listening(lambda step, done: steps.append((step, done)), facts.append):
         found = mf.fe.Block3D(cell=1.0, edge_cell=0.5).influence_matrix(surface)
     assert np.isfinite(found).all()
-    assert any(step.startswith("solving the true block, once for these places, mesh 2") for step, _ in steps)
+    assert any(step.startswith("solving the true block, once for these sites, mesh 2") for step, _ in steps)
     assert max(done or 0.0 for _, done in steps) > 0.5
     (text,) = facts
     assert str(tmp_path) in text

@@ -1,4 +1,4 @@
-from .axisymmetric.active_set import FoundContact as FoundContact
+from .axisymmetric.active_set import ActiveSetContact as ActiveSetContact
 from .axisymmetric.active_set import search_contact as search_contact
 from .axisymmetric.cap_compliance import measure_pedestal as measure_pedestal
 from .axisymmetric.mesh import read_mesh as read_mesh

@@ -18,6 +18,9 @@ from metafem._validate import FloatArray
 # ends near 1e-15, one that met a small pivot orders of magnitude above.
 RESIDUAL = 1e-10
 
+# Threshold for mixed elements whose pressures have not been eliminated: their diagonal is zero at nu = 0.5.
+THRESHOLD = 1e-3
+
 # Refinement steps: each gains the digits that the factors have; sound ones need one.
 STEPS = 3
 

@@ -9,7 +9,7 @@ import numpy as np
 from metafem import fe
 from metafem.drawing import new_figure
 from metafem.fe.axisymmetric.geometry import Cap
-from metafem.fe.large_strain.press import FiniteContact, press_in_turn
+from metafem.fe.large_strain.press import FiniteContact, press_sequence
 from metafem.reference import single_contacts as exact
 from validation.check import Check, Claim, below, near
 from validation.published import SEPARATE
@@ -70,7 +70,7 @@ def claim() -> Claim:
 
 @cache
 def _contacts(stick: bool) -> list[FiniteContact]:
-    return press_in_turn(R * np.array(list(ROWS)), CAP, stick)
+    return press_sequence(R * np.array(list(ROWS)), CAP, stick)
 
 
 def _over_hertz(contact: FiniteContact) -> float:

@@ -1,4 +1,4 @@
-"""A contact search on an ordinary mesh: quadratic elements, scikit-fem's own forms, an active set."""
+"""A contact found by an active set, on a uniform mesh of quadratic elements with scikit-fem's forms."""
 
 from __future__ import annotations
 
@@ -14,32 +14,34 @@ from metafem import _validate as check
 from metafem._validate import FloatArray, IntArray
 from metafem.errors import NotConverged
 from metafem.fe.axisymmetric.mesh import uniform_mesh
-from metafem.fe.linear_solve import LinearStatus, solve
+from metafem.fe.linear_solve import THRESHOLD, LinearStatus, solve
 
-# The cells near the contact end at this many contact radii, and the half-space at that many.
+# Radius up to which the cells are equal, and radius of the half-space, in contact radii.
 REACH, EXTENT = 1.1, 1e5
 
-# Share of its column that a diagonal pivot must have: the pressures' are zero at nu = 0.5.
-THRESHOLD = 1e-3
-
-# An active set changes by at least one node a step and settles in a few; more is a fault.
+# Largest number of changes of the active set; a few are enough.
 STEPS = 50
 
 
 @dataclass(frozen=True, eq=False)
-class FoundContact:
-    """Contact that an active set found under a plane at a given indentation.
+class ActiveSetContact:
+    """Contact under a plane at a given indentation, computed by an active set.
 
     Attributes
     ----------
     rescaled_load : float
         P/E* [mm^2].
     contact_radius : float
-        From the second moment of the pressure, ``sqrt(5/2 <r^2>)`` of a Hertzian one [mm].
+        a [mm], from the second moment of the pressure: ``sqrt(5/2 <r^2>)``, exact for Hertz's pressure.
     last_radius : float
-        Of the last closed node [mm].
+        Radius of the last closed node [mm].
     steps : int
         Changes of the active set.
+
+    Examples
+    --------
+    >>> search_contact(0.01, 1.0, cell=0.02).steps < 10
+    True
     """
 
     rescaled_load: float
@@ -50,21 +52,27 @@ class FoundContact:
 
 def search_contact(
     indentation: float, radius: float, poisson_ratio: float = 0.5, *, cell: float
-) -> FoundContact:
+) -> ActiveSetContact:
     """Find the contact of a paraboloid on a half-space by an active set on a uniform mesh.
 
-    It shares neither the elements nor the treatment of the edge with `press`, and so is independent
-    evidence: nodal forces are not negative, nodal gaps neither, and one of the two is zero. The error
-    falls with the cell at first order or faster.
+    Nodal forces and nodal gaps are not negative, and one of the two is zero. The elements and the treatment
+    of the edge differ from those of `press`, so that the two computations are independent. The error is of
+    first order in the cell, or smaller.
 
     Parameters
     ----------
-    indentation, radius : float
-        Of the plane and the summit [mm].
+    indentation : float
+        d [mm], positive.
+    radius : float
+        R of the summit [mm], positive.
     poisson_ratio : float
-        nu in [0, 0.5].
+        nu [-], from 0 to 0.5; default: 0.5.
     cell : float
-        Size of the quadratic elements along the surface [mm].
+        Size of the elements along the surface [mm], at most a quarter of the contact radius.
+
+    Returns
+    -------
+    ActiveSetContact
 
     Raises
     ------
@@ -75,8 +83,8 @@ def search_contact(
 
     Examples
     --------
-    >>> found = search_contact(0.01, 1.0, cell=0.01)
-    >>> abs(found.rescaled_load / (4 / 3 * 0.01**1.5) - 1) < 0.01
+    >>> contact = search_contact(0.01, 1.0, cell=0.01)
+    >>> abs(contact.rescaled_load / (4 / 3 * 0.01**1.5) - 1) < 0.01
     True
     """
     depth = check.number("indentation", indentation, above=0.0)
@@ -84,11 +92,11 @@ def search_contact(
     nu = check.number("poisson_ratio", poisson_ratio, **check.POISSON)
     size = math.sqrt(depth * big)
     width = check.number("cell", cell, above=0.0, at_most=0.25 * size)
-    # In units of the contact's radius a^2 = R d, so that lengths of any size are solved alike.
+    # in units of Hertz's contact radius, a^2 = R d
     r, flexibility = _flexibility(uniform_mesh(width / size, REACH, EXTENT), nu)
     force, steps = _active_set(flexibility, 1.0 - 0.5 * r**2)
     closed = force > 0.0
-    return FoundContact(
+    return ActiveSetContact(
         rescaled_load=depth * size * math.fsum(force),
         contact_radius=size * math.sqrt(2.5 * math.fsum(force * r**2) / math.fsum(force)),
         last_radius=size * float(r[closed].max()),
@@ -96,14 +104,14 @@ def search_contact(
     )
 
 
-def _active_set(flexibility: FloatArray, wanted: FloatArray) -> tuple[FloatArray, int]:
-    """Forces >= 0 with ``flexibility force >= wanted`` and equality where there is force."""
-    active = wanted > 0.0
+def _active_set(flexibility: FloatArray, depth: FloatArray) -> tuple[FloatArray, int]:
+    """Return forces >= 0 with ``flexibility force >= depth``, equal where force > 0, and the steps."""
+    active = depth > 0.0
     for step in range(1, STEPS + 1):
-        force = np.zeros(len(wanted))
-        force[active] = np.linalg.solve(flexibility[np.ix_(active, active)], wanted[active])
-        overlap = wanted - flexibility @ force
-        # Active nodes have no overlap but rounding: they stay closed while they press.
+        force = np.zeros(len(depth))
+        force[active] = np.linalg.solve(flexibility[np.ix_(active, active)], depth[active])
+        overlap = depth - flexibility @ force
+        # The overlap of active nodes is rounding: they stay closed while their force is positive.
         following = np.where(active, force > 0.0, overlap > 0.0)
         if (following == active).all():
             return force, step
@@ -112,7 +120,7 @@ def _active_set(flexibility: FloatArray, wanted: FloatArray) -> tuple[FloatArray
 
 
 def _flexibility(mesh: MeshQuad, nu: float) -> tuple[FloatArray, FloatArray]:
-    """Radii of the surface nodes that may touch, and displacement there per unit force on each ring."""
+    """Return radii of the nodes near the contact, and their displacements per unit force on each ring."""
     displacement = Basis(mesh, ElementVector(ElementQuad2()), intorder=5)
     pressure = displacement.with_element(ElementQuad1())
     matrix = _matrix(displacement, pressure, nu)
@@ -120,7 +128,7 @@ def _flexibility(mesh: MeshQuad, nu: float) -> tuple[FloatArray, FloatArray]:
     free = np.setdiff1d(np.arange(matrix.shape[0]), np.concatenate(names))
     touch: IntArray = displacement.get_dofs("contact").all(["u^2"])
     unit = np.zeros((matrix.shape[0], len(touch)))
-    # Positive forces press down, along depth; a ring's force is 2 pi times its share per radian.
+    # Positive forces point down, along depth; the force on a ring is 2 pi times that per radian.
     unit[touch, np.arange(len(touch))] = 1.0 / (2.0 * math.pi)
     solved = solve(matrix[free][:, free].tocsc(), unit[free], THRESHOLD)
     if solved.status is LinearStatus.NOT_CONVERGED:
@@ -129,7 +137,7 @@ def _flexibility(mesh: MeshQuad, nu: float) -> tuple[FloatArray, FloatArray]:
 
 
 def _matrix(displacement: Basis, pressure: Basis, nu: float) -> csc_matrix:
-    """Mixed stiffness in scikit-fem's forms, composite modulus 1, per radian."""
+    """Return the mixed stiffness matrix for E* = 1, per radian."""
     mu, compliance = 0.5 * (1.0 - nu), 3.0 * (1.0 - 2.0 * nu) / (1.0 - nu**2)
 
     def shear(u: Any, v: Any, w: Any) -> Any:

@@ -1,4 +1,4 @@
-"""What a cap adds to a half-space's compliance by standing on it."""
+"""Compliance that a cap adds to the half-space on which it stands."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from metafem.fe.axisymmetric.geometry import Cap
 from metafem.fe.axisymmetric.mesh import graded_mesh
 from metafem.fe.axisymmetric.prescribed_radius import graded
 
-# Thickness and radius of the block, in summit radii, and what this block lacks of a half-space's
-# compliance, in units of 1/(pi EXTENT): tests/fe/test_pedestal.py finds it without a cap.
+# Thickness and radius of the block, in summit radii, and by how much its compliance is below that of a
+# half-space, in units of 1/(pi EXTENT), computed without a cap (test_cap_compliance.py).
 EXTENT, SHORTFALL = 1e3, 1.366
 
 # The compliance is a small difference of indentations: finer at the edge than `press`. One degree more
@@ -23,19 +23,24 @@ DEGREE, EDGE = 5, 1e-6
 
 
 def measure_pedestal(height_ratio: float, contact_ratio: float, poisson_ratio: float = 0.5) -> float:
-    """Sinking of a spherical cap on a half-space beyond Hertz's at the same load, times R.
+    """Indentation of a spherical cap on a half-space beyond Hertz's at the same load, as a compliance.
 
-    ``c_p R`` with ``c_p = (d - d_Hertz(P)) pi E*/P``: what stands on the diagonal of the asperities'
-    influence, in units of 1/(pi R), where each contact's own indentation is Hertz's. Small strain.
+    ``c_p R`` with ``c_p = (d - d_Hertz(P)) pi E*/P``: the diagonal of the asperities' influence in units of
+    1/(pi R), if the law of each contact is Hertz's. Small strain.
 
     Parameters
     ----------
     height_ratio : float
-        h/R, up to 1.
+        h/R [-], up to 1.
     contact_ratio : float
-        a/R, inside the cap.
+        a/R [-], within the cap.
     poisson_ratio : float
-        nu in [0, 0.5].
+        nu [-], from 0 to 0.5; default: 0.5.
+
+    Returns
+    -------
+    float
+        c_p R [-].
 
     Raises
     ------

@@ -25,7 +25,7 @@ GROUP = 250_000
 
 
 def hierarchical(kind: Any, degree: int) -> Any:
-    """Return an element of a hierarchical family without its logged advice to take a nodal one below 3."""
+    """Return an element of a hierarchical family without its advice on nodal ones in the log."""
     logger = logging.getLogger(kind.__module__)
     level = logger.level
     logger.setLevel(logging.ERROR)
@@ -33,6 +33,13 @@ def hierarchical(kind: Any, degree: int) -> Any:
         return kind(degree)
     finally:
         logger.setLevel(level)
+
+
+def assembled(number: IntArray, block: FloatArray, size: int) -> csc_matrix:
+    """Sum of element matrices (elements, local, local) whose unknowns have the numbers (elements, local)."""
+    width = number.shape[1]
+    rows, columns = np.repeat(number, width, axis=1).ravel(), np.tile(number, (1, width)).ravel()
+    return coo_matrix((block.ravel(), (rows, columns)), shape=(size, size)).tocsc()
 
 
 class Polynomials:
@@ -54,14 +61,14 @@ class Polynomials:
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """Displacements and pressures for k right sides.
+    """Displacements and pressures for k right-hand sides.
 
     Attributes
     ----------
     skeleton : ndarray, (n, k)
         Coefficients that elements share: radial, downward, pressure.
     reaction : ndarray, (n, k)
-        Forces per 2 pi that hold the fixed ones.
+        Reactions of the fixed unknowns per 2 pi.
     residual : float
         Scaled residual of the linear system, recomputed.
     status : LinearStatus
@@ -128,7 +135,7 @@ class Body:
 
     @cached_property
     def _condensed(self) -> tuple[csc_matrix, FloatArray]:
-        """Matrix of the skeleton, and per element the bubbles that follow from it."""
+        """Matrix of the skeleton, and for each element the matrix from skeleton to bubbles."""
         kept, inner = self._local
         count = self.mesh.nelements
         points = (self.degree + EXTRA_POINTS) ** 2
@@ -140,30 +147,17 @@ class Body:
             answer = -np.linalg.solve(block[:, inner[:, None], inner], coupling)
             schur.append(block[:, kept[:, None], kept] + np.matmul(coupling.transpose(0, 2, 1), answer))
             follow.append(answer)
-        number = self.numbering
-        width, size = number.shape[1], 2 * self.displacement.skeleton + self.pressure.skeleton
-        rows, columns = np.repeat(number, width, axis=1).ravel(), np.tile(number, (1, width)).ravel()
-        values = np.concatenate(schur).ravel()
-        matrix = coo_matrix((values, (rows, columns)), shape=(size, size)).tocsc()
-        return matrix, np.concatenate(follow)
+        size = 2 * self.displacement.skeleton + self.pressure.skeleton
+        return assembled(self.numbering, np.concatenate(schur), size), np.concatenate(follow)
 
     @property
     def matrix(self) -> csc_matrix:
-        """Condensed matrix of the skeleton."""
+        """Matrix of the skeleton, without the bubbles."""
         return self._condensed[0]
 
     def _element_matrices(self, elements: IntArray) -> FloatArray:
-        """Matrices [[K, G'], [G, -C]] of some elements, with the weight r of the solid of revolution."""
-        x, w = np.polynomial.legendre.leggauss(self.degree + EXTRA_POINTS)
-        x, w = 0.5 * (x + 1.0), 0.5 * w
-        place, weight = np.array(np.meshgrid(x, x)).reshape(2, -1), np.outer(w, w).ravel()
-        value, slope = self.displacement.shapes(place)
-        other, _ = self.pressure.shapes(place)
-        radius, inverse, determinant = self._measure(place, elements)
-        weight = weight * np.abs(determinant) * radius
-        # Rows of values at the points, (elements, points, local).
-        along_r, along_z = np.einsum("jieq,bjq->ieqb", inverse, slope, optimize=True)
-        hoop = value.T / radius[..., None]
+        """Matrices [[K, G'], [G, -C]] of some elements."""
+        along_r, along_z, hoop, other, weight = self.shapes_at_points(elements)
         dilation = along_r + hoop
         mu, weighted = self.shear_modulus, weight[..., None]
 
@@ -174,7 +168,7 @@ class Body:
         radial = 2.0 * (rr + product(hoop, hoop)) + zz - 2.0 / 3.0 * product(dilation, dilation)
         mixed = product(along_z, along_r) - 2.0 / 3.0 * product(dilation, along_z)
         down = 4.0 / 3.0 * zz + rr
-        at_points = np.broadcast_to(other.T, (len(elements), *other.T.shape))
+        at_points = np.broadcast_to(other, (len(elements), *other.shape))
         one, two = -product(at_points, dilation), -product(at_points, along_z)
         return np.block(
             [
@@ -184,8 +178,17 @@ class Body:
             ]
         )
 
-    def _measure(self, place: FloatArray, elements: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Radius, inverse Jacobian and its determinant at points of the reference square."""
+    def shapes_at_points(self, elements: IntArray) -> tuple[FloatArray, ...]:
+        """Shapes at the Gauss points of elements, with the weight r of the solid of revolution.
+
+        d/dr, d/dz and 1/r of the displacements (elements, points, local), the pressures (points, local) and
+        the weights (elements, points).
+        """
+        x, w = np.polynomial.legendre.leggauss(self.degree + EXTRA_POINTS)
+        x, w = 0.5 * (x + 1.0), 0.5 * w
+        place, weight = np.array(np.meshgrid(x, x)).reshape(2, -1), np.outer(w, w).ravel()
+        value, slope = self.displacement.shapes(place)
+        other, _ = self.pressure.shapes(place)
         straight = self.mesh.mapping()
         plane = straight.F(place, elements)
         total = np.einsum(
@@ -193,7 +196,9 @@ class Body:
         )
         (a, b), (c, d) = total
         determinant = a * d - b * c
-        return self.geometry.point(plane)[0], np.array([[d, -b], [-c, a]]) / determinant, determinant
+        radius, inverse = self.geometry.point(plane)[0], np.array([[d, -b], [-c, a]]) / determinant
+        along_r, along_z = np.einsum("jieq,bjq->ieqb", inverse, slope, optimize=True)
+        return along_r, along_z, value.T / radius[..., None], other.T, weight * np.abs(determinant) * radius
 
     def boundary(self, *names: str) -> IntArray:
         """Scalar displacement numbers on named boundaries."""
@@ -224,7 +229,7 @@ class Body:
         element : ndarray, (n,)
             Elements of the points.
         place : ndarray, (2, n)
-            Their places in the reference square.
+            Their coordinates in the reference square.
         """
         local = self.displacement.local
         full = self._coefficients(skeleton, element)
@@ -257,7 +262,7 @@ class Body:
         return np.asarray(inverse.T @ (slope[:, :, 0].T @ np.array(column).T))
 
     def _coefficients(self, skeleton: FloatArray, element: IntArray) -> FloatArray:
-        """All coefficients of elements (n, local): radial, downward, pressure; the bubbles recovered."""
+        """All coefficients of elements (n, local), bubbles included: radial, downward, pressure."""
         kept, inner = self._local
         shared = skeleton[self.numbering[element]]
         full = np.empty((len(element), len(kept) + len(inner)))

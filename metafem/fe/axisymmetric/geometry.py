@@ -76,12 +76,12 @@ class Oblate:
 
 @dataclass(frozen=True)
 class Cap:
-    """A spherical cap on a block; the columns leave the foot of the cap along its bisector.
+    """A spherical cap on a block; columns of elements leave the foot of the cap along its bisector.
 
-    The plane's first coordinate is the angle from the summit, scaled so that the foot of the cap lies
-    at its true radius, and outside the cap the radius itself; the second is the depth below the
-    surface, which runs flat at the base of the block. Depth is counted from the block's top, so the
-    summit is at -height.
+    The first coordinate of the plane is the angle from the summit, scaled such that the foot of the cap has
+    its true radius, and outside the cap the radius. The second is the depth below the surface; lines of
+    constant depth are flat at the base of the block. z is zero at the top of the block, -height at the
+    summit.
 
     Parameters
     ----------
@@ -122,17 +122,17 @@ class Cap:
         )
 
     def _shrink(self, depth: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Share of the foot's radius that its column keeps, with derivative: the lean to the bisector."""
-        # Half of the radius stays far below, so that the columns under the cap keep their width.
+        """Radius of the column below the foot over the foot's, and its derivative by the depth."""
+        # Half of the radius is left far below: the columns under the cap do not become too narrow.
         slope = math.tan(0.5 * self.angle) / self.foot
         decay = np.exp(-2.0 * slope * depth)
         return 0.5 + 0.5 * decay, -slope * decay
 
     def _fade(self, depth: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Share of the surface's height that a depth line still has, 1 at the top and 0 at the base."""
+        """Height of a line of constant depth over the surface's: 1 at the top, 0 at the base; derivative."""
         end = 1.0 / (1.0 + self.thickness / self.foot)
-        share = 1.0 / (1.0 + depth / self.foot)
-        return share - end * depth / self.thickness, -(share**2) / self.foot - end / self.thickness
+        decay = 1.0 / (1.0 + depth / self.foot)
+        return decay - end * depth / self.thickness, -(decay**2) / self.foot - end / self.thickness
 
     def point(self, plane: FloatArray) -> FloatArray:
         """Radius and depth [mm]."""

@@ -1,6 +1,6 @@
-"""Recipes of the meshes: rectangles of the reference plane with named boundaries.
+"""Meshes of the reference planes: rectangles with named boundaries.
 
-`contact`, `free`, `axis`, `base` and, where the body has a side, `wall`.
+The boundaries are `contact`, `free`, `axis`, `base` and, if the body has a side, `wall`.
 """
 
 from __future__ import annotations
@@ -14,19 +14,19 @@ from skfem import MeshQuad
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 
-# Elements of the oblate-spheroidal plane. Across: the fields of a contact are low harmonics of phi, two
-# intervals hold them and a profile of a few terms more. Along: they decay as exp(-mu), where an element
-# of length 2 to 4 loses no digits that count; the far end, held still, is 5e12 contact radii away.
+# Elements of the oblate-spheroidal plane. The fields of a contact are low harmonics of phi, for which two
+# intervals are enough, and decay as exp(-mu), which elements of length 2 to 4 resolve. The far end is fixed,
+# 5e12 contact radii away.
 HALF_SPACE_PHI = (0.0, 0.25 * math.pi, 0.5 * math.pi)
 HALF_SPACE_MU = (0.0, 1.0, 2.0, 3.0, 4.0, 6.0, 9.0, 12.0, 15.0, 18.0, 22.0, 26.0, 30.0)
 
-# Ratios of the distances of neighbouring lines from an edge: a square root is smooth in the logarithm of
-# the distance, and what counts shrinks with it; away from the edge (a tenth of the radius) the fields
-# themselves are to be right to 1e-4 and better, with degree 6.
+# Ratios of the distances of neighbouring lines from an edge, up to a tenth of the radius and beyond. A square
+# root is smooth in the logarithm of the distance, and its contribution decreases with the distance. Beyond,
+# the fields have an error of at most 1e-4 with degree 6.
 EDGE_RATIO, RATIO, EDGE_REACH = 6.0, 2.0, 0.1
 
 # Size of the last elements at the contact's edge and at the cap's foot, in units of their radii. The
-# edge's bracket of the indentation closes in proportion to the first.
+# bracket of the indentation is proportional to the first.
 CONTACT_EDGE = 1e-5
 FOOT_EDGE = 1e-3
 
@@ -81,7 +81,7 @@ def graded_mesh(
 
 
 def uniform_mesh(cell: float, reach: float, outer: float, growth: float = 1.3) -> MeshQuad:
-    """Return a plane with equal cells below r = reach, which grow outwards and downwards."""
+    """Return a plane with equal cells up to r = reach; beyond and below, cells grow."""
     count = round(reach / cell)
     near = cell * np.arange(count + 1)
     size = cell * growth ** np.arange(1, 1 + math.ceil(math.log(1.0 + outer / cell) / math.log(growth)))
@@ -91,7 +91,7 @@ def uniform_mesh(cell: float, reach: float, outer: float, growth: float = 1.3) -
 
 
 def named(mesh: MeshQuad, contact: float, outer: float, thickness: float) -> MeshQuad:
-    """Return the mesh with its boundaries' names."""
+    """Return the mesh with named boundaries."""
     return mesh.with_boundaries(
         {
             "contact": lambda x: (x[1] == 0.0) & (x[0] < contact),
@@ -106,29 +106,50 @@ def named(mesh: MeshQuad, contact: float, outer: float, thickness: float) -> Mes
 def read_mesh(path: str | Path) -> MeshQuad:
     """Read a mesh of a reference plane with its named boundaries.
 
+    Parameters
+    ----------
+    path : str or Path
+        A file in any format of meshio.
+
+    Returns
+    -------
+    skfem.MeshQuad
+
     Raises
     ------
     InvalidInput
-        If the file cannot be read, lacks a name, or holds other elements than rectangles that are all
-        numbered alike, as the higher degrees need.
+        If the file cannot be read, lacks a boundary, or holds other elements than rectangles whose corners
+        are numbered in the same order, which the higher degrees need.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from metafem.fe.axisymmetric.mesh import half_space_mesh
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = Path(folder, "plane.vtu")
+    ...     half_space_mesh().save(path)
+    ...     read_mesh(path).nelements
+    24
     """
     try:
         mesh = MeshQuad.load(path)
-    except (Exception, SystemExit) as error:  # meshio's readers end in many ways, for one reason
+    except (Exception, SystemExit) as error:  # meshio's readers raise errors of many types
         raise InvalidInput(f"cannot read a mesh from {path}: {error}") from None
     missing = {"contact", "free", "axis", "base"} - set(mesh.boundaries or {})
     if missing:
         raise InvalidInput(f"the mesh in {path} lacks the boundaries {', '.join(sorted(missing))}")
     s, depth = mesh.p[:, mesh.t]
     if not (np.array_equal(s[[0, 2]], s[[1, 3]]) and np.array_equal(depth[[0, 1]], depth[[3, 2]])):
-        raise InvalidInput(f"the elements in {path} must be rectangles that are all numbered alike")
+        raise InvalidInput(
+            f"the elements in {path} must be rectangles whose corners are numbered in the same order"
+        )
     return mesh
 
 
 def _graded(
     fine_end: float, coarse_end: float, smallest: float, edge: float, largest: float = math.inf
 ) -> FloatArray:
-    """Points from the fine end, where the first interval is at most `smallest`, to the coarse end.
+    """Return points from the fine end, with a first interval of at most `smallest`, to the coarse end.
 
     Distances grow by EDGE_RATIO up to `edge`, and beyond it by RATIO or by `largest`.
     """

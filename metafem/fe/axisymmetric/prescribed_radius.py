@@ -1,4 +1,4 @@
-"""Prescribed contact radius: two linear problems, and the indentation for which the edge is regular."""
+"""Contact of a given radius: two linear problems, and the indentation for which the pressure is finite."""
 
 from __future__ import annotations
 
@@ -20,20 +20,20 @@ Profile = Callable[[FloatArray], FloatArray]
 
 @dataclass(frozen=True, eq=False)
 class Pressed:
-    """One discrete solution: what a mesh and a degree say.
+    """Solution on one mesh with elements of one degree.
 
     Attributes
     ----------
     load, indentation : float
         P/E* [mm^2] and indentation [mm].
     bracket : float
-        Half of the relative width between the two criteria's loads or indentations, 0 for one criterion.
+        Half of the relative difference of loads or indentations by the two criteria; 0 for one criterion.
     residual, status : float, LinearStatus
         Of the linear system.
     body, skeleton : Body, ndarray
-        Where the fields are evaluated.
+        For the evaluation of fields.
     extent : float
-        Largest radius at which they are [mm].
+        Largest radius of the body [mm].
     """
 
     load: float
@@ -49,10 +49,10 @@ class Pressed:
 def spectral(
     mesh: MeshQuad, geometry: Oblate, degree: int, poisson_ratio: float, profile: Profile, extent: float
 ) -> Pressed:
-    """Half-space in oblate-spheroidal coordinates.
+    """Solve on a half-space in oblate-spheroidal coordinates.
 
-    Near the edge the surface sinks by ``K mu + O(mu^2)`` below the contact's level, with the strength K of
-    the pressure's singularity: the indentation is the one at which that slope vanishes.
+    Near the edge the depth of the surface below the contact is ``K mu + O(mu^2)``, with the strength K of the
+    pressure's singularity. The indentation is that at which K vanishes.
     """
     body = Body(mesh, geometry, degree, poisson_ratio)
     solution = _solve(body, profile, walled=False)
@@ -72,7 +72,7 @@ def graded(
     extent: float,
     walled: bool,
 ) -> Pressed:
-    """A body on a mesh graded to the edge; the indentation is the middle of the two criteria's."""
+    """Solve on a mesh graded to the edge; the indentation is the mean of those by the two criteria."""
     body = Body(mesh, geometry, degree, poisson_ratio)
     solution = _solve(body, profile, walled)
     start = body.displacement.skeleton
@@ -92,16 +92,16 @@ def graded(
 
 
 def total_load(body: Body, solution: Solution) -> FloatArray:
-    """Load P/E* of each right side: the reactions of the contact's nodes."""
+    """Load P/E* of each right-hand side: the sum of the reactions of the contact's nodes."""
     return np.asarray(
         2.0 * math.pi * solution.reaction[body.displacement.skeleton + _nodes(body, "contact")].sum(axis=0)
     )
 
 
 def contact_data(body: Body, value: Callable[[FloatArray], FloatArray]) -> FloatArray:
-    """Scalar coefficients (n,) that take `value` of the radius along the contact.
+    """Coefficients (n,) of the polynomials that interpolate `value` of the radius along the contact.
 
-    Exact at the nodes, and the closest polynomial of the degree in between.
+    Exact at the nodes, and the least-squares fit between them.
     """
     mesh, field = body.mesh, body.displacement
     facets = mesh.boundaries["contact"]
@@ -125,7 +125,7 @@ def contact_data(body: Body, value: Callable[[FloatArray], FloatArray]) -> Float
 
 
 def _solve(body: Body, profile: Profile, walled: bool) -> Solution:
-    """Solve for the plane sinking by 1 and for the profile pressed flat."""
+    """Solve for a unit displacement of the contact, and for the profile that is pressed flat."""
     start = body.displacement.skeleton
     radial = [body.boundary("axis"), body.boundary("base")]
     if walled:
@@ -140,15 +140,15 @@ def _solve(body: Body, profile: Profile, walled: bool) -> Solution:
 
 
 def _combined(body: Body, solution: Solution, indentation: float, bracket: float, extent: float) -> Pressed:
-    share = np.array([indentation, 1.0])
+    weight = np.array([indentation, 1.0])
     return Pressed(
-        load=float(total_load(body, solution) @ share),
+        load=float(total_load(body, solution) @ weight),
         indentation=float(indentation),
         bracket=float(bracket),
         residual=solution.residual,
         status=solution.status,
         body=body,
-        skeleton=solution.skeleton @ share,
+        skeleton=solution.skeleton @ weight,
         extent=extent,
     )
 

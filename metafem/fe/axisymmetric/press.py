@@ -21,10 +21,10 @@ from metafem.fe.axisymmetric.surface_values import contact_pressure, surface_dis
 from metafem.fe.linear_solve import LinearStatus
 
 # A layer without a side ends at this many thicknesses. Its field decays as exp(-0.739 r/t) at nu = 0.5 (the
-# root of cos y = y) and faster below, so what the side sends back to the contact is below 1e-7 of it.
+# root of cos y = y) and faster below: the side changes the field at the contact by less than 1e-7.
 LAYER_EXTENT = 12.0
 
-# Degrees of the returned solution and of the lower one that judges it.
+# Degrees of the returned solution, and of the one from which its error is estimated.
 HALF_SPACE_DEGREES = (12, 10)
 GRADED_DEGREES = (6, 5)
 
@@ -33,7 +33,7 @@ Profile = Callable[[FloatArray], FloatArray]
 
 @dataclass(frozen=True, eq=False)
 class PressedContact:
-    """One contact under a rigid, frictionless plane, as finite elements see it.
+    """Finite-element solution of one contact under a rigid, frictionless plane.
 
     Attributes
     ----------
@@ -44,9 +44,9 @@ class PressedContact:
     indentation : float
         Approach of the plane to the far body from first touch [mm].
     error_estimate : float
-        Relative; bounds the errors of load and indentation.
+        Bound of the relative errors of load and indentation [-].
     residual : float
-        Scaled residual of the linear system, recomputed.
+        Scaled residual of the linear system, recomputed [-].
     status : LinearStatus
 
     Examples
@@ -68,7 +68,13 @@ class PressedContact:
     pressed: Pressed = field(repr=False)
 
     def displacement(self, r: ArrayLike) -> FloatArray:
-        """Downward displacement [mm] of the surface at the undeformed radii r [mm]."""
+        """Downward displacement [mm] of the surface at the undeformed radii r [mm], any shape.
+
+        Raises
+        ------
+        InvalidInput
+            For radii that are negative or outside the body.
+        """
         radius = check.array("r", np.atleast_1d(r), shape=(None,))
         if radius.min() < 0.0 or radius.max() > self.pressed.extent:
             raise InvalidInput(f"r must lie from 0 to {self.pressed.extent:g}, the radius of the body")
@@ -81,11 +87,11 @@ class PressedContact:
         return result.reshape(np.shape(r))
 
     def pressure(self, r: ArrayLike) -> FloatArray:
-        """Contact pressure over E* [-], per horizontal area, at the radii r [mm]; 0 outside."""
+        """Contact pressure over E* [-], per horizontal area, at the radii r [mm], any shape; 0 outside."""
         radius = check.array("r", np.atleast_1d(r), shape=(None,))
         result = np.zeros(radius.shape)
         inside = np.abs(radius) < self.contact_radius
-        # The hoop strain u/r needs a radius: a millionth of the contact's is the axis to 1e-12.
+        # The hoop strain u/r needs r > 0: a millionth of the contact radius changes the result by 1e-12.
         near = np.maximum(np.abs(radius[inside]), 1e-6 * self.contact_radius)
         if inside.any():
             result[inside] = contact_pressure(self.pressed.body, self.pressed.skeleton, near)
@@ -105,34 +111,34 @@ def press(
 ) -> PressedContact:
     """Press a rigid, frictionless plane on a body until the contact's radius is `contact_radius`.
 
-    Small strain, axisymmetric, composite modulus 1. Two linear problems with one factorisation: the plane
-    sinks by 1, and the profile is pressed flat; the indentation is the combination for which the pressure
-    stays finite at the contact's edge. The body is
+    Small strain, axisymmetric, E* = 1. Two linear problems have the same matrix: a unit displacement of the
+    contact, and the profile pressed flat. The indentation is that for which the pressure of their
+    combination is finite at the edge of the contact. The body is
 
     - a half-space with a paraboloid of `radius`, or with any `profile`: high-order elements in
       oblate-spheroidal coordinates;
     - a layer bonded to a rigid base, with `thickness`, and a side at `block_radius` (free) or at
       `cell_radius` (no radial displacement and no shear: one cell of an infinite lattice);
-    - with `height` too, the true spherical cap on that layer or block.
+    - with a `height`, the true spherical cap on that layer or block.
 
-    The last two on meshes graded to the edge, where two criteria bracket the indentation: no reaction at
-    the edge, and no gap at the next node.
+    For the last two the mesh is graded to the edge, and two criteria bracket the indentation: no reaction at
+    the edge, and no gap at the next node. Hertz (1882), doi:10.1515/crll.1882.92.156, for the half-space.
 
     Parameters
     ----------
     contact_radius : float
         a [mm].
     radius : float, optional
-        R of the summit [mm]; needed unless there is a `profile`.
+        R of the summit [mm]; needed without a `profile`.
     poisson_ratio : float
-        nu in [0, 0.5].
+        nu [-], from 0 to 0.5; default: 0.5.
     height, thickness : float, optional
-        Of the cap, up to R, and of the block under it [mm].
+        Of the cap, up to R, and of the block below it [mm].
     block_radius, cell_radius : float, optional
-        Of the body's side [mm]; without either a layer goes on without end.
+        Radius of the side [mm]; default: neither, an unbounded layer.
     profile : callable, optional
-        Height f(r) [mm] that is missing below the summit at the radii r [mm], in place of
-        r^2/(2 R); vectorised, smooth, f(0) = 0.
+        Depth f(r) [mm] below the summit at the radii r [mm], instead of r^2/(2 R): vectorised and smooth,
+        f(0) = 0.
 
     Returns
     -------
@@ -148,8 +154,8 @@ def press(
     Notes
     -----
     Small strain overestimates P(a) of a soft sphere at large a/R, where finite strain lies below Hertz's
-    law (0.974 of it at a/R = 0.43, while small strain gives 1.11 at 0.5): Hertz with a fitted modulus is
-    the better law there. `press_finite` computes it.
+    law (0.974 of it at a/R = 0.43, while small strain gives 1.11 at 0.5). Hertz's law with a fitted modulus
+    is more accurate there. `press_finite` computes finite strain.
 
     Examples
     --------
@@ -177,7 +183,7 @@ def press(
 
 
 def _result(a: float, fine: Pressed, coarse: Pressed) -> PressedContact:
-    """Judge the finer solution by the coarser one and by its own bracket."""
+    """Return the finer solution with an error estimated from the coarser one and from its bracket."""
     if not (fine.load > 0.0 and fine.indentation > 0.0):
         raise InvalidInput("the profile carries no load: it must fall away from the axis")
     steps = [abs(getattr(coarse, what) / getattr(fine, what) - 1.0) for what in ("load", "indentation")]
@@ -196,10 +202,10 @@ def _result(a: float, fine: Pressed, coarse: Pressed) -> PressedContact:
 
 
 def _profile(radius: Any, height: Any, profile: Profile | None) -> Profile:
-    """Return f(r): what was given, the sphere of a cap, or the paraboloid of a flat top."""
+    """Return f(r): the given profile, the sphere of a cap, or the paraboloid on a flat body."""
     if profile is not None:
         if radius is not None or height is not None:
-            raise InvalidInput("profile takes the place of radius and height: give one or the other")
+            raise InvalidInput("profile replaces radius and height; give one or the other")
         return profile
     if radius is None:
         raise InvalidInput("radius is missing: give it, or a profile")
@@ -219,7 +225,7 @@ def _extent(thickness: float, block_radius: float | None, cell_radius: float | N
 def _body(
     a: float, radius: Any, height: Any, thickness: Any, block_radius: Any, cell_radius: Any
 ) -> tuple[Cap | Flat, bool]:
-    """Check the sizes against each other; return the body and whether its side is a cell's wall."""
+    """Check the dimensions; return the body, and whether its side is the wall of a cell."""
     t = check.number("thickness", thickness, above=0.0)
     if block_radius is not None and cell_radius is not None:
         raise InvalidInput("block_radius and cell_radius exclude each other: a body has one side")

@@ -9,7 +9,7 @@ from metafem.fe.axisymmetric.elasticity import Body
 
 
 def locate(body: Body, name: str, plane: FloatArray) -> tuple[IntArray, FloatArray]:
-    """Return the elements that hold points (2, n) of one named boundary, and their places there."""
+    """Return the elements that hold points (2, n) of a named boundary, and the local coordinates."""
     mesh = body.mesh
     facets = mesh.boundaries[name]
     ends = mesh.p[:, mesh.facets[:, facets]]
@@ -18,7 +18,7 @@ def locate(body: Body, name: str, plane: FloatArray) -> tuple[IntArray, FloatArr
     order = np.argsort(start)
     which = np.searchsorted(start[order], plane[along], side="right") - 1
     element = mesh.f2t[0, facets[order[np.maximum(which, 0)]]]
-    # The meshes' elements are parallelograms of the plane: one step from the middle is exact.
+    # Elements are parallelograms of the plane: one Newton step from the middle is exact.
     straight, middle = mesh.mapping(), np.full((2, len(element), 1), 0.5)
     step = plane - straight.F(middle, element)[..., 0]
     slope = straight.invDF(middle, element)[..., 0]
@@ -34,7 +34,7 @@ def surface_displacement(body: Body, skeleton: FloatArray, name: str, r: FloatAr
 def contact_pressure(body: Body, skeleton: FloatArray, r: FloatArray) -> FloatArray:
     """Downward traction per horizontal area at the radii r inside the contact.
 
-    ``-(sigma_zz + sigma_rz n_r/n_z)``, which is the whole traction where there is no shear along r.
+    ``-(sigma_zz + sigma_rz n_r/n_z)``.
     """
     plane = body.geometry.surface(r)
     element, place = locate(body, "contact", plane)

@@ -1,4 +1,4 @@
-"""A point load on the half-space, for unit E*: what is taken out of the block before elements see it."""
+"""A point load on the half-space, for E* = 1: the part of the block's solution in closed form."""
 
 from __future__ import annotations
 
@@ -38,6 +38,6 @@ def traction(x: FloatArray, y: FloatArray, z: FloatArray, normal: int, poisson_r
     vertical = -1.5 / math.pi * z**2 / R**5
     if normal == 2:
         return vertical * x, vertical * y, vertical * z
-    share = 0.5 / math.pi * (1.0 - 2.0 * poisson_ratio)
-    common = -1.5 / math.pi * z / R**5 + share * (2.0 * R + z) / (R**3 * (R + z) ** 2)
-    return share * (z / R**3 - 1.0 / (R * (R + z))) + x**2 * common, x * y * common, vertical * x
+    factor = 0.5 / math.pi * (1.0 - 2.0 * poisson_ratio)
+    common = -1.5 / math.pi * z / R**5 + factor * (2.0 * R + z) / (R**3 * (R + z) ** 2)
+    return factor * (z / R**3 - 1.0 / (R * (R + z))) + x**2 * common, x * y * common, vertical * x

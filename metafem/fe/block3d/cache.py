@@ -1,4 +1,4 @@
-"""Influences of a block between its sites, kept on disk."""
+"""Influence between the sites of a block, stored on disk."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ LIBRARIES = ("numpy", "scipy", "scikit-fem")
 
 @dataclass(frozen=True, eq=False)
 class BlockInfluence:
-    """Influence between the sites of a block, and how far it can be trusted.
+    """Influence between the sites of a block, with its errors.
 
     Attributes
     ----------
@@ -48,7 +48,7 @@ class BlockInfluence:
     residual : float
         Largest relative residual of the linear solutions.
     notes : tuple of str
-        What was computed or read, and what went wrong with the disk.
+        What was computed or read, and faults of the disk.
     """
 
     matrix: FloatArray
@@ -72,28 +72,28 @@ _NUMBERS = ("asymmetry", "error_estimate", "residual")
 def cached(
     shape: tuple[float, ...], position: FloatArray, compute: Callable[[], BlockInfluence]
 ) -> BlockInfluence:
-    """Read the influence of a block and its sites, or compute and keep it.
+    """Read the influence of a block and its sites, or compute and store it.
 
-    Its name is a hash of the numbers `shape` and of the positions, in full, and of the code that
-    computes. An unreadable file is computed anew and an unwritable folder is noted.
+    The name of the file is a hash of the numbers `shape`, of the positions and of the code that computes. If
+    the file cannot be read, the influence is computed again; if it cannot be written, a note says so.
     """
     try:
         path = _path(shape, position)
     except OSError as error:  # no home folder
-        return _noted(compute(), f"not kept on disk: {error}")
+        return _noted(compute(), f"not stored on disk: {error}")
     try:
         return _read(path, len(position))
     except FileNotFoundError:
         found = compute()
     except (OSError, ValueError, KeyError, zipfile.BadZipFile) as error:
-        found = _noted(compute(), f"computed anew, the kept file could not be read: {error}")
+        found = _noted(compute(), f"computed again: the stored file could not be read: {error}")
     try:
         _write(path, found)
     except OSError as error:
-        message(f"the solution of the true block is not kept on disk: {error}")
-        return _noted(found, f"not kept on disk: {error}")
-    message(f"the solution of the true block is kept for the next time, in {path}")
-    return _noted(found, f"kept in {path}")
+        message(f"the solution of the true block is not stored on disk: {error}")
+        return _noted(found, f"not stored on disk: {error}")
+    message(f"the solution of the true block is stored in {path}")
+    return _noted(found, f"stored in {path}")
 
 
 def is_cached(shape: tuple[float, ...], position: FloatArray) -> bool:
@@ -113,12 +113,12 @@ def _path(shape: tuple[float, ...], position: FloatArray) -> Path:
 
 @lru_cache
 def code_version() -> bytes:
-    """Return a hash of the statements and the libraries that the numbers depend on."""
+    """Return a hash of the code and of the versions of the libraries that the numbers depend on."""
     total = hashlib.sha256()
     for name in SOURCES:
         spec = find_spec(name)
         if spec is None or spec.origin is None:
-            raise ImportError(f"{name} has moved; name it anew in {__name__}.SOURCES")
+            raise ImportError(f"{name} has moved; correct its name in {__name__}.SOURCES")
         total.update(statements(Path(spec.origin).read_text(encoding="utf-8")).encode())
     for library in LIBRARIES:
         total.update(f"{library} {version(library)}".encode())
@@ -126,7 +126,7 @@ def code_version() -> bytes:
 
 
 def statements(source: str) -> str:
-    """Return what a source does: its syntax tree without comments, docstrings and line numbers."""
+    """Return the syntax tree of a source without comments, docstrings and line numbers."""
     tree = ast.parse(source)
     for node in ast.walk(tree):
         if (
@@ -142,8 +142,8 @@ def _noted(found: BlockInfluence, note: str) -> BlockInfluence:
 
 
 def _read(path: Path, n: int) -> BlockInfluence:
-    with path.open("rb") as file, np.load(file, allow_pickle=False) as kept:
-        influence, number, notes = (kept[each] for each in ("influence", "number", "notes"))
+    with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:
+        influence, number, notes = (stored[each] for each in ("influence", "number", "notes"))
     if influence.shape != (len(_ARRAYS), n, n) or number.shape != (len(_NUMBERS),):
         raise ValueError(f"{path} holds arrays of shape {influence.shape} and {number.shape}")
     values = dict(zip((*_ARRAYS, *_NUMBERS), (*influence, *number.tolist()), strict=True))
@@ -151,7 +151,7 @@ def _read(path: Path, n: int) -> BlockInfluence:
 
 
 def _write(path: Path, found: BlockInfluence) -> None:
-    """Write beside and rename, so that no half-written file is ever found."""
+    """Write a temporary file and rename it, so that no incomplete file is ever read."""
     path.parent.mkdir(parents=True, exist_ok=True)
     handle, name = tempfile.mkstemp(dir=path.parent, prefix=".block-", suffix=".npz")
     try:

@@ -24,7 +24,7 @@ BoolArray = NDArray[np.bool_]
 
 @dataclass(frozen=True, eq=False)
 class Remainder:
-    """What the block adds to the half-space under each of m loads with their mirror images."""
+    """Difference of the block's solution from the half-space's under each of m mirrored loads."""
 
     parity: tuple[int, int]
     source: FloatArray
@@ -50,7 +50,7 @@ class Quarter:
 
         ``2 mu dev(eps) : eps(v) - p div v - q div u - p q / K``, with 1/K = 0 for nu = 1/2. Elements and
         boxes are tensor products, so the matrices of Q2 and Q1 hexahedra are Kronecker products of
-        those of lines: the same numbers as hexahedra's own, in a thousandth of the time.
+        those of lines: equal to those of assembled hexahedra, and a thousand times as fast.
         """
         axes = (LineElements.on(lines.x), LineElements.on(lines.y), LineElements.on(lines.z))
         mu = 0.5 * (1.0 - poisson_ratio)
@@ -81,14 +81,14 @@ class Quarter:
         )
 
     def solve(self, parity: tuple[int, int], source: FloatArray) -> Remainder:
-        """Solve for what the block adds to the half-space under mirrored unit loads.
+        """Solve for the difference from the half-space under mirrored unit loads.
 
         Parameters
         ----------
         parity : (int, int)
             Sign of a load's mirror image in x = 0 and in y = 0.
         source : (m, 2) ndarray
-            Where the loads are [mm].
+            Positions of the loads [mm].
         """
         base, nodal = self._index[..., -1].ravel(), self._index.size
         known = self._known(parity)
@@ -105,12 +105,12 @@ class Quarter:
         return Remainder(parity, source, value[:nodal], (self.matrix @ value - load)[base], solved.residual)
 
     def influence(self, field: Remainder, place: FloatArray) -> FloatArray:
-        """Normal displacement of the top at places (n, 2), beyond the half-space's, (n, m) [1/mm].
+        """Normal displacement of the top at positions (n, 2), beyond the half-space's, (n, m) [1/mm].
 
-        By Betti's theorem between the field of a load at the place p and that of a source j. With U, T
+        By Betti's theorem between the field of a load at the position p and that of a source j. With U, T
         the half-space's displacement and traction, w the elements' part and t(w) its reaction,
-        ``w_j(p) = -int_sides T_p (U_j + w_j) + int_base U_p (T_j + t(w_j))``. This is reciprocal, its
-        error is of twice the order of w's own, and it is smooth in p.
+        ``w_j(p) = -int_sides T_p (U_j + w_j) + int_base U_p (T_j + t(w_j))``. It is
+        symmetric and smooth in p, and the order of its error is twice that of w.
         """
         parity, nu = field.parity, self.poisson_ratio
         result = self._base_displacement(place, parity).T @ field.reaction
@@ -122,16 +122,16 @@ class Quarter:
         return result
 
     def top(self, field: Remainder, place: FloatArray) -> FloatArray:
-        """The same as `influence`, interpolated in the elements themselves; for places in the quarter."""
+        """The same as `influence`, interpolated in the elements; for positions in the quarter."""
         along = [self.axes[k].at(place[:, k]).toarray() for k in (0, 1)]
         normal = field.displacement[self._index[2, :, :, 0]]
         return np.asarray(np.einsum("nx,ny,xym->nm", *along, normal, optimize=True))
 
     def _known(self, parity: tuple[int, int]) -> BoolArray:
-        """Unknowns that symmetry or the base prescribes."""
+        """Which unknowns symmetry or the base prescribes."""
         known = np.zeros(self.matrix.shape[0], dtype=bool)
         for k, sign in enumerate(parity):
-            # an even field does not move through its plane, an odd one moves through it alone
+            # an even field has no displacement normal to the symmetry plane, an odd one no other
             still = [k] if sign > 0 else [c for c in range(3) if c != k]
             known[np.take(self._index[still], 0, axis=k + 1)] = True
         known[self._index[..., -1]] = True

@@ -1,4 +1,4 @@
-"""Where the half-space's field of a load meets the sides and the base of a quarter of the block."""
+"""The half-space's field of a load on the sides and the base of a quarter of the block."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from metafem.fe.block3d.line_elements import LineElements
 
 @dataclass(frozen=True, eq=False)
 class Face:
-    """Gauss points of one face: their places (q, 3), weights (3q,) and interpolation (3q, nodal values)."""
+    """Gauss points of a face: positions (q, 3), weights (3q,) and interpolation (3q, nodal values)."""
 
     normal: int
     point: FloatArray

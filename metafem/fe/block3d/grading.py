@@ -15,8 +15,8 @@ from metafem.surface import Block
 EDGE_GROWTH = 1.0
 OUTER_GROWTH = 0.4
 
-# Most cells in a quarter, 55,000 unknowns: their factor takes half of 4 GiB and a minute a problem. Where
-# the wanted cells are more, as in a wide and thin block, all grow by a tenth until they are not.
+# Largest number of cells in a quarter: with 55,000 unknowns the factorisation takes 2 GiB and a minute. If
+# more are needed, as in a wide and thin block, all cells are enlarged in steps of a tenth.
 MOST_CELLS = 2000
 STRETCH = 1.1
 
@@ -28,7 +28,7 @@ class Lines:
     x: FloatArray
     y: FloatArray
     z: FloatArray
-    stretch: float = 1.0  # of the cells that were wanted
+    stretch: float = 1.0  # enlargement of the cells
 
 
 def quarter_lines(block: Block, position: FloatArray, cell: float, edge_cell: float) -> Lines:
@@ -54,8 +54,8 @@ def quarter_lines(block: Block, position: FloatArray, cell: float, edge_cell: fl
 class Grading:
     """Cells from 0 to `length`: of `cell` up to `reach`, growing beyond, down to `edge_cell` at the end.
 
-    The wanted size is ``min(cell + OUTER_GROWTH (s - reach)+, start + EDGE_GROWTH (length - s))``, and
-    its reciprocal's integral, in closed form, the number of cells.
+    The size is ``min(cell + OUTER_GROWTH (s - reach)+, start + EDGE_GROWTH (length - s))``, and
+    the integral of its reciprocal, in closed form, the number of cells.
     """
 
     length: float
@@ -84,12 +84,12 @@ class Grading:
 
     @property
     def _start(self) -> float:
-        """Wanted size at the very end, which makes the last cell `edge_cell`."""
+        """Size at the end, for which the last cell is `edge_cell`."""
         return min(self.edge_cell, self.cell) * EDGE_GROWTH / math.expm1(EDGE_GROWTH)
 
     @property
     def _meeting(self) -> float:
-        """Where the growing and the falling size meet."""
+        """Position at which the two sizes are equal."""
         top = self._start + EDGE_GROWTH * self.length - self.cell
         place = top / EDGE_GROWTH
         if place > self.reach:
@@ -97,10 +97,10 @@ class Grading:
         return min(max(place, 0.0), self.length)
 
     def _outer(self, place: float) -> float:
-        """Cells between 0 and a place before the meeting."""
+        """Number of cells between 0 and a position before the meeting."""
         beyond = max(place - self.reach, 0.0)
         return (place - beyond) / self.cell + math.log1p(OUTER_GROWTH * beyond / self.cell) / OUTER_GROWTH
 
     def _inner(self, distance: float) -> float:
-        """Cells between the end and a distance from it."""
+        """Number of cells within a distance from the end."""
         return math.log1p(EDGE_GROWTH * distance / self._start) / EDGE_GROWTH

@@ -1,4 +1,4 @@
-"""Influence between sites anywhere on the block, from its quarter."""
+"""Influence between sites on the whole block, from solutions on its quarter."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from metafem.fe.block3d.grading import Lines, quarter_lines
 from metafem.progress import each
 from metafem.surface import Block
 
-# Cells of the second mesh, by which the error is judged, over those of the first.
+# Cell of the second mesh, for the error estimate, over that of the first.
 COARSER = 1.6
 
 # Step of the differences, over the distance from the site to the nearest face of the block. The field
@@ -44,7 +44,6 @@ def site_influence(
     r = np.hypot(dx, dy)
     np.fill_diagonal(r, math.inf)
     point = 1.0 / (math.pi * r)
-    # the half-space's own 1/(pi r), its gradient and its Laplacian
     return BlockInfluence(
         matrix=point + 0.5 * (value + value.T),
         gradient_x=slopes[0] - point * dx / r**2,
@@ -53,7 +52,9 @@ def site_influence(
         asymmetry=float(np.abs(value - value.T).max()),
         error_estimate=float(np.abs(value - coarse[0]).max()),
         residual=max(residual, other),
-        notes=(f"cells are {lines.stretch:.3g} times as large as wanted",) if lines.stretch > 1.0 else (),
+        notes=(f"cells are {lines.stretch:.3g} times as large as stated, to limit their number",)
+        if lines.stretch > 1.0
+        else (),
     )
 
 
@@ -88,7 +89,7 @@ def _remainder(
 
 
 def _distinct(place: FloatArray, same: float) -> tuple[FloatArray, IntArray]:
-    """Return the distinct places and, for each place, which of them it is."""
+    """Return the distinct positions, and the index of each position among them."""
     _, first, orbit = np.unique(np.rint(place / same), axis=0, return_index=True, return_inverse=True)
     return place[first], orbit
 
@@ -109,9 +110,9 @@ def _parity_remainder(
 
 
 def _unfolded(found: FloatArray, orbit: IntArray, side: FloatArray, parity: tuple[int, int]) -> FloatArray:
-    """Share of one parity in the influence between sites, from its values at the folded places."""
+    """Contribution of one parity to the influence between sites, from its values at folded positions."""
     sign = np.prod(np.where(np.array(parity) < 0, side, 1.0), axis=1)
-    share = np.asarray(0.25 * found[:, orbit[:, None], orbit] * sign[:, None] * sign)
-    share[1] *= side[:, :1]
-    share[2] *= side[:, 1:]
-    return share
+    part = np.asarray(0.25 * found[:, orbit[:, None], orbit] * sign[:, None] * sign)
+    part[1] *= side[:, :1]
+    part[2] *= side[:, 1:]
+    return part

@@ -1,4 +1,4 @@
-"""One-dimensional elements along each edge of the block, and what their tensor product needs of them."""
+"""One-dimensional elements along the edges of the block, for tensor products."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from skfem import Basis, BilinearForm, ElementLineP1, ElementLineP2, MeshLine
 
 from metafem._validate import FloatArray
 
-# Gauss points exact to this degree: the smooth tractions are no polynomials, the matrices need 4.
+# Gauss points exact to this degree: the matrices need 4, the tractions are not polynomials.
 QUADRATURE = 9
 
 
@@ -27,7 +27,7 @@ class LineElements:
     Attributes
     ----------
     node, vertex : ndarray
-        Ascending places of the quadratic and of the linear degrees of freedom [mm].
+        Ascending positions of the quadratic and of the linear degrees of freedom [mm].
     product : dict
         Matrix of ``int D^i v D^j u`` for quadratic v (rows) and u, by (i, j).
     pressure : dict
@@ -76,5 +76,5 @@ class LineElements:
         )
 
     def at(self, place: FloatArray) -> sp.csr_matrix:
-        """Return the quadratic shape functions at places, (places, nodes)."""
+        """Return the quadratic shape functions at positions, (positions, nodes)."""
         return self._basis.probes(place[None, :]).tocsr()[:, self._order]

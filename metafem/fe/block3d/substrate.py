@@ -1,4 +1,4 @@
-"""The true block, with its free sides, as a substrate."""
+"""The block with free sides as a substrate."""
 
 from __future__ import annotations
 
@@ -17,24 +17,23 @@ from metafem.progress import doing
 from metafem.substrate.protocol import agreed
 from metafem.surface import Block, Surface
 
-# Error estimate, in units of 1/(pi t), above which the answer comes with a warning: a hundredth of what
-# a layer's bottom changes.
+# Error estimate, in units of 1/(pi t), above which a warning is issued: 1 % of the effect of the base.
 ERROR_LIMIT = 1e-2
 
 
 @dataclass(frozen=True)
 class Block3D:
-    """A block of finite width and length, bonded to a rigid base, its sides free.
+    """A block of finite width and length with free sides, bonded to a rigid base.
 
-    ``G(x, x') = 1/(pi r) + w(x, x')``: the half-space's part in closed form; the smooth remainder w from
-    hexahedra with quadratic displacements and linear pressure (Taylor-Hood), for any Poisson ratio up to
-    and including 1/2. Symmetry makes it a few problems on a quarter of the block, and Betti's theorem
-    evaluates it. The block is solved without its asperities. Each result is kept on disk,
-    where ``metafem doctor`` says; ``METAFEM_CACHE_DIR`` names another folder.
+    ``G(x, x') = 1/(pi r) + w(x, x')``: the half-space's part in closed form, and the smooth remainder w by
+    hexahedra with quadratic displacements and linear pressure (Taylor-Hood), for any Poisson's ratio up to
+    and including 1/2. Symmetry reduces it to a few problems on a quarter of the block; w is evaluated by
+    Betti's theorem. The block has no asperities. Each result is stored on disk, in the folder that
+    ``metafem doctor`` prints; the environment variable ``METAFEM_CACHE_DIR`` sets another one.
 
     Holds for loads within the block; those nearer to a side than `cell` times the thickness need smaller
-    cells, and say so. With the default cells, entries for the 8 x 8 lattice on the block of Aymard et
-    al., Science 383, 200 (2024), doi:10.1126/science.adk4234, err by less than 1e-5 /mm.
+    cells; a warning says so. With the default cells, entries for the 8 x 8 lattice on the block of Aymard et
+    al., Science 383, 200 (2024), doi:10.1126/science.adk4234, have an error below 1e-5 /mm.
 
     Parameters
     ----------
@@ -44,16 +43,16 @@ class Block3D:
         nu [-], from 0 to 0.5; default: that of the surface's material.
     cell, edge_cell : float
         Size of the largest cells near the loads, and of the last ones before the sides and the base,
-        whose common edge is singular, in units of the thickness. Wide, thin blocks take larger ones
-        where there would be too many; the notes say so.
+        whose common edge is singular, in units of the thickness [-]; default: 0.25 and 0.006. In wide and
+        thin blocks they are enlarged to limit their number, which the notes state.
 
     Raises
     ------
     InvalidInput
-        For values outside their range or that differ from the surface's own, a surface without a block,
-        and asperities that are not inside it.
+        For values that are outside their range or differ from those of the surface, for a surface without
+        a block, and for asperities that are not inside it.
     NotConverged
-        If a factorisation fails even with pivoting; the result is attached.
+        If a factorisation fails; the result is attached.
 
     Examples
     --------
@@ -79,14 +78,14 @@ class Block3D:
 
     @property
     def name(self) -> str:
-        """What a person calls the substrate."""
+        """Name of the substrate."""
         return "block"
 
     def for_surface(self, surface: Surface) -> Block3D:
         """Return the substrate with the block and the Poisson ratio of a surface, checked against it."""
         block = agreed("Block3D", "block", self.block, surface.block)
         if block is None:
-            raise InvalidInput("Block3D() needs the surface's block, or one of its own")
+            raise InvalidInput("Block3D() needs the surface's block, or the argument block")
         ratio = agreed("Block3D", "poisson_ratio", self.poisson_ratio, surface.material.poisson_ratio)
         half = 0.5 * np.array([block.width, block.length])
         outside = np.flatnonzero((np.abs(surface.position) >= half).any(axis=1))
@@ -115,14 +114,14 @@ class Block3D:
         return found.gradient_x.copy(), found.gradient_y.copy(), found.laplacian.copy()
 
     def is_kept(self, surface: Surface) -> bool:
-        """Return whether the influence is on disk; else it is computed, for half a minute on 64 sites."""
+        """Whether the influence is on disk; its computation takes half a minute for 64 sites."""
         bound = self.for_surface(surface)
         return is_cached(*_numbers(bound, surface.position))
 
     def solution(self, surface: Surface) -> BlockInfluence:
-        """Return the influence with its derivatives, its errors and its notes.
+        """Return the influence with its derivatives, errors and notes.
 
-        Warns with `MetafemWarning` where the error estimate is large.
+        Issues a `MetafemWarning` if the error estimate is large.
         """
         bound = self.for_surface(surface)
         found = _solution(bound, surface.position.tobytes())
@@ -139,7 +138,7 @@ class Block3D:
 
 
 def _numbers(bound: Block3D, position: FloatArray) -> tuple[tuple[float, ...], FloatArray]:
-    """Return what names a kept influence: the block's numbers and the sites."""
+    """Return the numbers that identify a stored influence: those of the block, and the sites."""
     block, ratio = bound.block, bound.poisson_ratio
     assert block is not None
     assert ratio is not None
@@ -149,7 +148,7 @@ def _numbers(bound: Block3D, position: FloatArray) -> tuple[tuple[float, ...], F
 
 @lru_cache(maxsize=16)
 def _solution(bound: Block3D, position: bytes) -> BlockInfluence:
-    """Read or compute; kept in memory as well, for folders that cannot be written."""
+    """Read or compute an influence; it stays in memory too, for folders that cannot be written."""
     block, ratio = bound.block, bound.poisson_ratio
     assert block is not None
     assert ratio is not None
@@ -160,7 +159,7 @@ def _solution(bound: Block3D, position: bytes) -> BlockInfluence:
         from metafem.fe.block3d.influence import site_influence
         from metafem.fe.linear_solve import RESIDUAL
 
-        with doing("solving the true block, once for these places"):
+        with doing("solving the true block, once for these sites"):
             found = site_influence(block, ratio, place, bound.cell, bound.edge_cell)
         if found.residual > RESIDUAL:
             raise NotConverged(

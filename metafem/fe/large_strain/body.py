@@ -1,4 +1,4 @@
-"""Mixed elements for large deformation, and Newton's method for a body pressed flat up to a given point."""
+"""Mixed elements for large strain, and Newton's method for a body pressed flat up to a material point."""
 
 from __future__ import annotations
 
@@ -8,26 +8,23 @@ from enum import Enum
 from functools import cached_property
 
 import numpy as np
-from scipy.sparse import coo_matrix, csc_matrix
+from scipy.sparse import csc_matrix
 
 from metafem._validate import FloatArray, IntArray
 from metafem.errors import NotConverged
-from metafem.fe.axisymmetric.elasticity import EXTRA_POINTS, Body
+from metafem.fe.axisymmetric.elasticity import Body, assembled
 from metafem.fe.axisymmetric.prescribed_radius import Profile, contact_data
 from metafem.fe.large_strain import neo_hookean
-from metafem.fe.linear_solve import solve
+from metafem.fe.linear_solve import THRESHOLD, solve
 
-# Newton doubles its digits: a step that has not ended after so many starts too far away and is halved.
+# Largest number of Newton steps; they double the correct digits. Without convergence the load step is halved.
 NEWTON = 12
 
-# Largest nodal force out of balance, relative to the load, and largest last change, relative to the
-# largest displacement, of a converged state: far above rounding, and the next step would square the change.
+# Largest unbalanced nodal force, relative to the load, and largest last change, relative to the largest
+# displacement, of a converged state: far above rounding, and the next step would square the change.
 RESIDUAL, CHANGE = 1e-8, 1e-6
 
-# Share of its column that a diagonal pivot must have: the pressures' are zero.
-THRESHOLD = 1e-3
-
-# Smallest part of the way by which the load is raised before the solver gives up.
+# Smallest load step, as a fraction of the indentation.
 SMALLEST_STEP = 1.0 / 64.0
 
 
@@ -35,28 +32,28 @@ class NewtonStatus(Enum):
     """How Newton's method ended; the value is the message."""
 
     CONVERGED = "converged: the nodal forces balance"
-    NOT_CONVERGED = "not converged: the state belongs to a part of the plane's way"
+    NOT_CONVERGED = "not converged: the state belongs to a fraction of the indentation"
 
 
 @dataclass(frozen=True, eq=False)
 class Flattened:
-    """A body whose surface is flat up to a material point: one discrete state.
+    """State of a body whose surface is flat up to a material point.
 
     Attributes
     ----------
     load, indentation, edge : float
-        P/E* [mm^2], the plane's way [mm], and the deformed radius of the contact's edge [mm].
+        P/E* [mm^2], indentation [mm], and deformed radius of the contact's edge [mm].
     energy : float
-        Stored, over E* [mm^3].
+        Stored energy over E* [mm^3].
     shift : float
-        Amplitude of the part of the stuck places that this state determines.
+        Amplitude of the last term of the radial displacement of points that stick.
     bracket : float
         Relative change of the load at the same deformed radius, or of the indentation, if the next node
-        outside touched too.
-    share : float
-        Part of the way to the plane, 1 for a complete state.
+        outside were in contact too.
+    fraction : float
+        Fraction of the prescribed displacements; 1 for a complete state.
     residual : float
-        Largest nodal force out of balance, relative to the load.
+        Largest unbalanced nodal force, relative to the load.
     unknowns : ndarray
         Radial and downward displacements, pressures.
     """
@@ -67,22 +64,22 @@ class Flattened:
     energy: float
     shift: float
     bracket: float
-    share: float
+    fraction: float
     residual: float
     unknowns: FloatArray
 
     @property
     def status(self) -> NewtonStatus:
         """Whether the state is complete."""
-        return NewtonStatus.CONVERGED if self.share == 1.0 else NewtonStatus.NOT_CONVERGED
+        return NewtonStatus.CONVERGED if self.fraction == 1.0 else NewtonStatus.NOT_CONVERGED
 
 
 @dataclass(frozen=True, eq=False)
 class Plane:
-    """What the plane prescribes: ``fixed`` unknowns take ``share way + modes amplitudes``.
+    """Prescribed displacements: the ``fixed`` unknowns are ``fraction way + modes amplitudes``.
 
-    The amplitudes (indentation; shift) are those for which the forces at ``edge`` vanish. The node next to
-    it lies `depth` below the summit.
+    The amplitudes (indentation; shift) are those for which the forces at ``edge`` vanish. The next node
+    outside is `depth` below the summit.
     """
 
     fixed: IntArray
@@ -97,15 +94,7 @@ class SoftBody(Body):
 
     @cached_property
     def _shapes(self) -> tuple[FloatArray, ...]:
-        """Rows (elements, points, local) of d/dr, d/dz, 1/r; pressures (points, local), radius, weights."""
-        x, w = np.polynomial.legendre.leggauss(self.degree + EXTRA_POINTS)
-        x, w = 0.5 * (x + 1.0), 0.5 * w
-        place, weight = np.array(np.meshgrid(x, x)).reshape(2, -1), np.outer(w, w).ravel()
-        value, slope = self.displacement.shapes(place)
-        other, _ = self.pressure.shapes(place)
-        radius, inverse, determinant = self._measure(place, np.arange(self.mesh.nelements))
-        along_r, along_z = np.einsum("jieq,bjq->ieqb", inverse, slope, optimize=True)
-        return along_r, along_z, value.T / radius[..., None], other.T, weight * np.abs(determinant) * radius
+        return self.shapes_at_points(np.arange(self.mesh.nelements))
 
     @cached_property
     def all_numbers(self) -> IntArray:
@@ -151,11 +140,8 @@ class SoftBody(Body):
         inner = (force.reshape(count, 1, -1) @ flat)[:, 0]
         swelling = -(neo_hookean.volume_change(gradient) * weight) @ other
         number = self.all_numbers
-        width = number.shape[1]
-        rows, columns = np.repeat(number, width, axis=1).ravel(), np.tile(number, (1, width)).ravel()
-        matrix = coo_matrix((block.ravel(), (rows, columns)), shape=(self.size, self.size)).tocsc()
         total = np.bincount(number.ravel(), np.hstack([inner, swelling]).ravel(), minlength=self.size)
-        return matrix, np.asarray(total, dtype=np.float64)
+        return assembled(number, block, self.size), np.asarray(total, dtype=np.float64)
 
     def flatten(
         self, profile: Profile, stuck: tuple[Profile, Profile] | None = None, start: Flattened | None = None
@@ -165,38 +151,38 @@ class SoftBody(Body):
         Parameters
         ----------
         profile : callable
-            Height that is missing below the summit [mm] at the undeformed radii.
+            Depth below the summit [mm] at the undeformed radii.
         stuck : pair of callables, optional
-            Radial displacement [mm] of points that stick, and the mode that the state adds to it; without
-            it the points slip.
+            Radial displacement [mm] of points that stick, and the term of it that the state determines;
+            default: none, the points slip.
         start : Flattened, optional
             A complete state on a mesh of the same numbering.
 
         Raises
         ------
         NotConverged
-            If Newton's method fails with the smallest steps; with the last state that it reached.
+            If Newton's method fails with the smallest steps; the last state is attached.
         """
         plane = self._plane(profile, stuck)
-        last = self._rest()
+        last = Flattened(0.0, 0.0, 0.0, 0.0, 0.0, math.inf, 0.0, 0.0, np.zeros(self.size))  # at rest
         if start is not None:
             amplitudes = np.array([start.indentation, start.shift])[: plane.modes.shape[1]]
-            found = self._newton(plane, 1.0, start.unknowns, amplitudes)
-            if found is not None:
-                return found
+            state = self._newton(plane, 1.0, start.unknowns, amplitudes)
+            if state is not None:
+                return state
         step = 1.0
-        while last.share < 1.0:
-            share = min(1.0, last.share + step)
-            # From rest the linear answer is the guess; later on the way goes on straight.
-            scale = share / last.share if last.share > 0.0 else 1.0
+        while last.fraction < 1.0:
+            fraction = min(1.0, last.fraction + step)
+            # initial guess: the linear solution from rest, later a linear extrapolation
+            scale = fraction / last.fraction if last.fraction > 0.0 else 1.0
             amplitudes = scale * np.array([last.indentation, last.shift])[: plane.modes.shape[1]]
-            found = self._newton(plane, share, scale * last.unknowns, amplitudes)
-            if found is not None:
-                last = found
+            state = self._newton(plane, fraction, scale * last.unknowns, amplitudes)
+            if state is not None:
+                last = state
                 continue
             step *= 0.5
             if step < SMALLEST_STEP:
-                raise NotConverged(f"no equilibrium beyond {last.share:.0%} of the plane's way", last)
+                raise NotConverged(f"no equilibrium beyond {last.fraction:.0%} of the indentation", last)
         return last
 
     def _plane(self, profile: Profile, stuck: tuple[Profile, Profile] | None) -> Plane:
@@ -217,22 +203,19 @@ class SoftBody(Body):
 
     @cached_property
     def edge_nodes(self) -> tuple[int, int]:
-        """Nodes at the contact's edge and next to it outside."""
+        """Node at the contact's edge, and the next one outside."""
         free = np.unique(self.mesh.facets[:, self.mesh.boundaries["free"]])
         first, second = free[np.argsort(self.mesh.p[0, free])][:2]
         return int(first), int(second)
 
-    def _rest(self) -> Flattened:
-        return Flattened(0.0, 0.0, 0.0, 0.0, 0.0, math.inf, 0.0, 0.0, np.zeros(self.size))
-
     def _newton(
-        self, plane: Plane, share: float, start: FloatArray, amplitudes: FloatArray
+        self, plane: Plane, fraction: float, start: FloatArray, amplitudes: FloatArray
     ) -> Flattened | None:
-        """State with a share of the way, or None where Newton's method does not find it."""
+        """Return the state at a fraction of the displacements, or None if Newton's method fails."""
         free = np.setdiff1d(np.arange(self.size), plane.fixed)
         unknowns = start.copy()
-        unknowns[plane.fixed] = share * plane.way[plane.fixed] + plane.modes[plane.fixed] @ amplitudes
-        # What is fixed moves to its place by the tangent at the start, and takes the rest of the body along.
+        unknowns[plane.fixed] = fraction * plane.way[plane.fixed] + plane.modes[plane.fixed] @ amplitudes
+        # the first step moves the fixed unknowns to their values, and the others by the tangent at the start
         jump, unknowns, change = unknowns - start, start.copy(), math.inf
         way = np.zeros((self.size, 0))
         for _ in range(NEWTON):
@@ -240,11 +223,22 @@ class SoftBody(Body):
             if not neo_hookean.volume_change(gradient).min() > -1.0:
                 return None
             matrix, force = self.balance(gradient, pressure)
-            wrong = np.concatenate([force[free[free < 2 * self.count]], force[plane.edge]])
-            error = float(np.abs(wrong).max() / max(abs(self._load(force)), np.finfo(float).tiny))
+            unbalanced = np.concatenate([force[free[free < 2 * self.count]], force[plane.edge]])
+            error = float(np.abs(unbalanced).max() / max(abs(self._load(force)), np.finfo(float).tiny))
             if change <= CHANGE and error <= RESIDUAL:
-                bracket = self._bracket(plane, unknowns, amplitudes, matrix, force, way)
-                return self._state(share, unknowns, amplitudes, gradient, force, error, bracket)
+                edge = self.edge_nodes[0]
+                stored = self._shapes[4] * neo_hookean.energy(gradient, self.shear_modulus)
+                return Flattened(
+                    load=2.0 * math.pi * self._load(force),
+                    indentation=float(amplitudes[0]),
+                    edge=float(self.geometry.point(self.mesh.p[:, [edge]])[0, 0] + unknowns[edge]),
+                    energy=2.0 * math.pi * float(np.sum(stored)),
+                    shift=float(amplitudes[1]) if len(amplitudes) > 1 else 0.0,
+                    bracket=self._bracket(plane, unknowns, amplitudes, matrix, force, way),
+                    fraction=fraction,
+                    residual=error,
+                    unknowns=unknowns,
+                )
             right = np.column_stack([force + matrix @ jump, matrix @ plane.modes])
             full = np.zeros(right.shape)
             solved = solve(matrix[free][:, free].tocsc(), right[free], THRESHOLD)
@@ -262,7 +256,7 @@ class SoftBody(Body):
         return None
 
     def _load(self, force: FloatArray) -> float:
-        """Force of the plane per 2 pi: forces of bubbles on the sides add none."""
+        """Force of the plane per 2 pi; the forces of bubbles on the sides do not contribute."""
         nodes = np.unique(self.mesh.facets[:, self.mesh.boundaries["contact"]])
         return float(force[self.count + nodes].sum())
 
@@ -275,7 +269,7 @@ class SoftBody(Body):
         force: FloatArray,
         way: FloatArray,
     ) -> float:
-        """Relative change if the next node touched, by the tangent; shear at the edge stays away."""
+        """Relative change if the next node were in contact, by the tangent, without shear at the edge."""
         edge, other = self.edge_nodes
         at_edge = (matrix @ way)[plane.edge]
         mix = np.ones(1) if way.shape[1] == 1 else np.array([1.0, -at_edge[1, 0] / at_edge[1, 1]])
@@ -285,28 +279,3 @@ class SoftBody(Body):
         radius = self.geometry.point(self.mesh.p[:, [edge]])[0, 0] + unknowns[edge]
         load = self._load(matrix @ sink) / self._load(force) - 3.0 * sink[edge] / radius
         return float(max(abs(load * deeper), abs(deeper / amplitudes[0])))
-
-    def _state(
-        self,
-        share: float,
-        unknowns: FloatArray,
-        amplitudes: FloatArray,
-        gradient: FloatArray,
-        force: FloatArray,
-        residual: float,
-        bracket: float,
-    ) -> Flattened:
-        edge = self.edge_nodes[0]
-        return Flattened(
-            load=2.0 * math.pi * self._load(force),
-            indentation=float(amplitudes[0]),
-            edge=float(self.geometry.point(self.mesh.p[:, [edge]])[0, 0] + unknowns[edge]),
-            energy=2.0
-            * math.pi
-            * float(np.sum(self._shapes[4] * neo_hookean.energy(gradient, self.shear_modulus))),
-            shift=float(amplitudes[1]) if len(amplitudes) > 1 else 0.0,
-            bracket=bracket,
-            share=share,
-            residual=residual,
-            unknowns=unknowns,
-        )

@@ -1,7 +1,7 @@
 """Incompressible neo-Hookean rubber under axisymmetric deformation.
 
-All of it is written in the displacement's gradient ``H = F - 1``, whose digits hold where strains are tiny:
-far from the contact the differences of F from 1 would be lost in rounding. The components (..., 5) are H11,
+The functions take the gradient of the displacement, ``H = F - 1``, because far from the contact its digits
+would be lost in F. The components (..., 5) are H11,
 H12, H21, H22 by (r, z), and the hoop strain H33.
 """
 
@@ -39,8 +39,8 @@ def volume_slope(h: FloatArray) -> FloatArray:
 def stress(h: FloatArray, pressure: FloatArray, shear_modulus: float) -> FloatArray:
     """Return the first Piola-Kirchhoff stress dW/dF, (..., 5).
 
-    ``W = mu/2 (F:F - 3 - 2 ln J) - p (J - 1)``. The logarithm vanishes in an incompressible body; it makes
-    p the whole of the mean stress at rest.
+    ``W = mu/2 (F:F - 3 - 2 ln J) - p (J - 1)``. The logarithm vanishes in an incompressible body; with it
+    the mean stress at rest is -p.
     """
     slope, volume = volume_slope(h), volume_change(h)[..., None]
     inverse = (slope - volume * ONE) / (1.0 + volume)
@@ -54,9 +54,9 @@ def tangent(h: FloatArray, pressure: FloatArray, shear_modulus: float) -> FloatA
     bend = np.zeros((*volume.shape, 5, 5))
     bend[..., :4, :4] = (1.0 + h[..., 4, None, None]) * TURN
     bend[..., :4, 4] = bend[..., 4, :4] = (ONE[:4] + h[..., :4]) @ TURN
-    share = (shear_modulus / volume + pressure)[..., None, None]
+    factor = (shear_modulus / volume + pressure)[..., None, None]
     return np.asarray(
-        shear_modulus * (np.eye(5) + inverse[..., :, None] * inverse[..., None, :]) - share * bend
+        shear_modulus * (np.eye(5) + inverse[..., :, None] * inverse[..., None, :]) - factor * bend
     )
 
 

@@ -17,47 +17,52 @@ from metafem.fe.axisymmetric.geometry import Cap
 from metafem.fe.axisymmetric.mesh import graded_mesh
 from metafem.fe.large_strain.body import Flattened, NewtonStatus, SoftBody
 
-# Size of the last elements at the edge, relative to the contact's radius: the edge's bracket is of this
-# order, small beside the error of quadratic elements.
+# Size of the last elements at the edge, relative to the contact radius: the bracket of the edge is of this
+# order, below the error of quadratic elements.
 CONTACT_EDGE = 1e-4
 
-# Size of the elements at the cap's foot, relative to its radius. The corner closes like a crease, which a
-# fine mesh would resolve into a fold; coarse elements round it off, without effect on the contact.
+# Size of the elements at the cap's foot, relative to its radius. The corner closes to a crease, which folds
+# on a fine mesh; coarse elements smooth it, without effect on the contact.
 FOOT_EDGE = 0.05
 
-# Times that the graded mesh is halved: for the result, and for the coarser one that judges it.
+# Refinements of the graded mesh: for the result, and for the coarser one of the error estimate.
 REFINEMENTS = (1, 0)
 
-# Relative error of the deformed radius at which the search for the material point ends, and its steps: each
-# gains three digits or more, as radius and material point differ by a few percent.
-RADIUS_ERROR, SEARCH = 1e-7, 12
+# Largest relative error of the deformed radius, and largest number of secant steps for the material radius:
+# each gains three digits or more, as the two radii differ by a few percent.
+RADIUS_ERROR, SECANT_STEPS = 1e-7, 12
 
-# Contacts of the history of a stuck one: at a/R = 0.5 half as many change the load by 1e-4, twice as many by
-# 2e-6.
+# Number of increasing contacts that are computed with stick: at a/R = 0.5 half as many change the load by
+# 1e-4, twice as many by 2e-6.
 HISTORY = 4
 
 
 @dataclass(frozen=True, eq=False)
 class FiniteContact:
-    """One contact of a soft cap under a rigid plane in the deformed state.
+    """Contact of a soft cap under a rigid plane at large strain.
 
     Attributes
     ----------
     contact_radius : float
         a, in the deformed state [mm].
     material_radius : float
-        Undeformed radius of the points at the contact's edge [mm].
+        Undeformed radius of the points at the edge of the contact [mm].
     rescaled_load : float
         P/E* [mm^2], E* = 4/3 E = 4 mu.
     indentation : float
-        Approach of the plane to the bonded base from first touch [mm].
+        Displacement of the plane from first contact [mm].
     error_estimate : float
-        Relative, of load and indentation: what a mesh of twice the cells changes (with stick also half the
-        steps of the history) and the bracket of the edge. It bounds the error of the discretisation of
-        this body; what another height or block changes is not in it.
+        Bound of the relative errors of load and indentation by the discretisation [-]: the change by
+        refining the mesh, with stick also by halving the number of contacts, and the bracket of the edge.
     residual : float
-        Largest nodal force out of balance, relative to the load.
+        Largest unbalanced nodal force, relative to the load [-].
     status : NewtonStatus
+
+    Examples
+    --------
+    >>> contact = press_finite(0.1, 0.526, height=0.2, thickness=7.2, block_radius=10.0)
+    >>> contact.status.name, contact.error_estimate < 1e-2
+    ('CONVERGED', True)
     """
 
     contact_radius: float
@@ -82,26 +87,25 @@ def press_finite(
     """Press a rigid plane on a soft spherical cap until the deformed contact's radius is `contact_radius`.
 
     Large strain, axisymmetric, incompressible neo-Hookean: ``W = mu/2 (F:F - 3)`` with ``J = 1`` and
-    E* = 4 mu, quadratic displacements and linear pressures in the undeformed frame. The points up to a
-    material radius lie on the plane; the plane's place is the one at which no force acts on the last of
-    them, the same condition as regularity of the pressure's edge. The material radius is the one whose
-    deformed radius is asked for. The body is the cap of `height` on a block bonded to a rigid base, with
-    free sides, as in `press`.
+    E* = 4 mu, with quadratic displacements and linear pressures in the undeformed frame. The points up to a
+    material radius are on the plane, whose indentation is that at which no force acts on the last of them:
+    the pressure is finite at the edge. The material radius is that whose deformed radius is
+    `contact_radius`. The body is the cap on a block bonded to a rigid base, with free sides, as in `press`.
 
-    Points slip without friction; or, with `stick`, keep the place on the plane where they came into
-    contact, ``r = a(s)`` for the undeformed radius s, which a history of growing contacts determines one
-    by one: no shear force acts on the last point either.
+    Points slip without friction or, with `stick`, remain where they came into contact with the plane:
+    ``r = a(s)`` for the undeformed radius s, determined by a sequence of increasing contacts, at each of
+    which no shear force acts on the last point.
 
     Parameters
     ----------
     contact_radius : float
-        a [mm], less than the radius of the cap's base.
+        a [mm], below the radius of the cap's base.
     radius, height : float
         Of the sphere and its cap [mm], height up to the radius.
     thickness, block_radius : float
         Of the block [mm].
     stick : bool
-        Whether points that touch keep their place.
+        Whether points in contact stick to the plane; default: False.
 
     Returns
     -------
@@ -112,14 +116,14 @@ def press_finite(
     InvalidInput
         If a size is not positive or does not fit the others.
     NotConverged
-        If Newton's method or the search for the material radius does not end; with the last state.
+        If Newton's method or the search for the material radius fails; the last state is attached.
 
     Notes
     -----
     With h/R = 0.38, P(a) is 0.989 of Hertz's at a/R = 0.1, 0.974 at 0.4 and 0.978 at 0.5, where small
-    strain (`press`) gives 1.11: small strain errs more than Hertz's law, and with the opposite sign. It
-    must not be used to improve Hertz's P(a) of soft bodies at large a/R; Hertz with a fitted E* is the
-    better law.
+    strain (`press`) gives 1.11: the error of small strain is larger than that of Hertz's law, and has the
+    opposite sign. At large a/R of soft bodies, Hertz's law with a fitted E* is more accurate than small
+    strain.
 
     Examples
     --------
@@ -132,19 +136,19 @@ def press_finite(
         raise InvalidInput(f"stick = {stick!r:.60} must be True or False")
     cap = _cap(a, radius, height, thickness, block_radius)
     radii = a * np.arange(1, HISTORY + 1) / HISTORY if stick else np.array([a])
-    return press_in_turn(radii, cap, stick)[-1]
+    return press_sequence(radii, cap, stick)[-1]
 
 
-def press_in_turn(
+def press_sequence(
     radii: FloatArray, cap: Cap, stick: bool, refinements: tuple[int, int] = REFINEMENTS
 ) -> list[FiniteContact]:
-    """Contacts of increasing radii; with stick each is the history of the following ones."""
-    coarse = _march(radii, cap, stick, refinements[1], [])
-    fine = _march(radii, cap, stick, refinements[0], [c.material_radius for c in coarse])
+    """Return contacts of increasing radii; with stick each one depends on those before it."""
+    coarse = _on_mesh(radii, cap, stick, refinements[1], [])
+    fine = _on_mesh(radii, cap, stick, refinements[0], [c.material_radius for c in coarse])
     change = [_change(one, two) for one, two in zip(fine, coarse, strict=True)]
     if stick and len(radii) > 1:
-        # Every second step of the history, the last one included.
-        half = _march(radii[::-2][::-1], cap, stick, refinements[1], [])
+        # every second contact, the last one included
+        half = _on_mesh(radii[::-2][::-1], cap, stick, refinements[1], [])
         change[-1] += _change(half[-1], coarse[-1])
     return [
         replace(one, error_estimate=one.error_estimate + extra)
@@ -156,74 +160,74 @@ def _change(one: FiniteContact, two: FiniteContact) -> float:
     return max(abs(one.rescaled_load / two.rescaled_load - 1.0), abs(one.indentation / two.indentation - 1.0))
 
 
-def _march(
+def _on_mesh(
     radii: FloatArray, cap: Cap, stick: bool, refinement: int, guesses: list[float]
 ) -> list[FiniteContact]:
-    """Contacts on one family of meshes, in turn."""
-    stuck = _Stuck(cap.radius) if stick else None
+    """Return contacts of increasing radii on meshes of one refinement."""
+    history = Stick(cap.radius) if stick else None
     contacts: list[FiniteContact] = []
     for i, a in enumerate(radii):
         guess = guesses[i] if guesses else a * (contacts[-1].material_radius / radii[i - 1] if i else 1.0)
-        contacts.append(_find(float(a), cap, stuck, refinement, float(guess)))
-        if stuck is not None:
-            stuck.add(contacts[-1].material_radius, contacts[-1].state.shift)
+        contacts.append(_contact(float(a), cap, history, refinement, float(guess)))
+        if history is not None:
+            history.add(contacts[-1].material_radius, contacts[-1].state.shift)
     return contacts
 
 
-class _Stuck:
-    """Radial displacement at first touch, by the undeformed radius s: ``s^3`` times Newton's polynomial.
+class Stick:
+    """Radial displacement at first contact over the undeformed radius s: ``s^3`` times Newton's polynomial.
 
-    Without a term of s^2: at small strain an incompressible surface does not move sideways.
+    There is no term of s^2, as an incompressible surface does not move radially at small strain.
     """
 
     def __init__(self, unit: float) -> None:
         self.unit = unit
-        self.places: list[float] = []
-        self.shares: list[float] = []
+        self.radii: list[float] = []
+        self.amplitudes: list[float] = []
 
     def mode(self, s: FloatArray, count: int | None = None) -> FloatArray:
-        """Term that vanishes at the places of the first `count` contacts, of all so far by default."""
+        """Return the term that vanishes at the radii of the first `count` contacts; default: of all."""
         result = self.unit * (s / self.unit) ** 3
-        for place in self.places[:count]:
-            result = result * (s - place) / self.unit
+        for radius in self.radii[:count]:
+            result = result * (s - radius) / self.unit
         return np.asarray(result)
 
     def displacement(self, s: FloatArray) -> FloatArray:
-        """Sum of the terms so far."""
+        """Return the sum of the terms so far."""
         result = np.zeros_like(s)
-        for i, share in enumerate(self.shares):
-            result += share * self.mode(s, i)
+        for i, amplitude in enumerate(self.amplitudes):
+            result += amplitude * self.mode(s, i)
         return result
 
-    def add(self, place: float, share: float) -> None:
-        """Take up a contact."""
-        self.places.append(place)
-        self.shares.append(share)
+    def add(self, radius: float, amplitude: float) -> None:
+        """Add a contact: its material radius, and the amplitude of its term."""
+        self.radii.append(radius)
+        self.amplitudes.append(amplitude)
 
 
-def _find(a: float, cap: Cap, stuck: _Stuck | None, refinement: int, guess: float) -> FiniteContact:
-    """Find the material radius whose deformed one is a, by the secant."""
+def _contact(a: float, cap: Cap, stick: Stick | None, refinement: int, guess: float) -> FiniteContact:
+    """Return the contact with the deformed radius a; the secant method gives the material radius."""
     state: Flattened | None = None
-    place, before = guess, (0.0, 0.0)
-    for _ in range(SEARCH):
-        if not place < cap.foot:
+    material, before = guess, (0.0, 0.0)
+    for _ in range(SECANT_STEPS):
+        if not material < cap.foot:
             raise InvalidInput(f"contact_radius = {a:g} brings the cap's edge at {cap.foot:g} into contact")
-        state = _flatten(place, cap, stuck, refinement, state)
+        state = _flatten(material, cap, stick, refinement, state)
         if abs(state.edge / a - 1.0) <= RADIUS_ERROR:
             return FiniteContact(
-                a, place, state.load, state.indentation, state.bracket, state.residual, state.status, state
+                a, material, state.load, state.indentation, state.bracket, state.residual, state.status, state
             )
-        slope = (state.edge - before[1]) / (place - before[0])
-        before, place = (place, state.edge), place + (a - state.edge) / slope
+        slope = (state.edge - before[1]) / (material - before[0])
+        before, material = (material, state.edge), material + (a - state.edge) / slope
     raise NotConverged(f"no material radius found for the contact radius {a:g}", state)
 
 
 def _flatten(
-    place: float, cap: Cap, stuck: _Stuck | None, refinement: int, start: Flattened | None
+    material: float, cap: Cap, stick: Stick | None, refinement: int, start: Flattened | None
 ) -> Flattened:
-    """Flatten the cap up to one material radius, from a state with nearly the same if there is one."""
+    """Flatten the cap up to a material radius, from a state with nearly the same one if given."""
     mesh = graded_mesh(
-        float(cap.surface(np.array(place))[0]),
+        float(cap.surface(np.array(material))[0]),
         cap.outer,
         cap.thickness,
         cap.foot,
@@ -235,13 +239,13 @@ def _flatten(
         start = None
     return body.flatten(
         partial(sphere_profile, radius=cap.radius),
-        None if stuck is None else (stuck.displacement, stuck.mode),
+        None if stick is None else (stick.displacement, stick.mode),
         start,
     )
 
 
 def _cap(a: float, radius: Any, height: Any, thickness: Any, block_radius: Any) -> Cap:
-    """Check the sizes against each other."""
+    """Check the dimensions."""
     big = check.number("radius", radius, above=0.0)
     h = check.number("height", height, above=0.0, at_most=big)
     t = check.number("thickness", thickness, above=0.0)

@@ -76,5 +76,5 @@ def test_elements_numbered_otherwise_are_refused(tmp_path):
     replace(mesh, t=turned, _boundaries=None).with_boundaries(
         dict.fromkeys(("contact", "free", "axis", "base"), lambda x: x[0] == 0.0)
     ).save(path)
-    with pytest.raises(mf.InvalidInput, match="numbered alike"):
+    with pytest.raises(mf.InvalidInput, match="numbered in the same order"):
         mf.fe.read_mesh(path)

@@ -126,7 +126,7 @@ def test_any_cap_meshes(angle):
         ({"contact_radius": 0.1}, "radius is missing"),
         ({"contact_radius": 0.1, "radius": R, "poisson_ratio": 0.51}, "poisson_ratio"),
         ({"contact_radius": 0.1, "radius": R, "poisson_ratio": -0.1}, "poisson_ratio"),
-        ({"contact_radius": 0.1, "radius": R, "profile": np.square}, "takes the place"),
+        ({"contact_radius": 0.1, "radius": R, "profile": np.square}, "profile replaces"),
         ({"contact_radius": 0.1, "radius": R, "height": 0.1}, "needs a thickness"),
         ({"contact_radius": 0.4, "radius": R, "height": 0.12, "thickness": 7.2}, "cap's edge"),
         ({"contact_radius": 0.1, "radius": R, "height": 0.6, "thickness": 7.2}, "height"),

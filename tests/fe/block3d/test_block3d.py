@@ -249,7 +249,7 @@ def test_each_block_has_a_file_of_its_own(stored):
 def test_changed_code_computes_anew(stored, monkeypatch):
     stored()
     monkeypatch.setattr(cache_module, "code_version", lambda: b"another")
-    assert stored().notes[-1].startswith("kept in")
+    assert stored().notes[-1].startswith("stored in")
 
 
 def test_broken_file_is_computed_anew(stored, tmp_path):
@@ -273,7 +273,7 @@ def test_interrupted_write_leaves_nothing(stored, tmp_path, monkeypatch):
 def test_unwritable_folder_is_a_note(stored, tmp_path, monkeypatch):
     (tmp_path / "file").touch()
     monkeypatch.setattr(cache_module, "cache_folder", lambda: tmp_path / "file" / "metafem")
-    assert "not kept on disk" in stored().notes[-1]
+    assert "not stored on disk" in stored().notes[-1]
 
 
 class _Useless:
