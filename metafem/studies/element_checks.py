@@ -191,11 +191,8 @@ def layer_check(poisson_ratio: float = 0.5) -> list[Check]:
         layer = half_space + float(bonded_layer.regular_influence(r, THICKNESS, poisson_ratio))
         computed = float(contact.displacement(r)) / contact.rescaled_load / half_space
         expected, passed = f"{layer / half_space:.6g} ± 0.0001", abs(computed - layer / half_space) <= 1e-4
-        checks.append(
-            Check(
-                f"ν = {poisson_ratio}, r = {r} mm: layer over half-space", computed, expected, passed, HANKEL
-            )
-        )
+        name = f"ν = {poisson_ratio}, r = {r} mm: layer over half-space"
+        checks.append(Check(name, computed, expected, passed, HANKEL))
     return checks
 
 

@@ -1,0 +1,80 @@
+"""Errors of `Automatic(1e-3)` on random surfaces, and its time over that of order 3 in the same run."""
+
+from __future__ import annotations
+
+import numpy as np
+
+import metafem as mf
+from validation.scenes.random_surfaces import random_surface
+from validation.timing import Row, best
+
+TOLERANCE = 1e-3
+
+# Surfaces whose times are compared, and surfaces whose areas are compared with resolved contacts.
+TIMED, COMPARED = 200, 100
+
+# Cells of the reference [mm]: halved from the first to at most the last, until it is certain.
+FIRST_CELL, LAST_CELL = 0.02, 0.001
+
+# Loads of a law.
+LOADS = 30
+
+
+def rows() -> list[Row]:
+    """Compare the times of surfaces for which an asperity model suffices."""
+    ratios = np.array([ratio for seed in range(TIMED) if (ratio := time_ratios(seed))])
+    one, law = np.median(ratios, axis=0)
+    what = f"median time over that of order 3, {len(ratios)} surfaces"
+    return [Row(f"{what}, one load", 1.1, one, ""), Row(f"{what}, each of {LOADS} loads", 1.1, law, "")]
+
+
+def long_rows(count: int = COMPARED) -> list[Row]:
+    """Compare the areas with resolved contacts that are extrapolated to vanishing cells."""
+    errors, unconverged, uncertain = [], 0, 0
+    for seed in range(count):
+        surface, load = random_surface(seed)
+        try:
+            area = mf.equilibrium(surface, mf.Automatic(TOLERANCE), load=load).area
+        except mf.NotConverged:
+            unconverged += 1
+            continue
+        exact, uncertainty = reference(surface, load)
+        if uncertainty > TOLERANCE / 3.0:
+            uncertain += 1
+        else:
+            errors.append(abs(area / exact - 1.0))
+    what = f"{len(errors)} surfaces of 3 to 16 asperities"
+    return [
+        Row(f"{what}: largest error of A0", TOLERANCE, max(errors), ""),
+        Row(f"{what}: errors above the tolerance", 0, float((np.array(errors) > TOLERANCE).sum()), ""),
+        Row(f"{count} surfaces: not converged", 0, unconverged, ""),
+        Row(f"{count} surfaces: reference uncertain by more than a third", count, uncertain, ""),
+    ]
+
+
+def time_ratios(seed: int) -> tuple[float, float] | None:
+    """Times of one load and of a law over those of order 3, or None where contacts are resolved."""
+    surface, load = random_surface(seed)
+    model = mf.Automatic(TOLERANCE)
+    if isinstance(mf.equilibrium(surface, model, load=load).model, mf.BoundaryElements):
+        return None
+    loads = load * np.arange(1, LOADS + 1) / LOADS
+    models = (model, mf.Interacting())
+    # a copy of the surface keeps no influence of the run before
+    one = [best(lambda m=m: mf.equilibrium(surface.replaced(), m, load=load), 5) for m in models]
+    law = [best(lambda m=m: mf.friction_law(surface.replaced(), m, load=loads), 3) for m in models]
+    return one[0] / one[1], law[0] / law[1]
+
+
+def reference(surface: mf.Surface, load: float) -> tuple[float, float]:
+    """Return A0 [mm²] extrapolated from the cells, and its relative change by the last cell."""
+    cell, areas, extrapolated = FIRST_CELL, [], []
+    while cell >= LAST_CELL:
+        areas.append(mf.equilibrium(surface, mf.BoundaryElements(cell), load=load).area)
+        # the error falls as the square of the cell
+        extrapolated += [(4.0 * areas[-1] - areas[-2]) / 3.0] if len(areas) > 1 else []
+        change = abs(extrapolated[-1] / extrapolated[-2] - 1.0) if len(areas) > 2 else np.inf
+        if change <= TOLERANCE / 3.0:
+            break
+        cell /= 2.0
+    return extrapolated[-1], change
