@@ -33,7 +33,7 @@ def rows() -> list[Row]:
     sampled = mf.SampledLaw(load, mf.Independent().curves(height, RADIUS, load)[2][0])
     measured = []
     for name, model in MODELS.items():
-        measured += _pair(f"operating points, {name}", points, model, 1e-9, 0.1, mf.Limits(0.27))
+        measured += _pair(f"operating points, {name}", points, model, 1e-9, 0.015, mf.Limits(0.27))
     for name in ("half-space", "layer"):
         measured += _pair(f"30 samples, {name}", sampled, MODELS[name], 1e-3, 0.2, LIMITS)
     for exponent in (2 / 3, 0.8, 1.0, 1.2, 1.35):

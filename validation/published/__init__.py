@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tomllib
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,7 @@ REFERENCE = f"{PAPER}: Science 383, 200-204, doi:10.1126/science.adk4234; SM: it
 SEPARATE = "a separate program that shares no code with metafem, unpublished"
 
 
+@cache
 def paper() -> dict[str, Any]:
     """Return the printed numbers."""
     return tomllib.loads((FOLDER / "paper.toml").read_text("utf-8"))
