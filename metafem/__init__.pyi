@@ -29,12 +29,10 @@ from .inversion import Together as Together
 from .inversion import achievable_friction_coefficients as achievable_friction_coefficients
 from .inversion import achievable_load_range as achievable_load_range
 from .inversion import arrange as arrange
-from .inversion import design_radii as design_radii
-from .inversion import design_radius as design_radius
 from .inversion import feasible_region as feasible_region
 from .inversion import plasticity_index as plasticity_index
-from .inversion.design import Design as Design
 from .inversion.design import design as design
+from .inversion.result import Design as Design
 from .models import Automatic as Automatic
 from .models import BoundaryElements as BoundaryElements
 from .models import Independent as Independent

@@ -102,7 +102,7 @@ def test_a_design_is_drawn_beside_its_target(target, labels, template, ax):
     np.testing.assert_array_equal(ax.lines[0].get_ydata()[1:], design.law.area)
     x, y = (np.array(values) for values in ax.lines[1].get_data())
     # what is drawn beside the law is what the misfit compares it with
-    np.testing.assert_array_equal(x, design.wanted.load)
+    np.testing.assert_array_equal(x, design.target_law.load)
     achieved = np.interp(x, design.law.rescaled_load, design.law.area)
     # between the points of the drawn law A0 is interpolated, to half a percent here
     assert np.sqrt(np.mean((y / achieved - 1.0) ** 2)) < design.misfit + 5e-3

@@ -1,16 +1,21 @@
-"""Difference of a surface's law from the target."""
+"""Difference of a law from the target, and the status that follows from it."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
 from enum import Enum
 
 import numpy as np
 
-from metafem.inversion.candidate import Blueprint, Branch, Parameter
-from metafem.inversion.strategies.sampled import open_parameters
+from metafem._validate import FloatArray, IntArray
+from metafem.inversion.candidate import Branch, Candidate, Parameter
+from metafem.inversion.problem import Problem
 from metafem.models import Independent, Model
-from metafem.prediction import BranchFit, friction_law, law_at
-from metafem.surface import Material, Surface
+from metafem.prediction import BranchFit, FrictionLaw
+from metafem.prediction.friction_law import default_loads, law_of_curve
+from metafem.progress import doing
+from metafem.surface import Surface
 
 # Tolerance of an exact design: relative error of the friction at each load of the target.
 EXACT = 1e-9
@@ -22,8 +27,10 @@ REACHED = 0.01
 # crossover load, the largest difference in their comparisons, as a success.
 MISSED = 0.1
 
-# Number of loads at which the slope of a straight branch is fitted.
-BRANCH_POINTS = 76
+# The law of a design ends at this multiple of the last load of the target, and has this many loads.
+LAW_END, LAW_POINTS = 1.1, 100
+
+Fits = tuple[tuple[Branch, BranchFit], ...]
 
 
 class DesignStatus(Enum):
@@ -37,83 +44,105 @@ class DesignStatus(Enum):
     MISSED = "missed: the misfit is above 1 %, or above 10 % for the heights of a density"
 
 
-def found_parameters(
-    surface: Surface, model: Model, blueprint: Blueprint, target: object, moved: bool
-) -> dict[str, Parameter]:
-    """Return the blueprint's parameters, updated to the final law and heights.
+@dataclass(frozen=True, eq=False)
+class Assessment:
+    """The law of a candidate under the model of its problem, and what follows from it."""
 
-    Parameters that the target leaves open are fitted again. Levels are left out where heights were changed.
-    """
-    wanted = blueprint.wanted
-    if blueprint.exact and moved:
-        return {"span": float(np.ptp(surface.height))}
-    parameters = dict(blueprint.parameters)
-    if "span" in parameters:
-        parameters["span"] = float(np.ptp(surface.height))
-    if not wanted.free.shape[1]:
-        return parameters
-    area = friction_law(surface, model, load=surface.material.composite_modulus * wanted.load).area
-    return {**parameters, **open_parameters(target, wanted, area)}
+    law: FrictionLaw
+    fits: Fits
+    misfit: float
+    status: DesignStatus
+    parameters: dict[str, Parameter]
 
 
-def branch_fits(surface: Surface, model: Model, blueprint: Blueprint) -> tuple[tuple[Branch, BranchFit], ...]:
-    """Fit the law over each straight branch."""
-    found = []
-    for branch in blueprint.branches:
-        load = np.linspace(*branch.load_range, BRANCH_POINTS)
-        found.append((branch, law_at(surface, model, load).fit(branch.load_range)))
-    return tuple(found)
+@doing("computing the law of the heights")
+def assess(problem: Problem, candidate: Candidate, surface: Surface) -> Assessment:
+    """Return the assessment of a candidate; one curve holds the loads of the law, the target and the fits."""
+    target_law, branches, last = candidate.target_law, candidate.branches, problem.target.last_load
+    if last is None:
+        grid = default_loads(surface, problem.model)
+    else:
+        grid = LAW_END * last * np.arange(1, LAW_POINTS + 1) / LAW_POINTS
+    load, (on_grid, at_target, *on_branches) = _united(
+        [grid, target_law.load, *(branch.load for branch in branches)]
+    )
+    curve = problem.model.curve(surface, load)
+    law = law_of_curve(surface, problem.model, curve.part(on_grid), grid)
+    area = curve.checked().area[at_target]
+    fits = tuple(
+        (branch, law_of_curve(surface, problem.model, curve.part(rows), branch.load).fit(branch.load_range))
+        for branch, rows in zip(branches, on_branches, strict=True)
+    )
+    misfit = _misfit(candidate, area, [fit.slope for _, fit in fits])
+    opened = problem.target.open_parameters(target_law, area) if target_law.is_open else {}
+    return Assessment(
+        law=law,
+        fits=fits,
+        misfit=misfit,
+        status=status_of(candidate, misfit, problem.model.couples),
+        parameters={**candidate.parameters, **opened},
+    )
 
 
-def largest_misfit(
-    surface: Surface, model: Model, blueprint: Blueprint, fits: tuple[tuple[Branch, BranchFit], ...]
-) -> float:
-    """Return the largest relative deviation, of the law from the target or of a fitted slope.
+def misfit_of(candidate: Candidate, area: Callable[[FloatArray], FloatArray]) -> float:
+    """Return the misfit of a candidate from its law A0 as a function of rescaled loads (k,) [mm^2]."""
+    load, (at_target, *on_branches) = _united(
+        [candidate.target_law.load, *(branch.load for branch in candidate.branches)]
+    )
+    found = area(load)
+    slopes = [float(np.polyfit(load[rows], found[rows], 1)[0]) for rows in on_branches]
+    return _misfit(candidate, found[at_target], slopes)
+
+
+def independent_misfit(candidate: Candidate) -> float:
+    """Return the misfit of independent asperities; it does not depend on the sites."""
+    return misfit_of(
+        candidate, lambda load: Independent().curves(candidate.height, candidate.radius, load)[2][0]
+    )
+
+
+def model_misfit(candidate: Candidate, surface: Surface, model: Model) -> float:
+    """Return the misfit of a candidate's surface under a model."""
+    return misfit_of(candidate, lambda load: model.curve(surface, load).checked().area)
+
+
+def _united(loads: list[FloatArray]) -> tuple[FloatArray, list[IntArray]]:
+    """Return all loads once, increasing, and the rows of each list in them."""
+    united = np.unique(np.concatenate(loads))
+    return united, [np.searchsorted(united, part) for part in loads]
+
+
+def _misfit(candidate: Candidate, area: FloatArray, slopes: list[float]) -> float:
+    """Return the largest relative deviation, of the law (k,) from the target or of a fitted slope.
 
     Where the law is compared pointwise, the deviation of the law is its largest at any load, which bounds
     the slopes. Otherwise it is the root mean square.
     """
-    wanted = blueprint.wanted
-    area = friction_law(surface, model, load=surface.material.composite_modulus * wanted.load).area
-    if wanted.pointwise:
-        return float(np.abs(wanted.difference(area)).max())
-    return max([wanted.misfit(area), worst_slope(fits)])
+    if candidate.target_law.pointwise:
+        return float(np.abs(candidate.target_law.difference(area)).max())
+    deviations = [abs(m / branch.slope - 1.0) for m, branch in zip(slopes, candidate.branches, strict=True)]
+    return max([candidate.target_law.misfit(area), *deviations])
 
 
-def misfit_meaning(
-    pointwise: bool, density: bool, fits: tuple[tuple[Branch, BranchFit], ...], misfit: float
-) -> str:
+def misfit_meaning(pointwise: bool, density: bool, fits: Fits, misfit: float) -> str:
     """Return in words which of these deviations the misfit is."""
     if pointwise:
         return "largest difference from the target"
-    if fits and misfit <= worst_slope(fits):
+    if fits and misfit <= max(abs(fit.slope / branch.slope - 1.0) for branch, fit in fits):
         return "difference of a fitted slope from the target's"
     return f"rms difference from {'the law of the height density' if density else 'the target'}"
 
 
-def worst_slope(fits: tuple[tuple[Branch, BranchFit], ...]) -> float:
-    """Return the largest relative deviation of a fitted slope; 0 without branches."""
-    return max((abs(fit.slope / branch.slope - 1.0) for branch, fit in fits), default=0.0)
-
-
-def independent_misfit(blueprint: Blueprint) -> float:
-    """Return the misfit of independent asperities; it does not depend on the sites."""
-    height, radius = blueprint.height, blueprint.radius
-    surface = Surface.square_lattice(height, (1, len(height)), radius=radius, material=Material(1.0))
-    model = Independent()
-    return largest_misfit(surface, model, blueprint, branch_fits(surface, model, blueprint))
-
-
-def status_of(model: Model, blueprint: Blueprint, misfit: float, moved: bool) -> DesignStatus:
-    """Return how a design ended; a misfit of nan counts as missed."""
-    if blueprint.density is None:
+def status_of(candidate: Candidate, misfit: float, couples: bool) -> DesignStatus:
+    """Return how a design ended under a model that couples its contacts or not; nan counts as missed."""
+    if candidate.density is None:
         if not misfit <= REACHED:
             return DesignStatus.MISSED
         if misfit <= EXACT:
             return DesignStatus.EXACT
-        return DesignStatus.REFINED if moved else DesignStatus.REACHED
+        return DesignStatus.REFINED if candidate.moved else DesignStatus.REACHED
     if not misfit <= MISSED:
         return DesignStatus.MISSED
-    if moved:
+    if candidate.moved:
         return DesignStatus.REFINED
-    return DesignStatus.APPROXIMATE if not model.couples else DesignStatus.UNCORRECTED
+    return DesignStatus.UNCORRECTED if couples else DesignStatus.APPROXIMATE

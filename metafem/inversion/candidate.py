@@ -1,16 +1,25 @@
-"""Result of an inversion: heights, and the law with which they are compared."""
+"""Heights that may solve a problem, and the law with which they are compared."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+
+import numpy as np
 
 from metafem._validate import FloatArray, IntArray
 from metafem.inversion.height_density import PiecewiseExponential
-from metafem.inversion.targets.wanted import Wanted
+from metafem.inversion.targets.target_law import TargetLaw
 from metafem.notes import Note
+from metafem.surface import Surface
 
 Parameter = float | int | FloatArray | IntArray
+
+# Number of loads at which the slope of a straight branch is fitted.
+BRANCH_POINTS = 76
+
+# Parameters of operating points that do not hold for moved heights.
+LEVELS = ("counts", "levels", "adjustment_heights", "level_radii", "adjustment_radii")
 
 
 @dataclass(frozen=True)
@@ -24,27 +33,82 @@ class Branch:
     load_range: tuple[float, float]
     intercept: float | None = None
 
+    @property
+    def load(self) -> FloatArray:
+        """Rescaled loads at which the slope is fitted [mm^2]."""
+        return np.linspace(*self.load_range, BRANCH_POINTS)
+
 
 @dataclass(frozen=True, eq=False)
-class Blueprint:
-    """Heights above the base plane, tallest first (n,) [mm], with their radii and the target law.
+class Candidate:
+    """Heights above the base plane (n,) [mm] with their radii, and what a design says of them.
 
-    `wanted` is the target of a refinement under another model. `stepped` heights are already on the levels
-    of the limits. Where points are to be met exactly, asperities that another model needs in addition
-    start below `spare_height` [mm].
+    A strategy returns the heights of independent asperities, tallest first and without `sites`. The later
+    steps of a design assign them to sites of the template and may move them.
+
+    Attributes
+    ----------
+    height, radius : ndarray, (n,)
+        Heights above the base plane and radii [mm].
+    parameters : mapping
+        What was solved for.
+    target_law : TargetLaw
+        The law with which that of the heights is compared: of the target, or of a height density.
+    branches : tuple of Branch
+        Straight branches of the target.
+    density : PiecewiseExponential or None
+        The height density from which the heights follow.
+    notes : tuple of Note
+    stepped : bool
+        Whether the heights are already on the levels of the limits.
+    lowest_level : float or None
+        Given for points that are to be met exactly: below this height [mm] asperities can be added that
+        another model needs.
+    sites : ndarray of int, (n,)
+        Sites of the template, increasing; empty until the heights are assigned.
+    moved : bool
+        Whether the heights differ from those of independent asperities.
     """
 
     height: FloatArray
     radius: FloatArray
     parameters: Mapping[str, Parameter]
-    wanted: Wanted
+    target_law: TargetLaw
     branches: tuple[Branch, ...] = ()
     density: PiecewiseExponential | None = None
-    notes: tuple[Note, ...] = field(default=())
+    notes: tuple[Note, ...] = ()
     stepped: bool = False
-    spare_height: float | None = None
+    lowest_level: float | None = None
+    sites: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    moved: bool = False
 
     @property
     def exact(self) -> bool:
         """Whether points are to be met exactly."""
-        return self.spare_height is not None
+        return self.lowest_level is not None
+
+    def surface(self, template: Surface) -> Surface:
+        """Return the surface of the heights on their sites of a template."""
+        return template.replaced(
+            position=template.position[self.sites], height=self.height, radius=self.radius
+        )
+
+    def placed(self, sites: IntArray, foot: float) -> Candidate:
+        """Return the heights on sites in any order (n,), none below the foot [mm] by rounding."""
+        order = np.argsort(sites)
+        return replace(
+            self,
+            sites=sites[order],
+            height=np.maximum(self.height[order], foot),
+            radius=self.radius[order],
+        )
+
+    def with_heights(self, height: FloatArray) -> Candidate:
+        """Return the candidate with heights moved on their sites; levels are then no longer parameters."""
+        parameters = dict(self.parameters)
+        if self.exact:
+            rest = {name: value for name, value in parameters.items() if name not in LEVELS}
+            parameters = {"span": 0.0, **rest}
+        if "span" in parameters:
+            parameters["span"] = float(np.ptp(height))
+        return replace(self, height=height, parameters=parameters, moved=True)

@@ -1,248 +1,38 @@
-"""Design of a surface for a target law: `design` and its result."""
+"""Design of a surface for a target law."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields
-from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from metafem import _validate as check
-from metafem import drawing
 from metafem._calls import checked_call
-from metafem._validate import IntArray
-from metafem._values import Value, span
-from metafem.errors import Infeasible, InvalidInput
-from metafem.inversion import feasibility
-from metafem.inversion.assessment import (
-    DesignStatus,
-    branch_fits,
-    found_parameters,
-    largest_misfit,
-    misfit_meaning,
-    status_of,
-)
-from metafem.inversion.candidate import Blueprint, Branch, Parameter
+from metafem._validate import FloatArray
+from metafem.errors import Infeasible
+from metafem.inversion.assessment import EXACT, assess, model_misfit
+from metafem.inversion.candidate import Parameter
 from metafem.inversion.design_notes import design_notes
-from metafem.inversion.height_density import PiecewiseExponential
-from metafem.inversion.height_steps import rounded_to_steps
+from metafem.inversion.feasibility import achievable_friction_coefficients
+from metafem.inversion.height_steps import rounded_to_steps, step_note
 from metafem.inversion.limits import Limits
-from metafem.inversion.picture import draw_laws
 from metafem.inversion.placement.layout import Layout, arranged
-from metafem.inversion.problem import Request
-from metafem.inversion.radii import Radii, RadiusRange
-from metafem.inversion.refinement import interaction_margin, refined_surface
-from metafem.inversion.strategies import exponential, operating_points, proportional, sampled
-from metafem.inversion.strategies.mixture import Mixture
-from metafem.inversion.targets.laws import (
-    BilinearLaw,
-    LinearLaw,
-    MultilinearLaw,
-    OperatingPoints,
-    PowerLaw,
-    SampledLaw,
-    Target,
-)
-from metafem.inversion.targets.wanted import Wanted
+from metafem.inversion.problem import Problem
+from metafem.inversion.radii import RadiusRange
+from metafem.inversion.refinement import refined
+from metafem.inversion.result import Design
+from metafem.inversion.strategies.mixture import unreachable
+from metafem.inversion.targets.target import Target
 from metafem.models import Model
-from metafem.notes import Note, counted, late_notes, when_read
-from metafem.prediction import BranchFit, FrictionLaw, friction_law
-from metafem.progress import doing
+from metafem.notes import Note, information, when_read
+from metafem.prediction import FrictionLaw
+from metafem.progress import doing, each
 from metafem.surface import Surface
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Design(Value):
-    """A surface designed for a target, with its predicted law.
-
-    Attributes
-    ----------
-    surface : Surface
-        The asperities that exist.
-    law : FrictionLaw
-        Law of the surface under the model of the design.
-    misfit : float
-        Relative deviation of the law from the target [-]. For operating points and lines over a load range
-        it is the largest at any load. Otherwise it is the root mean square over the loads of the target, or
-        the largest deviation of a fitted slope of a straight branch if that is larger. `misfit_meaning`
-        says which it is.
-    status : DesignStatus
-    parameters : mapping
-        What the inversion solved for, read-only: ``scale`` [mm], ``weight``, ``crossover_height`` [mm],
-        ``counts``, ``levels`` [mm], ...
-    sites : ndarray of int, (n,)
-        Sites of the asperities in the template, read-only.
-    target, template, limits
-        The arguments of the design.
-    fits : tuple of (Branch, BranchFit)
-        Straight branches of the target, each with the fit of the law.
-    radii : RadiusRange, tuple of float or None
-        Radii that each asperity could have [mm]; None for one common radius.
-    density : PiecewiseExponential or None
-        The height density behind the heights, measured from `limits.foot`.
-    notes : tuple of Note
-        Limits of the design and of its model that matter for making the part.
-    layout : Layout or None
-        The layout for which the sites were chosen.
-
-    Notes
-    -----
-    Designs are equal if all their members are, arrays to the bit; ``mf.load(folder) == design`` is True.
-
-    Examples
-    --------
-    >>> import metafem as mf
-    >>> template = mf.Surface.square_lattice(0.12, radius=0.526, material=mf.Material(1.36))
-    >>> mf.design(mf.LinearLaw(6.87), template)
-    Design: Linear friction law of slope 6.87
-      status      approximate: the density has the target's slopes at large loads; the law has the misfit
-      misfit      2.8 %, difference of a fitted slope from the target's
-      asperities  64 on 64 sites
-      heights     0.0002997 to 0.1148 mm
-      radius      0.526 mm
-      model       Independent()
-      law         100 loads 0.006527 to 0.6527 N, area 0.06483 to 3.559 mm^2
-      parameters  scale, intercept, foot_load
-      notes       1 note
-    """
-
-    surface: Surface
-    law: FrictionLaw
-    misfit: float
-    status: DesignStatus
-    parameters: Mapping[str, Parameter]
-    sites: IntArray
-    target: Target
-    template: Surface
-    limits: Limits
-    fits: tuple[tuple[Branch, BranchFit], ...] = ()
-    density: PiecewiseExponential | None = None
-    notes: tuple[Note, ...] = late_notes()
-    radii: RadiusRange | tuple[float, ...] | None = None
-    layout: Layout | None = None
-
-    def __post_init__(self) -> None:
-        count = self.surface.count
-        if self.sites.shape != (count,) or len(np.unique(self.sites)) != count:
-            raise InvalidInput(f"sites must hold {count} different sites, one for each asperity")
-        if self.sites.min() < 0 or self.sites.max() >= self.template.count:
-            raise InvalidInput(f"sites must be from 0 to {self.template.count - 1}, as the template has them")
-        if not np.array_equal(self.surface.position, self.template.position[self.sites]):
-            raise InvalidInput("surface.position must be that of the template at the sites")
-        if not self.misfit >= 0.0:
-            raise InvalidInput(f"misfit = {self.misfit:g} must be at least 0")
-        pair = self.surface.material, self.surface.friction
-        if (self.law.material, self.law.friction) != pair:
-            raise InvalidInput("law.material and law.friction must be those of the surface")
-        for value in (self.sites, *self.parameters.values()):
-            if isinstance(value, np.ndarray):
-                value.flags.writeable = False
-        object.__setattr__(self, "parameters", MappingProxyType(dict(self.parameters)))
-
-    def __reduce__(self) -> Any:
-        # a mapping proxy cannot be pickled; the constructor makes a new one
-        members = {field.name: getattr(self, field.name) for field in fields(self)}
-        return _restored, ({**members, "parameters": dict(self.parameters)},)
-
-    def __repr__(self) -> str:
-        surface, law = self.surface, self.law
-        return "\n".join(
-            [
-                f"Design: {self.target.title}",
-                f"  status      {self.status.value}",
-                f"  misfit      {100.0 * self.misfit:.2g} %, {self.misfit_meaning}",
-                f"  asperities  {surface.count} on {self.template.count} sites",
-                f"  heights     {span(surface.height, 'mm')}",
-                f"  radius      {span(surface.radius, 'mm')}",
-                f"  model       {law.model!r}",
-                f"  law         {len(law.load)} loads {span(law.load, 'N')}, area {span(law.area, 'mm^2')}",
-                f"  parameters  {', '.join(self.parameters)}",
-                f"  notes       {counted(dict.fromkeys((*self.notes, *law.notes)))}",
-            ]
-        )
-
-    @property
-    def wanted(self) -> Wanted:
-        """The law with which `misfit` compares: that of the height density, or else the target."""
-        if self.density is None:
-            return sampled.wanted_law(self.target)
-        branches = tuple(branch for branch, _ in self.fits)
-        return exponential.law_of(self.density, branches, Mixture.of(self.surface.radius))
-
-    @property
-    def misfit_meaning(self) -> str:
-        """Definition of `misfit` for this design, in words."""
-        return misfit_meaning(self.wanted.pointwise, self.density is not None, self.fits, self.misfit)
-
-    def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw the achieved law beside the target, rescaled.
-
-        A design with a height density is drawn beside the law of the density and straight lines with the
-        slopes of the target, whose ranges are shaded.
-
-        Parameters
-        ----------
-        ax : matplotlib Axes, optional
-            Where to draw; without it in a new figure of ``matplotlib.pyplot``.
-
-        Returns
-        -------
-        matplotlib Axes
-
-        Examples
-        --------
-        >>> import metafem as mf
-        >>> template = mf.Surface.square_lattice(0.12, radius=0.526, material=mf.Material(1.36))
-        >>> ax = mf.design(mf.PowerLaw(1.1, (0.05, 0.2)), template).plot()
-        >>> [text.get_text() for text in ax.get_legend().get_texts()]
-        ['achieved', 'target']
-        """
-        ax = drawing.axes(ax)
-        draw_laws(self, ax)
-        return ax
-
-
-def _restored(members: dict[str, Any]) -> Design:
-    return Design(**members)
-
-
-Inversion = Callable[[Any, Radii, int, Limits, np.random.Generator], Blueprint]
-
-
-def _straight(density: Inversion) -> Inversion:
-    """Return the inversion of a straight law: by its density, or the line itself over a range of loads."""
-
-    def invert(
-        target: LinearLaw | BilinearLaw, radii: Radii, count: int, limits: Limits, rng: np.random.Generator
-    ) -> Blueprint:
-        chosen = density if target.load_range is None else sampled.invert
-        return chosen(target, radii, count, limits, rng)
-
-    return invert
-
-
-_INVERSIONS: dict[type, Inversion] = {
-    OperatingPoints: operating_points.invert,
-    LinearLaw: _straight(exponential.invert_linear),
-    BilinearLaw: _straight(exponential.invert_bilinear),
-    SampledLaw: sampled.invert,
-    PowerLaw: sampled.invert,
-    MultilinearLaw: sampled.invert,
-}
-
-# Targets whose bounds are checked before the inversion.
-_REFUSALS: dict[type, Callable[[Any, Radii, int, Limits, float], None]] = {
-    LinearLaw: proportional.refuse_line,
-    BilinearLaw: proportional.refuse_line,
-    SampledLaw: feasibility.refuse_sampled,
-    PowerLaw: feasibility.refuse_power,
-    MultilinearLaw: feasibility.refuse_multilinear,
-}
+# If more radii of a range than this are in use, only the least and the largest are stated.
+MOST_LISTED = 8
 
 
 @checked_call
@@ -253,8 +43,11 @@ def design(
     limits: Limits | None = None,
     rng: Any = 0,
     layout: Layout | None = None,
+    *,
+    radii: RadiusRange | Sequence[float] | None = None,
+    common_radius: bool = False,
 ) -> Design:
-    """Find heights whose friction law is the target.
+    """Find heights, and radii where there is a choice, whose friction law is the target.
 
     Parameters
     ----------
@@ -263,7 +56,7 @@ def design(
         the heights follow a density whose law has the target slopes and its own intercept.
     template : Surface
         Sites, common radius, material, friction and block. Its heights are used only for the default of
-        `limits`.
+        `limits`, and its radii only where `radii` is not given.
     model : Model, optional
         Model under which the law is to meet the target; default: ``Independent()``. Under a model with
         interaction the heights of the independent inversion are refined by the Levenberg–Marquardt method
@@ -279,10 +72,28 @@ def design(
         Aim of the assignment of heights to sites, by `arrange` under the model and before any refinement.
         Its misfits are the parameters ``layout_before`` and ``layout_after`` [-]. Default: a random
         assignment.
+    radii : RadiusRange or sequence of float, optional
+        Radii that each asperity may have [mm]: any of a range, or a list of tool radii. One radius for all
+        is used where it reaches the target. Otherwise radii are mixed: linear and bilinear laws assign two
+        radii to the heights of one density, whose law is that of the single radius ``R = (<R>/<sqrt R>)^2``;
+        for operating points each level can have a different radius; for laws of any shape heights and radii
+        are searched together. The radii are found for independent asperities; under another model only the
+        heights are refined. With several radii the local exponent of a law can be below 2/3, and its slope
+        can be larger. Default: the common radius of the template.
+    common_radius : bool
+        Whether all asperities have the one of the `radii` that has the least misfit. All radii of a list are
+        tried, and up to 11 of a range, without the layout.
 
     Returns
     -------
     Design
+        With `radii`, its parameters hold the radii in use, ``used_radii`` [mm], and the number of asperities
+        of each, ``radius_counts``; for many radii of a range ``lowest_radius`` and ``highest_radius`` [mm].
+        With `common_radius` they hold ``radius`` [mm] and, for all radii that can reach the target,
+        ``tried_radii`` [mm] and ``radius_misfits`` [-]; a note lists the radii that cannot, with the reason.
+        With a template that has a friction, they also hold the bounds of the friction coefficients of linear
+        laws with each of the ``tried_radii`` alone, ``lowest_coefficients`` and, where `limits.height_sd` is
+        given, ``highest_coefficients``, and ``reachable_coefficients`` of mixtures.
 
     Raises
     ------
@@ -303,81 +114,144 @@ def design(
     >>> result = mf.design(mf.LinearLaw(6.87), template)
     >>> round(result.parameters["scale"], 4), result.misfit < 0.03
     (0.0401, True)
+
+    A slope of 4.5 is out of reach of the larger tool. A local exponent below 2/3 needs both.
+
+    >>> tools = [0.3, 0.526]
+    >>> mf.design(mf.LinearLaw(4.5), template, radii=tools, common_radius=True).parameters["radius"]
+    0.3
+    >>> target, limits = mf.PowerLaw(0.64, (0.1, 0.2)), mf.Limits(0.27)
+    >>> mf.design(target, template, limits=limits, radii=[0.2, 0.8]).parameters["used_radii"]
+    array([0.2, 0.8])
     """
-    return designed(Request.checked(target, template, None, model, limits, layout), check.generator(rng))
-
-
-def designed(request: Request, generator: np.random.Generator) -> Design:
-    """Return the design of a request."""
-    target, template, solver, limits = request.target, request.template, request.model, request.limits
-    _refuse_infeasible(request)
-    deal = generator.permutation(template.count)
+    problem = Problem.checked(target, template, model, limits, layout, radii)
+    generator = check.generator(rng)
+    check.instance("common_radius", common_radius, bool, "True or False")
+    if common_radius:
+        return _with_common_radius(problem, generator)
+    _refuse_infeasible(problem)
+    permutation = generator.permutation(problem.count)
     with doing("inverting the law"):
-        blueprint = _INVERSIONS[type(target)](target, request.radii, template.count, limits, generator)
-    sites = deal[: len(blueprint.height)]
-    order = np.argsort(sites)
-    sites = sites[order]
-    surface = template.replaced(
-        position=template.position[sites],
-        height=np.maximum(blueprint.height[order], limits.foot),  # not below the limit by rounding
-        radius=blueprint.radius[order],
-    )
-    surface, placed, placing = arranged(surface, request.layout, solver, blueprint.wanted, generator)
-    surface, sites, moved = refined_surface(request, surface, sites, blueprint, generator)
-    stepped: dict[str, Parameter] = {}
-    coupled = solver.couples
-    if limits.height_step is not None and (coupled or not blueprint.stepped):
-        surface, stepped, lost = rounded_to_steps(surface, solver, blueprint, limits)
-        moved += lost
-    parameters = found_parameters(surface, solver, blueprint, target, bool(moved))
-    fits = branch_fits(surface, solver, blueprint)
-    misfit = largest_misfit(surface, solver, blueprint, fits)
-    status = status_of(solver, blueprint, misfit, bool(moved))
-    law = _drawn_law(surface, request)
-    loss = float(np.asarray(stepped.get("step_loss", 0.0)))
-    told = design_notes(request, blueprint, surface, fits, misfit, status, loss)
-    own = blueprint.notes + placing + moved + told
+        candidate = target.candidate(problem, generator)
+    candidate = candidate.placed(permutation[: len(candidate.height)], problem.limits.foot)
+    candidate = arranged(problem, candidate, generator)
+    candidate = refined(problem, candidate, generator)
+    surface, step_loss = candidate.surface(template), 0.0
+    steps = problem.limits.height_step is not None and (problem.model.couples or not candidate.stepped)
+    if steps:
+        before = model_misfit(candidate, surface, problem.model)
+        candidate = rounded_to_steps(problem, candidate)
+        surface = candidate.surface(template)
+    found = assess(problem, candidate, surface)
+    notes = candidate.notes
+    if steps:
+        step_loss = found.misfit - before
+        notes = (*notes, step_note(problem.limits, before, found.misfit))
+        found.parameters["step_loss"] = step_loss
+    notes = (*notes, *design_notes(problem, candidate, surface, found, step_loss))
     return Design(
         surface=surface,
-        law=law,
-        misfit=misfit,
-        status=status,
-        parameters=parameters | placed | stepped,
-        sites=sites,
+        law=found.law,
+        misfit=found.misfit,
+        status=found.status,
+        parameters=found.parameters if radii is None else found.parameters | _radii_in_use(problem, surface),
+        sites=candidate.sites,
         target=target,
         template=template,
-        limits=limits,
-        fits=fits,
-        density=blueprint.density,
-        notes=when_read(_with_those_of_the_law, own, law),
-        layout=request.layout,
+        limits=problem.limits,
+        fits=found.fits,
+        density=candidate.density,
+        notes=when_read(_with_those_of_the_law, notes, found.law),
+        radii=None if radii is None else problem.radii.given_as,
+        layout=layout,
     )
 
 
-def _with_those_of_the_law(own: tuple[Note, ...], law: FrictionLaw) -> tuple[Note, ...]:
-    """Return a design's own notes and what its law's model leaves out, each once."""
-    return tuple(dict.fromkeys((*own, *law.notes)))
+def _with_those_of_the_law(notes: tuple[Note, ...], law: FrictionLaw) -> tuple[Note, ...]:
+    """Return a design's notes and those of its law, each once."""
+    return tuple(dict.fromkeys((*notes, *law.notes)))
 
 
-def _refuse_infeasible(request: Request) -> None:
+def _refuse_infeasible(problem: Problem) -> None:
     """Raise Infeasible for a target beyond its bounds by more than the interaction margin of the model."""
-    target, radii, count = request.target, request.radii, request.template.count
-    refuse = _REFUSALS.get(type(target))
-    if refuse is None:
-        return
     try:
-        refuse(target, radii, count, request.limits, 0.0)
+        problem.target.refuse(problem, 0.0)
     except Infeasible:
-        margin = interaction_margin(request)
+        margin = problem.interaction_margin()
         if margin == 0.0:
             raise
-        refuse(target, radii, count, request.limits, margin)
+        problem.target.refuse(problem, margin)
 
 
-@doing("computing the law of the heights")
-def _drawn_law(surface: Surface, request: Request) -> FrictionLaw:
-    """Return the law on the default grid, or on one up to 1.1 times the last load of the target."""
-    if request.target.last_load is None:
-        return friction_law(surface, request.model)
-    end = 1.1 * surface.material.composite_modulus * request.target.last_load
-    return friction_law(surface, request.model, load=end * np.arange(1, 101) / 100)
+def _with_common_radius(problem: Problem, rng: np.random.Generator) -> Design:
+    """Return the design with the best common radius, which does not depend on the layout."""
+    choice, template, seed = problem.radii, problem.template, rng.integers(2**63)
+    found: dict[float, Design] = {}
+    refused: dict[float, Infeasible] = {}
+
+    def with_radius(radius: float, layout: Layout | None) -> Design:
+        part, again = template.replaced(radius=radius), np.random.default_rng(seed)
+        return design(problem.target, part, problem.model, problem.limits, again, layout)
+
+    def attempt(radii: FloatArray) -> None:
+        for radius in each("radius", radii.tolist()):
+            try:
+                found[radius] = with_radius(radius, None)
+            except Infeasible as reason:
+                refused[radius] = reason
+
+    def rank(radius: float) -> tuple[float, float]:
+        """Return the misfit and the radius; the misfits of exact designs are rounding, and count as equal."""
+        return max(found[radius].misfit, EXACT), radius
+
+    attempt(choice.tried)
+    if not found:
+        raise unreachable(refused)
+    if choice.tools is None:
+        attempt(choice.tried_beside(min(found, key=rank), problem.options.next_radii))
+    best = min(found, key=rank)
+    result = found[best] if problem.layout is None else with_radius(best, problem.layout)
+    tried = np.array(sorted(found))
+    parameters = {
+        **result.parameters,
+        "radius": best,
+        "tried_radii": tried,
+        "radius_misfits": np.array([found[radius].misfit for radius in tried.tolist()]),
+        **_coefficients(problem, tried),
+    }
+    notes = result.notes
+    if refused:
+        which = ", ".join(f"{radius:.4g}" for radius in sorted(refused))
+        words = f"radii that cannot reach the target [mm]: {which}; {refused[min(refused)]}"
+        notes = (*notes, information(words))
+    return replace(result, parameters=parameters, notes=notes)
+
+
+def _radii_in_use(problem: Problem, surface: Surface) -> dict[str, Parameter]:
+    """Return the parameters of a choice of radii."""
+    radii, template = problem.radii, problem.template
+    used, counts = np.unique(surface.radius, return_counts=True)
+    parameters: dict[str, Parameter] = {"used_radii": used, "radius_counts": counts.astype(np.int64)}
+    if radii.tools is None and len(used) > MOST_LISTED:
+        parameters = {"lowest_radius": float(used[0]), "highest_radius": float(used[-1])}
+    if template.friction is not None:
+        reach = np.array(achievable_friction_coefficients(template, problem.limits, radii.given_as))
+        parameters |= {"tried_radii": radii.tried, **_coefficients(problem, radii.tried)}
+        parameters["reachable_coefficients"] = reach[np.isfinite(reach)]
+    return parameters
+
+
+def _coefficients(problem: Problem, radii: FloatArray) -> dict[str, Parameter]:
+    """Return bounds of the friction coefficients of linear laws with each radius alone."""
+    if problem.template.friction is None:
+        return {}
+    bounds = np.array(
+        [
+            achievable_friction_coefficients(problem.template, problem.limits, [radius])
+            for radius in radii.tolist()
+        ]
+    )
+    reach: dict[str, Parameter] = {"lowest_coefficients": bounds[:, 0]}
+    if np.isfinite(bounds).all():
+        reach["highest_coefficients"] = bounds[:, 1]
+    return reach

@@ -6,13 +6,19 @@ from typing import Any
 
 import numpy as np
 
-from metafem.inversion.assessment import MISSED, REACHED, DesignStatus, independent_misfit, misfit_meaning
-from metafem.inversion.candidate import Blueprint, Branch
+from metafem.inversion.assessment import (
+    MISSED,
+    REACHED,
+    Assessment,
+    DesignStatus,
+    independent_misfit,
+    misfit_meaning,
+)
+from metafem.inversion.candidate import Candidate
 from metafem.inversion.limits import Limits
-from metafem.inversion.problem import Request
+from metafem.inversion.problem import Problem
 from metafem.inversion.strategies.proportional import reached_line
 from metafem.notes import Level, Note
-from metafem.prediction import BranchFit
 from metafem.surface import Surface
 
 # Heights should be larger than the height errors by at least this factor.
@@ -23,31 +29,25 @@ ALL_OF_IT = 1e-6
 
 
 def design_notes(
-    request: Request,
-    blueprint: Blueprint,
-    surface: Surface,
-    fits: tuple[tuple[Branch, BranchFit], ...],
-    misfit: float,
-    status: DesignStatus,
-    step_loss: float = 0.0,
+    problem: Problem, candidate: Candidate, surface: Surface, found: Assessment, step_loss: float
 ) -> tuple[Note, ...]:
     """Return notes on a straight target that is missed, and on heights that are hard to make."""
-    by_steps = misfit - step_loss <= REACHED
-    held = status is DesignStatus.MISSED and not by_steps and _uses_all(surface, request.limits)
-    notes = _made(surface, request.limits, held)
-    if misfit <= REACHED:
+    by_steps = found.misfit - step_loss <= REACHED
+    held = found.status is DesignStatus.MISSED and not by_steps and _uses_all(surface, problem.limits)
+    notes = _made(surface, problem.limits, held)
+    if found.misfit <= REACHED:
         return notes
-    if blueprint.density is not None:
-        return (*notes, _density(request, fits, misfit))
-    if blueprint.branches and blueprint.wanted.pointwise and independent_misfit(blueprint) > REACHED:
-        return (*notes, _line(request, held))
+    if candidate.density is not None:
+        return (*notes, _density(problem, found))
+    if candidate.branches and candidate.target_law.pointwise and independent_misfit(candidate) > REACHED:
+        return (*notes, _line(problem, held))
     return notes
 
 
-def _density(request: Request, fits: tuple[tuple[Branch, BranchFit], ...], misfit: float) -> Note:
+def _density(problem: Problem, found: Assessment) -> Note:
     """State the misfit of the density's heights, and that load_range makes the target a line."""
-    name = request.target.wording.name(len(fits))
-    meaning = misfit_meaning(False, True, fits, misfit)
+    name, misfit = problem.target.wording.name(len(found.fits)), found.misfit
+    meaning = misfit_meaning(False, True, found.fits, misfit)
     return Note(
         f"the {meaning} is {100.0 * misfit:.2g} %: the heights follow a density, whose law has the {name} at "
         "large loads and its own intercept. Give load_range: heights are then found whose friction is within "
@@ -56,11 +56,11 @@ def _density(request: Request, fits: tuple[tuple[Branch, BranchFit], ...], misfi
     )
 
 
-def _line(request: Request, held: bool) -> Note:
+def _line(problem: Problem, held: bool) -> Note:
     """State over which loads the line can be met, and what else to change; `held` by max_height or not."""
-    target: Any = request.target
+    target: Any = problem.target
     wording = target.wording
-    found = reached_line(target, request.radii, request.template.count, request.limits)
+    found = reached_line(target, problem)
     if found is None or found.load_range is None:
         height = "raise max_height or" if held else "raise"
         words = f"nor over any part of it; {height} the {wording.name()}, or use a smaller radius"

@@ -15,7 +15,10 @@ at the root s > 1 of ``k^2 s^4 + 2 k s^3 - 2 k s - 1``.
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -25,18 +28,24 @@ from metafem import _validate as check
 from metafem._calls import checked_call
 from metafem._validate import FloatArray
 from metafem.contact import Hertz
-from metafem.errors import Infeasible
+from metafem.errors import Infeasible, InvalidInput, MetafemWarning
+from metafem.inversion.height_density import FINEST_SCALE_IN_SD, TruncatedExponential, uniform_slope
 from metafem.inversion.limits import Limits
 from metafem.inversion.radii import Radii, RadiusRange
-from metafem.inversion.targets.laws import MultilinearLaw, PowerLaw, SampledLaw
-from metafem.inversion.targets.wording import Wording
 from metafem.surface import Surface
+
+if TYPE_CHECKING:
+    from metafem.inversion.problem import Problem
+    from metafem.inversion.targets.wording import Wording
 
 # A value this close to a bound counts as the bound: rounding must not refuse values taken from a surface.
 ROUNDING = 1e-9
 
 # Exponent of a fixed number of equal contacts, the least for any surface of one radius.
 EQUAL_EXPONENT = 2.0 / 3.0
+
+# Limit of mostly elastic contact by Greenwood and Williamson.
+ELASTIC_LIMIT = 0.6
 
 
 def friction_bounds(load: FloatArray, radii: Radii, count: int) -> tuple[FloatArray, FloatArray]:
@@ -80,6 +89,75 @@ def largest_load(radii: Radii, count: int, limits: Limits) -> float:
     """Return the load P/E* [mm^2] that N asperities carry when the plane reaches the base plane."""
     depth = limits.offset + limits.max_height
     return count * float(Hertz().load_at_indentation(depth, radii.high))
+
+
+@dataclass(frozen=True, eq=False)
+class BrokenBound:
+    """The first point beyond a bound, the bound in words and in mm^2, and possible frictions (k,)."""
+
+    index: int
+    words: str
+    bound: float
+    nearest: FloatArray
+
+
+def broken_bound(
+    load: FloatArray, friction: FloatArray, radii: Radii, count: int, margin: float
+) -> BrokenBound | None:
+    """Return the bound that points (k,) break by more than a margin (relative), or None."""
+    low, high = friction_bounds(load, radii, count)
+    exponent, slack = least_exponent(radii), margin + ROUNDING
+    least = load**exponent
+    scaled = friction / least
+    top = np.maximum.accumulate(scaled)
+    jump = _largest_jump(load, friction, radii, count)
+    power = "(2/3)" if radii.single else f"{exponent:.4g}"
+    for broken, words, bound in (
+        (friction < low * (1.0 - slack), "below that of a single asperity", low),
+        (friction > high * (1.0 + slack), f"above that of {count} equal asperities", high),
+        (
+            scaled < top * (1.0 - slack),
+            f"below that of the asperities in contact at smaller loads (F/P^{power} cannot fall)",
+            top * least,
+        ),
+        (
+            friction > jump * (1.0 + slack),
+            f"above that of {count} asperities that all come into contact after a smaller load",
+            jump,
+        ),
+    ):
+        if broken.any():
+            i = int(broken.argmax())
+            clipped = np.clip(scaled, low / least, np.minimum(high, jump) / least)
+            return BrokenBound(i, words, float(bound[i]), np.maximum.accumulate(clipped) * least)
+    return None
+
+
+def _largest_jump(load: FloatArray, friction: FloatArray, radii: Radii, count: int) -> FloatArray:
+    """Return the largest friction that is possible after the smaller loads, (k,) [mm^2].
+
+    The steepest slope is ``dA0/dp = 2/3 K p/A0^2``, so that ``A0^3 - K p^2`` cannot rise along a law; K is
+    that of N equal contacts.
+    """
+    rise = 9.0 / 16.0 * math.pi**3 * count * radii.high**2 * load**2
+    lowest = np.minimum.accumulate(np.insert(friction**3 - rise, 0, 0.0))[:-1]
+    return np.cbrt(lowest + rise)
+
+
+def refuse_load(load: float, problem: Problem, wording: Wording) -> None:
+    """Raise Infeasible for a load beyond that at which the plane reaches the base plane."""
+    most = largest_load(problem.radii, problem.count, problem.limits)
+    if load > most:
+        raise Infeasible(
+            f"load {wording.loads(load)} is beyond {wording.loads(most)}, at which the plane reaches the "
+            f"base plane with {problem.count} summits of the largest height; raise max_height or offset, or "
+            "use more asperities"
+        )
+
+
+def margin_words(margin: float) -> str:
+    """Return the margin in words, or nothing if it is 0."""
+    return f" (the model's interaction leaves a margin of {100.0 * margin:.2g} %)" if margin > 0.0 else ""
 
 
 @checked_call
@@ -134,120 +212,102 @@ def feasible_region(
     return np.where(beyond, np.nan, low), np.where(beyond, np.nan, high)
 
 
-def refuse_sampled(target: SampledLaw, radii: Radii, count: int, limits: Limits, margin: float) -> None:
-    """Raise Infeasible for samples that break a bound by more than a margin (relative)."""
-    load, friction, wording = target.rescaled_load, target.rescaled_friction, target.wording
-    refuse_load(float(load[-1]), radii, count, limits, wording)
-    low, high = friction_bounds(load, radii, count)
-    slack = margin + ROUNDING
-    least = load ** least_exponent(radii)
-    scaled = friction / least
-    top = np.maximum.accumulate(scaled)
-    jump = _largest_jump(load, friction, radii, count)
-    for broken, words, bound in (
-        (friction < low * (1.0 - slack), "below that of a single asperity", low),
-        (friction > high * (1.0 + slack), f"above that of {count} equal asperities", high),
-        (
-            scaled < top * (1.0 - slack),
-            f"below that of the asperities in contact at smaller loads (F/P^{_words(radii)} cannot fall)",
-            top * least,
-        ),
-        (
-            friction > jump * (1.0 + slack),
-            f"above that of {count} asperities that all come into contact after a smaller load",
-            jump,
-        ),
-    ):
-        if broken.any():
-            i = int(broken.argmax())
-            clipped = np.clip(scaled, low / least, np.minimum(high, jump) / least)
-            nearest = np.maximum.accumulate(clipped) * least
-            raise Infeasible(
-                f"sample {i + 1} (load {wording.loads(load[i])}, friction {wording.frictions(friction[i])}) "
-                f"is {words}, {wording.frictions(bound[i])}, for any surface of {radii}"
-                f"{margin_words(margin)}",
-                SampledLaw(load, nearest, target.weight, wording),
-            )
+@checked_call
+def achievable_friction_coefficients(
+    template: Surface, limits: Limits, radii: RadiusRange | Sequence[float] | None = None
+) -> tuple[float, float]:
+    """Bounds on the friction coefficient of a linear law.
 
+    The lower bound is that of uniformly distributed heights, ``3 pi/4 sqrt(R/h_m) sigma B / E*``. The
+    upper bound is that of the smallest scale that can be made, ten times `limits.height_sd`; without a
+    `height_sd` it is infinite. Where each asperity may have one of several radii, the lower bound is that
+    of the least radius and the upper bound that of the largest; mixtures reach all values between.
 
-def _largest_jump(load: FloatArray, friction: FloatArray, radii: Radii, count: int) -> FloatArray:
-    """Return the largest friction that is possible after the smaller loads, (k,) [mm^2].
+    Parameters
+    ----------
+    template : Surface
+        With a friction, and one common radius unless `radii` is given.
+    limits : Limits
+    radii : RadiusRange or sequence of float, optional
+        Radii that each asperity may have [mm]; default: the radius of the template.
 
-    The steepest slope is ``dA0/dp = 2/3 K p/A0^2``, so that ``A0^3 - K p^2`` cannot rise along a law; K is
-    that of N equal contacts.
+    Returns
+    -------
+    low, high : float
+        Friction coefficients mu [-].
+
+    Raises
+    ------
+    InvalidInput
+        For a template without a friction or with several radii, and radii that are not positive.
+
+    Notes
+    -----
+    Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234, supplementary text.
+
+    Examples
+    --------
+    >>> import metafem as mf
+    >>> template = mf.Surface.square_lattice(
+    ...     0.12, radius=0.526, material=mf.Material(1.36), friction=mf.Friction(0.358, 0.85)
+    ... )
+    >>> limits = Limits(max_height=0.120, height_sd=0.0009)
+    >>> [round(mu, 3) for mu in achievable_friction_coefficients(template, limits)]
+    [1.104, 3.032]
     """
-    rise = 9.0 / 16.0 * math.pi**3 * count * radii.high**2 * load**2
-    lowest = np.minimum.accumulate(np.insert(friction**3 - rise, 0, 0.0))[:-1]
-    return np.cbrt(lowest + rise)
+    check.instance("limits", limits, Limits, "metafem.Limits")
+    if template.friction is None:
+        raise InvalidInput("template has no friction; a friction coefficient needs metafem.Friction")
+    choice = Radii.common(template) if radii is None else Radii.given(radii)
+    per_slope = (
+        template.friction.shear_strength * template.friction.area_ratio / template.material.composite_modulus
+    )
+    low = uniform_slope(choice.low, limits.span)
+    high = math.inf
+    if limits.height_sd:
+        finest = TruncatedExponential(FINEST_SCALE_IN_SD * limits.height_sd, limits.span)
+        high = finest.asymptotic_slope(choice.high)
+    return low * per_slope, high * per_slope
 
 
-def refuse_power(target: PowerLaw, radii: Radii, count: int, limits: Limits, margin: float) -> None:
-    """Raise Infeasible for an exponent or a prefactor beyond its bound by more than a margin (relative)."""
-    (low, high), wording = target.load_range, target.wording
-    refuse_load(high, radii, count, limits, wording)
-    least, most = least_exponent(radii), largest_exponent(target.load_range, radii, count)
-    slack = margin / math.log(high / low)
-    if not least - slack - ROUNDING <= target.exponent <= most + slack + ROUNDING:
-        nearest = min(max(target.exponent, least), most)
-        raise Infeasible(
-            f"exponent {target.exponent:g} over loads from {wording.loads(low, high)} cannot be reached: at "
-            f"least {least:.4g} and at most {most:.4g} with {count} asperities of "
-            f"{'one radius' if radii.single else radii}"
-            f"{margin_words(margin)}",
-            PowerLaw(nearest, target.load_range, wording=wording),
+@checked_call
+def plasticity_index(surface: Surface, hardness: float) -> float:
+    """Plasticity index of a surface, ``psi = E*/H sqrt(s/R)``.
+
+    Here s is the standard deviation of the heights and R the mean radius. An elastic model is suitable
+    below 0.6; above, a MetafemWarning is issued.
+
+    Parameters
+    ----------
+    surface : Surface
+    hardness : float
+        H [MPa], positive.
+
+    Returns
+    -------
+    float
+        psi [-].
+
+    Notes
+    -----
+    Greenwood and Williamson, Proc. R. Soc. A 295, 300 (1966), doi:10.1098/rspa.1966.0242.
+
+    Examples
+    --------
+    >>> import metafem as mf
+    >>> surface = mf.Surface.square_lattice([0.1, 0.2], (1, 2), radius=0.5, material=mf.Material(1.36))
+    >>> round(plasticity_index(surface, hardness=10.0), 4)
+    0.043
+    """
+    check.instance("surface", surface, Surface, "a metafem.Surface")
+    h = check.number("hardness", hardness, above=0.0)
+    ratio = surface.material.composite_modulus / h
+    psi = ratio * math.sqrt(float(surface.height.std()) / float(surface.radius.mean()))
+    if psi >= ELASTIC_LIMIT:
+        warnings.warn(
+            f"plasticity index {psi:.3g} is not below {ELASTIC_LIMIT}: the contacts will deform "
+            "plastically; choose a material with a smaller E*/H, larger radii or closer heights",
+            MetafemWarning,
+            stacklevel=2,
         )
-    if target.prefactor is not None:
-        load = np.array(target.load_range)
-        ends = SampledLaw(load, target.prefactor * load**target.exponent, wording=wording)
-        refuse_sampled(ends, radii, count, limits, margin)
-
-
-def refuse_multilinear(
-    target: MultilinearLaw, radii: Radii, count: int, limits: Limits, margin: float
-) -> None:
-    """Raise Infeasible where no intercept keeps connected branches within the bounds."""
-    wording = target.wording
-    refuse_load(target.load_range[1], radii, count, limits, wording)
-    slack = margin + ROUNDING
-    offset, low, high = 0.0, -math.inf, math.inf
-    for i, (slope, (start, end)) in enumerate(target.branches):
-        free = i > 0 and start > target.branches[i - 1][1][1]
-        if free:
-            offset, low, high = 0.0, -math.inf, math.inf
-        elif i:
-            offset += (target.slopes[i - 1] - slope) * start
-        # F = c + offset + slope p is straight and the bounds are concave: the lower bound is active at the
-        # ends or where its slope is that of F, the upper bound only at the ends
-        steep = (EQUAL_EXPONENT * single_friction(radii.low) / slope) ** 3
-        load = np.array([start, end, min(max(steep, start), end)])
-        least, most = friction_bounds(load, radii, count)
-        low = max(low, float((least * (1.0 - slack) - offset - slope * load).max()))
-        high = min(high, float((most * (1.0 + slack) - offset - slope * load)[:2].min()))
-        # F/p^b cannot fall: c + offset <= slope p (1/b - 1), first broken at the start
-        high = min(high, slope * start * (1.0 / least_exponent(radii) - 1.0 + slack) - offset)
-        if low > high:
-            raise Infeasible(
-                f"branch {i + 1} of {wording.slopes(slope)} from {wording.loads(start, end)} leaves the "
-                f"range of {count} asperities of {radii} for every intercept"
-                f"{margin_words(margin)}"
-            )
-
-
-def refuse_load(load: float, radii: Radii, count: int, limits: Limits, wording: Wording) -> None:
-    """Raise Infeasible for a load beyond that at which the plane reaches the base plane."""
-    most = largest_load(radii, count, limits)
-    if load > most:
-        raise Infeasible(
-            f"load {wording.loads(load)} is beyond {wording.loads(most)}, at which the plane reaches the "
-            f"base plane with {count} summits of the largest height; raise max_height or offset, or use more "
-            "asperities"
-        )
-
-
-def margin_words(margin: float) -> str:
-    """Return the margin in words, or nothing if it is 0."""
-    return f" (the model's interaction leaves a margin of {100.0 * margin:.2g} %)" if margin > 0.0 else ""
-
-
-def _words(radii: Radii) -> str:
-    return "(2/3)" if radii.single else f"{least_exponent(radii):.4g}"
+    return psi

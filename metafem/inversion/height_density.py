@@ -20,6 +20,7 @@ from metafem.contact import Hertz
 from metafem.errors import InvalidInput
 
 __all__ = [
+    "FINEST_SCALE_IN_SD",
     "PiecewiseExponential",
     "TruncatedExponential",
     "TwoBranchExponential",
@@ -28,6 +29,10 @@ __all__ = [
     "slope_excess",
     "uniform_slope",
 ]
+
+# With a scale below this many standard deviations of the heights as made, the density is no longer
+# exponential: rule of thumb of Aymard et al., doi:10.1126/science.adk4234.
+FINEST_SCALE_IN_SD = 10.0
 
 
 def slope_excess(x: ArrayLike) -> FloatArray:
@@ -68,12 +73,12 @@ def scale_from_slope(slope: float, radius: float, max_height: float) -> float:
     from scipy.optimize import brentq
 
     bound = uniform_slope(radius, max_height)
-    wanted = (slope - bound) / bound
+    excess = (slope - bound) / bound
     # k(x) <= 1 makes the ratio exceed sqrt(x) (1 - e^-x)/Gamma(5/2): the root lies below `upper`.
-    upper = 2.0 * (math.gamma(2.5) * (1.0 + wanted)) ** 2
-    # the tightest relative tolerance that brentq accepts; the excess is nearly x/10, so x tends to 10 wanted
+    upper = 2.0 * (math.gamma(2.5) * (1.0 + excess)) ** 2
+    # the tightest relative tolerance that brentq accepts; the excess is nearly x/10, so x tends to 10 excess
     tightest = 4.0 * np.finfo(float).eps
-    x = brentq(lambda x: float(slope_excess(x)) - wanted, 0.0, upper, xtol=tightest * wanted, rtol=tightest)
+    x = brentq(lambda x: float(slope_excess(x)) - excess, 0.0, upper, xtol=tightest * excess, rtol=tightest)
     return max_height / float(x)  # eq. S3 solved for lambda
 
 

@@ -8,33 +8,33 @@ import numpy as np
 
 from metafem._validate import FloatArray
 from metafem.drawing import TARGET
-from metafem.inversion.targets.wanted import Wanted
+from metafem.inversion.targets.target_law import TargetLaw
 from metafem.prediction import friction_law
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from metafem.inversion.design import Design
+    from metafem.inversion.result import Design
 
 # Up to this many loads of a target are marked one by one.
 MOST_MARKED = 10
 
 
-def few(wanted: Wanted) -> bool:
+def few(law: TargetLaw) -> bool:
     """Whether each load of a target is marked."""
-    return len(wanted.load) <= MOST_MARKED
+    return len(law.load) <= MOST_MARKED
 
 
 def target_law(design: Design) -> FloatArray:
-    """Return the target's friction at the loads of `design.wanted`, (k,) [mm^2].
+    """Return the target's friction at the loads of `design.target_law`, (k,) [mm^2].
 
     Parameters that the target leaves open are fitted to the law of the design.
     """
-    wanted = design.wanted
-    if not wanted.free.shape[1]:
-        return wanted.base
-    load = wanted.load * design.surface.material.composite_modulus
-    return wanted.law(friction_law(design.surface, design.law.model, load=load).area)
+    law = design.target_law
+    if not law.is_open:
+        return law.base
+    load = law.load * design.surface.material.composite_modulus
+    return law.law(friction_law(design.surface, design.law.model, load=load).area)
 
 
 def draw_laws(design: Design, ax: Axes, label: str = "achieved") -> None:
@@ -47,28 +47,28 @@ def draw_laws(design: Design, ax: Axes, label: str = "achieved") -> None:
 
 
 def _draw_target(design: Design, ax: Axes) -> None:
-    draw_target(design, ax, design.wanted.load, target_law(design))
+    draw_target(design, ax, design.target_law.load, target_law(design))
 
 
 def draw_target(design: Design, ax: Axes, load: FloatArray, friction: FloatArray) -> None:
-    """Draw a target given at the loads of `design.wanted`: marks where they are few, else a line per branch.
+    """Draw a target: marks where its loads are few, otherwise a line for each branch.
 
-    `load` and `friction`, (k,), may have any units.
+    `load` and `friction`, (k,), are those of `design.target_law` in any units.
     """
-    wanted = design.wanted
-    if few(wanted):
+    law = design.target_law
+    if few(law):
         ax.plot(load, friction, "o", ms=7, color=TARGET, label="target", zorder=3)
         return
-    ends = [branch.load_range for branch, _ in design.fits] or [(wanted.load[0], wanted.load[-1])]
+    ends = [branch.load_range for branch, _ in design.fits] or [(law.load[0], law.load[-1])]
     for i, (low, high) in enumerate(ends):
-        on = (wanted.load >= low) & (wanted.load <= high)
+        on = (law.load >= low) & (law.load <= high)
         label = "target" if i == 0 else None
         ax.plot(load[on], friction[on], "--", lw=1.8, color=TARGET, label=label, zorder=3)
 
 
 def _draw_density(design: Design, ax: Axes) -> None:
     """Draw the law of the height density, and straight lines with the target slopes along its branches."""
-    density = design.wanted
+    density = design.target_law
     ax.plot(
         density.load, density.base, color="black", ls=(0, (2, 3)), lw=1.0, label="law of the height density"
     )

@@ -1,50 +1,53 @@
-"""Arguments of an inversion, checked and with their defaults."""
+"""The problem of an inversion: its arguments, checked and with their defaults."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import get_args
+
+import numpy as np
 
 from metafem import _validate as check
-from metafem.errors import InvalidInput
 from metafem.inversion.limits import Limits
 from metafem.inversion.placement.layout import Layout
 from metafem.inversion.radii import Radii, RadiusRange
-from metafem.inversion.targets.laws import Target
+from metafem.inversion.search.options import DEFAULTS, SearchOptions
+from metafem.inversion.targets.target import Target
 from metafem.models import Independent, Model
 from metafem.surface import Surface
 
+# Loads at which the interaction margin is computed, as fractions of the last load of the target.
+MARGIN_LOADS = np.array([0.25, 0.5, 1.0])
+
 
 @dataclass(frozen=True, eq=False)
-class Request:
-    """Arguments of an inversion with all defaults filled in."""
+class Problem:
+    """A target, and all that limits the surface that is to have its law."""
 
     target: Target
     template: Surface
     radii: Radii
     model: Model
     limits: Limits
-    layout: Layout | None
+    layout: Layout | None = None
+    options: SearchOptions = DEFAULTS
 
     @classmethod
     def checked(
         cls,
         target: Target,
         template: Surface,
-        radii: RadiusRange | Sequence[float] | None,
-        model: Model | None,
-        limits: Limits | None,
-        layout: Layout | None,
-    ) -> Request:
+        model: Model | None = None,
+        limits: Limits | None = None,
+        layout: Layout | None = None,
+        radii: RadiusRange | Sequence[float] | None = None,
+    ) -> Problem:
         """Return the arguments with defaults, or raise InvalidInput for one of the wrong kind.
 
-        The default of `radii` is the common radius of the template.
+        Defaults: independent asperities, heights up to the tallest of the template, its common radius.
         """
-        kinds = get_args(Target)
-        if type(target) not in kinds:
-            known = ", ".join(kind.__name__ for kind in kinds)
-            raise InvalidInput(f"target = {target!r:.60} must be one of {known}")
+        kinds = "one of OperatingPoints, LinearLaw, BilinearLaw, SampledLaw, PowerLaw, MultilinearLaw"
+        check.instance("target", target, Target, kinds)
         check.instance("template", template, Surface, "a metafem.Surface")
         solver: Model = Independent() if model is None else model
         check.instance("model", solver, Model, "a model such as metafem.Independent()")
@@ -54,3 +57,22 @@ class Request:
             check.instance("layout", layout, Layout, "metafem.Layout")
         choice = Radii.common(template) if radii is None else Radii.given(radii)
         return cls(target, template, choice, solver, bounds, layout)
+
+    @property
+    def count(self) -> int:
+        """Number of sites N, the largest number of asperities."""
+        return self.template.count
+
+    def interaction_margin(self) -> float:
+        """Return twice the largest relative change of A0 of equal heights by interaction.
+
+        The change is taken up to the last load of the target. Bounds that are proven for independent
+        asperities are enforced only beyond this margin.
+        """
+        last = self.target.last_load
+        if not self.model.couples or self.count == 1 or last is None:
+            return 0.0
+        equal = self.template.replaced(height=np.zeros(self.count), radius=self.radii.high)
+        load = last * MARGIN_LOADS
+        change = self.model.curve(equal, load).area / Independent().curve(equal, load).area - 1.0
+        return 2.0 * float(np.abs(change).max())

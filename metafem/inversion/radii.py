@@ -56,7 +56,7 @@ class Radii:
         if (template.radius != radius).any():
             raise InvalidInput(
                 f"template.radius runs from {template.radius.min():g} to {template.radius.max():g} mm; "
-                "one common radius is needed here, and design_radii chooses radii for each asperity"
+                "one common radius is needed here, and the argument radii allows several"
             )
         return cls.of(radius)
 
@@ -81,6 +81,19 @@ class Radii:
         if self.tools is None:
             return np.geomspace(self.low, self.high, TRIED_RADII)
         return np.array(self.tools)
+
+    def tried_beside(self, best: float, count: int) -> FloatArray:
+        """Return about `count` radii between one of those tried and its neighbours [mm]."""
+        tried = self.tried
+        i = int(np.argmin(np.abs(tried - best)))
+        low, high = tried[max(i - 1, 0)], tried[min(i + 1, len(tried) - 1)]
+        sides = [np.geomspace(low, best, 2 + count // 2), np.geomspace(best, high, 2 + count // 2)]
+        return np.concatenate([side[1:-1] for side in sides if side[0] < side[-1]])
+
+    @property
+    def given_as(self) -> RadiusRange | tuple[float, ...]:
+        """The range or the tools."""
+        return RadiusRange(self.low, self.high) if self.tools is None else self.tools
 
     @property
     def between(self) -> Radii:

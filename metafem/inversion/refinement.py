@@ -2,164 +2,127 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
-from metafem._validate import FloatArray, IntArray
-from metafem.inversion.assessment import MISSED, branch_fits, independent_misfit, largest_misfit
-from metafem.inversion.candidate import Blueprint
-from metafem.inversion.problem import Request
-from metafem.inversion.search.levenberg_marquardt import (
-    POINT_GOAL,
-    Evaluate,
-    Heights,
-    Refined,
-    descend,
-    search,
-)
-from metafem.inversion.search.multistart import GOAL, law_of_heights
-from metafem.inversion.targets.wanted import Wanted
+from metafem._validate import FloatArray
+from metafem.inversion.assessment import MISSED, independent_misfit, model_misfit
+from metafem.inversion.candidate import Candidate
+from metafem.inversion.problem import Problem
+from metafem.inversion.search.levenberg_marquardt import Minimum, Residual, descend
+from metafem.inversion.search.multistart import search
+from metafem.inversion.search.nearest_law import residual_of_heights
+from metafem.inversion.search.options import SearchOptions
+from metafem.inversion.search.space import Heights
+from metafem.inversion.targets.target_law import TargetLaw
 from metafem.models import Independent
-from metafem.notes import Note, information
+from metafem.notes import information
 from metafem.progress import doing, each
 from metafem.surface import Surface
 
-# Factors on the summit depths, so that no level first touches exactly at an operating point: interaction
-# lowers open summits by a hundredth to a tenth of their depth.
-STRETCHES = (1.03, 1.0, 1.06, 1.1)
 
-# Depth of the added summits below the last level, relative to the depth of that level.
-FILL = 0.01
-
-# Misfit at which the search under an interacting model ends. It is a little above that of the first search,
-# because the scatter from single contacts that enter remains.
-REFINED_GOAL = 9e-4
-
-# Up to this misfit the heights of the independent inversion are the only initial guess.
-CLOSE = 5.0 * REFINED_GOAL
-
-# Random restarts under an interacting model, whose descents cost ten times those of independent asperities.
-RESTARTS = 3
-
-# Degree of the polynomial in the logarithm of the load that fits A0(model)/A0(independent). A low degree
-# leaves out the kinks of single contacts, which move with the heights.
-FACTOR_DEGREE = 3
-
-# Random restarts with independent asperities for the compensated law, about 3 ms each.
-CHEAP_RESTARTS = 10
-
-# Loads at which the interaction margin is computed, as fractions of the target's last load.
-MARGIN_SHARES = np.array([0.25, 0.5, 1.0])
-
-
-@doing("refining the heights under the model")
-def refined_surface(
-    request: Request, surface: Surface, sites: IntArray, blueprint: Blueprint, rng: np.random.Generator
-) -> tuple[Surface, IntArray, tuple[Note, ...]]:
-    """Return the surface with heights refined under the model, its sites, and a note on the change.
+def refined(problem: Problem, candidate: Candidate, rng: np.random.Generator) -> Candidate:
+    """Return the candidate with heights refined under the model, and a note on the change.
 
     Heights on steps are not changed. Heights of independent asperities are changed only where those of a
     density miss its law. For a model without gradients the heights are refined under its `gradient_model`,
     and the last steps use its gradients with the law of the model itself.
     """
-    model, limits, wanted = request.model, request.limits, blueprint.wanted
-    if blueprint.stepped:
-        return surface, sites, ()
-    alone = not model.couples
-    unrefined = independent_misfit(blueprint) if alone and blueprint.density is not None else 0.0
-    if alone and unrefined <= MISSED:
-        return surface, sites, ()
-    solver = model.gradient_model
-    start, added = surface, ""
-    if blueprint.spare_height is not None:
-        start, sites = _filled(surface, sites, request.template, blueprint.spare_height)
-        if start.count > surface.count:
-            added = f", and {start.count - surface.count} asperities were added to raise the friction"
+    model, limits, options, law = problem.model, problem.limits, problem.options, candidate.target_law
+    if candidate.stepped or not (model.couples or candidate.density is not None):
+        return candidate
+    unrefined = np.inf if model.couples else independent_misfit(candidate)
+    if unrefined <= MISSED:
+        return candidate
+    with doing("refining the heights under the model"):
+        solver, start = model.gradient_model, _filled(candidate, problem)
+        surface, added = start.surface(problem.template), len(start.height) - len(candidate.height)
 
-    def evaluate(height: FloatArray) -> tuple[FloatArray, FloatArray]:
-        found = solver.sensitivity(start.replaced(height=height), wanted.load)
-        return found.curve.area, found.gradient
+        def residual(height: FloatArray) -> tuple[FloatArray, FloatArray]:
+            found = solver.sensitivity(surface, law.load, height)
+            return law.residual(found.curve.area, found.gradient)
 
-    def evaluate_model(height: FloatArray) -> tuple[FloatArray, FloatArray]:
-        area = model.curve(start.replaced(height=height), wanted.load).area
-        return area, evaluate(height)[1]
+        def residual_of_model(height: FloatArray) -> tuple[FloatArray, FloatArray]:
+            area = model.curve(surface.replaced(height=height), law.load).area
+            return law.residual(area, solver.sensitivity(surface, law.load, height).gradient)
 
-    if blueprint.exact:
-        found = _through_points(evaluate, start.height, wanted, limits.span)
-    else:
         space = Heights(limits.span)
-        starts = [start.height]
-        if wanted.misfit(evaluate(start.height)[0]) > CLOSE:
-            # heights whose sites were chosen for this model should change as little as possible
-            starts.insert(
-                0 if request.layout is None else 1, _compensated(start, evaluate, wanted, space, rng)
+        if candidate.exact:
+            found = _through_points(residual, start.height, space, options)
+        else:
+            starts = [start.height]
+            area = solver.sensitivity(surface, law.load).curve.area
+            if law.misfit(area) > options.close:
+                # heights whose sites were chosen for this model should change as little as possible
+                at = 0 if problem.layout is None else 1
+                starts.insert(at, _with_divided_target(surface, area, law, space, rng, options))
+            found = search(
+                residual, starts, space, options.refined_goal, options.refined_restarts, rng, options
             )
-        found = search(evaluate, starts, wanted, space, REFINED_GOAL, RESTARTS, rng)
-    if solver != model:
-        goal = POINT_GOAL if blueprint.exact else REFINED_GOAL
-        found = descend(evaluate_model, found.unknowns, wanted, Heights(limits.span), goal)
-    height = limits.offset + limits.max_height - (found.unknowns.max() - found.unknowns)
-    result = start.replaced(height=np.maximum(height, limits.foot))
-    if alone and largest_misfit(result, model, blueprint, branch_fits(result, model, blueprint)) >= unrefined:
-        return surface, sites, ()
+        if solver != model:
+            goal = options.point_goal if candidate.exact else options.refined_goal
+            found = descend(residual_of_model, found.unknowns, space, goal, options=options)
+        height = limits.offset + limits.max_height - (found.unknowns.max() - found.unknowns)
+        result = start.with_heights(np.maximum(height, limits.foot))
+        if not model.couples and model_misfit(result, result.surface(problem.template), model) >= unrefined:
+            return candidate
     change = 1e3 * float(np.abs(result.height - start.height).max())
-    cause = "the scatter of so few asperities" if alone else "the interaction of the asperities"
+    cause = "the interaction of the asperities" if model.couples else "the scatter of so few asperities"
+    more = f", and {added} asperities were added to raise the friction" if added else ""
     under = "" if solver == model else f"; the gradients were those of the model {solver.name}"
-    note = f"heights were moved by at most {change:.3g} um for {cause}{added}{under}"
-    return result, sites, (information(note),)
+    note = information(f"heights were moved by at most {change:.3g} um for {cause}{more}{under}")
+    return replace(result, notes=(*candidate.notes, note))
 
 
-def _compensated(
-    surface: Surface, coupled: Evaluate, wanted: Wanted, space: Heights, rng: np.random.Generator
+def _with_divided_target(
+    surface: Surface,
+    area: FloatArray,
+    law: TargetLaw,
+    space: Heights,
+    rng: np.random.Generator,
+    options: SearchOptions,
 ) -> FloatArray:
     """Return heights whose independent law is the target divided by A0(model)/A0(independent).
 
-    That ratio is a smooth function of the load and depends little on small changes of the heights.
+    That ratio is a smooth function of the load and depends little on small changes of the heights. `area` is
+    A0(model) (k,) at the loads of the target law.
     """
-    evaluate = law_of_heights(surface.radius, wanted.load)
-    area = coupled(surface.height)[0]
-    factor = area / evaluate(surface.height)[0]
-    powers = np.vander(np.log(wanted.load / wanted.load[-1]), FACTOR_DEGREE + 1)
-    smooth = powers @ np.linalg.lstsq(powers, factor, rcond=None)[0]
-    law = Wanted.exactly(wanted.load, wanted.law(area) / smooth, wanted.weight)
-    return search(evaluate, [surface.height], law, space, GOAL, CHEAP_RESTARTS, rng).unknowns
+    ratio = area / Independent().sensitivity(surface, law.load).curve.area
+    powers = np.vander(np.log(law.load / law.load[-1]), options.ratio_degree + 1)
+    smooth = powers @ np.linalg.lstsq(powers, ratio, rcond=None)[0]
+    divided = TargetLaw.fixed(law.load, law.law(area) / smooth, law.weight)
+    residual = residual_of_heights(surface.radius, law.load, divided.residual)
+    return search(
+        residual, [surface.height], space, options.goal, options.ratio_restarts, rng, options
+    ).unknowns
 
 
-def _filled(
-    surface: Surface, sites: IntArray, template: Surface, spare_height: float
-) -> tuple[Surface, IntArray]:
-    """Return the surface with summits on all sites of the template, new ones just below a height.
+def _filled(candidate: Candidate, problem: Problem) -> Candidate:
+    """Return the candidate with summits on all sites, new ones just below the lowest level.
 
     Interaction lowers the friction at every point. Without added summits only an earlier contact of the
     levels could raise it. The added summits have the radius of the lowest summit.
     """
-    height = np.full(template.count, spare_height - FILL * (float(surface.height.max()) - spare_height))
-    radius = np.full(template.count, surface.radius[surface.height.argmin()])
-    height[sites], radius[sites] = surface.height, surface.radius
-    return template.replaced(height=height, radius=radius), np.arange(template.count)
+    if candidate.lowest_level is None:
+        return candidate
+    count, lowest = problem.count, candidate.lowest_level
+    depth = problem.options.added_depth * (float(candidate.height.max()) - lowest)
+    height = np.full(count, lowest - depth)
+    radius = np.full(count, candidate.radius[candidate.height.argmin()])
+    height[candidate.sites], radius[candidate.sites] = candidate.height, candidate.radius
+    return replace(candidate, height=height, radius=radius, sites=np.arange(count))
 
 
-def _through_points(evaluate: Evaluate, height: FloatArray, wanted: Wanted, span: float) -> Refined:
+def _through_points(
+    residual: Residual, height: FloatArray, space: Heights, options: SearchOptions
+) -> Minimum:
     """Meet the points exactly, from heights moved off the kinks where a level first touches at a point."""
-    best: Refined | None = None
-    for stretch in each("start", STRETCHES, at_most=True):
-        start = height.max() - np.minimum(stretch * (height.max() - height), span)
-        found = descend(evaluate, start, wanted, Heights(span), POINT_GOAL, patient=True)
-        best = found if best is None or found.misfit < best.misfit else best
-        if best.misfit <= POINT_GOAL:
+    best = Minimum(height, np.inf)
+    for stretch in each("start", options.stretches, at_most=True):
+        start = height.max() - np.minimum(stretch * (height.max() - height), space.span)
+        found = descend(residual, start, space, options.point_goal, True, options)
+        best = found if found.misfit < best.misfit else best
+        if best.misfit <= options.point_goal:
             break
-    return best if best is not None else Refined(height, np.inf)
-
-
-def interaction_margin(request: Request) -> float:
-    """Return twice the largest relative change of A0 of equal heights by interaction.
-
-    The change is taken up to the last load of the target. Bounds that are proven for independent
-    asperities are enforced only beyond this margin.
-    """
-    template, model = request.template.replaced(radius=request.radii.high), request.model
-    if not model.couples or template.count == 1 or request.target.last_load is None:
-        return 0.0
-    equal = template.replaced(height=np.zeros(template.count))
-    load = request.target.last_load * MARGIN_SHARES
-    change = model.curve(equal, load).area / Independent().curve(equal, load).area - 1.0
-    return 2.0 * float(np.abs(change).max())
+    return best

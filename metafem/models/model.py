@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from functools import cached_property
-from typing import TYPE_CHECKING, Protocol, cast, runtime_checkable
+from typing import TYPE_CHECKING, Any, Protocol, cast, runtime_checkable
 
 import numpy as np
 
 from metafem._given import shown
-from metafem._validate import FloatArray
+from metafem._validate import FloatArray, IntArray
 from metafem.errors import InvalidInput, NotConverged
 from metafem.notes import Note
 from metafem.surface import Surface
@@ -19,6 +19,10 @@ from metafem.surface import Surface
 if TYPE_CHECKING:
     from metafem.models.boundary_elements.field import ContactField
     from metafem.models.interacting.model import Interacting
+
+
+# Arrays of a curve, with one entry for each load.
+ARRAYS = ("approach", "load", "area", "stiffness", "residual")
 
 
 class Status(Enum):
@@ -100,22 +104,21 @@ class Curve:
     compute_last: Callable[[], RescaledState]
     notes: tuple[Note, ...] = ()
 
-    @classmethod
-    def joined(cls, parts: list[Curve]) -> Curve:
+    def part(self, rows: IntArray) -> Curve:
+        """Return the curve at some of its loads; its last state remains that of the whole curve."""
+        return replace(self, **{name: getattr(self, name)[rows] for name in ARRAYS})
+
+    @staticmethod
+    def joined(parts: list[Curve]) -> Curve:
         """Return one curve from consecutive ones."""
-
-        def whole(name: str) -> FloatArray:
-            return np.concatenate([getattr(part, name) for part in parts])
-
-        return cls(
-            whole("approach"),
-            whole("load"),
-            whole("area"),
-            whole("stiffness"),
-            whole("residual"),
-            max(part.tolerance for part in parts),
-            parts[-1].compute_last,
-            tuple(dict.fromkeys(note for part in parts for note in part.notes)),
+        arrays: dict[str, Any] = {
+            name: np.concatenate([getattr(part, name) for part in parts]) for name in ARRAYS
+        }
+        return replace(
+            parts[-1],
+            **arrays,
+            tolerance=max(part.tolerance for part in parts),
+            notes=tuple(dict.fromkeys(note for part in parts for note in part.notes)),
         )
 
     @cached_property

@@ -74,25 +74,36 @@ def friction_law(
     if separation is not None:
         distance = np.sort(check.array("separation", separation, shape=(None,)))[::-1]
         curve = solver.curve(surface, approach=surface.height.max() - distance)
-        return _law(surface, solver, curve, curve.load, distance)
+        return law_of_curve(surface, solver, curve, curve.load, distance)
     if load is None:
-        end = solver.curve(surface, approach=np.array([_grid_end(surface)])).load[0]
-        return law_at(surface, solver, end * np.arange(1, GRID_POINTS + 1) / GRID_POINTS)
+        return law_at(surface, solver, default_loads(surface, solver))
     newtons = np.sort(check.array("load", load, shape=(None,)))
     if newtons[0] < 0.0:
         raise InvalidInput(f"load holds {newtons[0]:g} N; loads must be at least 0 N")
     return law_at(surface, solver, newtons / surface.material.composite_modulus)
 
 
+def default_loads(surface: Surface, model: Model) -> FloatArray:
+    """Return the rescaled loads of the default grid [mm^2]."""
+    end = model.curve(surface, approach=np.array([_grid_end(surface)])).load[0]
+    return np.asarray(end * np.arange(1, GRID_POINTS + 1) / GRID_POINTS)
+
+
 def law_at(surface: Surface, model: Model, rescaled_load: FloatArray) -> FrictionLaw:
     """Predict the friction law at increasing rescaled loads P/E* [mm^2], (k,), which are not checked."""
-    curve = model.curve(surface, rescaled_load)
-    return _law(surface, model, curve, rescaled_load, surface.height.max() - curve.approach)
+    return law_of_curve(surface, model, model.curve(surface, rescaled_load), rescaled_load)
 
 
-def _law(
-    surface: Surface, model: Model, curve: Curve, rescaled_load: FloatArray, separation: FloatArray
+def law_of_curve(
+    surface: Surface,
+    model: Model,
+    curve: Curve,
+    rescaled_load: FloatArray,
+    separation: FloatArray | None = None,
 ) -> FrictionLaw:
+    """Return the law of a curve at its loads, or raise NotConverged; default separation: by the approach."""
+    if separation is None:
+        separation = surface.height.max() - curve.approach
     law = FrictionLaw(
         rescaled_load=np.array(rescaled_load),
         area=curve.area,

@@ -45,11 +45,11 @@ def law_figure(design: Design) -> Figure:
 
 def _draw_difference(design: Design, ax: Axes) -> None:
     """Draw the law's relative difference from what `design.misfit` compares it with."""
-    wanted = design.wanted
-    load = wanted.load * design.surface.material.composite_modulus
-    difference = wanted.difference(friction_law(design.surface, design.law.model, load=load).area)
+    target = design.target_law
+    load = target.load * design.surface.material.composite_modulus
+    difference = target.difference(friction_law(design.surface, design.law.model, load=load).area)
     ax.axhline(0.0, color=QUIET, lw=0.8)
-    ax.plot(wanted.load, 100.0 * difference, "o" if few(wanted) else "-", color=ACHIEVED)
+    ax.plot(target.load, 100.0 * difference, "o" if few(target) else "-", color=ACHIEVED)
     ax.spines[["top", "right"]].set_visible(False)
     ax.set_ylabel(f"A0 against\n{'the target' if design.density is None else 'density law'} [%]")
     if np.abs(difference).max() < 1e-9:
@@ -59,10 +59,10 @@ def _draw_difference(design: Design, ax: Axes) -> None:
 
 def _draw_reach(design: Design, ax: Axes) -> None:
     """Draw the bounds of all independent surfaces, if the target is a curve."""
-    wanted = design.wanted
-    if design.density is not None or few(wanted):
+    target = design.target_law
+    if design.density is not None or few(target):
         return
-    bounds = np.linspace(0.0, float(wanted.load[-1]), 200)[1:]
+    bounds = np.linspace(0.0, float(target.load[-1]), 200)[1:]
     low, high = feasible_region(design.template, bounds, design.limits, design.radii)
     ax.fill_between(
         bounds, low, high, color=QUIET, alpha=0.12, lw=0, label="achievable with independent asperities"
@@ -72,15 +72,15 @@ def _draw_reach(design: Design, ax: Axes) -> None:
 
 def force_figure(design: Design, friction: Friction) -> Figure:
     """Friction force, and friction coefficient F/P, over the load in newtons, with the target."""
-    law, wanted = design.law, design.wanted
+    law, target = design.law, design.target_law
     modulus, strength = law.material.composite_modulus, friction.shear_strength * friction.area_ratio
     figure = new_figure(9.0, 3.2, MARGINS)
     left, right = figure.subplots(1, 2, gridspec_kw={"wspace": 0.25})
     law.plot(left, units="N", label="achieved")
     right.plot(law.load, law.friction_coefficient, color=ACHIEVED, lw=1.8, label="achieved")
     if design.density is None:
-        load = wanted.load * modulus
-        force = strength * wanted.law(friction_law(design.surface, law.model, load=load).area)
+        load = target.load * modulus
+        force = strength * target.law(friction_law(design.surface, law.model, load=load).area)
         draw_target(design, left, load, force)
         draw_target(design, right, load, force / load)
     else:

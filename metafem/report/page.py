@@ -128,7 +128,7 @@ def page(design: Design, hardness: float | None = None, *, checks: bool = False)
         parameters=parameter_rows(design),
         fit_columns=fit_columns,
         fits=fits,
-        line=design.wanted.pointwise,
+        line=design.target_law.pointwise,
         inputs=_inputs(design),
         summits=_summits(design),
         residual=f"{design.law.residual.max():.1e}",

@@ -206,7 +206,7 @@ def test_a_missed_target_is_called_so(template):
         (lambda: mf.design(mf.LinearLaw(7), LATTICE, limits=0.1), "limits = 0.1 must be metafem.Limits"),
         (
             lambda: mf.design(mf.LinearLaw(7), LATTICE.replaced(radius=np.linspace(1, 2, 64))),
-            "one common radius is needed here, and design_radii",
+            "one common radius is needed here, and the argument radii allows several",
         ),
     ],
 )

@@ -5,9 +5,7 @@ import pytest
 
 import metafem as mf
 from metafem.inversion import DesignStatus
-from metafem.inversion.height_steps import rounded_to_steps
-from metafem.inversion.radii import Radii
-from metafem.inversion.strategies import sampled
+from metafem.inversion.height_steps import step_note
 from tests.models.scenes import said
 
 STEP = 0.006
@@ -38,11 +36,11 @@ def test_heights_stand_on_steps_and_the_loss_is_told(template, name, model):
 
 def test_moves_win_over_rounding(template):
     free = mf.design(TARGETS["power"], template, limits=mf.Limits(0.27))
-    wanted = mf.design(TARGETS["power"], template, limits=mf.Limits(0.27, height_step=STEP))
+    stepped = mf.design(TARGETS["power"], template, limits=mf.Limits(0.27, height_step=STEP))
     rounded = free.surface.replaced(height=STEP * np.rint(free.surface.height / STEP))
     load = np.geomspace(0.1, 0.4, 30)
     ratio = mf.Independent().curve(rounded, load).area / load**1.2
-    assert wanted.misfit < 0.5 * float(ratio.std() / ratio.mean())
+    assert stepped.misfit < 0.5 * float(ratio.std() / ratio.mean())
 
 
 def test_bilinear_law_stands_on_steps(template):
@@ -80,11 +78,7 @@ def test_levels_need_a_step():
         _ = mf.Limits(0.1).levels
 
 
-def test_steps_with_a_smaller_misfit_say_why(template):
-    limits = mf.Limits(0.12, offset=0.084, height_step=0.006)
-    surface = template.replaced(height=0.15 + 0.04 * np.cos(np.arange(template.count)))
-    target, rng = mf.LinearLaw(6.87, (0.1, 0.2)), np.random.default_rng(0)
-    blueprint = sampled.invert(target, Radii.of(0.526), 64, limits, rng)
-    _, found, (note,) = rounded_to_steps(surface, mf.Independent(), blueprint, limits)
-    assert found["step_loss"] < 0.0
-    assert "the search over steps found a better law" in str(note)
+def test_steps_with_a_smaller_misfit_say_why():
+    note = str(step_note(LIMITS, before=0.02, after=0.015))
+    assert "6 um: the misfit is 1.5 %; before rounding to them it was 2 %" in note
+    assert "the search over steps found a better law" in note

@@ -7,7 +7,7 @@ import metafem as mf
 from metafem.inversion import DesignStatus
 from metafem.inversion.height_density import TruncatedExponential
 from metafem.inversion.radii import Radii
-from metafem.inversion.search.multistart import Asperities
+from metafem.inversion.search.nearest_law import Asperities
 from metafem.inversion.strategies.mixture import Mixture
 
 TOOLS = [0.2, 0.8]
@@ -25,7 +25,7 @@ MODELS = [
 @pytest.mark.parametrize("exponent", [0.645, 1.55])
 def test_powers_beyond_one_radius(template, exponent, radii, model):
     """One radius has at least 2/3, and reaches 1.51 within 1 % over this range."""
-    result = mf.design_radii(mf.PowerLaw(exponent, (0.1, 0.4)), template, radii, model, LIMITS)
+    result = mf.design(mf.PowerLaw(exponent, (0.1, 0.4)), template, model, LIMITS, radii=radii)
     assert result.misfit <= 1.5e-3
     assert result.status is (DesignStatus.REFINED if model.couples else DesignStatus.REACHED)
     assert 0.2 <= result.surface.radius.min() < result.surface.radius.max() <= 0.8
@@ -43,12 +43,12 @@ def test_laws_of_random_mixtures_are_recovered(seed):
     )
     load = np.linspace(0.02, 0.5, 30)
     target = mf.SampledLaw(load, mf.friction_law(mixed, load=load).area)
-    result = mf.design_radii(target, lattice, [0.2, 0.5, 0.9], limits=mf.Limits(0.4))
+    result = mf.design(target, lattice, limits=mf.Limits(0.4), radii=[0.2, 0.5, 0.9])
     assert result.misfit <= 2e-3
 
 
 def test_one_tool_that_reaches_the_law_is_preferred(template):
-    result = mf.design_radii(mf.PowerLaw(1.2, (0.1, 0.4)), template, TOOLS, limits=LIMITS)
+    result = mf.design(mf.PowerLaw(1.2, (0.1, 0.4)), template, limits=LIMITS, radii=TOOLS)
     assert len(result.parameters["used_radii"]) == 1
 
 
@@ -58,8 +58,8 @@ def test_points_below_those_of_one_radius_are_met(template, radii, model):
     """F grows by less than P^(2/3)."""
     target = mf.OperatingPoints([0.144, 0.336], [0.84, 0.84 * (0.336 / 0.144) ** 0.65])
     with pytest.raises(mf.Infeasible, match=r"no radius .* point 2"):
-        mf.design_radius(target, template, TOOLS, limits=LIMITS)
-    result = mf.design_radii(target, template, radii, model, LIMITS)
+        mf.design(target, template, limits=LIMITS, radii=TOOLS, common_radius=True)
+    result = mf.design(target, template, model, LIMITS, radii=radii)
     assert result.misfit <= 1e-9
     assert result.status is DesignStatus.EXACT
 
@@ -71,8 +71,8 @@ def test_levels_of_different_radii_meet_points():
     law = mf.friction_law(built, separation=[0.265, 0.2])
     target = mf.OperatingPoints(law.rescaled_load, law.rescaled_friction)
     with pytest.raises(mf.Infeasible):
-        mf.design_radius(target, three, [0.1, 2.0], limits=mf.Limits(0.3))
-    result = mf.design_radii(target, three, [0.1, 2.0], limits=mf.Limits(0.3))
+        mf.design(target, three, limits=mf.Limits(0.3), radii=[0.1, 2.0], common_radius=True)
+    result = mf.design(target, three, limits=mf.Limits(0.3), radii=[0.1, 2.0])
     assert result.misfit <= 1e-9
     assert set(result.surface.radius) == {0.1, 2.0}
 
@@ -102,7 +102,7 @@ def test_a_mixture_reaches_between_the_tools(template):
         for radius in (0.2, 1.6)
     )
     slope = 0.5 * (low[1] + high[0])
-    result = mf.design_radii(mf.LinearLaw(slope), template, [0.2, 1.6], limits=limits)
+    result = mf.design(mf.LinearLaw(slope), template, limits=limits, radii=[0.2, 1.6])
     assert result.parameters["used_radii"].tolist() == [0.2, 1.6]
     assert result.status is DesignStatus.APPROXIMATE
     assert not [note for note in result.notes if "height_sd" in note.text]
@@ -114,16 +114,19 @@ def test_proportional_laws_and_branches_take_tools(template):
     wide = mf.achievable_load_range(mf.LinearLaw(12.0), template, LIMITS, TOOLS)
     narrow = mf.achievable_load_range(mf.LinearLaw(12.0), template, LIMITS, TOOLS[:1])
     assert wide[1] / wide[0] > 1.5 * narrow[1] / narrow[0]
-    assert mf.design_radii(mf.LinearLaw(12.0, wide), template, TOOLS, limits=LIMITS).misfit <= 0.01
+    assert mf.design(mf.LinearLaw(12.0, wide), template, limits=LIMITS, radii=TOOLS).misfit <= 0.01
     target = mf.MultilinearLaw([6.0, 12.0], [0.15], (0.1, 0.3))
-    assert mf.design_radii(target, template, TOOLS, limits=LIMITS).misfit <= 1e-3
+    assert mf.design(target, template, limits=LIMITS, radii=TOOLS).misfit <= 1e-3
 
 
 def test_gradients_by_radii_are_those_of_differences():
     rng = np.random.default_rng(1)
     space = Asperities(1.0, 9, Radii(0.1, 2.0, None), 0.05)
     at = space.joined(rng.uniform(0.1, 0.2, 9), rng.uniform(0.2, 0.8, 9))
-    law = space.law(np.array([0.05, 0.2]))
+
+    def law(unknowns):
+        return space.residual(np.array([0.05, 0.2]), lambda area, gradient: (area, gradient))(unknowns)
+
     step = 1e-5
     for i in range(9, 18):
         e = step * np.eye(18)[i]
@@ -135,14 +138,14 @@ def test_gradients_by_radii_are_those_of_differences():
 
 def test_a_target_beyond_all_radii_says_why(template):
     with pytest.raises(mf.Infeasible, match=r"at least 0\.6283 .* radii from 0\.2 to 0\.8 mm"):
-        mf.design_radii(mf.PowerLaw(0.62, (0.1, 0.4)), template, TOOLS, limits=LIMITS)
+        mf.design(mf.PowerLaw(0.62, (0.1, 0.4)), template, limits=LIMITS, radii=TOOLS)
     with pytest.raises(mf.Infeasible, match=r"no radius reaches the target: with a radius of 0\.2 mm"):
-        mf.design_radii(mf.LinearLaw(1.0), template, TOOLS, limits=LIMITS)
+        mf.design(mf.LinearLaw(1.0), template, limits=LIMITS, radii=TOOLS)
 
 
 def test_a_mixed_design_survives_its_files(template, tmp_path):
     limits = mf.Limits(0.15, offset=0.02)
-    result = mf.design_radii(mf.PowerLaw(1.5, (0.1, 0.3)), template, RANGE, limits=limits)
+    result = mf.design(mf.PowerLaw(1.5, (0.1, 0.3)), template, limits=limits, radii=RANGE)
     mf.save(result, tmp_path / "mixed")
     again = mf.load(tmp_path / "mixed")
     np.testing.assert_array_equal(again.surface.radius, result.surface.radius)
@@ -152,11 +155,15 @@ def test_a_mixed_design_survives_its_files(template, tmp_path):
 def test_branches_far_from_those_of_one_tool_are_designed_with_the_other(template):
     """Of small radii no intercept leaves the nearest law positive: that is no perfect hit."""
     target = mf.MultilinearLaw([9.5, 7.0], [(0.07, 0.18)], (0.03, 0.26))
-    assert mf.design_radii(target, template, [0.2, 0.526], limits=LIMITS).misfit < 1e-3
-    assert mf.design_radii(target, template, [0.2], limits=LIMITS).misfit > 0.1
+    assert mf.design(target, template, limits=LIMITS, radii=[0.2, 0.526]).misfit < 1e-3
+    assert mf.design(target, template, limits=LIMITS, radii=[0.2]).misfit > 0.1
 
 
-@pytest.mark.parametrize("search", [mf.design_radius, mf.design_radii])
-def test_radii_must_be_given(template, search):
-    with pytest.raises(mf.InvalidInput, match="radii"):
-        search(mf.LinearLaw(7.0), template, None)
+def test_a_template_of_one_radius_is_the_default_choice(template):
+    one = mf.design(mf.LinearLaw(7.0), template, limits=LIMITS, rng=1)
+    assert one.radii is None
+    same = mf.design(mf.LinearLaw(7.0), template, limits=LIMITS, rng=1, radii=[0.526])
+    np.testing.assert_array_equal(same.surface.height, one.surface.height)
+    assert same.radii == (0.526,)
+    with pytest.raises(mf.InvalidInput, match="common_radius = 1 must be True or False"):
+        mf.design(mf.LinearLaw(7.0), template, common_radius=1)

@@ -15,14 +15,16 @@ def test_a_law_of_one_tool_is_designed_with_it(template):
     six = mf.Surface.square_lattice(0.1, (2, 3), radius=1.0, material=mf.Material(1.36))
     load = np.linspace(0.01, 0.1, 8)
     law = mf.Independent().curve(six.replaced(radius=np.full(6, 0.4)), load)
-    result = mf.design_radius(mf.SampledLaw(load, law.area), six, [0.3, 0.4, 0.5], limits=mf.Limits(0.5))
+    result = mf.design(
+        mf.SampledLaw(load, law.area), six, limits=mf.Limits(0.5), radii=[0.3, 0.4, 0.5], common_radius=True
+    )
     assert result.parameters["radius"] == 0.4
     assert result.misfit < 1e-3
     np.testing.assert_array_equal(result.surface.radius, 0.4)
 
 
 def test_reach_of_each_tool_is_told(template):
-    result = mf.design_radius(mf.LinearLaw(7.0), template, TOOLS, limits=LIMITS)
+    result = mf.design(mf.LinearLaw(7.0), template, limits=LIMITS, radii=TOOLS, common_radius=True)
     found = result.parameters
     assert found["tried_radii"].tolist() == sorted(TOOLS)
     assert found["radius"] in TOOLS
@@ -34,7 +36,7 @@ def test_reach_of_each_tool_is_told(template):
 
 def test_tools_out_of_reach_are_noted(template):
     """A slope below 3 pi/4 sqrt(R/h) asks for a smaller radius."""
-    result = mf.design_radius(mf.LinearLaw(4.5), template, TOOLS, limits=LIMITS)
+    result = mf.design(mf.LinearLaw(4.5), template, limits=LIMITS, radii=TOOLS, common_radius=True)
     assert result.parameters["radius"] == 0.2
     assert (
         "radii that cannot reach the target [mm]: 0.526, 0.8; slope 4.5 is not above" in result.notes[-1].text
@@ -43,7 +45,9 @@ def test_tools_out_of_reach_are_noted(template):
 
 def test_a_range_is_searched_around_its_best(template):
     target = mf.PowerLaw(1.2, (0.1, 0.4))
-    result = mf.design_radius(target, template, mf.RadiusRange(0.3, 0.8), limits=mf.Limits(0.27))
+    result = mf.design(
+        target, template, limits=mf.Limits(0.27), radii=mf.RadiusRange(0.3, 0.8), common_radius=True
+    )
     assert len(result.parameters["tried_radii"]) > 7
     assert 0.3 <= result.parameters["radius"] <= 0.8
     assert result.status is DesignStatus.REACHED
@@ -53,8 +57,8 @@ def test_a_target_beyond_all_radii_says_why(template):
     with pytest.raises(
         mf.Infeasible, match=r"no radius .* of 0.2 mm, slope 1 .* of 0.8 mm, slope 1"
     ) as caught:
-        mf.design_radius(mf.LinearLaw(1.0), template, TOOLS, limits=LIMITS)
-    near = mf.design_radius(caught.value.nearest, template, TOOLS, limits=LIMITS)
+        mf.design(mf.LinearLaw(1.0), template, limits=LIMITS, radii=TOOLS, common_radius=True)
+    near = mf.design(caught.value.nearest, template, limits=LIMITS, radii=TOOLS, common_radius=True)
     assert near.parameters["radius"] == 0.2
 
 
@@ -68,7 +72,7 @@ def test_a_target_beyond_all_radii_says_why(template):
 )
 def test_bad_radii_are_named(template, radii, words):
     with pytest.raises(mf.InvalidInput, match=words):
-        mf.design_radius(mf.LinearLaw(7.0), template, radii)
+        mf.design(mf.LinearLaw(7.0), template, radii=radii, common_radius=True)
 
 
 def test_a_range_must_increase():

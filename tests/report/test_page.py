@@ -42,11 +42,12 @@ def test_page_is_self_contained_and_reproducible(paper, kind):
 
 
 def test_page_tells_of_tools_and_steps(template):
-    tools = mf.design_radius(
+    tools = mf.design(
         mf.LinearLaw(9.0, (0.05, 0.2)),
         template,
-        [0.4, 0.526],
         limits=mf.Limits(0.27, height_step=0.002),
+        radii=[0.4, 0.526],
+        common_radius=True,
     )
     text = page(tools)
     for words in (
@@ -166,9 +167,11 @@ def test_tile_and_plot_state_one_quantity(template):
         mf.PowerLaw(1.2, (0.1, 0.2)),
     ):
         design = mf.design(target, template, limits=mf.Limits(0.27))
-        load = template.material.composite_modulus * design.wanted.load
-        difference = design.wanted.difference(mf.friction_law(design.surface, load=load).area)
-        deviation = np.abs(difference).max() if design.wanted.pointwise else np.sqrt((difference**2).mean())
+        load = template.material.composite_modulus * design.target_law.load
+        difference = design.target_law.difference(mf.friction_law(design.surface, load=load).area)
+        deviation = (
+            np.abs(difference).max() if design.target_law.pointwise else np.sqrt((difference**2).mean())
+        )
         assert design.misfit == pytest.approx(deviation, rel=1e-9)
         lines = law_figure(design).axes[1].lines
         np.testing.assert_allclose(lines[-1].get_ydata(), 100.0 * difference, rtol=1e-9)

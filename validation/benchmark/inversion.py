@@ -105,7 +105,7 @@ def _misfit(seed: int) -> float:
 
 def _mixed_misfit(seed: int) -> float:
     """Misfit of the law of a surface of random heights and radii, designed with the same tools."""
-    return mf.design_radii(mixed_law(seed, TOOLS), LATTICE, TOOLS, limits=mf.Limits(0.6)).misfit
+    return mf.design(mixed_law(seed, TOOLS), LATTICE, limits=mf.Limits(0.6), radii=TOOLS).misfit
 
 
 def _large() -> list[Row]:

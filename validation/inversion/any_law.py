@@ -74,7 +74,7 @@ def claim() -> Claim:
         checks.append(below(f"{name}, on steps of 6 µm: misfit", misfit, 0.01, REQUIRED))
     pair = template("fig4_red")
     target = mf.LinearLaw.from_friction_coefficient(LOW_COEFFICIENT, pair.material, pair.friction)
-    found = mf.design_radius(target, pair, TOOLS, limits=mf.Limits(0.12, height_sd=0.0009))
+    found = mf.design(target, pair, limits=mf.Limits(0.12, height_sd=0.0009), radii=TOOLS, common_radius=True)
     radius_source = (
         f"{PAPER}, lower bound 3π/4 √(R/h_m) σB/E* of μ: R below 0.35 mm, here a tool of 0.2 or 0.3 mm"
     )

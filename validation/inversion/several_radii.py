@@ -10,7 +10,6 @@ import metafem as mf
 from metafem.drawing import new_figure
 from metafem.inversion.feasibility import largest_exponent, least_exponent
 from metafem.inversion.radii import Radii
-from metafem.inversion.strategies.sampled import wanted_law
 from validation.check import LINE_REQUIRED, REQUIRED, Check, Claim, below, near
 from validation.paper.surfaces import template
 from validation.published import PAPER
@@ -40,7 +39,7 @@ SLOW = True
 def designed(exponent: float, choice: str, model: str) -> mf.Design:
     """Return the surface of a power law."""
     target = mf.PowerLaw(exponent, RANGE)
-    return mf.design_radii(target, template("fig4_red"), CHOICES[choice], MODELS[model], LIMITS)
+    return mf.design(target, template("fig4_red"), MODELS[model], LIMITS, radii=CHOICES[choice])
 
 
 def claim() -> Claim:
@@ -107,7 +106,7 @@ def _coefficients() -> list[Check]:
     target = mf.LinearLaw.from_friction_coefficient(
         0.5 * (single[0][1] + single[1][0]), pair.material, pair.friction
     )
-    found = mf.design_radii(target, pair, [0.2, 1.6], limits=limits)
+    found = mf.design(target, pair, limits=limits, radii=[0.2, 1.6])
     return [
         near(
             "least friction coefficient with both tools",
@@ -144,12 +143,10 @@ def _exponents():
         known, label = bounds[exponent]
         for model, solver in MODELS.items():
             result = designed(exponent, "two tools", model)
-            wanted = wanted_law(result.target)
-            area = solver.curve(result.surface, wanted.load).area / (wanted.load / RANGE[0]) ** known
-            ax.semilogx(wanted.load, area / area[0], label=model)
-        ax.semilogx(
-            wanted.load, (wanted.load / RANGE[0]) ** (exponent - known), "k--", lw=0.8, label="target"
-        )
+            law = result.target_law
+            area = solver.curve(result.surface, law.load).area / (law.load / RANGE[0]) ** known
+            ax.semilogx(law.load, area / area[0], label=model)
+        ax.semilogx(law.load, (law.load / RANGE[0]) ** (exponent - known), "k--", lw=0.8, label="target")
         ax.axhline(1.0, color="grey", lw=0.8, label=label)
         ax.set_title(f"exponent {exponent:g}", fontsize=10)
         ax.set_xlabel("rescaled load  P/E* [mm²]")

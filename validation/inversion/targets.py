@@ -8,7 +8,6 @@ import numpy as np
 
 import metafem as mf
 from metafem.drawing import new_figure
-from metafem.inversion.strategies.sampled import wanted_law
 from validation.check import REQUIRED, Check, Claim, below
 from validation.paper.surfaces import template
 
@@ -63,23 +62,23 @@ def claim() -> Claim:
 
 
 def _misfit(result: mf.Design, model: mf.Model) -> float:
-    wanted = wanted_law(result.target)
-    return wanted.misfit(model.curve(result.surface, wanted.load).area)
+    law = result.target_law
+    return law.misfit(model.curve(result.surface, law.load).area)
 
 
 def _picture(name: str):
     figure = new_figure(8.0, 4.6)
     ax, below_ax = figure.subplots(2, 1, sharex=True, height_ratios=[2, 1])
-    wanted = wanted_law(TARGETS[name])
-    load = np.linspace(0.5 * wanted.load[0], 1.1 * wanted.load[-1], 300)
+    law = TARGETS[name].curve()
+    load = np.linspace(0.5 * law.load[0], 1.1 * law.load[-1], 300)
     for model, solver in MODELS.items():
         surface = designed(name, model).surface
         ax.plot(load, solver.curve(surface, load).area, label=f"designed and evaluated: {model}")
-        area = solver.curve(surface, wanted.load).area
-        difference = 100.0 * (area / wanted.law(area) - 1.0)
-        gap = np.argmax(np.diff(wanted.load)) + 1 if isinstance(TARGETS[name], mf.MultilinearLaw) else 0
-        below_ax.plot(np.insert(wanted.load, gap, np.nan), np.insert(difference, gap, np.nan))
-    ax.plot(wanted.load, wanted.law(area), "o", ms=3, color="grey", label="target", zorder=0)
+        area = solver.curve(surface, law.load).area
+        difference = 100.0 * (area / law.law(area) - 1.0)
+        gap = np.argmax(np.diff(law.load)) + 1 if len(TARGETS[name].branches) > 1 else 0
+        below_ax.plot(np.insert(law.load, gap, np.nan), np.insert(difference, gap, np.nan))
+    ax.plot(law.load, law.law(area), "o", ms=3, color="grey", label="target", zorder=0)
     below_ax.axhline(0.0, color="grey", lw=0.8)
     ax.set_ylabel("A0 [mm²]")
     below_ax.set_ylabel("difference [%]")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import re
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -26,8 +26,6 @@ from metafem.inversion import (
     RadiusRange,
     Target,
     design,
-    design_radii,
-    design_radius,
 )
 from metafem.models import Model
 from metafem.substrate import Substrate
@@ -37,9 +35,6 @@ __all__ = ["Specification", "read_spec"]
 
 # The parser's time grows with the square of the parts of a dotted key; a specification needs two parts.
 NESTED = re.compile(r"""(?:(?:(?<![\w-])[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){32}""")
-
-# Choice of radii: one for all asperities, or one for each.
-SEARCHES: Mapping[bool, Callable[..., Design]] = {False: design_radius, True: design_radii}
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,12 +88,11 @@ class Specification:
         remedy = "add [block] with width, length and thickness"
         refuse_missing_block(chosen, self.template, remedy)
         tell_cost(self.template.count)
-        if self.radii is None:
-            return design(self.target, self.template, chosen, self.limits, self.seed, layout=self.layout)
-        search = SEARCHES[self.mixed]
-        return search(
-            self.target, self.template, self.radii, chosen, self.limits, self.seed, layout=self.layout
-        )
+        common = self.radii is not None and not self.mixed
+        return design(
+            self.target, self.template, chosen, self.limits, self.seed, self.layout,
+            radii=self.radii, common_radius=common,
+        )  # fmt: skip
 
     def with_chord_error(self, chord_error: float) -> Specification:
         """Return the specification with another chord error of the part [mm].

@@ -15,35 +15,13 @@ from metafem._values import Value
 from metafem.inversion.placement.exchange import Forecast, after, drawn, exchanged, swap
 from metafem.inversion.placement.objectives import Objective
 from metafem.inversion.placement.sites import Places, places_for
+from metafem.inversion.search.options import DEFAULTS, SearchOptions
 from metafem.models import Independent, Interacting, Model
 from metafem.progress import each
 from metafem.surface import Surface
 
-# Number of sites up to which the numbers of trials below hold; with more sites there are fewer trials.
-FEW_PLACES = 128
-
-# Number of rounds of exchanges, from the given arrangement and then from random exchanges of the best one, as
-# many as this fraction of the sites. The forecast of the model and that of independent asperities alternate:
-# one is better for few levels, the other for many heights.
-MOST_TRIES, STIRRED = 8, 0.1
-
 # Value of `Arrangement.order` at an empty site.
 EMPTY = -1
-
-# Most exchanges by one forecast before the model is evaluated; with many sites a quarter of their number.
-MOST_EXCHANGES = 16
-
-# Most evaluations of the model in one round of exchanges.
-CORRECTIONS = 24
-
-# Misfit at which the search ends: height errors change A0 by tens of times more.
-GOAL = 1e-4
-
-# Number of exchanges, the best by the forecast, that are evaluated under the model in each last step.
-TRIED = 40
-
-# Most steps of the last descent.
-LAST_STEPS = 16
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -180,11 +158,6 @@ def _misfit(found: _Measured) -> float:
     return float(np.sqrt(_squares(found)))
 
 
-def _affordable(most: int, places: int) -> int:
-    """Return the number of trials: their cost grows at least with the square of the number of sites."""
-    return min(most, most * FEW_PLACES**2 // places**2)
-
-
 @dataclass(frozen=True, eq=False)
 class _Search:
     surface: Surface
@@ -193,13 +166,18 @@ class _Search:
     objective: Objective
     model: Model
     rng: np.random.Generator
+    options: SearchOptions = DEFAULTS
+
+    def affordable(self, most: int) -> int:
+        """Return the number of trials: their cost grows at least with the square of the number of sites."""
+        return min(most, most * self.options.few_sites**2 // len(self.open_) ** 2)
 
     def best(self, first: _Measured) -> _Measured:
         """Return the best arrangement that is found from a given one, over the sites `open_`."""
         best = first
-        tries = range(max(1, _affordable(MOST_TRIES, len(self.open_))))
+        tries = range(max(1, self.affordable(self.options.most_rounds)))
         for k in each("try", tries, at_most=True):
-            if _misfit(best) <= GOAL:
+            if _misfit(best) <= self.options.arranged_goal:
                 break
             start = first if k < 2 else self.stirred(best)
             best = min(best, self.corrected(start, (self.model, Independent())[k % 2]), key=_squares)
@@ -218,7 +196,7 @@ class _Search:
     def stirred(self, best: _Measured) -> _Measured:
         """Return the arrangement after some random exchanges."""
         order = best.order.copy()
-        for _ in range(max(2, int(STIRRED * len(self.open_)))):
+        for _ in range(max(2, int(self.options.exchanged_fraction * len(self.open_)))):
             i, j = self.rng.choice(self.open_, 2)
             swap(order, int(i), int(j))
         return self.measured(order)
@@ -229,13 +207,13 @@ class _Search:
 
     def corrected(self, best: _Measured, model: Model) -> _Measured:
         """Make the forecast's exchanges; after an improvement renew it, otherwise make fewer at a time."""
-        trusted = max(MOST_EXCHANGES, len(self.open_) // 4)
+        trusted = max(self.options.most_exchanges, len(self.open_) // 4)
         forecast = self.forecast(best, model)
-        for _ in each("round", range(CORRECTIONS), at_most=True):
-            if _misfit(best) <= GOAL:
+        for _ in each("round", range(self.options.most_evaluations), at_most=True):
+            if _misfit(best) <= self.options.arranged_goal:
                 break
             missed = best.residual - forecast.residual()
-            order = exchanged(forecast, missed, best.order, self.open_, trusted, self.rng)
+            order = exchanged(forecast, missed, best.order, self.open_, trusted, self.rng, self.options)
             if (order == best.order).all():
                 break
             found = self.measured(order)
@@ -249,14 +227,14 @@ class _Search:
 
     def confirmed(self, best: _Measured) -> _Measured:
         """Make the exchanges that lower the misfit under the model, the best by the forecast first."""
-        for _ in each("last step", range(_affordable(LAST_STEPS, len(self.open_))), at_most=True):
-            if _misfit(best) <= GOAL:
+        for _ in each("last step", range(self.affordable(self.options.last_steps)), at_most=True):
+            if _misfit(best) <= self.options.arranged_goal:
                 break
-            places = drawn(self.open_, self.rng)
+            places = drawn(self.open_, self.rng, self.options)
             squares = after(best.residual, self.forecast(best, self.model).changes(places))
             squares[np.tril_indices(len(places))] = np.inf
             trials = []
-            for flat in np.argsort(squares, axis=None, kind="stable")[:TRIED]:
+            for flat in np.argsort(squares, axis=None, kind="stable")[: self.options.evaluated_exchanges]:
                 a, b = np.unravel_index(int(flat), squares.shape)
                 order = best.order.copy()
                 swap(order, int(places[a]), int(places[b]))

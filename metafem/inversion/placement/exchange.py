@@ -18,16 +18,7 @@ import numpy as np
 
 from metafem._validate import FloatArray, IntArray
 from metafem.contact import Hertz
-
-# Number of sites whose exchanges are all evaluated in one step; of more sites, as many are drawn at random.
-PRICED_AT_ONCE = 96
-
-# A decrease below this fraction of the sum of squares is rounding.
-LEAST_GAIN = 1e-9
-
-
-# Exchanges end where the predicted misfit is far below the error of the forecast.
-ENOUGH = 1e-6
+from metafem.inversion.search.options import SearchOptions
 
 
 class Forecast(Protocol):
@@ -179,6 +170,7 @@ def exchanged(
     open_: IntArray,
     most: int,
     rng: np.random.Generator,
+    options: SearchOptions,
 ) -> IntArray:
     """Return the order after at most `most` exchanges, each that of the smallest sum of squares.
 
@@ -188,13 +180,13 @@ def exchanged(
     order, now = order.copy(), forecast
     residual = now.residual() + missed
     for _ in range(most):
-        if residual @ residual <= ENOUGH**2:
+        if residual @ residual <= options.forecast_goal**2:
             break
-        places = drawn(open_, rng)
+        places = drawn(open_, rng, options)
         change = now.changes(places)
         squares = after(residual, change)
         a, b = np.unravel_index(int(squares.argmin()), squares.shape)
-        if not squares[a, b] < residual @ residual * (1.0 - LEAST_GAIN):
+        if not squares[a, b] < residual @ residual * (1.0 - options.exchange_gain):
             break
         residual = residual + change[:, a, b]
         i, j = int(places[a]), int(places[b])
@@ -210,11 +202,11 @@ def after(residual: FloatArray, change: FloatArray) -> FloatArray:
     return np.asarray(squares.reshape(change.shape[1:]))
 
 
-def drawn(places: IntArray, rng: np.random.Generator) -> IntArray:
+def drawn(places: IntArray, rng: np.random.Generator, options: SearchOptions) -> IntArray:
     """Return the sites whose exchanges are evaluated."""
-    if len(places) <= PRICED_AT_ONCE:
+    if len(places) <= options.forecast_sites:
         return places
-    return np.asarray(rng.choice(places, PRICED_AT_ONCE, replace=False))
+    return np.asarray(rng.choice(places, options.forecast_sites, replace=False))
 
 
 def swap(order: IntArray, i: int, j: int) -> None:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,14 +12,17 @@ from metafem import _validate as check
 from metafem._calls import checked_class
 from metafem._validate import FloatArray, IntArray
 from metafem.errors import InvalidInput
-from metafem.inversion.candidate import Parameter
 from metafem.inversion.placement.arrange import arrange
 from metafem.inversion.placement.objectives import FollowLaw, InsensitiveToTilt, Objective, Together
-from metafem.inversion.targets.wanted import Wanted
 from metafem.models import Independent, Model
-from metafem.notes import Note, information
+from metafem.notes import information
 from metafem.progress import doing
 from metafem.surface import STEEPEST, Surface
+
+if TYPE_CHECKING:
+    from metafem.inversion.candidate import Candidate
+    from metafem.inversion.problem import Problem
+    from metafem.inversion.targets.target_law import TargetLaw
 
 # Number of loads for the law, and for its change by tilts. `FollowLaw` states why the first is enough. Each
 # load of the second costs seven curves; with six of them a third of the gain is lost at loads in between.
@@ -72,54 +76,61 @@ class Layout:
             raise InvalidInput("the layout has no aim: set follow_law = True or tilt, or leave it out")
 
 
-@doing("assigning heights to sites")
-def arranged(
-    surface: Surface, layout: Layout | None, model: Model, wanted: Wanted, rng: np.random.Generator
-) -> tuple[Surface, dict[str, Parameter], tuple[Note, ...]]:
-    """Return the surface with its heights arranged, the misfits before and after, and a note.
+def arranged(problem: Problem, candidate: Candidate, rng: np.random.Generator) -> Candidate:
+    """Return the candidate with its heights arranged by the layout, the misfits before and after, and a note.
 
     A model without gradients is replaced by its `gradient_model`.
     """
+    layout, model = problem.layout, problem.model.gradient_model
     if layout is None:
-        return surface, {}, ()
-    solver = model.gradient_model
-    under = "" if solver == model else f" under the model {solver.name}"
-    asked = asked_for(layout, surface, solver, wanted)
-    if not asked:
-        return surface, {}, (information(NO_EFFECT),)
-    objective = Together([part for _, part, _ in asked], [weight for _, _, weight in asked])
-    found = arrange(surface, objective, solver, rng)
-    changes = [
-        f"{words} from {_percent(part, surface, solver)} to {_percent(part, found.surface, solver)} %"
-        for words, part, _ in asked
-    ]
+        return candidate
+    surface = candidate.surface(problem.template)
+    aims = aims_of(layout, surface, model, candidate.target_law)
+    if not aims:
+        return replace(candidate, notes=(*candidate.notes, information(NO_EFFECT)))
+    with doing("assigning heights to sites"):
+        objective = Together([part for _, part, _ in aims], [weight for _, _, weight in aims])
+        found = arrange(surface, objective, model, rng)
+        changes = [
+            f"{words} from {_percent(part, surface, model)} to {_percent(part, found.surface, model)} %"
+            for words, part, _ in aims
+        ]
+    under = "" if model == problem.model else f" under the model {model.name}"
     note = (
         f"the sites of the heights were chosen{under}, before any refinement: this changed "
         f"{' and '.join(changes)} (rms)"
     )
-    return found.surface, {"layout_before": found.before, "layout_after": found.after}, (information(note),)
+    return replace(
+        candidate,
+        height=found.surface.height,
+        radius=found.surface.radius,
+        parameters={
+            **candidate.parameters, "layout_before": found.before, "layout_after": found.after
+        },
+        notes=(*candidate.notes, information(note)),
+    )  # fmt: skip
 
 
-def asked_for(
-    layout: Layout, surface: Surface, model: Model, wanted: Wanted
+def aims_of(
+    layout: Layout, surface: Surface, model: Model, law: TargetLaw
 ) -> list[tuple[str, Objective, float]]:
     """Return the aims of a layout, each in words and as an objective with its weight."""
-    asked: list[tuple[str, Objective, float]] = []
+    aims: list[tuple[str, Objective, float]] = []
     if model.couples:  # with a tilt too: otherwise the refinement would undo the layout
-        asked.append(("the deviation from the law", _law(surface, wanted), 1.0))
+        aims.append(("the deviation from the law", _law(surface, law), 1.0))
     if layout.tilt is not None:
         words = f"the change by a tilt of {math.degrees(layout.tilt):.3g} deg"
-        load = wanted.load[_some(len(wanted.load), TILT_LOADS)]
-        asked.append((words, InsensitiveToTilt(load, layout.tilt), layout.tilt_weight))
-    return asked
+        load = law.load[_some(len(law.load), TILT_LOADS)]
+        aims.append((words, InsensitiveToTilt(load, layout.tilt), layout.tilt_weight))
+    return aims
 
 
-def _law(surface: Surface, wanted: Wanted) -> FollowLaw:
+def _law(surface: Surface, law: TargetLaw) -> FollowLaw:
     """Return the target law at some of its loads, its open parameters fitted to independent asperities."""
-    area = Independent().curve(surface, wanted.load).area
-    law, some = wanted.law(area), _some(len(wanted.load), LAW_LOADS)
+    area = Independent().curve(surface, law.load).area
+    friction, some = law.law(area), _some(len(law.load), LAW_LOADS)
     # a poor fit can decrease with the load; the law of independent asperities always increases
-    return FollowLaw(wanted.load[some], law[some] if _rises(law[some]) else area[some])
+    return FollowLaw(law.load[some], friction[some] if _rises(friction[some]) else area[some])
 
 
 def _rises(law: FloatArray) -> bool:

@@ -18,14 +18,11 @@ from metafem._validate import FloatArray
 from metafem.contact import Hertz
 from metafem.inversion.feasibility import relative_depth
 from metafem.inversion.radii import Radii
-
-# Smallest indentation tried, relative to that without new asperities: below it their number would exceed
-# that of any surface.
-SHALLOWEST = 1e-9
+from metafem.inversion.search.options import DEFAULTS, SearchOptions
 
 
 def initial_heights(
-    load: FloatArray, friction: FloatArray, radius: FloatArray, count: int
+    load: FloatArray, friction: FloatArray, radius: FloatArray, count: int, options: SearchOptions = DEFAULTS
 ) -> tuple[FloatArray, FloatArray]:
     """Return at most `count` heights, tallest first at 0, whose law is near the samples, and radii [mm].
 
@@ -54,7 +51,7 @@ def initial_heights(
             ) -> float:  # fmt: skip
                 return carried(depth) + (area - depth * whole) * share * math.sqrt(depth) - p  # eq. S1
 
-            low = SHALLOWEST * deepest
+            low = options.shallowest * deepest
             depth = (
                 float(brentq(excess, low, deepest, xtol=1e-12 * low, rtol=1e-12))
                 if excess(low) < 0.0

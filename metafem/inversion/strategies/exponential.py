@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.optimize import brentq
@@ -12,8 +13,9 @@ from scipy.optimize import brentq
 from metafem._validate import FloatArray, IntArray
 from metafem.contact import Hertz
 from metafem.errors import Infeasible
-from metafem.inversion.candidate import Blueprint, Branch, Parameter
+from metafem.inversion.candidate import Branch, Candidate, Parameter
 from metafem.inversion.height_density import (
+    FINEST_SCALE_IN_SD,
     PiecewiseExponential,
     TruncatedExponential,
     TwoBranchExponential,
@@ -22,12 +24,14 @@ from metafem.inversion.height_density import (
     uniform_slope,
 )
 from metafem.inversion.limits import Limits
-from metafem.inversion.radii import Radii
 from metafem.inversion.strategies.mixture import Mixture, best_mixture
-from metafem.inversion.targets.laws import BilinearLaw, LinearLaw
-from metafem.inversion.targets.wanted import Wanted
-from metafem.inversion.targets.wording import Wording
+from metafem.inversion.targets.target_law import TargetLaw
 from metafem.notes import Note
+
+if TYPE_CHECKING:
+    from metafem.inversion.problem import Problem
+    from metafem.inversion.targets.straight import BilinearLaw, LinearLaw
+    from metafem.inversion.targets.wording import Wording
 
 # A straight branch is fitted over its last three quarters: below, the law still bends towards its
 # asymptote. Over this range the paper's surfaces have the paper's target slopes and scatter.
@@ -46,26 +50,18 @@ STEEPEST = 1e7
 # Number of separations, from the top of a density to its foot, at which its law is the target of a search.
 LAW_POINTS = 61
 
-# With a scale below this many standard deviations of the heights as made, the density is no longer
-# exponential: rule of thumb of Aymard et al., doi:10.1126/science.adk4234.
-FINEST_SCALE_IN_SD = 10.0
 
-
-def invert_linear(
-    target: LinearLaw, radii: Radii, count: int, limits: Limits, rng: np.random.Generator
-) -> Blueprint:
+def linear(target: LinearLaw, problem: Problem) -> Candidate:
     """Return heights of the truncated exponential whose law has the target slope."""
-    return best_mixture(lambda mixture: _linear(target, mixture, limits), radii, count)
+    return best_mixture(lambda mixture: _linear(target, mixture, problem.limits), problem)
 
 
-def invert_bilinear(
-    target: BilinearLaw, radii: Radii, count: int, limits: Limits, rng: np.random.Generator
-) -> Blueprint:
+def bilinear(target: BilinearLaw, problem: Problem) -> Candidate:
     """Return heights of the two-branch exponential whose law has the target slopes and crossover."""
-    return best_mixture(lambda mixture: _bilinear(target, mixture, limits), radii, count)
+    return best_mixture(lambda mixture: _bilinear(target, mixture, problem.limits), problem)
 
 
-def _linear(target: LinearLaw, mixture: Mixture, limits: Limits) -> Blueprint:
+def _linear(target: LinearLaw, mixture: Mixture, limits: Limits) -> Candidate:
     radius, count = mixture.radius, mixture.count
     nearest = replace(target, slope=_lowest_slope(radius, limits))
     scale = _scale(target.slope, radius, limits, nearest)
@@ -80,12 +76,11 @@ def _linear(target: LinearLaw, mixture: Mixture, limits: Limits) -> Blueprint:
         height = np.repeat(levels, counts)[::-1]
         parameters |= {"levels": limits.foot + levels[counts > 0], "counts": counts[counts > 0]}
     branch = Branch(target.slope, (BRANCH_START * end, end), intercept)
-    wanted = law_of(density, (branch,), mixture)
-    return Blueprint(
+    return Candidate(
         height=limits.foot + height,
         radius=mixture.interleaved(),
         parameters=parameters,
-        wanted=wanted,
+        target_law=law_of(density, (branch,), mixture),
         branches=(branch,),
         density=density,
         notes=_notes(scale, mixture, limits, target.wording),
@@ -93,7 +88,7 @@ def _linear(target: LinearLaw, mixture: Mixture, limits: Limits) -> Blueprint:
     )
 
 
-def _bilinear(target: BilinearLaw, mixture: Mixture, limits: Limits) -> Blueprint:
+def _bilinear(target: BilinearLaw, mixture: Mixture, limits: Limits) -> Candidate:
     (first, second), radius, count = target.slopes, mixture.radius, mixture.count
     floor = _lowest_slope(radius, limits)
     scale = _scale(first, radius, limits, replace(target, slopes=(floor, second)))
@@ -115,24 +110,24 @@ def _bilinear(target: BilinearLaw, mixture: Mixture, limits: Limits) -> Blueprin
         Branch(first, (BRANCH_START * crossover, crossover)),
         Branch(second, (crossover + BRANCH_START * (end - crossover), end)),
     )
-    return Blueprint(
+    return Candidate(
         height=limits.foot + height,
         radius=mixture.interleaved(),
         parameters=parameters,
-        wanted=law_of(density, branches, mixture),
+        target_law=law_of(density, branches, mixture),
         branches=branches,
         density=density,
         notes=_notes(scale, mixture, limits, target.wording),
     )
 
 
-def law_of(density: PiecewiseExponential, branches: tuple[Branch, ...], mixture: Mixture) -> Wanted:
+def law_of(density: PiecewiseExponential, branches: tuple[Branch, ...], mixture: Mixture) -> TargetLaw:
     """Return the density's law over all branches, at even steps of the separation."""
     separation = density.max_height * (1.0 - np.arange(LAW_POINTS) / (LAW_POINTS - 1))
     load = density.rescaled_load(separation, mixture.carrying, mixture.radius)
     inside = load >= branches[0].load_range[0]
     area = density.area(separation[inside], mixture.carrying, mixture.radius)
-    return Wanted.exactly(load[inside], area)
+    return TargetLaw.fixed(load[inside], area)
 
 
 def level_counts(density: PiecewiseExponential, count: int, step: float) -> tuple[FloatArray, IntArray]:
@@ -168,16 +163,16 @@ def _lowest_slope(radius: float, limits: Limits) -> float:
 
 def _scale(slope: float, radius: float, limits: Limits, nearest: LinearLaw | BilinearLaw) -> float:
     bound, wording = uniform_slope(radius, limits.span), nearest.wording
-    told, name = wording.slopes(slope), wording.name()
+    given, name = wording.slopes(slope), wording.name()
     if slope > STEEPEST * bound:
         raise Infeasible(
-            f"{told} exceeds {STEEPEST:g} times the bound {wording.coefficient(bound):.6g}: the heights "
+            f"{given} exceeds {STEEPEST:g} times the bound {wording.coefficient(bound):.6g}: the heights "
             f"would differ by less than double precision resolves; lower the {name}",
         )
     if slope <= bound:
         pair = "" if wording.per_slope is None else " sigma B/E*"
         raise Infeasible(
-            f"{told} is not above the bound 3 pi/4 sqrt(R/h_m){pair} = {wording.coefficient(bound):.6g} of "
+            f"{given} is not above the bound 3 pi/4 sqrt(R/h_m){pair} = {wording.coefficient(bound):.6g} of "
             f"asperities of radius {radius:g} mm within {limits.span:g} mm of height; raise the {name} or "
             "max_height, or use a smaller radius",
             nearest,

@@ -89,7 +89,7 @@ class Step:
             low, high = high, 2.0 * high
         return math.floor(brentq(excess, low, high)) + 1 if excess(low) > 0.0 else low
 
-    def ways(self, tools: tuple[float, ...], left: int) -> Iterator[Level]:
+    def levels(self, tools: tuple[float, ...], left: int) -> Iterator[Level]:
         """Yield the levels that meet the point with at most `left` asperities."""
         number = np.arange(self.fewest, left + 1.0)
         if self.rest <= 0.0 or not number.size:

@@ -6,20 +6,17 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from metafem._validate import FloatArray
 from metafem.errors import Infeasible
 from metafem.inversion.assessment import MISSED, independent_misfit
-from metafem.inversion.candidate import Blueprint
-from metafem.inversion.radii import Radii
 
-# A mixture is chosen only if it lowers the misfit by this factor: parts made with one tool are simpler.
-WORTH = 0.5
-
-# Fractions of the larger of two neighbouring tools that are tried.
-SHARES = tuple(i / 16 for i in range(1, 16))
+if TYPE_CHECKING:
+    from metafem.inversion.candidate import Candidate
+    from metafem.inversion.problem import Problem
 
 
 @dataclass(frozen=True)
@@ -71,40 +68,33 @@ class Mixture:
         return np.array(self.radii)[order]
 
 
-def best_mixture(invert: Callable[[Mixture], Blueprint], radii: Radii, count: int) -> Blueprint:
-    """Return the blueprint of the best single radius, or of two tools where their misfit is far smaller.
+def best_mixture(invert: Callable[[Mixture], Candidate], problem: Problem) -> Candidate:
+    """Return the candidate of the best single radius, or of two tools where their misfit is far smaller.
 
-    Blueprints with warnings, whose heights are too fine to be made, come after those without.
+    Candidates with warnings, whose heights are too fine to be made, come after those without.
     """
-    singles = [Mixture((radius,), (count,)) for radius in radii.tried.tolist()]
+    radii, count, options = problem.radii, problem.count, problem.options
+    mixtures = [Mixture((radius,), (count,)) for radius in radii.tried.tolist()]
     if radii.single:
-        return invert(singles[0])
-    refused: dict[float, Infeasible] = {}
-    found: list[tuple[bool, float, Blueprint]] = []
-
-    def attempt(mixtures: list[Mixture]) -> None:
-        for mixture in mixtures:
-            try:
-                blueprint = invert(mixture)
-            except Infeasible as reason:
-                refused.setdefault(mixture.radius, reason)
-            else:
-                misfit = independent_misfit(blueprint)
-                unsound = any(note.warns for note in blueprint.notes) or misfit > MISSED
-                found.append((unsound, misfit / (1.0 if len(mixture.radii) == 1 else WORTH), blueprint))
-
-    attempt(singles)
+        return invert(mixtures[0])
     if radii.tools is not None:
-        attempt(_pairs(radii.tools, count))
+        numbers = sorted({round(fraction * count) for fraction in options.mixture_fractions} - {0, count})
+        mixtures += [Mixture(pair, (count - n, n)) for pair in pairwise(radii.tools) for n in numbers]
+    refused: dict[float, Infeasible] = {}
+    found: list[tuple[bool, float, Candidate]] = []
+    for mixture in mixtures:
+        try:
+            candidate = invert(mixture)
+        except Infeasible as reason:
+            refused.setdefault(mixture.radius, reason)
+        else:
+            misfit = independent_misfit(candidate)
+            unsound = any(note.warns for note in candidate.notes) or misfit > MISSED
+            gain = 1.0 if len(mixture.radii) == 1 else options.mixture_gain
+            found.append((unsound, misfit / gain, candidate))
     if not found:
         raise unreachable(refused)
     return min(found, key=lambda each: each[:2])[2]
-
-
-def _pairs(tools: tuple[float, ...], count: int) -> list[Mixture]:
-    """Return mixtures of neighbouring tools with whole numbers of asperities."""
-    numbers = sorted({round(share * count) for share in SHARES} - {0, count})
-    return [Mixture(pair, (count - n, n)) for pair in pairwise(tools) for n in numbers]
 
 
 def unreachable(refused: dict[float, Infeasible]) -> Infeasible:

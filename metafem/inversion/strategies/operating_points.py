@@ -7,114 +7,108 @@ the points and no bound excludes them, heights without levels are searched for.
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from metafem.errors import Infeasible
-from metafem.inversion.candidate import Blueprint, Parameter
-from metafem.inversion.feasibility import refuse_sampled
-from metafem.inversion.limits import Limits
-from metafem.inversion.radii import Radii
-from metafem.inversion.search.levenberg_marquardt import POINT_GOAL, Heights, descend
-from metafem.inversion.search.multistart import MIXED_RESTARTS, LawSearch, law_of_heights, nearest_law
+from metafem.inversion.candidate import Candidate, Parameter
+from metafem.inversion.feasibility import broken_bound, largest_load
+from metafem.inversion.search.levenberg_marquardt import descend
+from metafem.inversion.search.nearest_law import (
+    LawSearch,
+    residual_of_heights,
+    with_one_radius,
+    with_several_radii,
+)
+from metafem.inversion.search.space import Heights
 from metafem.inversion.strategies.level import Level, Step
-from metafem.inversion.strategies.sampled import wanted_law
-from metafem.inversion.targets.laws import OperatingPoints, SampledLaw
 from metafem.models import Independent
 from metafem.notes import information
 
-# Most levels that are tried, about 0.2 ms each.
-MOST_TRIED = 5_000
-
-# Where no levels meet the points: misfits at which the random search ends and a descent to rounding begins,
-# and the restarts of the search. A descent can end at a kink; the next misfit gives another initial guess.
-FREE_GOALS = (1e-2, 1e-3, 1e-4, 1e-5, 1e-11)
-FREE_RESTARTS = 30
-
-# Largest misfit of heights without levels that is accepted and stated: far below the effect of height errors.
-NEARLY = 1e-3
+if TYPE_CHECKING:
+    from metafem.inversion.limits import Limits
+    from metafem.inversion.problem import Problem
+    from metafem.inversion.radii import Radii
+    from metafem.inversion.targets.laws import OperatingPoints
 
 
-def invert(
-    target: OperatingPoints, radii: Radii, count: int, limits: Limits, rng: np.random.Generator
-) -> Blueprint:
+def candidate(target: OperatingPoints, problem: Problem, rng: np.random.Generator) -> Candidate:
     """Return heights whose independent law passes through all points, or raise Infeasible."""
-    singles = [_Search(target, (radius,), count, limits) for radius in radii.tried.tolist()]
+    radii = problem.radii
+    singles = [_Search(target, (radius,), problem) for radius in radii.tried.tolist()]
     paths = [path for search in singles if (path := search.path(()))]
     last = singles[-1]
     if not paths and not radii.single:
-        last = _Search(target, tuple(radii.tried.tolist()), count, limits)
+        last = _Search(target, tuple(radii.tried.tolist()), problem)
         paths = [path for path in [last.path(())] if path]
     if paths:
         fewest = min(paths, key=lambda levels: sum(level.count for level in levels))
-        return _blueprint(target, fewest, radii, limits)
-    if not last.limited and not _proven(target, radii, count, limits):
+        return _with_levels(target, fewest, problem)
+    if not last.limited and not _is_impossible(target, problem):
         for choice in dict.fromkeys(
             (radii.extremes, radii)
         ):  # the extremes leave more room for the refinement
-            if blueprint := _without_levels(target, choice, count, limits, rng):
-                return blueprint
+            if found := _without_levels(target, choice, problem, rng):
+                return found
     raise last.refused if last.refused is not None else Infeasible("no way to meet the points was found")
 
 
-def _proven(target: OperatingPoints, radii: Radii, count: int, limits: Limits) -> bool:
+def _is_impossible(target: OperatingPoints, problem: Problem) -> bool:
     """Return whether the points break a bound of every surface."""
-    try:
-        samples = SampledLaw(target.rescaled_load, target.rescaled_friction)
-        refuse_sampled(samples, radii, count, limits, 0.0)
-    except Infeasible:
+    load, radii, count = target.rescaled_load, problem.radii, problem.count
+    if target.last_load > largest_load(radii, count, problem.limits):
         return True
-    return False
+    return broken_bound(load, target.rescaled_friction, radii, count, 0.0) is not None
 
 
-def _blueprint(target: OperatingPoints, path: tuple[Level, ...], radii: Radii, limits: Limits) -> Blueprint:
+def _with_levels(target: OperatingPoints, path: tuple[Level, ...], problem: Problem) -> Candidate:
+    offset = problem.limits.offset
     height, radius, number = np.array([kind for level in path for kind in level.kinds]).T
     tops = np.array([level.height for level in path])
+    below = np.array([level.depth - level.adjustment for level in path])
     parameters: dict[str, Parameter] = {
         "counts": np.array([level.number for level in path]),
-        "levels": limits.offset + tops,
-        "adjustment_heights": limits.offset
-        + tops
-        - np.array([level.depth - level.adjustment for level in path]),
+        "levels": offset + tops,
+        "adjustment_heights": offset + tops - below,
     }
-    if not radii.single:
+    if not problem.radii.single:
         parameters["level_radii"] = np.array([level.radius for level in path])
         parameters["adjustment_radii"] = np.array([level.other for level in path])
-    wanted = wanted_law(target)
     each = np.repeat(np.arange(len(number)), number.astype(np.int64))
-    return Blueprint(
-        limits.offset + height[each],
-        radius[each],
-        parameters,
-        wanted,
-        spare_height=limits.offset + float(tops[-1]),
+    return Candidate(
+        offset + height[each], radius[each], parameters, target.curve(), lowest_level=offset + float(tops[-1])
     )
 
 
 def _without_levels(
-    target: OperatingPoints, radii: Radii, count: int, limits: Limits, rng: np.random.Generator
-) -> Blueprint | None:
+    target: OperatingPoints, radii: Radii, problem: Problem, rng: np.random.Generator
+) -> Candidate | None:
     """Return the best heights and radii found without levels, or None if they miss the points."""
-    wanted = wanted_law(target)
-    top, load = limits.offset + limits.max_height, wanted.load
-    best: Blueprint | None = None
-    misfit = NEARLY
-    restarts = FREE_RESTARTS if radii.single else FREE_RESTARTS // MIXED_RESTARTS
-    for goal in FREE_GOALS:
-        task = LawSearch(wanted, [wanted.base], count, limits.span, restarts, rng, goal)
-        height, radius = nearest_law(task, radii)
-        evaluate = law_of_heights(radius, load)
-        found = descend(evaluate, height, wanted, Heights(limits.span), POINT_GOAL, patient=True)
+    law, limits, options = target.curve(), problem.limits, problem.options
+    top, load = limits.offset + limits.max_height, law.load
+    best: Candidate | None = None
+    misfit = options.accepted
+    restarts = options.free_restarts if radii.single else options.free_restarts // options.mixed_restarts
+    for goal in options.free_goals:
+        task = LawSearch(
+            load, law.residual, [law.base], problem.count, limits.span, restarts, rng, goal, options
+        )
+        nearest = with_one_radius if radii.single else with_several_radii
+        height, radius = nearest(task, radii).sorted
+        residual = residual_of_heights(radius, load, law.residual)
+        found = descend(residual, height, Heights(limits.span), options.point_goal, True, options)
         height = found.unknowns - found.unknowns.max()
         approach = float(Independent().curves(height, radius, load[-1:])[0][0, 0])
         if found.misfit < misfit and approach <= top:
             misfit, order = found.misfit, np.argsort(-height, kind="stable")
-            parameters: dict[str, Parameter] = {"span": float(np.ptp(height))}
             note = "no levels of equal heights meet the points: the heights were found by a search"
-            best = Blueprint(
-                top + height[order], radius[order], parameters, wanted, notes=(information(note),),
-                spare_height=top + float(height.min()),
+            best = Candidate(
+                top + height[order], radius[order], {"span": float(np.ptp(height))}, law,
+                notes=(information(note),), lowest_level=top + float(height.min()),
             )  # fmt: skip
-        if misfit <= POINT_GOAL:
+        if misfit <= options.point_goal:
             break
     return best
 
@@ -122,8 +116,10 @@ def _without_levels(
 class _Search:
     """Depth-first search for levels that meet all points; `refused` says why the last one was not met."""
 
-    def __init__(self, target: OperatingPoints, tools: tuple[float, ...], count: int, limits: Limits) -> None:
-        self.target, self.tools, self.count, self.limits = target, tools, count, limits
+    def __init__(self, target: OperatingPoints, tools: tuple[float, ...], problem: Problem) -> None:
+        self.target, self.tools = target, tools
+        self.count, self.limits = problem.count, problem.limits
+        self.most_tried = problem.options.most_levels
         self.refused: Infeasible | None = None
         self.furthest = -1
         self.limited = False
@@ -138,18 +134,18 @@ class _Search:
         step = Step(done, level, self.target.rescaled_load[i], self.target.rescaled_friction[i])
         left = self.count - sum(part.count for part in done)
         used = {part.radius for part in done}
-        ways = sorted(step.ways(self.tools, left), key=lambda way: (way.radius not in used, way.count))
-        if not ways:
+        found = sorted(step.levels(self.tools, left), key=lambda each: (each.radius not in used, each.count))
+        if not found:
             self.refuse(i, _unmet(self.target, i, step, self.tools, left), limited=False)
-        for way in ways:
+        for next_level in found:
             self.tried += 1
-            if self.tried > MOST_TRIED:
+            if self.tried > self.most_tried:
                 break
-            reason = _too_low(i, way, self.limits)
+            reason = _too_low(i, next_level, self.limits)
             if reason is not None:
                 self.refuse(i, reason, limited=True)
-            elif found := self.path((*done, way)):
-                return found
+            elif path := self.path((*done, next_level)):
+                return path
         return None
 
     def refuse(self, i: int, reason: Infeasible, limited: bool) -> None:
@@ -181,7 +177,11 @@ def _unmet(target: OperatingPoints, i: int, step: Step, tools: tuple[float, ...]
     return Infeasible(
         f"operating point {i + 1} (load {load}, friction {friction}) is not met: {reason}. After levels for "
         f"the earlier points, the friction at this load can be from {wording.frictions(low, high)}",
-        OperatingPoints(target.rescaled_load[: i + 1], [*target.rescaled_friction[:i], nearest], wording),
+        replace(
+            target,
+            rescaled_load=target.rescaled_load[: i + 1],
+            rescaled_friction=np.append(target.rescaled_friction[:i], nearest),
+        ),
     )
 
 

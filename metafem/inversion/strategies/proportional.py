@@ -12,11 +12,10 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from metafem import _validate as check
 from metafem.errors import Infeasible, InvalidInput
 from metafem.inversion.assessment import REACHED, independent_misfit
 from metafem.inversion.feasibility import (
@@ -27,63 +26,50 @@ from metafem.inversion.feasibility import (
     refuse_load,
     single_friction,
 )
-from metafem.inversion.limits import Limits
-from metafem.inversion.radii import Radii, RadiusRange
+from metafem.inversion.problem import Problem
 from metafem.inversion.strategies import sampled
-from metafem.inversion.targets.straight import BilinearLaw, LinearLaw
-from metafem.surface import Surface
 
-Line = LinearLaw | BilinearLaw
-
-# Bisections of the logarithm of the range: to a sixtieth of it.
-HALVINGS = 6
-
-# Random restarts for each range that is tried; most ranges that are too wide use all of them.
-TRIAL_RESTARTS = 4
-
-# Fraction of the allowed difference at which a range counts as reached, which leaves room for other models.
-TRIAL_SHARE = 0.8
-
-# A range that is tried starts this factor above the load at which one asperity has the friction of the line.
-# Between the entries of the first asperities a law differs from the line by 1.1 % if it starts at that load,
-# and by .7 % if it starts here (measured; independent of slope and radius by scaling).
-FIRST_LOAD = 1.4
+if TYPE_CHECKING:
+    from metafem.inversion.limits import Limits
+    from metafem.inversion.radii import Radii, RadiusRange
+    from metafem.inversion.targets.straight import BilinearLaw, LinearLaw, StraightLaw
+    from metafem.surface import Surface
 
 # The nearest reachable line is inside its bound by this relative distance.
 INSIDE = 1e-6
 
 
-def refuse_line(target: Line, radii: Radii, count: int, limits: Limits, margin: float) -> None:
+def refuse_line(target: StraightLaw, problem: Problem, margin: float) -> None:
     """Raise Infeasible for a line over a range that breaks a bound by more than a margin (relative)."""
     if target.load_range is None:
         return
     (low, high), wording = target.load_range, target.wording
     slack = margin + ROUNDING
-    about = f"for any surface of {count} asperities of {radii}{margin_words(margin)}"
-    _refuse_second(target, radii, count, limits, slack, about)
-    refuse_load(high, radii, count, limits, wording)
-    start, end = line_range(target, radii, count, slack)
+    scope = f"for any surface of {problem.count} asperities of {problem.radii}{margin_words(margin)}"
+    _refuse_second(target, problem, slack, scope)
+    refuse_load(high, problem, wording)
+    start, end = line_range(target, problem.radii, problem.count, slack)
     slope = wording.name()
     if low < start:
         raise _refused(
             f"{wording.slopes(target.lines[0][0])} through the origin cannot begin at {wording.loads(low)}: "
-            f"a single asperity has more friction up to {wording.load_bound(start, up=True)}, {about}",
-            reached_line(target, radii, count, limits),
+            f"a single asperity has more friction up to {wording.load_bound(start, up=True)}, {scope}",
+            reached_line(target, problem),
             f"raise the {slope}, or use a smaller radius",
         )
     if high > end:
         raise _refused(
             f"{wording.slopes(target.lines[-1][0])} through the origin cannot go on up to "
             f"{wording.loads(high)}: from {wording.load_bound(end, up=False)} on friction grows more slowly, "
-            f"{about}",
-            reached_line(target, radii, count, limits),
+            f"{scope}",
+            reached_line(target, problem),
             f"lower the {slope}, or use a larger radius or more asperities",
         )
 
 
-def _refuse_second(target: Any, radii: Radii, count: int, limits: Limits, slack: float, about: str) -> None:
+def _refuse_second(target: Any, problem: Problem, slack: float, scope: str) -> None:
     """Raise Infeasible for a slope that cannot follow the one before it."""
-    wording = target.wording
+    wording, radii, count = target.wording, problem.radii, problem.count
     for (first, _), (second, load) in pairwise(target.lines):
         friction = float(target.line(np.array(load)))
         least = least_exponent(radii) * friction / load * (1.0 - slack)
@@ -95,12 +81,12 @@ def _refuse_second(target: Any, radii: Radii, count: int, limits: Limits, slack:
         raise Infeasible(
             f"{wording.slopes(second)} cannot follow {wording.slopes(first)} at {wording.loads(load)}: what "
             f"follows can be from {wording.slope_bound(least, up=True)} to "
-            f"{wording.slope_bound(most, up=False)}, {about}",
-            nearest and reached_line(nearest, radii, count, limits),
+            f"{wording.slope_bound(most, up=False)}, {scope}",
+            nearest and reached_line(nearest, problem),
         )
 
 
-def _refused(words: str, nearest: Line | None, otherwise: str) -> Infeasible:
+def _refused(words: str, nearest: StraightLaw | None, otherwise: str) -> Infeasible:
     """Return the error for a range that is not reached, with a range that is, or with what to change."""
     if nearest is None or nearest.load_range is None:
         return Infeasible(f"{words}; {otherwise}")
@@ -110,7 +96,7 @@ def _refused(words: str, nearest: Line | None, otherwise: str) -> Infeasible:
     )
 
 
-def line_range(target: Line, radii: Radii, count: int, slack: float = 0.0) -> tuple[float, float]:
+def line_range(target: StraightLaw, radii: Radii, count: int, slack: float = 0.0) -> tuple[float, float]:
     """Return the loads P/E* [mm^2] between which surfaces can have the friction and slope of a line."""
     first, (last, load) = target.lines[0][0], target.lines[-1]
     start = (single_friction(radii.low) * (1.0 - slack) / first) ** 3
@@ -125,53 +111,55 @@ def _steepest(radii: Radii, count: int, slack: float) -> float:
     return 2.0 / 3.0 * count * (single_friction(radii.high) * (1.0 + slack)) ** 3
 
 
-def _over(target: Line, low: float, high: float) -> Line | None:
+def _over(target: Any, low: float, high: float) -> Any:
     """Return the target over the overlap of its range, if any, and another one; None without overlap."""
     inside = low * (1.0 + INSIDE), high * (1.0 - INSIDE)
-    asked = target.load_range or inside
-    ends = max(inside[0], asked[0]), min(inside[1], asked[1])
+    given = target.load_range or inside
+    ends = max(inside[0], given[0]), min(inside[1], given[1])
     crossover = target.lines[-1][1] or math.sqrt(ends[0] * ends[1])
     return replace(target, load_range=ends) if ends[0] < crossover < ends[1] else None
 
 
-def reached_line(target: Line, radii: Radii, count: int, limits: Limits) -> Line | None:
+def reached_line(target: StraightLaw, problem: Problem) -> StraightLaw | None:
     """Return the line over the widest part of its range that independent asperities reach.
 
     The range is narrowed towards the crossover load; for one line, towards its start or its end, whichever
     leaves the wider range. None if no range is reached.
     """
-    start, end = line_range(target, radii, count)
-    whole = _over(target, FIRST_LOAD * start, min(end, largest_load(radii, count, limits)))
-    if whole is None or whole.load_range is None:
+    start, end = line_range(target, problem.radii, problem.count)
+    most = largest_load(problem.radii, problem.count, problem.limits)
+    whole = _over(target, problem.options.range_start * start, min(end, most))
+    if whole is None:
         return None
     crossover = target.lines[-1][1]
-    found = [
-        _narrowed(whole, centre, radii, count, limits)
-        for centre in ((crossover,) if crossover else whole.load_range)
-    ]
-    share, best = max(found, key=lambda each: each[0])
-    return best if share else None
+    centres = (crossover,) if crossover else whole.load_range
+    fraction, best = max(
+        (_narrowed(whole, centre, problem) for centre in centres), key=lambda found: found[0]
+    )
+    return best if fraction else None
 
 
-def _narrowed(whole: Line, centre: float, radii: Radii, count: int, limits: Limits) -> tuple[float, Line]:
-    """Return the line over the largest logarithmic fraction of its range about a load, and the fraction."""
-    low, high = whole.load_range or (centre, centre)
+def _narrowed(whole: Any, centre: float, problem: Problem) -> tuple[float, StraightLaw]:
+    """Return the largest logarithmic fraction of a range around a load that is reached, and the line."""
+    (low, high), options = whole.load_range, problem.options
     best, inside, outside = whole, 0.0, 1.0
-    for _ in range(HALVINGS):
-        share = 0.5 * (inside + outside)
-        trial = replace(
-            whole, load_range=(centre * (low / centre) ** share, centre * (high / centre) ** share)
-        )
-        found = sampled.invert(trial, radii, count, limits, np.random.default_rng(0), TRIAL_RESTARTS)
-        if independent_misfit(found) <= TRIAL_SHARE * REACHED:
-            best, inside = trial, share
+    for _ in range(options.bisections):
+        fraction = 0.5 * (inside + outside)
+        ends = centre * (low / centre) ** fraction, centre * (high / centre) ** fraction
+        trial = replace(whole, load_range=ends)
+        found = sampled.candidate(trial, problem, np.random.default_rng(0), options.range_restarts)
+        if independent_misfit(found) <= options.range_misfit * REACHED:
+            best, inside = trial, fraction
         else:
-            outside = share
+            outside = fraction
     return inside, best
 
 
 def achievable_load_range(
-    target: Line, template: Surface, limits: Limits, radii: RadiusRange | Sequence[float] | None = None
+    target: LinearLaw | BilinearLaw,
+    template: Surface,
+    limits: Limits,
+    radii: RadiusRange | Sequence[float] | None = None,
 ) -> tuple[float, float]:
     """Return the widest range of loads over which a line through the origin is met within 1 %.
 
@@ -211,17 +199,15 @@ def achievable_load_range(
     >>> mf.design(mf.LinearLaw(7.0, ends), template, limits=limits).misfit < 0.01
     True
     """
-    if not isinstance(target, Line):
+    problem = Problem.checked(target, template, limits=limits, radii=radii)
+    if not target.lines:
         raise InvalidInput(f"target = {target!r:.60} must be a metafem.LinearLaw or BilinearLaw")
-    check.instance("template", template, Surface, "a metafem.Surface")
-    check.instance("limits", limits, Limits, "metafem.Limits")
-    choice = Radii.common(template) if radii is None else Radii.given(radii)
-    found = reached_line(target, choice, template.count, limits)
+    found = reached_line(target, problem)
     if found is None or found.load_range is None:
         raise Infeasible(
             f"{target.wording.slopes(*(slope for slope, _ in target.lines))} through the origin is not "
             f"reached within {100 * REACHED:g} % over any range of loads with {template.count} asperities of "
-            f"{choice} within {limits.span:g} mm of height; raise max_height or the "
+            f"{problem.radii} within {limits.span:g} mm of height; raise max_height or the "
             f"{target.wording.name()}, or use a smaller radius"
         )
     return found.load_range

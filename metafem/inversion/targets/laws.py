@@ -1,8 +1,10 @@
-"""Target friction laws, in rescaled load P/E* and friction F/(sigma B) [mm^2]."""
+"""Targets given by points or a power of the load, in rescaled load P/E* and friction F/(sigma B) [mm^2]."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,25 +13,42 @@ from metafem import _validate as check
 from metafem._calls import checked_class
 from metafem._validate import FloatArray
 from metafem._values import Value
-from metafem.errors import InvalidInput
-from metafem.inversion.targets.straight import BilinearLaw, LinearLaw, MultilinearLaw
+from metafem.errors import Infeasible, InvalidInput
+from metafem.inversion.feasibility import (
+    ROUNDING,
+    broken_bound,
+    largest_exponent,
+    least_exponent,
+    margin_words,
+    refuse_load,
+)
+from metafem.inversion.strategies import operating_points, sampled
+from metafem.inversion.targets.target import LoadRange, Target
+from metafem.inversion.targets.target_law import TargetLaw
 from metafem.inversion.targets.wording import RESCALED, Wording, in_title
 from metafem.surface import Friction, Material
 
-__all__ = [
-    "BilinearLaw",
-    "LinearLaw",
-    "MultilinearLaw",
-    "OperatingPoints",
-    "PowerLaw",
-    "SampledLaw",
-    "Target",
-]
+if TYPE_CHECKING:
+    from metafem.inversion.candidate import Candidate, Parameter
+    from metafem.inversion.problem import Problem
+
+# Number of loads at which a power law is compared.
+POINTS = 30
+
+
+def _points(rescaled_load: ArrayLike, rescaled_friction: ArrayLike) -> dict[str, FloatArray]:
+    """Return checked loads and frictions (k,), both increasing."""
+    load = check.array("rescaled_load", rescaled_load, shape=(None,))
+    friction = check.array("rescaled_friction", rescaled_friction, shape=(len(load),))
+    return {
+        "rescaled_load": check.increasing("rescaled_load", load),
+        "rescaled_friction": check.increasing("rescaled_friction", friction),
+    }
 
 
 @checked_class
 @dataclass(frozen=True, eq=False, init=False, repr=False)
-class OperatingPoints(Value):
+class OperatingPoints(Value, Target):
     """Points through which the law must pass.
 
     Parameters
@@ -58,11 +77,7 @@ class OperatingPoints(Value):
     def __init__(
         self, rescaled_load: ArrayLike, rescaled_friction: ArrayLike, wording: Wording = RESCALED
     ) -> None:
-        load = check.array("rescaled_load", rescaled_load, shape=(None,))
-        friction = check.array("rescaled_friction", rescaled_friction, shape=(len(load),))
-        object.__setattr__(self, "rescaled_load", check.increasing("rescaled_load", load))
-        object.__setattr__(self, "rescaled_friction", check.increasing("rescaled_friction", friction))
-        object.__setattr__(self, "wording", Wording.checked(wording))
+        self._set(wording, **_points(rescaled_load, rescaled_friction))
 
     @classmethod
     def from_forces(
@@ -74,18 +89,26 @@ class OperatingPoints(Value):
 
     @property
     def title(self) -> str:
-        """What is asked for, in one line."""
+        """The target in one line."""
         return f"Friction law through {len(self.rescaled_load)} operating points"
 
     @property
     def last_load(self) -> float:
-        """Last rescaled load asked for [mm^2]."""
+        """Last rescaled load of the target [mm^2]."""
         return float(self.rescaled_load[-1])
+
+    def curve(self) -> TargetLaw:
+        """Return the points."""
+        return TargetLaw.fixed(self.rescaled_load, self.rescaled_friction, pointwise=True)
+
+    def candidate(self, problem: Problem, rng: np.random.Generator) -> Candidate:
+        """Return levels of equal heights (eq. S1), or other heights, that meet all points."""
+        return operating_points.candidate(self, problem, rng)
 
 
 @checked_class
 @dataclass(frozen=True, eq=False, init=False, repr=False)
-class SampledLaw(Value):
+class SampledLaw(Value, Target):
     """A law given by samples; the design minimises the squared relative differences.
 
     Parameters
@@ -96,6 +119,12 @@ class SampledLaw(Value):
         F/(sigma B) [mm^2], positive and increasing.
     weight : array_like, (k,), optional
         Positive weights of the squared relative differences; default: equal.
+
+    Raises
+    ------
+    InvalidInput
+        For arrays of different length, values that are not finite, samples that do not increase, and
+        weights that are not positive.
 
     Examples
     --------
@@ -116,16 +145,13 @@ class SampledLaw(Value):
         weight: ArrayLike | None = None,
         wording: Wording = RESCALED,
     ) -> None:
-        points = OperatingPoints(rescaled_load, rescaled_friction)
-        count = len(points.rescaled_load)
+        points = _points(rescaled_load, rescaled_friction)
+        count = len(points["rescaled_load"])
         weights = check.array("weight", np.ones(count) if weight is None else weight, shape=(count,))
         if weights.min() <= 0.0:
             i = int(weights.argmin())
             raise InvalidInput(f"weight[{i}] = {weights[i]:g} must be greater than 0")
-        object.__setattr__(self, "rescaled_load", points.rescaled_load)
-        object.__setattr__(self, "rescaled_friction", points.rescaled_friction)
-        object.__setattr__(self, "weight", weights)
-        object.__setattr__(self, "wording", Wording.checked(wording))
+        self._set(wording, **points, weight=weights)
 
     @classmethod
     def from_forces(
@@ -137,23 +163,40 @@ class SampledLaw(Value):
 
     @property
     def title(self) -> str:
-        """What is asked for, in one line."""
+        """The target in one line."""
         return f"Friction law given by {len(self.rescaled_load)} samples"
 
     @property
     def last_load(self) -> float:
-        """Last rescaled load asked for [mm^2]."""
+        """Last rescaled load of the target [mm^2]."""
         return float(self.rescaled_load[-1])
 
-    @property
-    def branches(self) -> tuple[()]:
-        """No straight branches."""
-        return ()
+    def curve(self) -> TargetLaw:
+        """Return the samples with their weights."""
+        return TargetLaw.fixed(self.rescaled_load, self.rescaled_friction, self.weight)
+
+    def refuse(self, problem: Problem, margin: float) -> None:
+        """Raise Infeasible for samples that break a bound by more than a margin (relative)."""
+        load, friction, wording = self.rescaled_load, self.rescaled_friction, self.wording
+        refuse_load(float(load[-1]), problem, wording)
+        broken = broken_bound(load, friction, problem.radii, problem.count, margin)
+        if broken is not None:
+            i = broken.index
+            raise Infeasible(
+                f"sample {i + 1} (load {wording.loads(load[i])}, friction {wording.frictions(friction[i])}) "
+                f"is {broken.words}, {wording.frictions(broken.bound)}, for any surface of {problem.radii}"
+                f"{margin_words(margin)}",
+                SampledLaw(load, broken.nearest, self.weight, wording),
+            )
+
+    def candidate(self, problem: Problem, rng: np.random.Generator) -> Candidate:
+        """Return heights and radii whose independent law is nearest to the samples."""
+        return sampled.candidate(self, problem, rng)
 
 
 @checked_class
 @dataclass(frozen=True, init=False)
-class PowerLaw:
+class PowerLaw(Target):
     """Friction proportional to a power of the load over a range, ``F/(sigma B) = C (P/E*)^beta``.
 
     Parameters
@@ -165,6 +208,11 @@ class PowerLaw:
     prefactor : float, optional
         C [mm^(2 - 2 beta)], positive; default: free.
 
+    Raises
+    ------
+    InvalidInput
+        For values that are not positive, and a range that does not increase.
+
     Examples
     --------
     >>> PowerLaw(1.2, (0.1, 0.4)).prefactor is None
@@ -172,7 +220,7 @@ class PowerLaw:
     """
 
     exponent: float
-    load_range: tuple[float, float]
+    load_range: LoadRange
     prefactor: float | None
     wording: Wording = field(default=RESCALED, compare=False, repr=False)
 
@@ -183,11 +231,12 @@ class PowerLaw:
         prefactor: float | None = None,
         wording: Wording = RESCALED,
     ) -> None:
-        object.__setattr__(self, "exponent", check.number("exponent", exponent, above=0.0))
-        object.__setattr__(self, "load_range", check.interval("load_range", load_range))
-        object.__setattr__(self, "wording", Wording.checked(wording))
-        value = None if prefactor is None else check.number("prefactor", prefactor, above=0.0)
-        object.__setattr__(self, "prefactor", value)
+        self._set(
+            wording,
+            exponent=check.number("exponent", exponent, above=0.0),
+            load_range=check.interval("load_range", load_range),
+            prefactor=None if prefactor is None else check.number("prefactor", prefactor, above=0.0),
+        )
 
     @classmethod
     def from_forces(
@@ -203,20 +252,56 @@ class PowerLaw:
 
     @property
     def title(self) -> str:
-        """What is asked for, in one line."""
+        """The target in one line."""
         return in_title(
             f"Power law of exponent {self.exponent:.4g} from {self.wording.loads(*self.load_range)}"
         )
 
     @property
     def last_load(self) -> float:
-        """Last rescaled load asked for [mm^2]."""
+        """Last rescaled load of the target [mm^2]."""
         return self.load_range[1]
 
-    @property
-    def branches(self) -> tuple[()]:
-        """No straight branches."""
-        return ()
+    def curve(self) -> TargetLaw:
+        """Return the power at loads that are evenly spaced in the logarithm."""
+        load = np.geomspace(*self.load_range, POINTS)
+        shape = load**self.exponent
+        if self.prefactor is not None:
+            return TargetLaw.fixed(load, self.prefactor * shape)
+        return TargetLaw(load, np.zeros(POINTS), shape[:, None], np.ones(POINTS))
 
+    def guesses(
+        self, law: TargetLaw, low: FloatArray, high: FloatArray, fractions: tuple[float, ...]
+    ) -> list[FloatArray]:
+        """Return powers with several prefactors between the bounds where the prefactor is free."""
+        if self.prefactor is not None:
+            return [law.base]
+        shape = law.free[:, 0]
+        least, most = float((low / shape).max()), float((high / shape).min())
+        return [shape * least * (most / least) ** fraction for fraction in fractions]
 
-Target = OperatingPoints | LinearLaw | BilinearLaw | SampledLaw | PowerLaw | MultilinearLaw
+    def open_parameters(self, law: TargetLaw, area: FloatArray) -> dict[str, Parameter]:
+        """Return the prefactor if it is free."""
+        return {"prefactor": float(law.open_parameters(area)[0])} if self.prefactor is None else {}
+
+    def refuse(self, problem: Problem, margin: float) -> None:
+        """Raise Infeasible for an exponent or prefactor beyond its bound by more than a margin (relative)."""
+        (low, high), radii, wording = self.load_range, problem.radii, self.wording
+        refuse_load(high, problem, wording)
+        least, most = least_exponent(radii), largest_exponent(self.load_range, radii, problem.count)
+        slack = margin / math.log(high / low) + ROUNDING
+        if not least - slack <= self.exponent <= most + slack:
+            raise Infeasible(
+                f"exponent {self.exponent:g} over loads from {wording.loads(low, high)} cannot be reached: "
+                f"at least {least:.4g} and at most {most:.4g} with {problem.count} asperities of "
+                f"{'one radius' if radii.single else radii}"
+                f"{margin_words(margin)}",
+                PowerLaw(min(max(self.exponent, least), most), self.load_range, wording=wording),
+            )
+        if self.prefactor is not None:
+            load = np.array(self.load_range)
+            SampledLaw(load, self.prefactor * load**self.exponent, wording=wording).refuse(problem, margin)
+
+    def candidate(self, problem: Problem, rng: np.random.Generator) -> Candidate:
+        """Return heights and radii whose independent law is nearest to the power."""
+        return sampled.candidate(self, problem, rng)

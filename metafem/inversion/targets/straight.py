@@ -1,9 +1,9 @@
-"""Targets of straight branches, given by slopes or friction coefficients."""
+"""Linear and bilinear targets, given by slopes or friction coefficients."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,17 +12,58 @@ from metafem import _validate as check
 from metafem._calls import checked_class
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
+from metafem.inversion.strategies import exponential, proportional, sampled
+from metafem.inversion.targets.target import LoadRange, Target
+from metafem.inversion.targets.target_law import TargetLaw
 from metafem.inversion.targets.wording import RESCALED, Wording, in_title
 from metafem.surface import Friction, Material
 
-__all__ = ["BilinearLaw", "LinearLaw", "MultilinearLaw"]
+if TYPE_CHECKING:
+    from metafem.inversion.candidate import Candidate
+    from metafem.inversion.problem import Problem
 
-LoadRange = tuple[float, float]
+# Number of loads at which a line is compared. Its misfit is the largest difference, and with thirty loads
+# contacts enter between them (measured: with this many, the misfit is within a tenth of that at any load).
+LINE_POINTS = 100
+
+
+class StraightLaw(Target):
+    """A law with the slopes of `lines` at large loads, or these lines themselves over a range of loads."""
+
+    load_range: LoadRange | None
+
+    @property
+    def last_load(self) -> float | None:
+        """Last rescaled load of the target [mm^2]; None without a load range: the density decides it."""
+        return None if self.load_range is None else self.load_range[1]
+
+    def line(self, rescaled_load: FloatArray) -> FloatArray:
+        """Return the friction of the lines at rescaled loads, (k,) [mm^2]."""
+        raise NotImplementedError
+
+    def curve(self) -> TargetLaw:
+        """Return the lines over the load range.
+
+        Without a range only slopes are given. The law is then that of the height density, which depends on
+        the template and the limits as well: `Design.target_law`.
+        """
+        if self.load_range is None:
+            raise InvalidInput(
+                "the target has no load_range: its law is that of the height density, design.target_law"
+            )
+        each = LINE_POINTS // len(self.branches)
+        load = np.unique(np.concatenate([np.geomspace(*ends, each) for _, ends in self.branches]))
+        return TargetLaw.fixed(load, self.line(load), pointwise=True)
+
+    def refuse(self, problem: Problem, margin: float) -> None:
+        """Raise Infeasible for a load range that breaks a bound by more than a margin (relative)."""
+        if self.load_range is not None:
+            proportional.refuse_line(self, problem, margin)
 
 
 @checked_class
 @dataclass(frozen=True, init=False)
-class LinearLaw:
+class LinearLaw(StraightLaw):
     """A straight law of one slope: with a free intercept, or through the origin over a range of loads.
 
     Parameters
@@ -50,10 +91,11 @@ class LinearLaw:
     def __init__(
         self, slope: float, load_range: ArrayLike | None = None, wording: Wording = RESCALED
     ) -> None:
-        object.__setattr__(self, "slope", check.number("slope", slope, above=0.0))
-        ends = None if load_range is None else check.interval("load_range", load_range)
-        object.__setattr__(self, "load_range", ends)
-        object.__setattr__(self, "wording", Wording.checked(wording))
+        self._set(
+            wording,
+            slope=check.number("slope", slope, above=0.0),
+            load_range=None if load_range is None else check.interval("load_range", load_range),
+        )
 
     @classmethod
     def from_friction_coefficient(
@@ -90,16 +132,11 @@ class LinearLaw:
 
     @property
     def title(self) -> str:
-        """What is asked for, in one line."""
+        """The target in one line."""
         words = self.wording.slopes(self.slope)
         if self.load_range is None:
             return f"Linear friction law of {words}"
         return f"Friction proportional to load: {words} from {in_title(self.wording.loads(*self.load_range))}"
-
-    @property
-    def last_load(self) -> float | None:
-        """Last rescaled load asked for [mm^2]; None where the inversion decides it."""
-        return None if self.load_range is None else self.load_range[1]
 
     @property
     def lines(self) -> tuple[tuple[float, float], ...]:
@@ -115,10 +152,16 @@ class LinearLaw:
         """Return the friction of the line at rescaled loads, (k,) [mm^2]."""
         return np.asarray(self.slope * rescaled_load)
 
+    def candidate(self, problem: Problem, rng: np.random.Generator) -> Candidate:
+        """Return heights of an exponential density, or with a load range of the line itself."""
+        if self.load_range is None:
+            return exponential.linear(self, problem)
+        return sampled.candidate(self, problem, rng)
+
 
 @checked_class
 @dataclass(frozen=True, init=False)
-class BilinearLaw:
+class BilinearLaw(StraightLaw):
     """Two straight branches that meet at a crossover load.
 
     Parameters
@@ -154,17 +197,14 @@ class BilinearLaw:
     ) -> None:
         values = check.array("slopes", slopes, shape=(2,))
         pair = tuple(check.number(f"slopes[{i}]", value, above=0.0) for i, value in enumerate(values))
-        object.__setattr__(self, "slopes", pair)
         load = check.number("crossover_load", crossover_load, above=0.0)
-        object.__setattr__(self, "crossover_load", load)
         ends = None if load_range is None else check.interval("load_range", load_range)
-        object.__setattr__(self, "wording", Wording.checked(wording))
+        self._set(wording, slopes=pair, crossover_load=load, load_range=ends)
         if ends is not None and not ends[0] < load < ends[1]:
             raise InvalidInput(
                 f"crossover_load = {wording.loads(load)} must lie inside load_range, from "
                 f"{wording.loads(*ends)}"
             )
-        object.__setattr__(self, "load_range", ends)
 
     @classmethod
     def from_friction_coefficients(
@@ -180,7 +220,7 @@ class BilinearLaw:
         Titles and messages state friction coefficients and newtons.
         """
         wording = Wording.of(material, friction)
-        slopes = _slopes(check.array("friction_coefficients", friction_coefficients, shape=(2,)), wording)
+        slopes = wording.given_slopes(friction_coefficients, 2)
         return cls(slopes, crossover_load, load_range, wording)
 
     @classmethod
@@ -196,21 +236,16 @@ class BilinearLaw:
 
     @property
     def friction_coefficients(self) -> tuple[float, ...] | None:
-        """Friction coefficients dF/dP [-] of a law that was asked for by them, or by forces; else None."""
-        return _coefficients(self.slopes, self.wording)
+        """Friction coefficients dF/dP [-] of a law that was given by them or by forces; otherwise None."""
+        return self.wording.coefficients(self.slopes)
 
     @property
     def title(self) -> str:
-        """What is asked for, in one line."""
+        """The target in one line."""
         words = f"Bilinear friction law of {self.wording.slopes(*self.slopes)}"
         if self.load_range is None:
             return words
         return f"{words} through the origin from {in_title(self.wording.loads(*self.load_range))}"
-
-    @property
-    def last_load(self) -> float | None:
-        """Last rescaled load asked for [mm^2]; None where the inversion decides it."""
-        return None if self.load_range is None else self.load_range[1]
 
     @property
     def lines(self) -> tuple[tuple[float, float], ...]:
@@ -230,137 +265,8 @@ class BilinearLaw:
         below = np.minimum(rescaled_load, self.crossover_load)
         return np.asarray(self.slopes[0] * below + self.slopes[1] * (rescaled_load - below))
 
-
-@checked_class
-@dataclass(frozen=True, init=False)
-class MultilinearLaw:
-    """Consecutive straight branches of given slopes, with a free intercept.
-
-    Parameters
-    ----------
-    slopes : array_like, (b,)
-        Slopes of the branches [-], positive, in any order.
-    crossover_loads : sequence, (b - 1,)
-        Crossover from each branch to the next [mm^2], increasing: one load P/E* at which they meet, or a
-        pair (end of the branch, start of the next). Between the loads of a pair the law is free, and so is
-        the intercept of the next branch.
-    load_range : (float, float)
-        P/E* from the start of the first to the end of the last branch [mm^2].
-
-    Examples
-    --------
-    >>> law = MultilinearLaw([9.5, 7.0], [(0.07, 0.18)], (0.03, 0.26))
-    >>> law.branches
-    ((9.5, (0.03, 0.07)), (7.0, (0.18, 0.26)))
-    """
-
-    slopes: tuple[float, ...]
-    crossover_loads: tuple[LoadRange, ...]
-    load_range: LoadRange
-    wording: Wording = field(default=RESCALED, compare=False, repr=False)
-
-    def __init__(
-        self,
-        slopes: ArrayLike,
-        crossover_loads: Sequence[object],
-        load_range: ArrayLike,
-        wording: Wording = RESCALED,
-    ) -> None:
-        values = check.array("slopes", slopes, shape=(None,))
-        if values.min() <= 0.0:
-            raise InvalidInput(f"slopes holds {values.min():g}; all must be greater than 0")
-        listed = isinstance(crossover_loads, (list, tuple, np.ndarray))
-        if not listed or len(crossover_loads) != len(values) - 1:
-            raise InvalidInput(
-                f"crossover_loads = {crossover_loads!r:.60} must hold {len(values) - 1} loads or pairs of "
-                f"loads for {len(values)} {wording.keys[1]}"
-            )
-        ends = check.interval("load_range", load_range)
-        pairs = tuple(_crossover(i, given) for i, given in enumerate(crossover_loads))
-        object.__setattr__(self, "wording", Wording.checked(wording))
-        path = [ends[0], *(load for pair in pairs for load in pair), ends[1]]
-        for i in range(0, len(path), 2):
-            if not path[i] < path[i + 1]:
-                raise InvalidInput(
-                    f"branch {i // 2 + 1} would run from {wording.loads(path[i], path[i + 1])}; "
-                    "crossover_loads must increase within load_range"
-                )
-        object.__setattr__(self, "slopes", tuple(values.tolist()))
-        object.__setattr__(self, "crossover_loads", pairs)
-        object.__setattr__(self, "load_range", ends)
-
-    @classmethod
-    def from_friction_coefficients(
-        cls,
-        friction_coefficients: ArrayLike,
-        crossover_loads: Sequence[object],
-        load_range: ArrayLike,
-        material: Material,
-        friction: Friction,
-    ) -> MultilinearLaw:
-        """Law of friction coefficients dF/dP [-] of a material pair, one for each branch.
-
-        Titles and messages state friction coefficients and newtons.
-        """
-        wording = Wording.of(material, friction)
-        slopes = _slopes(check.array("friction_coefficients", friction_coefficients, shape=(None,)), wording)
-        return cls(slopes, crossover_loads, load_range, wording)
-
-    @classmethod
-    def from_forces(
-        cls, load: ArrayLike, friction_force: ArrayLike, material: Material, friction: Friction
-    ) -> MultilinearLaw:
-        """Law of the slopes of the straight lines between points P, F, (b + 1,) [N]."""
-        wording = Wording.of(material, friction)
-        x, y = wording.rescaled(load, friction_force)
-        if len(x) < 2:
-            raise InvalidInput(f"load holds {len(x)} value; a branch needs 2 points")
-        return cls(np.diff(y) / np.diff(x), x[1:-1].tolist(), (float(x[0]), float(x[-1])), wording)
-
-    @property
-    def friction_coefficients(self) -> tuple[float, ...] | None:
-        """Friction coefficients dF/dP [-] of a law that was asked for by them, or by forces; else None."""
-        return _coefficients(self.slopes, self.wording)
-
-    @property
-    def title(self) -> str:
-        """What is asked for, in one line."""
-        return f"Friction law of {self.wording.slopes(*self.slopes)}"
-
-    @property
-    def last_load(self) -> float:
-        """Last rescaled load asked for [mm^2]."""
-        return self.load_range[1]
-
-    @property
-    def branches(self) -> tuple[tuple[float, LoadRange], ...]:
-        """Slope and load range of each branch."""
-        path = [
-            self.load_range[0],
-            *(load for pair in self.crossover_loads for load in pair),
-            self.load_range[1],
-        ]
-        return tuple((m, (path[2 * i], path[2 * i + 1])) for i, m in enumerate(self.slopes))
-
-
-def _coefficients(slopes: tuple[float, ...], wording: Wording) -> tuple[float, ...] | None:
-    return None if wording.per_slope is None else tuple(wording.coefficient(slope) for slope in slopes)
-
-
-def _slopes(coefficients: FloatArray, wording: Wording) -> list[float]:
-    """Return the slopes of friction coefficients."""
-    return [
-        wording.slope(check.number(f"friction_coefficients[{i}]", mu, above=0.0))
-        for i, mu in enumerate(coefficients.tolist())
-    ]
-
-
-def _crossover(i: int, given: object) -> LoadRange:
-    name = f"crossover_loads[{i}]"
-    if check.scalar(given):
-        load = check.number(name, given, above=0.0)
-        return load, load
-    if not isinstance(given, (list, tuple, np.ndarray)) or not all(check.scalar(end) for end in given):
-        raise InvalidInput(f"{name} = {given!r:.60} must be a load or a pair of loads")
-    low, high = check.array(name, given, shape=(2,)).tolist()
-    return (low, high) if low == high > 0.0 else check.interval(name, given)
+    def candidate(self, problem: Problem, rng: np.random.Generator) -> Candidate:
+        """Return heights of a density of two exponentials, or with a load range of the lines themselves."""
+        if self.load_range is None:
+            return exponential.bilinear(self, problem)
+        return sampled.candidate(self, problem, rng)

@@ -85,6 +85,18 @@ class Wording:
         """Return a slope as it was given: itself, or its friction coefficient."""
         return _digits(slope * (self.per_slope or 1.0), DIGITS)
 
+    def coefficients(self, slopes: tuple[float, ...]) -> tuple[float, ...] | None:
+        """Return the friction coefficients of slopes; None where slopes are stated as such."""
+        return None if self.per_slope is None else tuple(self.coefficient(slope) for slope in slopes)
+
+    def given_slopes(self, friction_coefficients: ArrayLike, count: int | None) -> list[float]:
+        """Return the slopes of checked friction coefficients, (count,)."""
+        values = check.array("friction_coefficients", friction_coefficients, shape=(count,))
+        return [
+            self.slope(check.number(f"friction_coefficients[{i}]", mu, above=0.0))
+            for i, mu in enumerate(values.tolist())
+        ]
+
     def slopes(self, *slopes: float) -> str:
         """Return slopes in words: ``slopes 6 and 9``."""
         return f"{self.name(len(slopes))} {_listed([f'{self.coefficient(slope):.6g}' for slope in slopes])}"

@@ -169,7 +169,9 @@ def test_a_specification_is_designed_with_all_it_asks_for(read):
     result = spec.design()
     assert result.parameters["radius"] == 0.3
     assert result.layout == mf.Layout(tilt=math.radians(0.1))
-    same = mf.design_radius(spec.target, spec.template, [0.3, 0.526], None, spec.limits, 3, spec.layout)
+    same = mf.design(
+        spec.target, spec.template, None, spec.limits, 3, spec.layout, radii=[0.3, 0.526], common_radius=True
+    )
     np.testing.assert_array_equal(result.surface.height, same.surface.height)
 
 

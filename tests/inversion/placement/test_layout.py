@@ -7,8 +7,10 @@ import pytest
 
 import metafem as mf
 from metafem.inversion import DesignStatus
-from metafem.inversion.placement.layout import LAW_LOADS, NO_EFFECT, TILT_LOADS, arranged, asked_for
-from metafem.inversion.targets.wanted import Wanted
+from metafem.inversion.candidate import Candidate
+from metafem.inversion.placement.layout import LAW_LOADS, NO_EFFECT, TILT_LOADS, aims_of, arranged
+from metafem.inversion.problem import Problem
+from metafem.inversion.targets.target_law import TargetLaw
 from metafem.notes import information
 
 LAYER = mf.Interacting(substrate=mf.BondedLayer())
@@ -77,31 +79,36 @@ def test_following_the_law_means_nothing_without_interaction(template):
 
 
 def test_slow_models_are_arranged_under_the_interacting_one(rough):
-    wanted = Wanted.exactly(LOAD, mf.Independent().curve(rough, LOAD).area)
+    law = TargetLaw.fixed(LOAD, mf.Independent().curve(rough, LOAD).area)
     model = mf.BoundaryElements(0.01, substrate=mf.BondedLayer())
-    surface, told, notes = arranged(rough, mf.Layout(), model, wanted, np.random.default_rng(0))
-    assert "under the model layer" in notes[0].text
-    assert rms(surface, LAYER, wanted.base) == pytest.approx(told["layout_after"], rel=1e-9)
+    problem = Problem.checked(POWER, rough, model, LIMITS, mf.Layout())
+    given = Candidate(rough.height, rough.radius, {}, law, sites=np.arange(rough.count))
+    found = arranged(problem, given, np.random.default_rng(0))
+    assert "under the model layer" in found.notes[0].text
+    after = rms(found.surface(rough), LAYER, law.base)
+    assert after == pytest.approx(found.parameters["layout_after"], rel=1e-9)
 
 
 def test_many_loads_are_thinned_between_their_ends(rough):
     load = np.linspace(0.01, 0.5, 61)
-    wanted = Wanted.exactly(load, mf.Independent().curve(rough, load).area)
-    asked = asked_for(mf.Layout(tilt=TILT), rough, LAYER, wanted)
-    for (_, part, _), most in zip(asked, (LAW_LOADS, TILT_LOADS), strict=True):
+    law = TargetLaw.fixed(load, mf.Independent().curve(rough, load).area)
+    aims = aims_of(mf.Layout(tilt=TILT), rough, LAYER, law)
+    for (_, part, _), most in zip(aims, (LAW_LOADS, TILT_LOADS), strict=True):
         assert len(part.rescaled_load) == most
         assert part.rescaled_load[[0, -1]].tolist() == load[[0, -1]].tolist()
 
 
-def test_a_wanted_law_that_falls_gives_way_to_that_of_independent_asperities(rough):
-    wanted = Wanted.exactly(LOAD, np.linspace(2.0, 1.0, len(LOAD)))
-    asked = asked_for(mf.Layout(), rough, LAYER, wanted)
-    np.testing.assert_array_equal(asked[0][1].rescaled_friction, mf.Independent().curve(rough, LOAD).area)
+def test_a_target_law_that_falls_gives_way_to_that_of_independent_asperities(rough):
+    law = TargetLaw.fixed(LOAD, np.linspace(2.0, 1.0, len(LOAD)))
+    aims = aims_of(mf.Layout(), rough, LAYER, law)
+    np.testing.assert_array_equal(aims[0][1].rescaled_friction, mf.Independent().curve(rough, LOAD).area)
 
 
 def test_the_best_radius_is_arranged():
     layout = mf.Layout(tilt=TILT)
-    found = mf.design_radius(SMALL_POWER, SMALL, [0.4, 0.526], limits=LIMITS, layout=layout)
+    found = mf.design(
+        SMALL_POWER, SMALL, limits=LIMITS, layout=layout, radii=[0.4, 0.526], common_radius=True
+    )
     assert found.parameters["layout_after"] < found.parameters["layout_before"]
     assert found.layout == mf.Layout(tilt=TILT)
     assert (found.surface.radius == found.parameters["radius"]).all()

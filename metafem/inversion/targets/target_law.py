@@ -1,4 +1,4 @@
-"""The target law at a list of loads, up to parameters that the target leaves open."""
+"""A target law at a list of loads, up to parameters that the target leaves open."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ FAR = 0.1
 
 
 @dataclass(frozen=True, eq=False)
-class Wanted:
-    """The target law ``base + free @ c`` at loads (k,), with open parameters c (q,), and weights.
+class TargetLaw:
+    """A target law ``base + free @ c`` at loads (k,), with open parameters c (q,), and weights.
 
     Attributes
     ----------
@@ -42,20 +42,29 @@ class Wanted:
     pointwise: bool = False
 
     @classmethod
-    def exactly(
+    def fixed(
         cls,
         load: FloatArray,
         friction: FloatArray,
         weight: FloatArray | None = None,
         pointwise: bool = False,
-    ) -> Wanted:
+    ) -> TargetLaw:
         """A law without open parameters."""
         given = np.ones(len(load)) if weight is None else weight
         return cls(load, friction, np.empty((len(load), 0)), given / given.mean(), pointwise)
 
+    @property
+    def is_open(self) -> bool:
+        """Whether the target leaves parameters open."""
+        return bool(self.free.shape[1])
+
+    def open_parameters(self, area: FloatArray) -> FloatArray:
+        """Return the open parameters nearest to an area curve, (q,)."""
+        return np.asarray(np.linalg.lstsq(self.free, self.law(area) - self.base, rcond=None)[0])
+
     def law(self, area: FloatArray) -> FloatArray:
         """Return the target law with the open parameters nearest to an area curve, (k,) [mm^2]."""
-        if not self.free.shape[1]:
+        if not self.is_open:
             return self.base
         law = area
         for _ in range(ROUNDS):
@@ -71,7 +80,7 @@ class Wanted:
         law = self.law(area)
         scale = np.sqrt(self.weight) / law
         residual, jacobian = scale * (area - law), scale[:, None] * gradient
-        if self.free.shape[1]:
+        if self.is_open:
             q, _ = np.linalg.qr(scale[:, None] * self.free)
             residual = residual - q @ (q.T @ residual)
             jacobian = jacobian - q @ (q.T @ jacobian)

@@ -1,0 +1,187 @@
+"""Result of a design."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from metafem import drawing
+from metafem._validate import IntArray
+from metafem._values import Value, span
+from metafem.errors import InvalidInput
+from metafem.inversion.assessment import DesignStatus, misfit_meaning
+from metafem.inversion.candidate import Branch, Parameter
+from metafem.inversion.height_density import PiecewiseExponential
+from metafem.inversion.limits import Limits
+from metafem.inversion.picture import draw_laws
+from metafem.inversion.placement.layout import Layout
+from metafem.inversion.radii import RadiusRange
+from metafem.inversion.strategies import exponential
+from metafem.inversion.strategies.mixture import Mixture
+from metafem.inversion.targets.target import Target
+from metafem.inversion.targets.target_law import TargetLaw
+from metafem.notes import Note, counted, late_notes
+from metafem.prediction import BranchFit, FrictionLaw
+from metafem.surface import Surface
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Design(Value):
+    """A surface designed for a target, with its predicted law.
+
+    Attributes
+    ----------
+    surface : Surface
+        The asperities that exist.
+    law : FrictionLaw
+        Law of the surface under the model of the design.
+    misfit : float
+        Relative deviation of the law from the target [-]. For operating points and lines over a load range
+        it is the largest at any load. Otherwise it is the root mean square over the loads of the target, or
+        the largest deviation of a fitted slope of a straight branch if that is larger. `misfit_meaning`
+        says which it is.
+    status : DesignStatus
+    parameters : mapping
+        What the inversion solved for, read-only: ``scale`` [mm], ``weight``, ``crossover_height`` [mm],
+        ``counts``, ``levels`` [mm], ...
+    sites : ndarray of int, (n,)
+        Sites of the asperities in the template, read-only.
+    target, template, limits
+        The arguments of the design.
+    fits : tuple of (Branch, BranchFit)
+        Straight branches of the target, each with the fit of the law.
+    radii : RadiusRange, tuple of float or None
+        Radii that each asperity could have [mm]; None for one common radius.
+    density : PiecewiseExponential or None
+        The height density behind the heights, measured from `limits.foot`.
+    notes : tuple of Note
+        Limits of the design and of its model that matter for making the part.
+    layout : Layout or None
+        The layout for which the sites were chosen.
+
+    Notes
+    -----
+    Designs are equal if all their members are, arrays to the bit; ``mf.load(folder) == design`` is True.
+
+    Examples
+    --------
+    >>> import metafem as mf
+    >>> template = mf.Surface.square_lattice(0.12, radius=0.526, material=mf.Material(1.36))
+    >>> mf.design(mf.LinearLaw(6.87), template)
+    Design: Linear friction law of slope 6.87
+      status      approximate: the density has the target's slopes at large loads; the law has the misfit
+      misfit      2.8 %, difference of a fitted slope from the target's
+      asperities  64 on 64 sites
+      heights     0.0002997 to 0.1148 mm
+      radius      0.526 mm
+      model       Independent()
+      law         100 loads 0.006527 to 0.6527 N, area 0.06483 to 3.559 mm^2
+      parameters  scale, intercept, foot_load
+      notes       1 note
+    """
+
+    surface: Surface
+    law: FrictionLaw
+    misfit: float
+    status: DesignStatus
+    parameters: Mapping[str, Parameter]
+    sites: IntArray
+    target: Target
+    template: Surface
+    limits: Limits
+    fits: tuple[tuple[Branch, BranchFit], ...] = ()
+    density: PiecewiseExponential | None = None
+    notes: tuple[Note, ...] = late_notes()
+    radii: RadiusRange | tuple[float, ...] | None = None
+    layout: Layout | None = None
+
+    def __post_init__(self) -> None:
+        count = self.surface.count
+        if self.sites.shape != (count,) or len(np.unique(self.sites)) != count:
+            raise InvalidInput(f"sites must hold {count} different sites, one for each asperity")
+        if self.sites.min() < 0 or self.sites.max() >= self.template.count:
+            raise InvalidInput(f"sites must be from 0 to {self.template.count - 1}, as the template has them")
+        if not np.array_equal(self.surface.position, self.template.position[self.sites]):
+            raise InvalidInput("surface.position must be that of the template at the sites")
+        if not self.misfit >= 0.0:
+            raise InvalidInput(f"misfit = {self.misfit:g} must be at least 0")
+        pair = self.surface.material, self.surface.friction
+        if (self.law.material, self.law.friction) != pair:
+            raise InvalidInput("law.material and law.friction must be those of the surface")
+        for value in (self.sites, *self.parameters.values()):
+            if isinstance(value, np.ndarray):
+                value.flags.writeable = False
+        object.__setattr__(self, "parameters", MappingProxyType(dict(self.parameters)))
+
+    def __reduce__(self) -> Any:
+        # a mapping proxy cannot be pickled; the constructor makes a new one
+        members = {field.name: getattr(self, field.name) for field in fields(self)}
+        return _restored, ({**members, "parameters": dict(self.parameters)},)
+
+    def __repr__(self) -> str:
+        surface, law = self.surface, self.law
+        return "\n".join(
+            [
+                f"Design: {self.target.title}",
+                f"  status      {self.status.value}",
+                f"  misfit      {100.0 * self.misfit:.2g} %, {self.misfit_meaning}",
+                f"  asperities  {surface.count} on {self.template.count} sites",
+                f"  heights     {span(surface.height, 'mm')}",
+                f"  radius      {span(surface.radius, 'mm')}",
+                f"  model       {law.model!r}",
+                f"  law         {len(law.load)} loads {span(law.load, 'N')}, area {span(law.area, 'mm^2')}",
+                f"  parameters  {', '.join(self.parameters)}",
+                f"  notes       {counted(dict.fromkeys((*self.notes, *law.notes)))}",
+            ]
+        )
+
+    @property
+    def target_law(self) -> TargetLaw:
+        """The law with which `misfit` compares: that of the height density, or else the target."""
+        if self.density is None:
+            return self.target.curve()
+        branches = tuple(branch for branch, _ in self.fits)
+        return exponential.law_of(self.density, branches, Mixture.of(self.surface.radius))
+
+    @property
+    def misfit_meaning(self) -> str:
+        """Definition of `misfit` for this design, in words."""
+        return misfit_meaning(self.target_law.pointwise, self.density is not None, self.fits, self.misfit)
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draw the achieved law beside the target, rescaled.
+
+        A design with a height density is drawn beside the law of the density and straight lines with the
+        slopes of the target, whose ranges are shaded.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            Where to draw; without it in a new figure of ``matplotlib.pyplot``.
+
+        Returns
+        -------
+        matplotlib Axes
+
+        Examples
+        --------
+        >>> import metafem as mf
+        >>> template = mf.Surface.square_lattice(0.12, radius=0.526, material=mf.Material(1.36))
+        >>> ax = mf.design(mf.PowerLaw(1.1, (0.05, 0.2)), template).plot()
+        >>> [text.get_text() for text in ax.get_legend().get_texts()]
+        ['achieved', 'target']
+        """
+        ax = drawing.axes(ax)
+        draw_laws(self, ax)
+        return ax
+
+
+def _restored(members: dict[str, Any]) -> Design:
+    return Design(**members)

@@ -1,0 +1,198 @@
+"""Heights, and radii where there is a choice, of independent asperities whose law is nearest to a target."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from metafem._validate import FloatArray, IntArray
+from metafem.inversion.radii import Radii
+from metafem.inversion.search.initial_guess import initial_heights, slowest_law
+from metafem.inversion.search.levenberg_marquardt import Residual
+from metafem.inversion.search.multistart import search
+from metafem.inversion.search.options import DEFAULTS, SearchOptions
+from metafem.inversion.search.space import Heights, ends, moved
+from metafem.models import Independent
+
+# Relative differences (k,) [-] and their Jacobian (k, n) of a law A0 (k,) [mm^2] with its gradient (k, n).
+LawResidual = Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]
+
+
+@dataclass(frozen=True, eq=False)
+class LawSearch:
+    """A search for asperities whose law has the least differences from a target.
+
+    `law_residual` is taken at rescaled loads `load` (k,) [mm^2]. The initial guesses have laws near
+    `guesses`, (k,) [mm^2]. At most `count` asperities are used, with heights within `span` [mm]. The search
+    ends at a misfit of `goal`.
+    """
+
+    load: FloatArray
+    law_residual: LawResidual
+    guesses: list[FloatArray]
+    count: int
+    span: float
+    restarts: int
+    rng: np.random.Generator
+    goal: float
+    options: SearchOptions = DEFAULTS
+
+
+@dataclass(frozen=True, eq=False)
+class NearestLaw:
+    """Heights and radii (n,) [mm] with the misfit of their law [-]."""
+
+    height: FloatArray
+    radius: FloatArray
+    misfit: float
+
+    @property
+    def sorted(self) -> tuple[FloatArray, FloatArray]:
+        """Heights, tallest first at 0, and their radii."""
+        order = np.argsort(-self.height, kind="stable")
+        return self.height[order] - self.height.max(), self.radius[order]
+
+
+def residual_of_heights(radius: float | FloatArray, load: FloatArray, law_residual: LawResidual) -> Residual:
+    """Return the differences of independent asperities of given radii as a function of their heights."""
+    model = Independent()
+
+    def residual(height: FloatArray) -> tuple[FloatArray, FloatArray]:
+        found = model.sensitivity_of(height, np.broadcast_to(radius, height.shape), load)
+        return law_residual(found.curve.area, found.gradient)
+
+    return residual
+
+
+def with_one_radius(task: LawSearch, radii: Radii, restarts: int | None = None) -> NearestLaw:
+    """Return heights of asperities of the least radius; default restarts: those of the task."""
+    options, load, radius = task.options, task.load, radii.low
+    guesses = (
+        initial_heights(load, law, np.full(len(law), radius), task.count, options) for law in task.guesses
+    )
+    starts = [start for height, _ in guesses for start in _with_fewer(height, task.span, options)]
+    residual = residual_of_heights(radius, load, task.law_residual)
+    space = Heights(task.span, task.count)
+    most = task.restarts if restarts is None else restarts
+    found = search(residual, starts, space, task.goal, most, task.rng, options)
+    return NearestLaw(found.unknowns, np.full(len(found.unknowns), radius), found.misfit)
+
+
+def _with_fewer(height: FloatArray, span: float, options: SearchOptions) -> list[FloatArray]:
+    """Return heights, tallest first; where they are deeper than a span, also with fewer of those too low."""
+    inside = int((height >= height[0] - span).sum())
+    low = len(height) - inside
+    numbers = dict.fromkeys(inside + round(share * low) for share in options.low_fractions)
+    return [height[:number] for number in numbers]
+
+
+def with_several_radii(task: LawSearch, radii: Radii) -> NearestLaw:
+    """Return heights and radii; a single radius is used where it reaches the goal.
+
+    Otherwise the search starts from radii that rise or fall with the depth, and then from random changes.
+    """
+    options, load = task.options, task.load
+    singles = []
+    for radius in radii.tried.tolist():
+        singles.append(with_one_radius(task, Radii.of(radius), 0))
+        if singles[-1].misfit <= task.goal:
+            return singles[-1]
+    best = min(singles, key=lambda found: found.misfit)
+    rising, middle = np.geomspace(radii.low, radii.high, len(load)), len(load) // 2
+    starts = [
+        initial_heights(load, law, ramp, task.count, options)
+        for law in task.guesses
+        for ramp in (rising, rising[::-1])
+    ]
+    starts += [slowest_law(load[middle], law[middle], radii, task.count) for law in task.guesses]
+    starts.append((best.height, best.radius))
+    depth = float(Independent().curves(best.height, best.radius, load[-1:])[0].max())
+    ranged = radii.tools is None
+    tools = radii.extremes if ranged else radii
+    between = Asperities(task.span, task.count, radii.between, depth)
+    mixing = Asperities(task.span, task.count, tools, depth)
+    relaxed = between.nearest(task, starts, options.continuous_restarts)
+    if ranged and relaxed.misfit <= task.goal:
+        return relaxed
+    rounded = (relaxed.height, tools.nearest(relaxed.radius))
+    mixed = mixing.nearest(task, [rounded, *starts], options.mixed_restarts * task.restarts)
+    found = [mixed, best]
+    if ranged:  # the extreme radii can have a smaller misfit, and radii near them a smaller one still
+        found.append(between.nearest(task, [(mixed.height, mixed.radius)], options.continuous_restarts))
+    return min(found, key=lambda each: each.misfit)
+
+
+@dataclass(frozen=True)
+class Asperities:
+    """Heights (n,) and radii (n,) as one vector of lengths: heights, and ln R times a `depth` [mm].
+
+    With the largest indentation as the depth, unit changes of both kinds change the law about equally.
+    Tool radii change only in random changes. At most `most` asperities are used, with heights within
+    `span`.
+    """
+
+    span: float
+    most: int
+    radii: Radii
+    depth: float
+
+    def joined(self, height: FloatArray, radius: FloatArray) -> FloatArray:
+        """Return the unknowns (2n,)."""
+        return np.concatenate([height, self.depth * np.log(radius)])
+
+    def split(self, unknowns: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return heights and radii."""
+        height, logarithm = np.split(unknowns, 2)
+        return height, self.radii.nearest(np.exp(logarithm / self.depth))
+
+    def project(self, unknowns: FloatArray) -> FloatArray:
+        """Return the nearest unknowns within the limits."""
+        height, radius = self.split(unknowns)
+        return self.joined(np.maximum(height, height.max() - self.span), radius)
+
+    def ends(self, unknowns: FloatArray) -> tuple[int, IntArray]:
+        """Return the indices of the tallest height and of those `span` below it."""
+        return ends(unknowns[: len(unknowns) // 2], self.span)
+
+    def changed(self, unknowns: FloatArray, rng: np.random.Generator, options: SearchOptions) -> FloatArray:
+        """Return unknowns with some heights moved and some radii drawn anew."""
+        height, radius = self.split(unknowns)
+        height, source = moved(height, self.most, rng, options)
+        anew = rng.random(len(height)) < rng.choice(options.new_radius)
+        if self.radii.tools is None:
+            drawn = np.exp(rng.uniform(math.log(self.radii.low), math.log(self.radii.high), len(height)))
+        else:
+            drawn = rng.choice(np.array(self.radii.tools), len(height))
+        return self.joined(height, np.where(anew, drawn, radius[source]))
+
+    def residual(self, load: FloatArray, law_residual: LawResidual) -> Residual:
+        """Return the differences of independent asperities as a function of the unknowns.
+
+        At a fixed load, ``R_i dA0/dR_i = pi R_i d_i - (2/3) sqrt(R_i) d_i^(3/2) sum pi R / sum 2 sqrt(R d)``.
+        """
+        model = Independent()
+
+        def residual(unknowns: FloatArray) -> tuple[FloatArray, FloatArray]:
+            height, radius = self.split(unknowns)
+            found = model.sensitivity_of(height, radius, load)
+            depth = np.maximum(found.indentation, 0.0)
+            root = np.sqrt(radius * depth)
+            slope = math.pi * np.where(depth > 0.0, radius, 0.0).sum(axis=1) / (2.0 * root.sum(axis=1))
+            by_radius = (math.pi * radius * depth - slope[:, None] * 2.0 / 3.0 * root * depth) / self.depth
+            if self.radii.tools is not None:
+                by_radius[:] = 0.0
+            return law_residual(found.curve.area, np.hstack([found.gradient, by_radius]))
+
+        return residual
+
+    def nearest(
+        self, task: LawSearch, starts: list[tuple[FloatArray, FloatArray]], restarts: int
+    ) -> NearestLaw:
+        """Search from heights and radii."""
+        unknowns = [self.joined(height, radius) for height, radius in starts]
+        residual = self.residual(task.load, task.law_residual)
+        found = search(residual, unknowns, self, task.goal, restarts, task.rng, task.options)
+        return NearestLaw(*self.split(found.unknowns), found.misfit)

@@ -1,0 +1,236 @@
+"""Targets of several straight branches with a free intercept."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from metafem import _validate as check
+from metafem._calls import checked_class
+from metafem._validate import FloatArray
+from metafem.errors import Infeasible, InvalidInput
+from metafem.inversion.feasibility import (
+    EQUAL_EXPONENT,
+    ROUNDING,
+    friction_bounds,
+    least_exponent,
+    margin_words,
+    refuse_load,
+    single_friction,
+)
+from metafem.inversion.strategies import sampled
+from metafem.inversion.targets.target import LoadRange, Target
+from metafem.inversion.targets.target_law import TargetLaw
+from metafem.inversion.targets.wording import RESCALED, Wording
+from metafem.surface import Friction, Material
+
+if TYPE_CHECKING:
+    from metafem.inversion.candidate import Candidate, Parameter
+    from metafem.inversion.problem import Problem
+
+# Number of loads at which all branches together are compared, and the fewest of one branch.
+POINTS, FEWEST_POINTS = 30, 4
+
+
+@checked_class
+@dataclass(frozen=True, init=False)
+class MultilinearLaw(Target):
+    """Consecutive straight branches of given slopes, with a free intercept.
+
+    Parameters
+    ----------
+    slopes : array_like, (b,)
+        Slopes of the branches [-], positive, in any order.
+    crossover_loads : sequence, (b - 1,)
+        Crossover from each branch to the next [mm^2], increasing: one load P/E* at which they meet, or a
+        pair (end of the branch, start of the next). Between the loads of a pair the law is free, and so is
+        the intercept of the next branch.
+    load_range : (float, float)
+        P/E* from the start of the first to the end of the last branch [mm^2].
+
+    Examples
+    --------
+    >>> law = MultilinearLaw([9.5, 7.0], [(0.07, 0.18)], (0.03, 0.26))
+    >>> law.branches
+    ((9.5, (0.03, 0.07)), (7.0, (0.18, 0.26)))
+    """
+
+    slopes: tuple[float, ...]
+    crossover_loads: tuple[LoadRange, ...]
+    load_range: LoadRange
+    wording: Wording = field(default=RESCALED, compare=False, repr=False)
+
+    def __init__(
+        self,
+        slopes: ArrayLike,
+        crossover_loads: Sequence[object],
+        load_range: ArrayLike,
+        wording: Wording = RESCALED,
+    ) -> None:
+        values = check.array("slopes", slopes, shape=(None,))
+        if values.min() <= 0.0:
+            raise InvalidInput(f"slopes holds {values.min():g}; all must be greater than 0")
+        listed = isinstance(crossover_loads, (list, tuple, np.ndarray))
+        if not listed or len(crossover_loads) != len(values) - 1:
+            raise InvalidInput(
+                f"crossover_loads = {crossover_loads!r:.60} must hold {len(values) - 1} loads or pairs of "
+                f"loads for {len(values)} {wording.keys[1]}"
+            )
+        ends = check.interval("load_range", load_range)
+        pairs = tuple(_crossover(i, given) for i, given in enumerate(crossover_loads))
+        path = [ends[0], *(load for pair in pairs for load in pair), ends[1]]
+        for i in range(0, len(path), 2):
+            if not path[i] < path[i + 1]:
+                raise InvalidInput(
+                    f"branch {i // 2 + 1} would run from {wording.loads(path[i], path[i + 1])}; "
+                    "crossover_loads must increase within load_range"
+                )
+        self._set(wording, slopes=tuple(values.tolist()), crossover_loads=pairs, load_range=ends)
+
+    @classmethod
+    def from_friction_coefficients(
+        cls,
+        friction_coefficients: ArrayLike,
+        crossover_loads: Sequence[object],
+        load_range: ArrayLike,
+        material: Material,
+        friction: Friction,
+    ) -> MultilinearLaw:
+        """Law of friction coefficients dF/dP [-] of a material pair, one for each branch.
+
+        Titles and messages state friction coefficients and newtons.
+        """
+        wording = Wording.of(material, friction)
+        slopes = wording.given_slopes(friction_coefficients, None)
+        return cls(slopes, crossover_loads, load_range, wording)
+
+    @classmethod
+    def from_forces(
+        cls, load: ArrayLike, friction_force: ArrayLike, material: Material, friction: Friction
+    ) -> MultilinearLaw:
+        """Law of the slopes of the straight lines between points P, F, (b + 1,) [N]."""
+        wording = Wording.of(material, friction)
+        x, y = wording.rescaled(load, friction_force)
+        if len(x) < 2:
+            raise InvalidInput(f"load holds {len(x)} value; a branch needs 2 points")
+        return cls(np.diff(y) / np.diff(x), x[1:-1].tolist(), (float(x[0]), float(x[-1])), wording)
+
+    @property
+    def friction_coefficients(self) -> tuple[float, ...] | None:
+        """Friction coefficients dF/dP [-] of a law that was given by them or by forces; otherwise None."""
+        return self.wording.coefficients(self.slopes)
+
+    @property
+    def title(self) -> str:
+        """The target in one line."""
+        return f"Friction law of {self.wording.slopes(*self.slopes)}"
+
+    @property
+    def last_load(self) -> float:
+        """Last rescaled load of the target [mm^2]."""
+        return self.load_range[1]
+
+    @property
+    def branches(self) -> tuple[tuple[float, LoadRange], ...]:
+        """Slope and load range of each branch."""
+        path = [
+            self.load_range[0],
+            *(load for pair in self.crossover_loads for load in pair),
+            self.load_range[1],
+        ]
+        return tuple((m, (path[2 * i], path[2 * i + 1])) for i, m in enumerate(self.slopes))
+
+    def _is_connected(self, i: int) -> bool:
+        """Whether a branch begins where the one before it ends."""
+        return i > 0 and self.branches[i][1][0] == self.branches[i - 1][1][1]
+
+    def curve(self) -> TargetLaw:
+        """Return the branches with one open intercept for each group of connected ones."""
+        each = max(FEWEST_POINTS, POINTS // len(self.slopes))
+        loads: list[FloatArray] = []
+        base: list[FloatArray] = []
+        group: list[int] = []
+        column, offset = 0, 0.0
+        for i, (slope, (start, end)) in enumerate(self.branches):
+            load = np.linspace(start, end, each)
+            if self._is_connected(i):
+                load = load[1:]
+                offset += (self.slopes[i - 1] - slope) * start
+            elif i:
+                column, offset = column + 1, 0.0
+            loads.append(load)
+            base.append(offset + slope * load)
+            group += [column] * len(load)
+        free = np.eye(column + 1)[group]
+        return TargetLaw(np.concatenate(loads), np.concatenate(base), free, np.ones(len(group)))
+
+    def guesses(
+        self, law: TargetLaw, low: FloatArray, high: FloatArray, fractions: tuple[float, ...]
+    ) -> list[FloatArray]:
+        """Return the branches with several intercepts of the first group between the bounds."""
+        found = []
+        for fraction in fractions:
+            guess = np.empty_like(law.load)
+            for column in range(law.free.shape[1]):
+                rows = np.flatnonzero(law.free[:, column])
+                base, load = law.base[rows], law.load[rows]
+                if column == 0:
+                    least, most = float((low[rows] - base).max()), float((high[rows] - base).min())
+                    level = least + fraction * (most - least)
+                else:  # between the branches friction is proportional to the load
+                    last = rows[0] - 1
+                    level = float(guess[last] * load[0] / law.load[last] - base[0])
+                guess[rows] = base + level
+            found.append(guess)
+        return found
+
+    def open_parameters(self, law: TargetLaw, area: FloatArray) -> dict[str, Parameter]:
+        """Return the intercepts."""
+        return {"intercepts": law.open_parameters(area)}
+
+    def refuse(self, problem: Problem, margin: float) -> None:
+        """Raise Infeasible where no intercept keeps connected branches within the bounds."""
+        radii, wording = problem.radii, self.wording
+        refuse_load(self.load_range[1], problem, wording)
+        slack = margin + ROUNDING
+        offset, low, high = 0.0, -math.inf, math.inf
+        for i, (slope, (start, end)) in enumerate(self.branches):
+            if self._is_connected(i):
+                offset += (self.slopes[i - 1] - slope) * start
+            else:
+                offset, low, high = 0.0, -math.inf, math.inf
+            # F = c + offset + slope p is straight and the bounds are concave: the lower bound is active at
+            # the ends or where its slope is that of F, the upper bound only at the ends
+            steep = (EQUAL_EXPONENT * single_friction(radii.low) / slope) ** 3
+            load = np.array([start, end, min(max(steep, start), end)])
+            least, most = friction_bounds(load, radii, problem.count)
+            low = max(low, float((least * (1.0 - slack) - offset - slope * load).max()))
+            high = min(high, float((most * (1.0 + slack) - offset - slope * load)[:2].min()))
+            # F/p^b cannot fall: c + offset <= slope p (1/b - 1), first broken at the start
+            high = min(high, slope * start * (1.0 / least_exponent(radii) - 1.0 + slack) - offset)
+            if low > high:
+                raise Infeasible(
+                    f"branch {i + 1} of {wording.slopes(slope)} from {wording.loads(start, end)} leaves the "
+                    f"range of {problem.count} asperities of {radii} for every intercept"
+                    f"{margin_words(margin)}"
+                )
+
+    def candidate(self, problem: Problem, rng: np.random.Generator) -> Candidate:
+        """Return heights and radii whose independent law is nearest to the branches."""
+        return sampled.candidate(self, problem, rng)
+
+
+def _crossover(i: int, given: object) -> LoadRange:
+    name = f"crossover_loads[{i}]"
+    if check.scalar(given):
+        load = check.number(name, given, above=0.0)
+        return load, load
+    if not isinstance(given, (list, tuple, np.ndarray)) or not all(check.scalar(end) for end in given):
+        raise InvalidInput(f"{name} = {given!r:.60} must be a load or a pair of loads")
+    low, high = check.array(name, given, shape=(2,)).tolist()
+    return (low, high) if low == high > 0.0 else check.interval(name, given)

@@ -1,0 +1,72 @@
+"""What every target law is asked for by an inversion."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from metafem._validate import FloatArray
+from metafem.inversion.targets.target_law import TargetLaw
+from metafem.inversion.targets.wording import Wording
+
+if TYPE_CHECKING:
+    from metafem.inversion.candidate import Candidate, Parameter
+    from metafem.inversion.problem import Problem
+
+LoadRange = tuple[float, float]
+
+
+class Target:
+    """Base of the target friction laws, in rescaled load P/E* and friction F/(sigma B) [mm^2]."""
+
+    wording: Wording
+
+    def _set(self, wording: Wording, **members: Any) -> None:
+        """Set the members of a frozen target."""
+        for name, value in {**members, "wording": Wording.checked(wording)}.items():
+            object.__setattr__(self, name, value)
+
+    @property
+    def title(self) -> str:
+        """The target in one line."""
+        raise NotImplementedError
+
+    @property
+    def last_load(self) -> float | None:
+        """Last rescaled load of the target [mm^2]; None where the inversion decides it."""
+        raise NotImplementedError
+
+    @property
+    def lines(self) -> tuple[tuple[float, float], ...]:
+        """Slope of each line through the origin or the line before, and the load from which it holds."""
+        return ()
+
+    @property
+    def branches(self) -> tuple[tuple[float, LoadRange], ...]:
+        """Slope [-] and range of rescaled loads [mm^2] of each straight branch."""
+        return ()
+
+    def curve(self) -> TargetLaw:
+        """Return the law at the loads at which a design is compared with it."""
+        raise NotImplementedError
+
+    def guesses(
+        self, law: TargetLaw, low: FloatArray, high: FloatArray, fractions: tuple[float, ...]
+    ) -> list[FloatArray]:
+        """Return laws (k,) for initial guesses, between bounds of the friction (k,) at the loads of `law`.
+
+        Where the target leaves its level open, there is one for each fraction of the possible levels.
+        """
+        return [law.base]
+
+    def open_parameters(self, law: TargetLaw, area: FloatArray) -> dict[str, Parameter]:
+        """Return the parameters that the target leaves open, fitted to A0 (k,) at the loads of `law`."""
+        return {}
+
+    def refuse(self, problem: Problem, margin: float) -> None:
+        """Raise Infeasible if the target breaks a proven bound by more than a margin (relative)."""
+
+    def candidate(self, problem: Problem, rng: np.random.Generator) -> Candidate:
+        """Return heights for independent asperities, or raise Infeasible."""
+        raise NotImplementedError
