@@ -12,8 +12,7 @@ from metafem._validate import FloatArray, IntArray
 from metafem.inversion.candidate import Branch, Candidate, Parameter
 from metafem.inversion.problem import Problem
 from metafem.models import Independent, Model
-from metafem.prediction import BranchFit, FrictionLaw
-from metafem.prediction.friction_law import default_loads, law_of_curve
+from metafem.prediction import BranchFit, FrictionLaw, default_loads, fit_branch, law_of_curve
 from metafem.progress import doing
 from metafem.surface import Surface
 
@@ -68,13 +67,13 @@ def assess(problem: Problem, candidate: Candidate, surface: Surface) -> Assessme
     )
     curve = problem.model.curve(surface, load)
     law = law_of_curve(surface, problem.model, curve.part(on_grid), grid)
-    area = curve.checked().area[at_target]
+    area = curve.checked().area
     fits = tuple(
-        (branch, law_of_curve(surface, problem.model, curve.part(rows), branch.load).fit(branch.load_range))
+        (branch, fit_branch(load[rows], area[rows], branch.load_range, surface.material, surface.friction))
         for branch, rows in zip(branches, on_branches, strict=True)
     )
-    misfit = _misfit(candidate, area, [fit.slope for _, fit in fits])
-    opened = problem.target.open_parameters(target_law, area) if target_law.is_open else {}
+    misfit = _misfit(candidate, area[at_target], [fit.slope for _, fit in fits])
+    opened = problem.target.open_parameters(target_law, area[at_target]) if target_law.is_open else {}
     return Assessment(
         law=law,
         fits=fits,

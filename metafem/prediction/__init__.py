@@ -1,9 +1,18 @@
 """Equilibria and friction laws of a surface, with loads in N."""
 
-from metafem.prediction.branch_fit import BranchFit
+from metafem.prediction.branch_fit import BranchFit, fit_branch
 from metafem.prediction.contact_state import ContactState
 from metafem.prediction.equilibrium import equilibrium
-from metafem.prediction.friction_law import friction_law, law_at
+from metafem.prediction.friction_law import default_loads, friction_law, law_of_curve
 from metafem.prediction.law import FrictionLaw
 
-__all__ = ["BranchFit", "ContactState", "FrictionLaw", "equilibrium", "friction_law", "law_at"]
+__all__ = [
+    "BranchFit",
+    "ContactState",
+    "FrictionLaw",
+    "default_loads",
+    "equilibrium",
+    "fit_branch",
+    "friction_law",
+    "law_of_curve",
+]

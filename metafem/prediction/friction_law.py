@@ -76,22 +76,19 @@ def friction_law(
         curve = solver.curve(surface, approach=surface.height.max() - distance)
         return law_of_curve(surface, solver, curve, curve.load, distance)
     if load is None:
-        return law_at(surface, solver, default_loads(surface, solver))
-    newtons = np.sort(check.array("load", load, shape=(None,)))
-    if newtons[0] < 0.0:
-        raise InvalidInput(f"load holds {newtons[0]:g} N; loads must be at least 0 N")
-    return law_at(surface, solver, newtons / surface.material.composite_modulus)
+        rescaled = default_loads(surface, solver)
+    else:
+        newtons = np.sort(check.array("load", load, shape=(None,)))
+        if newtons[0] < 0.0:
+            raise InvalidInput(f"load holds {newtons[0]:g} N; loads must be at least 0 N")
+        rescaled = newtons / surface.material.composite_modulus
+    return law_of_curve(surface, solver, solver.curve(surface, rescaled), rescaled)
 
 
 def default_loads(surface: Surface, model: Model) -> FloatArray:
     """Return the rescaled loads of the default grid [mm^2]."""
     end = model.curve(surface, approach=np.array([_grid_end(surface)])).load[0]
     return np.asarray(end * np.arange(1, GRID_POINTS + 1) / GRID_POINTS)
-
-
-def law_at(surface: Surface, model: Model, rescaled_load: FloatArray) -> FrictionLaw:
-    """Predict the friction law at increasing rescaled loads P/E* [mm^2], (k,), which are not checked."""
-    return law_of_curve(surface, model, model.curve(surface, rescaled_load), rescaled_load)
 
 
 def law_of_curve(

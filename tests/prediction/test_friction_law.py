@@ -5,7 +5,7 @@ import pytest
 from scipy import stats
 
 import metafem as mf
-from metafem.prediction import law_at
+from metafem.prediction import law_of_curve
 from metafem.prediction.validity import base_contact_load
 from tests.models.scenes import MODELS, said
 
@@ -140,7 +140,9 @@ def test_fits_are_in_newtons_too(rough):
 def test_a_fit_holds_the_loads_at_the_ends_of_its_range(rough, modulus):
     surface = rough.replaced(material=mf.Material(modulus))
     for ends in ((0.1, 0.7), (0.03, 0.3)):
-        assert law_at(surface, mf.Independent(), np.linspace(*ends, 26)).fit(ends).points == 26
+        load = np.linspace(*ends, 26)
+        curve = mf.Independent().curve(surface, load)
+        assert law_of_curve(surface, mf.Independent(), curve, load).fit(ends).points == 26
         newtons = modulus * np.linspace(*ends, 26)
         law = mf.friction_law(surface, load=newtons)
         assert law.fit(load=(newtons[0], newtons[-1])).points == 26
