@@ -13,8 +13,8 @@ def test_damaged_files_end_with_a_message():
 
 def test_faults_are_counted_by_kind():
     tally = damaged_files.Tally()
-    damaged_files.judge(tally, "0/0 a.toml", 3, "", "Traceback (most recent call last)")
-    damaged_files.judge(tally, "0/1 a.toml", 2, "", "Error: a.toml: one\nand more")
+    damaged_files.record_faults(tally, "0/0 a.toml", 3, "", "Traceback (most recent call last)")
+    damaged_files.record_faults(tally, "0/1 a.toml", 2, "", "Error: a.toml: one\nand more")
     assert [len(found) for found in (tally.tracebacks, tally.codes, tally.lines)] == [1, 1, 1]
 
 

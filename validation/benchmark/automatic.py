@@ -13,8 +13,8 @@ TOLERANCE = 1e-3
 # Surfaces whose times are compared, and surfaces whose areas are compared with resolved contacts.
 TIMED, COMPARED = 200, 100
 
-# Cells of the reference [mm]: halved from the first to at most the last, until it is certain.
-FIRST_CELL, LAST_CELL = 0.02, 0.001
+# Cells of the reference: the largest contact radius over the first number, halved at most so many times.
+CELLS_PER_RADIUS, HALVINGS = 6, 5
 
 # Loads of a law.
 LOADS = 30
@@ -25,7 +25,10 @@ def rows() -> list[Row]:
     ratios = np.array([ratio for seed in range(TIMED) if (ratio := time_ratios(seed))])
     one, law = np.median(ratios, axis=0)
     what = f"median time over that of order 3, {len(ratios)} surfaces"
-    return [Row(f"{what}, one load", 1.1, one, ""), Row(f"{what}, each of {LOADS} loads", 1.1, law, "")]
+    return [
+        Row(f"{what}, one load", 1.1, float(one), ""),
+        Row(f"{what}, each of {LOADS} loads", 1.1, float(law), ""),
+    ]
 
 
 def long_rows(count: int = COMPARED) -> list[Row]:
@@ -68,13 +71,14 @@ def time_ratios(seed: int) -> tuple[float, float] | None:
 
 def reference(surface: mf.Surface, load: float) -> tuple[float, float]:
     """Return A0 [mm²] extrapolated from the cells, and its relative change by the last cell."""
-    cell, areas, extrapolated = FIRST_CELL, [], []
-    while cell >= LAST_CELL:
-        areas.append(mf.equilibrium(surface, mf.BoundaryElements(cell), load=load).area)
+    largest = mf.equilibrium(surface, mf.Interacting(), load=load).asperity_area.max()
+    cell, areas, extrapolated = np.sqrt(largest / np.pi) / CELLS_PER_RADIUS, [], []
+    for halving in range(HALVINGS + 1):
+        model = mf.BoundaryElements(cell / 2**halving)
+        areas.append(mf.equilibrium(surface, model, load=load).area)
         # the error falls as the square of the cell
-        extrapolated += [(4.0 * areas[-1] - areas[-2]) / 3.0] if len(areas) > 1 else []
-        change = abs(extrapolated[-1] / extrapolated[-2] - 1.0) if len(areas) > 2 else np.inf
+        extrapolated += [(4.0 * areas[-1] - areas[-2]) / 3.0] if halving else []
+        change = abs(extrapolated[-1] / extrapolated[-2] - 1.0) if halving > 1 else np.inf
         if change <= TOLERANCE / 3.0:
             break
-        cell /= 2.0
     return extrapolated[-1], change

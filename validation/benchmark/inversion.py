@@ -8,14 +8,10 @@ import time
 import numpy as np
 
 import metafem as mf
+from validation.scenes.models import MODELS
 from validation.scenes.random_laws import LATTICE, LIMITS, RADIUS, mixed_law, random_law
 from validation.timing import Row, best
 
-MODELS = {
-    "independent": mf.Independent(),
-    "half-space": mf.Interacting(),
-    "layer": mf.Interacting(substrate=mf.BondedLayer()),
-}
 RANDOM_LAWS = 1000
 
 # Laws of surfaces with several radii, and the tool radii [mm].

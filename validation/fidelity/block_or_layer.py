@@ -14,7 +14,7 @@ import numpy as np
 import metafem as mf
 from metafem.drawing import new_figure
 from validation.check import Check, Claim, below, near, reported
-from validation.paper.interaction_error import surfaces
+from validation.paper.surfaces import surfaces
 from validation.published import SEPARATE
 
 # The tests of this claim carry the mark "slow".

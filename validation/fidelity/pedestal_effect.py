@@ -7,7 +7,8 @@ import numpy as np
 import metafem as mf
 from metafem.drawing import new_figure
 from validation.check import Claim, below, reported
-from validation.paper.interaction_error import LOADS, surfaces
+from validation.paper.interaction_error import LOADS
+from validation.paper.surfaces import surfaces
 
 MODELS = "order 3 on the bonded layer, with and without pedestals, this check"
 # A0 grows as the sum of P_i^(2/3), which is largest for equal loads.

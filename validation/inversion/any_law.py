@@ -13,13 +13,9 @@ from metafem.inversion.strategies.proportional import line_range
 from validation.check import LINE_REQUIRED, REQUIRED, Check, Claim, below
 from validation.paper.surfaces import template
 from validation.published import PAPER
+from validation.scenes.models import MODELS
 
 SLOPE = 7.0
-MODELS = {
-    "independent": mf.Independent(),
-    "half-space": mf.Interacting(),
-    "layer": mf.Interacting(substrate=mf.BondedLayer()),
-}
 
 # Heights tall enough for all laws here [mm], and the paper's step of Fig. 4.
 HEIGHT, STEP = 0.27, 0.006

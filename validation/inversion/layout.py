@@ -14,8 +14,7 @@ import numpy as np
 import metafem as mf
 from metafem.drawing import new_figure
 from validation.check import Claim, below, reported
-from validation.paper.interaction_error import surfaces
-from validation.paper.surfaces import fig3
+from validation.paper.surfaces import fig3, surfaces
 
 # The tests of this claim carry the mark "slow".
 SLOW = True

@@ -13,17 +13,13 @@ from metafem.inversion.radii import Radii
 from validation.check import LINE_REQUIRED, REQUIRED, Check, Claim, below, near
 from validation.paper.surfaces import template
 from validation.published import PAPER
+from validation.scenes.models import MODELS
 
 # Two tool radii, or any radius between them [mm]; loads and heights of the power laws.
 TOOLS = [0.2, 0.8]
 CHOICES = {"two tools": TOOLS, "any radius between": mf.RadiusRange(0.2, 0.8)}
 RANGE, LIMITS = (0.1, 0.4), mf.Limits(0.27, offset=0.05)
 
-MODELS = {
-    "independent": mf.Independent(),
-    "half-space": mf.Interacting(),
-    "layer": mf.Interacting(substrate=mf.BondedLayer()),
-}
 
 # Below 2/3 and above 1.51, the range of one radius within 1 %.
 EXPONENTS = (0.645, 1.55)

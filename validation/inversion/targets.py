@@ -10,12 +10,8 @@ import metafem as mf
 from metafem.drawing import new_figure
 from validation.check import REQUIRED, Check, Claim, below
 from validation.paper.surfaces import template
+from validation.scenes.models import MODELS
 
-MODELS = {
-    "independent": mf.Independent(),
-    "half-space": mf.Interacting(),
-    "layer": mf.Interacting(substrate=mf.BondedLayer()),
-}
 LIMITS = mf.Limits(0.27, offset=0.05)
 
 # A law that no density of the paper has: 7 P/E* with a wave of 2 % over the range.

@@ -13,8 +13,8 @@ import numpy as np
 import metafem as mf
 from metafem.drawing import new_figure
 from validation.check import Check, Claim, below, near, reported
-from validation.paper.surfaces import fig3, fig4, template
-from validation.published import PAPER, paper, table
+from validation.paper.surfaces import surfaces
+from validation.published import PAPER, paper
 
 # The tests of this claim carry the mark "slow".
 SLOW = True
@@ -37,16 +37,6 @@ LOW, HIGH = 0.003, 0.015
 NOTE = f"{PAPER}, SM, note on elastic interactions"
 POINT_LOADS = "point loads on a half-space, by tests/validation/test_expected_numbers.py"
 THIS = "order 3 on half-space and layer, this check"
-
-
-@cache
-def surfaces() -> dict[str, mf.Surface]:
-    """Return the five surfaces; those of Fig. 5 with the printed heights at their printed sites."""
-    printed = table("table_s2")
-    found = {"Fig. 3": fig3().surface, "Fig. 4 blue": fig4("blue").surface, "Fig. 4 red": fig4("red").surface}
-    for colour in ("blue", "red"):
-        found[f"Fig. 5 {colour}"] = template(f"fig5_{colour}").replaced(height=printed[colour] / 1e3)
-    return found
 
 
 @cache

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import metafem as mf
-from validation.published import paper
+from validation.published import paper, table
 
 
 def template(figure: str) -> mf.Surface:
@@ -48,3 +50,13 @@ def fig5(colour: str) -> mf.Design:
     target = mf.BilinearLaw(printed["slopes"], printed[colour]["crossover_load_mm2"])
     limits = mf.Limits(printed["max_height_um"] / 1e3, offset=printed["offset_um"] / 1e3)
     return mf.design(target, template(f"fig5_{colour}"), limits=limits)
+
+
+@cache
+def surfaces() -> dict[str, mf.Surface]:
+    """Return the five surfaces; those of Fig. 5 with the printed heights at their printed sites."""
+    printed = table("table_s2")
+    found = {"Fig. 3": fig3().surface, "Fig. 4 blue": fig4("blue").surface, "Fig. 4 red": fig4("red").surface}
+    for colour in ("blue", "red"):
+        found[f"Fig. 5 {colour}"] = template(f"fig5_{colour}").replaced(height=printed[colour] / 1e3)
+    return found

@@ -261,7 +261,7 @@ def cases(folder: Path, count: int, seed: int = 0) -> Iterator[list[str]]:
         yield command
 
 
-def judge(tally: Tally, label: str, code: int, output: str, errors: str) -> None:
+def record_faults(tally: Tally, label: str, code: int, output: str, errors: str) -> None:
     """Record the faults in how a command ended."""
     if "Traceback" in errors or "Traceback" in output:
         tally.tracebacks.append(f"{label}: {errors[-300:]}")
@@ -290,7 +290,7 @@ def measure(count: int, seed: int = 0) -> Tally:
                 done = subprocess.run(
                     [sys.executable, "-m", "metafem", *arguments], capture_output=True, text=True, check=False
                 )
-                judge(tally, label, done.returncode, done.stdout, done.stderr)
+                record_faults(tally, label, done.returncode, done.stdout, done.stderr)
                 continue
             try:
                 with bounded(LIMIT):
@@ -300,5 +300,5 @@ def measure(count: int, seed: int = 0) -> Tally:
                 continue
             if not isinstance(result.exception, (SystemExit, type(None))):
                 tally.tracebacks.append(f"{label}: {result.exception!r}")
-            judge(tally, label, result.exit_code, result.stdout, result.stderr)
+            record_faults(tally, label, result.exit_code, result.stdout, result.stderr)
     return tally
