@@ -16,7 +16,7 @@ def test_the_variable_names_the_folder(folder):
     assert _caches.kernel_folder() == folder / "kernels"
 
 
-def test_it_lies_among_the_users_caches(tmp_path, monkeypatch):
+def test_the_default_is_the_folder_of_the_user(tmp_path, monkeypatch):
     monkeypatch.delenv(_caches.VARIABLE, raising=False)
     monkeypatch.setattr("platformdirs.user_cache_path", lambda name: tmp_path / name)
     assert _caches.cache_folder() == tmp_path / "metafem"
@@ -40,5 +40,5 @@ def test_only_what_metafem_wrote_is_removed(folder):
     assert sorted(path.name for path in folder.rglob("*")) == ["kernels", "mine", "mine.npz"]
 
 
-def test_nothing_kept_is_nothing_removed(folder):
+def test_removing_from_an_empty_cache_frees_nothing(folder):
     assert _caches.remove([*_caches.kept_kernels(), *_caches.kept_blocks()]) == 0

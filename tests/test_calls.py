@@ -37,12 +37,12 @@ SURFACE = mf.Surface.square_lattice(0.1, (2, 2), radius=0.526, material=mf.Mater
         (lambda: mf.save(), "save: design, folder must be given"),
     ],
 )
-def test_a_call_that_does_not_fit_says_how_it_should_look(call, words):
+def test_the_error_of_a_wrong_call_states_the_signature(call, words):
     with pytest.raises(mf.InvalidInput, match=words):
         call()
 
 
-def test_faults_within_a_function_stay_what_they_are():
+def test_errors_within_a_function_are_not_changed():
     @checked_call
     def broken(value):
         return len(value)
@@ -53,7 +53,7 @@ def test_faults_within_a_function_stay_what_they_are():
 
 
 @pytest.mark.parametrize(
-    ("call", "said"),
+    ("call", "message"),
     [
         (lambda: mf.LinearLaw(), "LinearLaw: slope must be given; call LinearLaw(slope, load_range"),
         (lambda: mf.LinearLaw(7.0, through_origin=True), "LinearLaw has no argument through_origin"),
@@ -65,6 +65,6 @@ def test_faults_within_a_function_stay_what_they_are():
         (lambda: mf.BoundaryElements(), "BoundaryElements: cell must be given"),
     ],
 )
-def test_constructors_answer_in_the_words_of_the_package(call, said):
-    with pytest.raises(mf.InvalidInput, match=re.escape(said)):
+def test_constructors_raise_the_errors_of_the_package(call, message):
+    with pytest.raises(mf.InvalidInput, match=re.escape(message)):
         call()

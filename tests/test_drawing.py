@@ -52,7 +52,7 @@ def test_without_axes_pyplot_shows_the_picture(template):
     pyplot.close(figure)
 
 
-def test_what_cannot_be_drawn_is_said(template, ax):
+def test_what_cannot_be_drawn_is_refused(template, ax):
     law = mf.friction_law(template.replaced(friction=None), load=[0.1])
     with pytest.raises(mf.InvalidInput, match="friction_force needs the surface's friction"):
         law.plot(ax, units="N")

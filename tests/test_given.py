@@ -56,7 +56,7 @@ def lattice(**changes):
     ],
     ids=lambda given: type(given).__module__,
 )
-def test_what_has_a_unit_is_converted_and_what_is_a_number_taken(height):
+def test_heights_with_units_are_converted(height):
     np.testing.assert_allclose(pair(height=height).height, [0.1, 0.12], rtol=1e-15)
 
 
@@ -109,7 +109,7 @@ def test_numbers_that_are_none_are_refused_on_one_line(value):
     assert len(str(error.value)) < 150
 
 
-def test_a_quantity_where_none_is_due_is_refused():
+def test_a_unit_for_a_pure_number_is_refused():
     with pytest.raises(mf.InvalidInput, match="slope is given in 'millimeter'; it must be a number without"):
         mf.LinearLaw(3 * U.mm)
     assert mf.LinearLaw(6 * U.N / U.N).slope == 6.0
@@ -154,7 +154,7 @@ def test_absurd_proportions_are_refused_by_name(build, words):
         build()
 
 
-def test_errors_speak_in_the_words_of_a_file():
+def test_errors_name_the_keys_of_a_file():
     words = ErrorNames(section="limits", units={"limits.max_height": ("um", 0.001)})
     with error_names(words), pytest.raises(mf.InvalidInput, match=r"max_height = -120 um must .* than 0 um"):
         mf.Limits(-0.12)
@@ -165,7 +165,7 @@ def test_names_know_their_units():
     assert [unit_of(name) for name in ("height[3]", "part.alignment_height", "slope")] == ["mm", "mm", "1"]
 
 
-def test_anything_is_shown_on_one_line():
+def test_any_value_is_shown_on_one_line():
     class Rude:
         def __repr__(self):
             raise ValueError

@@ -4,7 +4,7 @@ import metafem as mf
 from metafem.notes import from_lines, information, to_lines
 
 
-def test_a_note_is_its_text_and_warns_if_not_said_otherwise():
+def test_a_note_is_its_text_and_warns_by_default():
     assert (str(mf.Note("so")), mf.Note("so").warns, information("so").warns) == ("so", True, False)
 
 

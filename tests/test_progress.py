@@ -7,65 +7,65 @@ import metafem as mf
 from metafem.progress import doing, each, listening, message
 
 
-def heard(run):
-    told = []
-    with listening(lambda step, done: told.append((step, done))):
+def reported(run):
+    steps = []
+    with listening(lambda step, done: steps.append((step, done))):
         run()
-    return told
+    return steps
 
 
-def test_nested_steps_are_told_with_the_share_that_is_done():
+def test_nested_steps_are_reported_with_the_fraction_done():
     def run():
         with doing("solving"):
             for _ in each("mesh", "ab"):
                 for _ in each("load case", "abcd"):
                     pass
 
-    told = heard(run)
-    assert told[0] == ("solving", None)
-    assert ("solving, mesh 1 of 2, load case 4 of 4", 3 / 8) in told
-    assert ("solving, mesh 2 of 2, load case 3 of 4", 6 / 8) in told
-    assert told[-1] == ("solving", None)
+    steps = reported(run)
+    assert steps[0] == ("solving", None)
+    assert ("solving, mesh 1 of 2, load case 4 of 4", 3 / 8) in steps
+    assert ("solving, mesh 2 of 2, load case 3 of 4", 6 / 8) in steps
+    assert steps[-1] == ("solving", None)
 
 
-def test_of_a_loop_that_may_end_early_no_share_is_known():
-    assert heard(lambda: list(each("start", [1, 2], at_most=True))) == [
+def test_a_loop_that_may_end_early_has_no_fraction_done():
+    assert reported(lambda: list(each("start", [1, 2], at_most=True))) == [
         ("start 1 of at most 2", None),
         ("start 2 of at most 2", None),
     ]
 
 
 def test_steps_end_with_an_error_and_with_a_break():
-    told = []
-    with listening(lambda step, done: told.append(step)):
+    steps = []
+    with listening(lambda step, done: steps.append(step)):
         with pytest.raises(ZeroDivisionError), doing("dividing"):
             _ = 1 / 0
         for _ in each("start", range(3)):
             break
         with doing("writing"):
             pass
-    assert told == ["dividing", "start 1 of 3", "writing"]
+    assert steps == ["dividing", "start 1 of 3", "writing"]
 
 
-def test_nobody_need_listen():
+def test_steps_need_no_listener():
     assert list(each("start", [1, 2])) == [1, 2]
     with doing("solving"):
         message("kept")
 
 
-def test_a_design_tells_of_its_searches_and_of_resolved_loads(template):
+def test_searches_and_resolved_loads_are_reported(template):
     target = mf.PowerLaw(1.2, (0.1, 0.2))
-    told = " ".join(step for step, _ in heard(lambda: mf.design(target, template, mf.Interacting())))
-    assert "inverting the law, start 1 of at most" in told
-    assert "refining the heights under the model, start 1 of at most" in told
-    assert "computing the law of the heights" in told
+    steps = " ".join(step for step, _ in reported(lambda: mf.design(target, template, mf.Interacting())))
+    assert "inverting the law, start 1 of at most" in steps
+    assert "refining the heights under the model, start 1 of at most" in steps
+    assert "computing the law of the heights" in steps
     surface = mf.Surface([[0.0, 0.0]], [0.1], 0.5, mf.Material(1.0))
     model = mf.BoundaryElements(cell=0.01)
-    told = heard(lambda: mf.friction_law(surface, model, load=[0.01, 0.02]))
-    assert ("resolved contacts: load 2 of 2", 0.5) in told
+    steps = reported(lambda: mf.friction_law(surface, model, load=[0.01, 0.02]))
+    assert ("resolved contacts: load 2 of 2", 0.5) in steps
 
 
-def test_a_block_is_said_to_be_solved_and_where_it_is_kept(tmp_path, monkeypatch):
+def test_the_solution_of_a_block_and_its_file_are_reported(tmp_path, monkeypatch):
     monkeypatch.setattr("metafem.fe.block3d.cache.cache_folder", lambda: tmp_path)
     block = mf.Block(2.0, 2.0, 1.0)
     surface = mf.Surface([[0.1, 0.013]], [0.1], 0.5, mf.Material(1.0), block=block)

@@ -35,7 +35,7 @@ def test_a_loaded_design_equals_the_saved_one(target, template, tmp_path):
     assert again is not design
 
 
-def test_equality_sees_every_bit(rough):
+def test_equality_compares_every_bit(rough):
     same = rough.replaced()
     assert same == rough
     assert hash(same) == hash(rough)
@@ -72,7 +72,7 @@ def test_a_design_prints_in_ten_lines(result):
         assert part in text
 
 
-def test_a_design_says_how_many_notes_and_warnings_there_are(result):
+def test_a_design_states_the_number_of_notes_and_warnings(result):
     noted = (mf.Note("too close"), mf.Note("too wide"))
     assert "notes       2 warnings" in repr(replace(result, notes=noted))
 
@@ -87,7 +87,7 @@ def test_long_arrays_are_not_printed(rough):
     assert "<100 numbers, " in repr(sampled)
 
 
-def test_what_a_design_found_is_read_only(result):
+def test_parameters_and_sites_of_a_design_are_read_only(result):
     with pytest.raises(TypeError, match="does not support item assignment"):
         result.parameters["levels"] = 0.0
     for array in (result.sites, result.parameters["levels"], result.parameters["counts"]):

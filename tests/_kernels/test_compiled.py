@@ -63,7 +63,7 @@ def test_no_home_folder_breaks_nothing(monkeypatch):
     assert compiled(twice)(2.0) == 4.0
 
 
-def test_interrupted_write_leaves_nothing(folder, monkeypatch):
+def test_an_interrupted_write_leaves_no_file(folder, monkeypatch):
     def full(*_):
         raise OSError(28, "No space left on device")
 

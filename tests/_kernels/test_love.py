@@ -68,7 +68,7 @@ def test_compiled_and_plain_agree(x, y):
     assert love.displacement(x, y) == pytest.approx(love.displacement.py_func(x, y), rel=1e-14)
 
 
-def test_own_cell_is_the_closed_form():
+def test_the_loaded_cell_has_the_closed_form():
     # the middle of a square: 4 ln(1 + sqrt 2) / pi per side
     assert love.displacement(0.0, 0.0) == pytest.approx(
         4.0 * math.log(1.0 + math.sqrt(2.0)) / math.pi, rel=1e-15

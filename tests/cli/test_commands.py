@@ -1,4 +1,4 @@
-"""The commands, as a person at a terminal uses them."""
+"""The commands and their options, each in an empty folder."""
 
 import json
 import re
@@ -55,8 +55,8 @@ def test_help_and_readme_name_every_section_and_kind_of_target(run):
 
 def test_spec_prints_every_key(run):
     assert run("spec").stdout == manual()
-    told = json.loads(run("spec", "--json").stdout)
-    assert [(key["section"], key["name"]) for key in told] == [(key.section, key.name) for key in all_keys()]
+    data = json.loads(run("spec", "--json").stdout)
+    assert [(key["section"], key["name"]) for key in data] == [(key.section, key.name) for key in all_keys()]
 
 
 def test_radii_and_layout_of_a_specification_are_designed(run):
@@ -88,7 +88,7 @@ def test_every_command_has_help(run, command):
         "automatic",
     ],
 )
-def test_demo_takes_every_model(run, model):
+def test_demo_runs_under_every_model(run, model):
     result = run("demo", "linear", "--model", model, "--json")
     assert result.exit_code == 0, result.output
     assert mf.load("linear").law.model == MODELS[model]()
@@ -96,12 +96,12 @@ def test_demo_takes_every_model(run, model):
 
 @pytest.mark.parametrize("name", DEMOS)
 def test_demo_writes_the_specification_and_the_whole_folder(demo, name):
-    told = demo(name)
-    assert told["status"] in ("exact", "approximate")
+    data = demo(name)
+    assert data["status"] in ("exact", "approximate")
     assert Path(f"{name}.toml").read_text("utf-8") == demo_text(name)
     files = {"design.json", "heights.csv", "law.csv", "mould.csv", "block.stl", "surface.vtu", "report.html"}
     assert files <= {path.name for path in Path(name).iterdir()}
-    assert mf.load(name).misfit == told["misfit"]
+    assert mf.load(name).misfit == data["misfit"]
 
 
 def test_existing_files_are_kept_without_force(run, demo):
@@ -120,13 +120,13 @@ def test_existing_files_are_kept_without_force(run, demo):
     assert "force=True" not in result.output
 
 
-def test_a_friction_coefficient_is_told_at_the_terminal_and_as_json(run):
-    asked = 'friction_coefficient = 1.5\nload_range = ["0.2 N", "0.5 N"]'
-    Path("mu.toml").write_text(demo_text("linear").replace("slope = 6.87", asked), "utf-8")
-    told = json.loads(run("design", "mu.toml", "-o", "mu", "--json").stdout)
-    assert told["target"] == "Friction proportional to load: friction coefficient 1.5 from 0.2 to 0.5 N"
-    assert told["misfit_meaning"] == "largest difference from the target"
-    assert told["slopes"][0]["target_friction_coefficient"] == 1.5
+def test_a_friction_coefficient_is_printed_at_the_terminal_and_as_json(run):
+    target = 'friction_coefficient = 1.5\nload_range = ["0.2 N", "0.5 N"]'
+    Path("mu.toml").write_text(demo_text("linear").replace("slope = 6.87", target), "utf-8")
+    data = json.loads(run("design", "mu.toml", "-o", "mu", "--json").stdout)
+    assert data["target"] == "Friction proportional to load: friction coefficient 1.5 from 0.2 to 0.5 N"
+    assert data["misfit_meaning"] == "largest difference from the target"
+    assert data["slopes"][0]["target_friction_coefficient"] == 1.5
     assert "target friction coefficient" in run("design", "mu.toml", "-o", "again").output
 
 
@@ -235,7 +235,7 @@ def test_study_prints_its_table_and_keeps_its_file(run):
         assert kept.sinking.attrs["units"] == "mm"
 
 
-def test_doctor_finds_this_installation_well(run, monkeypatch):
+def test_doctor_finds_no_fault_in_this_installation(run, monkeypatch):
     # tests may run on a checkout beside the one installed
     monkeypatch.setattr("metafem.cli.examination._package", lambda: ("this one", True))
     result = run("doctor", "--json")
@@ -264,7 +264,7 @@ def test_a_table_is_predicted_on_a_layer_of_a_thickness(run, demo):
         (("--thickness", "7.2"), "--thickness .* needs a unit"),
     ],
 )
-def test_what_a_table_lacks_is_named(run, demo, arguments, words):
+def test_errors_name_what_a_table_lacks(run, demo, arguments, words):
     demo("linear")
     result = run(*TABLE[:-1], *arguments)  # errors as a person reads them
     assert result.exit_code == 2
@@ -289,7 +289,7 @@ def test_a_model_without_its_block_names_the_section(run, model):
     ],
     ids=["thin block", "narrow lattice", "no comparison"],
 )
-def test_a_design_is_warned_of_what_its_model_leaves_out(run, changes, words):
+def test_a_design_warns_of_what_its_model_leaves_out(run, changes, words):
     text = demo_text("linear")
     for old, new in changes.items():
         end = text.index("[", text.index(old) + 1) if not new else text.index(old) + len(old)
@@ -300,9 +300,9 @@ def test_a_design_is_warned_of_what_its_model_leaves_out(run, changes, words):
     notes = json.loads(result.stdout)["notes"]
     assert any(words in note["text"] for note in notes if note["level"] == "warning")
     assert "No warnings" not in Path("bad/report.html").read_text("utf-8")
-    told = " ".join(run("predict", "bad").output.split())
-    assert "warning: " in told
-    assert words in told
+    output = " ".join(run("predict", "bad").output.split())
+    assert "warning: " in output
+    assert words in output
 
 
 @pytest.mark.parametrize("name", DEMOS)
@@ -325,9 +325,9 @@ def test_a_table_is_predicted_with_its_material_and_friction(run):
     assert "friction_coefficient" not in plain
     assert found["friction_force_N"] == pytest.approx([0.358 * 0.85 * found["area_mm2"][0]])
     assert found["friction_coefficient"] == pytest.approx([found["friction_force_N"][0] / 0.1])
-    told = run("predict", "h.csv", *young, *rubbed).output
-    assert "F/P" in told
-    assert "model independent, converged" in told
+    output = run("predict", "h.csv", *young, *rubbed).output
+    assert "F/P" in output
+    assert "model independent, converged" in output
     refused = run("predict", "h.csv", *young[:3], "0.7")
     assert (refused.exit_code, "--poisson-ratio" in refused.output) == (2, True), refused.output
 
@@ -348,7 +348,7 @@ def test_a_table_is_predicted_with_its_material_and_friction(run):
         ),
     ],
 )
-def test_what_a_newcomer_mistakes_is_told_with_a_remedy(run, arguments, words):
+def test_errors_of_common_mistakes_state_the_remedy(run, arguments, words):
     Path("linear.toml").write_text(demo_text("linear"), "utf-8")
     Path("h.csv").write_text("x_mm,y_mm,height_um,radius_um\n0,0,120,526\n")
     result = run(*arguments)
@@ -356,7 +356,7 @@ def test_what_a_newcomer_mistakes_is_told_with_a_remedy(run, arguments, words):
     assert not Path("x").exists()
 
 
-def test_a_column_that_is_not_read_is_told_once(run):
+def test_a_column_that_is_not_read_is_reported_once(run):
     Path("h.csv").write_text("x_mm,y_mm,height_um,radius_um,site,Bemerkung\n0,0,120,526,0,gut\n")
     options = ("--composite-modulus", "1.36 MPa", "--shear-strength", "0.4 MPa", "--json")
     result = run("predict", "h.csv", *options)

@@ -20,7 +20,7 @@ def folder(tmp_path, monkeypatch):
 
 
 class Installed:
-    """What an installation says about itself."""
+    """Metadata of an installation."""
 
     version = "1.2.3"
 
@@ -53,7 +53,7 @@ def test_the_imported_package_is_the_one_installed(tmp_path, monkeypatch):
     assert "1.2.3, imported from" in examination._package()[0]
 
 
-def test_a_package_that_is_not_installed_is_said(monkeypatch):
+def test_a_package_that_is_not_installed_is_reported(monkeypatch):
     def missing(_):
         raise PackageNotFoundError
 
@@ -64,13 +64,13 @@ def test_a_package_that_is_not_installed_is_said(monkeypatch):
     )
 
 
-def test_caches_are_told_with_their_size(folder):
+def test_caches_are_listed_with_their_size(folder):
     found, well = examination._cache()
     assert well
     assert found == f"{folder}; compiled kernels 0.0 MB, influence of blocks 0.0 MB"
 
 
-def test_a_cache_that_cannot_be_written_is_said(tmp_path, monkeypatch):
+def test_a_cache_that_cannot_be_written_is_reported(tmp_path, monkeypatch):
     (tmp_path / "file").touch()
     monkeypatch.setenv(_caches.VARIABLE, str(tmp_path / "file"))
     found, well = examination._cache()
@@ -78,7 +78,7 @@ def test_a_cache_that_cannot_be_written_is_said(tmp_path, monkeypatch):
     assert "compiles its kernels again; set METAFEM_CACHE_DIR to a writable folder" in found
 
 
-def test_clearing_says_how_much_was_freed(folder):
+def test_clearing_reports_how_much_was_freed(folder):
     (folder / "kernels" / ("a" * 32)).mkdir(parents=True)
     (folder / "kernels" / ("a" * 32) / "kernel").write_bytes(b"x" * 250_000)
     (folder / "block-1.npz").write_bytes(b"x" * 100_000)
@@ -98,7 +98,7 @@ def test_clearing_says_how_much_was_freed(folder):
     }
 
 
-def test_what_could_not_be_removed_is_said(folder, monkeypatch):
+def test_what_could_not_be_removed_is_reported(folder, monkeypatch):
     folder.mkdir()
     (folder / "block-1.npz").write_bytes(b"x" * 100_000)
     monkeypatch.setattr(_caches, "remove", lambda _: 0)
@@ -107,5 +107,5 @@ def test_what_could_not_be_removed_is_said(folder, monkeypatch):
     assert "0.1 MB in" in result.stderr
 
 
-def test_python_is_told():
+def test_the_version_of_python_is_listed():
     assert next(examination.examine()).found == ".".join(map(str, sys.version_info[:3]))

@@ -17,7 +17,7 @@ from metafem.files import demo_text
 
 
 def started(*arguments, **changes):
-    """Run a command in a process of its own."""
+    """Run a command in a new process."""
     command = [sys.executable, "-m", "metafem", *map(str, arguments)]
     environment = {**os.environ, **changes.pop("environment", {})}
     return subprocess.run(command, text=True, env=environment, stderr=subprocess.PIPE, **changes)
@@ -48,13 +48,13 @@ def test_a_terminal_without_greek_letters_gets_their_names(encoding, shown):
     assert done.stdout.decode(encoding).strip() == f"{shown} ?"
 
 
-def test_what_stands_for_a_character_can_be_printed_anywhere():
+def test_replacements_of_characters_are_ascii():
     assert all(text.isascii() for text in PLAIN.values())
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no /dev/full")
 @pytest.mark.parametrize("arguments", [("spec",), ("--help",), ("spec", "--json")])
-def test_an_output_that_is_full_is_said(arguments):
+def test_a_full_output_is_reported(arguments):
     with open("/dev/full", "w") as full:
         done = started(*arguments, stdout=full)
     assert done.returncode == 1
@@ -79,7 +79,7 @@ def test_a_pipe_that_is_closed_ends_quietly(arguments):
         (("design", "flat.toml", "-o", "x", "--json"), 1, "Infeasible", "slope 3 is not above the bound"),
     ],
 )
-def test_errors_are_data_where_data_are_wanted(small, arguments, code, kind, words):
+def test_errors_are_json_with_the_option_json(small, arguments, code, kind, words):
     Path("flat.toml").write_text(small.replace("6.87", "3.0"), "utf-8")
     result = CliRunner().invoke(cli.main, arguments)
     assert (result.exit_code, result.stderr) == (code, "")
@@ -88,7 +88,7 @@ def test_errors_are_data_where_data_are_wanted(small, arguments, code, kind, wor
     assert words in error["message"]
 
 
-def test_errors_are_for_people_elsewhere(small):
+def test_errors_are_text_without_the_option_json(small):
     result = CliRunner().invoke(cli.main, ["design", "none.toml", "-o", "x"])
     assert (result.exit_code, result.stdout) == (2, "")
     assert result.stderr.startswith("Error: none.toml: no such file")

@@ -9,7 +9,7 @@ from metafem.cli.progress import FIRST_LINE, NEXT_LINE, Lines, progress
 from metafem.progress import doing, each, message
 
 
-def test_quick_work_has_no_lines_and_long_work_few():
+def test_short_work_prints_no_lines_and_long_work_few():
     lines = Lines(100.0)
     lines.step("solving, part 1 of 2", 0.0)
     assert lines.due(100.0 + 0.9 * FIRST_LINE) is None
@@ -51,7 +51,7 @@ def test_a_terminal_shows_the_step_and_its_share(capsys, monkeypatch):
     assert "load 2 of 2, 50 %" in err
 
 
-def test_kernels_that_cannot_be_kept_are_told(tmp_path, monkeypatch):
+def test_kernels_that_cannot_be_kept_are_reported(tmp_path, monkeypatch):
     (tmp_path / "file").touch()
     monkeypatch.setenv("METAFEM_CACHE_DIR", str(tmp_path))
     assert module._how_often() == "once for this installation"

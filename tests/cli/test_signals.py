@@ -1,4 +1,4 @@
-"""Commands that are stopped, and what others wrote."""
+"""Commands that are stopped, and files of the user."""
 
 import signal
 import subprocess
@@ -31,7 +31,7 @@ def test_a_stopped_design_leaves_nothing(run, monkeypatch, number, code):
     assert [signal.getsignal(each) for each in (signal.SIGINT, signal.SIGTERM)] == before
 
 
-def test_a_signal_that_is_ignored_stays_so():
+def test_an_ignored_signal_stays_ignored():
     before = signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
         with stopped_by_signals():
@@ -59,7 +59,7 @@ def test_a_signal_in_the_callback_of_a_weak_reference_is_not_lost(capsys):
     assert capsys.readouterr().err == ""
 
 
-def test_what_a_person_wrote_is_never_replaced(run):
+def test_files_of_the_user_are_never_replaced(run):
     assert run("design", "small.toml", "-o", "out").exit_code == 0
     assert run("predict", "out", "-o", "law.csv").exit_code == 0
     assert run("predict", "out", "-o", "law.csv", "--force").exit_code == 0
@@ -76,7 +76,7 @@ def test_what_a_person_wrote_is_never_replaced(run):
 
 
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
-def test_a_command_that_is_stopped_while_it_is_imported_says_so(number, code, capsys):
+def test_a_command_that_is_stopped_during_its_import_reports_it(number, code, capsys):
     class Stop:
         def find_spec(self, name, path=None, target=None):
             if name == "metafem.cli.commands":
@@ -94,7 +94,7 @@ def test_a_command_that_is_stopped_while_it_is_imported_says_so(number, code, ca
     assert capsys.readouterr().err == "stopped; nothing was written\n"
 
 
-def test_the_entry_point_imports_nothing_before_it_takes_the_signals_over():
+def test_the_entry_point_handles_signals_before_other_imports():
     code = "import metafem.cli, sys; print(sorted({'click', 'json', 'metafem.cli.group'} & set(sys.modules)))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"

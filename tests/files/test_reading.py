@@ -13,7 +13,7 @@ READERS = {"spec": mf.read_spec, "table": read_heights, "record": read_record}
 
 
 @pytest.mark.parametrize("read", READERS.values(), ids=READERS)
-def test_what_is_no_file_is_refused_before_it_is_read(tmp_path, read):
+def test_what_is_not_a_file_is_refused_before_reading(tmp_path, read):
     os.mkfifo(tmp_path / "pipe")
     for path, words in (
         ("/dev/zero", "/dev/zero: cannot be read: it is a device or a pipe"),

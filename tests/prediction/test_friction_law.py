@@ -41,7 +41,7 @@ def test_rescaling_and_friction_force(rough):
         _ = mf.friction_law(rough.replaced(friction=None), load=[0.2]).friction_force
 
 
-def test_rescaled_law_does_not_know_the_material(rough):
+def test_rescaled_law_does_not_depend_on_the_material(rough):
     hard = rough.replaced(material=mf.Material(1.36e6))
     soft_law, hard_law = mf.friction_law(rough), mf.friction_law(hard)
     np.testing.assert_allclose(hard_law.rescaled_load, soft_law.rescaled_load, rtol=1e-12)
@@ -85,7 +85,7 @@ def test_plot_draws_the_law(rough):
 
 
 @pytest.mark.parametrize("model", MODELS[:-1])
-def test_the_load_at_which_the_plane_reaches_the_base_is_told(rough, model):
+def test_the_load_at_which_the_plane_reaches_the_base_is_stated(rough, model):
     onset = rough.material.composite_modulus * base_contact_load(rough, model)
     state = mf.equilibrium(rough, model, load=onset)
     assert abs(state.base_gap) < 1e-8
@@ -99,13 +99,13 @@ def test_the_load_at_which_the_plane_reaches_the_base_is_told(rough, model):
 
 
 @pytest.mark.parametrize("model", [mf.Independent(), mf.MeanField(), mf.Interacting()])
-def test_contacts_too_wide_for_the_models_are_told(rough, model):
+def test_contacts_too_wide_for_the_models_are_stated(rough, model):
     high = rough.replaced(height=rough.height + 0.3)
     state = mf.equilibrium(high, model, separation=0.25)
     ratio = np.sqrt(state.asperity_area.max() / np.pi) / 0.526
-    told = f"the widest contact has a/R = {ratio:.2f} at {state.load:.4g} N"
-    assert told in said(mf.friction_law(high, model, load=[0.1, state.load]))
-    assert told in said(state)
+    text = f"the widest contact has a/R = {ratio:.2f} at {state.load:.4g} N"
+    assert text in said(mf.friction_law(high, model, load=[0.1, state.load]))
+    assert text in said(state)
     assert "a/R" not in said(mf.friction_law(high, model, load=[0.01]))
 
 

@@ -1,4 +1,4 @@
-"""The closed forms that judge are tested themselves."""
+"""The closed forms against which tests and validation compare."""
 
 import math
 
@@ -55,7 +55,7 @@ def test_laplacian_is_the_influences():
     assert layer.regular_laplacian(r, 1.0, 0.5) == pytest.approx(numeric, abs=1e-5)
 
 
-def test_thin_cells_do_not_feel_each_other_through_a_thin_layer():
+def test_contacts_on_a_thin_layer_do_not_interact():
     # A cell ten thicknesses wide is the layer alone.
     cell = layer.cell_influence(0.05, 10.0, 1.0, 0.5)
     assert cell == pytest.approx(float(layer.regular_influence(0.0, 1.0, 0.5)), rel=1e-3)

@@ -1,4 +1,4 @@
-"""Designs at random: what their own reports show is warned of."""
+"""Notes of random designs: they warn of what their reports show."""
 
 import re
 
@@ -17,7 +17,7 @@ DESIGNS = 40
 WARNED = 0.05
 
 
-def drawn(rng):
+def random_design(rng):
     """Return a design at random, or None where its target is out of reach."""
     side, pitch = int(rng.integers(4, 9)), float(rng.choice([0.3, 0.5, 0.8, 1.5]))
     thickness = float(rng.choice([0.2, 0.5, 1.0, 3.0, 7.2]))
@@ -45,15 +45,15 @@ def drawn(rng):
 
 
 @pytest.mark.slow
-def test_what_a_report_shows_is_warned_of():
+def test_notes_warn_of_differences_in_the_report():
     rng, seen, judged, off = np.random.default_rng(0), 0, 0, []
     while seen < DESIGNS:
-        design = drawn(rng)
+        design = random_design(rng)
         if design is None:
             continue
         seen += 1
         warnings = [note.text for note in all_notes(design) if note.warns]
-        told = " ".join(map(str, design.notes))
+        texts = " ".join(map(str, design.notes))
         comparisons, _ = compared(design)
         block = design.surface.block is not None
         for comparison in comparisons:
@@ -62,11 +62,11 @@ def test_what_a_report_shows_is_warned_of():
                 assert warnings, (design, comparison.name, rms)
             if comparison.name != ("layer" if block else "half-space") or rms < 0.01:
                 continue
-            found = re.search(r"by ([\d.]+) % rms", told)
+            found = re.search(r"by ([\d.]+) % rms", texts)
             estimate = float(found[1]) / 100.0 if found else 0.0
             judged += 1
             if not (0.5 < estimate / rms < 2.0):
-                off.append((rms, estimate, told))
+                off.append((rms, estimate, texts))
             assert (rms <= WARNED) or any("changes A0" in text or "elastic" in text for text in warnings)
             assert (rms > 0.8 * BOUND) or not any("changes A0" in text for text in warnings)
         state = mf.equilibrium(design.surface, design.law.model, load=float(design.law.load[-1]))

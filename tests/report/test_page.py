@@ -41,7 +41,7 @@ def test_page_is_self_contained_and_reproducible(paper, kind):
     assert design.status.value.split(":")[0] in text
 
 
-def test_page_tells_of_tools_and_steps(template):
+def test_page_states_tools_and_steps(template):
     tools = mf.design(
         mf.LinearLaw(9.0, (0.05, 0.2)),
         template,
@@ -60,18 +60,18 @@ def test_page_tells_of_tools_and_steps(template):
 
 
 @pytest.mark.parametrize(
-    ("radius", "told"),
+    ("radius", "stated"),
     [
         (np.random.default_rng(0).choice([0.3, 0.526, 0.8], 64), "300, 526, 800"),
         (np.linspace(0.3, 0.8, 64), "300 – 800"),
     ],
     ids=["tools", "any"],
 )
-def test_page_tells_of_radii_that_differ(template, radius, told):
+def test_page_states_radii_that_differ(template, radius, stated):
     design = mf.design(mf.LinearLaw(6.87), template, limits=mf.Limits(0.12, offset=0.084))
     surface = design.surface.replaced(radius=radius)
     text = page(replace(design, surface=surface, law=mf.friction_law(surface, load=design.law.load)))
-    assert f'summit radius R</td><td class="number">{told}</td>' in text
+    assert f'summit radius R</td><td class="number">{stated}</td>' in text
     assert text.count("<td>300</td>") == (radius == 0.3).sum()
     assert len(re.findall(r"(?<!/)R = ", text)) == 3  # what the markers' sizes mean
 
@@ -90,7 +90,7 @@ def test_page_warns_where_the_plane_would_reach_the_base(template):
     assert "base plane would touch" in page(design)
 
 
-def test_page_does_not_wait_for_the_true_block(template, tmp_path, monkeypatch):
+def test_page_leaves_out_a_true_block_that_is_not_kept(template, tmp_path, monkeypatch):
     monkeypatch.setattr("metafem.fe.block3d.cache.cache_folder", lambda: tmp_path)
     text = page(mf.design(mf.LinearLaw(6.87), template))
     assert "the true block is left out" in text
@@ -115,7 +115,7 @@ def test_page_with_the_finite_element_checks(template):
         (mf.PowerLaw(1.2, (0.1, 0.2)), "misfit: rms difference from the target"),
     ],
 )
-def test_the_misfit_is_called_what_it_is(template, target, words):
+def test_page_defines_the_misfit(template, target, words):
     text = page(mf.design(target, template, limits=mf.Limits(0.27)))
     assert words in text
     assert "largest deviation" not in text
@@ -132,9 +132,9 @@ def test_the_bar_is_red_for_warnings_alone(template):
     assert '<section class="warned">' in page(fine)
 
 
-def test_seeds_are_told_of_where_places_were_dealt(paper):
-    dealt, text = paper("linear")
-    placed = replace(dealt, layout=mf.Layout())
+def test_page_mentions_other_seeds_for_random_layouts_alone(paper):
+    design, text = paper("linear")
+    placed = replace(design, layout=mf.Layout())
     assert ("another seed" in text, "another seed" in page(placed)) == (True, False)
 
 
@@ -152,7 +152,7 @@ def test_forces_are_shown_where_there_is_a_friction(template, paper):
         assert (words in bare, words in rubbed) == (False, True)
 
 
-def test_a_friction_coefficient_is_what_the_page_speaks_of(template):
+def test_page_states_friction_coefficients_of_such_a_target(template):
     target = mf.LinearLaw.from_friction_coefficient(1.4, template.material, template.friction, (0.05, 0.2))
     text = page(mf.design(target, template, limits=mf.Limits(0.27)))
     assert "<h1>Friction proportional to load: friction coefficient 1.4 from 0.068 to 0.272 N</h1>" in text

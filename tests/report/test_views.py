@@ -15,7 +15,7 @@ MATERIAL = mf.Material(1.36)
 CORNERS = np.array([[-1.0, -1.0], [1.0, 1.0]])
 
 
-def test_a_cap_hides_what_is_behind_it_and_stands_where_it_is_projected():
+def test_a_cap_is_drawn_at_its_projection_and_hides_what_is_behind_it():
     colour = np.array([[1.0, 0.0, 0.0, 1.0]])
     seen = relief(np.zeros((1, 2)), np.array([0.5]), np.array([0.5]), colour, CORNERS)
     left, right, low, high = seen.extent

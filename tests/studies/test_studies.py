@@ -31,7 +31,7 @@ def test_interaction_as_placed_is_the_law_of_the_models(design, interaction):
             np.testing.assert_allclose(found.sinking, laws[1].approach - laws[0].approach, atol=1e-12)
 
 
-def test_interaction_tells_the_largest_change_over_the_loads_of_the_law(design, interaction):
+def test_interaction_covers_the_loads_of_the_law(design, interaction):
     np.testing.assert_array_equal(interaction["load"], design.law.load)
     alone = mf.friction_law(design.surface, load=design.law.load)
     coupled = mf.friction_law(design.surface, mf.Interacting(), load=design.law.load)
@@ -46,7 +46,7 @@ def test_random_placements_repeat_and_differ(design, interaction):
     assert not other.placement_rms.equals(interaction.placement_rms)
 
 
-def test_unequal_radii_are_dealt_with_their_heights(design, interaction):
+def test_unequal_radii_are_placed_with_their_heights(design, interaction):
     from dataclasses import replace
 
     # a difference of radii below rounding takes the way of unequal ones
@@ -57,7 +57,7 @@ def test_unequal_radii_are_dealt_with_their_heights(design, interaction):
     np.testing.assert_allclose(found.placement_rms, interaction.placement_rms, rtol=1e-8)
 
 
-def test_fidelity_without_a_block_says_what_is_left_out(design):
+def test_fidelity_without_a_block_states_what_is_left_out(design):
     from dataclasses import replace
 
     bare = replace(design, surface=design.surface.replaced(block=None))

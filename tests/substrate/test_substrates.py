@@ -98,7 +98,7 @@ def test_thick_layer_is_a_half_space():
     assert_allclose(mf.BondedLayer(1e6, 0.5).influence(r), mf.HalfSpace().influence(r), rtol=2e-5)
 
 
-def test_layer_takes_its_values_from_the_surface():
+def test_layer_reads_its_values_from_the_surface():
     surface = mf.Surface(
         [[0, 0], [1, 0]], 0.1 * np.ones(2), 0.5, mf.Material(1, 0.45), block=mf.Block(20, 20, 7.2)
     )

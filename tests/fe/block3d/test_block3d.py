@@ -33,7 +33,7 @@ SITES = np.array([[0.75, 2.25], [-0.75, 2.25], [3.1, -0.4], [0.0, -2.0]])
 
 @pytest.fixture(autouse=True, scope="module")
 def cache(tmp_path_factory):
-    """A cache folder of the tests' own, so that nothing is read that they did not compute."""
+    """A cache folder for these tests, so that nothing is read that they did not compute."""
     with pytest.MonkeyPatch.context() as patch:
         folder = tmp_path_factory.mktemp("cache")
         patch.setattr(cache_module, "cache_folder", lambda: folder)
@@ -122,7 +122,7 @@ def test_thin_blocks_take_larger_cells(thickness):
     assert math.prod(len(each) - 1 for each in (lines.x, lines.y, lines.z)) <= MOST_CELLS
 
 
-def test_elements_own_values_converge_to_betti_s():
+def test_values_of_the_elements_converge_to_those_by_betti():
     source = np.array([[0.75, 2.25], [3.0, 0.5]])
     difference = []
     for cell in (0.6, 0.3):
@@ -237,12 +237,12 @@ def test_result_is_read_back(coarse, monkeypatch):
 
 @pytest.fixture
 def stored(coarse, tmp_path, monkeypatch):
-    """What is kept, with a folder of its own and without the cost of computing it."""
+    """The cache with a new folder and a stand-in for the computation."""
     monkeypatch.setattr(cache_module, "cache_folder", lambda: tmp_path)
     return lambda shape=(1.0,): cache_module.cached(shape, SITES, lambda: coarse)
 
 
-def test_each_block_has_a_file_of_its_own(stored):
+def test_each_block_has_its_own_file(stored):
     assert len({stored(shape).notes[-1] for shape in ((1.0,), (2.0,), (1.0, 2.0))}) == 3
 
 
@@ -260,7 +260,7 @@ def test_broken_file_is_computed_anew(stored, tmp_path):
     assert stored().notes[-1].startswith("read from")
 
 
-def test_interrupted_write_leaves_nothing(stored, tmp_path, monkeypatch):
+def test_an_interrupted_write_leaves_no_file(stored, tmp_path, monkeypatch):
     def interrupted(*_, **__):
         raise KeyboardInterrupt
 
@@ -296,7 +296,7 @@ def test_failed_factorisation_raises(monkeypatch):
         ([[0.0, -10.0]], BLOCK, "not inside"),
     ],
 )
-def test_surfaces_it_cannot_take(position, block, message):
+def test_surfaces_outside_its_range_are_refused(position, block, message):
     with pytest.raises(mf.InvalidInput, match=message):
         Block3D().influence_matrix(scene(np.array(position), block))
 
@@ -305,7 +305,7 @@ def test_surfaces_it_cannot_take(position, block, message):
     "values",
     [{"poisson_ratio": 0.51}, {"poisson_ratio": -0.1}, {"cell": 0.0}, {"edge_cell": 2.0}, {"block": 3}],
 )
-def test_values_it_cannot_take(values):
+def test_values_out_of_range_are_refused(values):
     with pytest.raises(mf.InvalidInput, match=next(iter(values))):
         Block3D(**values)
 

@@ -97,7 +97,7 @@ def test_the_public_history_agrees_with_another():
 
 
 @pytest.mark.slow
-def test_stuck_points_keep_their_place():
+def test_stuck_points_do_not_move():
     early, late = (coarse(True)[i] for i in (2, 4))
     history = press.Stick(R)
     for contact in coarse(True):
@@ -143,7 +143,7 @@ def test_bad_input(change, reason):
 
 
 @pytest.mark.slow
-def test_the_estimate_bounds_what_other_elements_say():
+def test_the_estimate_bounds_the_difference_from_other_elements():
     """Cubic displacements with quadratic pressures, on the coarse mesh."""
     contact = mf.fe.press_finite(0.35 * R, **BODY)
     _, cubic = flattened(contact.material_radius, 3)

@@ -98,7 +98,7 @@ def test_the_root_is_refused():
         pass
 
 
-def test_an_existing_folder_is_refused_in_the_words_of_its_own_error(tmp_path):
+def test_the_error_for_an_existing_folder_suggests_another(tmp_path):
     (tmp_path / "mine").mkdir()
     with pytest.raises(mf.InvalidInput, match=r"^\S*mine exists; choose another folder"):
         check_free(tmp_path / "mine")
@@ -114,7 +114,7 @@ def put(target, force=False, **texts):
 
 
 def texts(folder):
-    """What a person sees in a folder, hidden files aside."""
+    """Texts of the files in a folder that are not hidden."""
     return {path.stem: path.read_text() for path in folder.iterdir() if not path.name.startswith(".")}
 
 
@@ -123,14 +123,14 @@ def texts(folder):
 def test_a_folder_made_in_the_meantime_stays(tmp_path, content, force):
     target = tmp_path / "out"
 
-    def somebody(fresh):
+    def another_process(fresh):
         (fresh / "a.txt").write_text("a")
         target.mkdir()
         if content:
             (target / "a.txt").write_text(content)
 
     with pytest.raises(mf.InvalidInput, match="made by somebody else"), staged(target, force) as fresh:
-        somebody(fresh)
+        another_process(fresh)
     assert texts(target) == ({"a": content} if content else {})
     assert list(tmp_path.iterdir()) == [target]
 
@@ -164,7 +164,7 @@ def test_a_changed_file_is_refused_before_the_work(tmp_path, change):
     assert texts(target) == before
 
 
-def test_a_changed_file_that_would_be_written_as_it_is_now_is_no_obstacle(tmp_path):
+def test_a_changed_file_with_the_new_content_is_no_obstacle(tmp_path):
     target = tmp_path / "out"
     put(target, a="1")
     (target / "a.txt").write_text("2")
@@ -190,20 +190,20 @@ def test_a_file_changed_or_made_during_the_work_stays_and_so_do_all(tmp_path, na
     target = tmp_path / "out"
     put(target, a="1", b="1")
 
-    def somebody(fresh):
+    def another_process(fresh):
         for each in ("a", "b", "new"):
             (fresh / f"{each}.txt").write_text("2")
         (target / f"{name}.txt").write_text("theirs")
 
     with pytest.raises(mf.InvalidInput, match=f"{name}.txt was"), staged(target, True) as fresh:
-        somebody(fresh)
+        another_process(fresh)
     assert texts(target) == {"a": "1", "b": "1", name: "theirs"}
     put(tmp_path / "other", a="1")
     assert not [path for path in target.iterdir() if path.is_dir()]
 
 
 @pytest.mark.parametrize("exists", [False, True])
-def test_the_second_writer_is_told_who_is_the_first(tmp_path, exists):
+def test_the_error_of_a_second_writer_names_the_first(tmp_path, exists):
     target = tmp_path / "out"
     if exists:
         put(target, a="0")
@@ -298,21 +298,21 @@ def test_an_error_while_files_are_replaced_leaves_the_old_ones(tmp_path, killed,
     before = everything(target)
     for n in range(40):
         killed(n, PermissionError(13, "Permission denied"))
-        told = ""
+        message = ""
         try:
             put(target, True, a="2", b="2", c="2")
         except mf.InvalidInput as error:
-            told = str(error)
+            message = str(error)
         monkeypatch.undo()
-        if not told:
+        if not message:
             break
-        assert f"{target} cannot be written: Permission denied" in told
+        assert f"{target} cannot be written: Permission denied" in message
         restore(target)
         assert everything(target) == before
     assert texts(target) == {"a": "2", "b": "2", "c": "2"}
 
 
-def test_what_a_person_changed_after_a_killed_run_stays(tmp_path, killed, monkeypatch):
+def test_what_the_user_changed_after_a_killed_run_is_kept(tmp_path, killed, monkeypatch):
     target = tmp_path / "out"
     for n in range(40):
         put(target, True, a="1", b="1")
@@ -338,7 +338,7 @@ def test_the_folder_of_a_living_run_is_not_swept(tmp_path):
     assert {path.name for path in tmp_path.iterdir()} == {"first", "second"}
 
 
-def test_a_folder_that_cannot_be_made_is_told(tmp_path, monkeypatch):
+def test_a_folder_that_cannot_be_made_is_reported(tmp_path, monkeypatch):
     def refuse(path, *_):
         raise PermissionError(13, "Permission denied")
 

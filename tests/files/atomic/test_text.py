@@ -120,7 +120,7 @@ def test_a_file_of_a_result_folder_is_known_by_the_manifest(tmp_path):
     assert sorted(path.name for path in folder.iterdir()) == [MANIFEST, "law.csv", "mine.html", "study.nc"]
 
 
-def test_what_holds_no_more_is_not_written(tmp_path):
+def test_outdated_text_is_not_written(tmp_path):
     def still():
         raise mf.InvalidInput("replaced")
 

@@ -16,13 +16,13 @@ def lattice(rows, block=True):
     )  # fmt: skip
 
 
-def test_few_asperities_are_as_fine_as_the_making():
+def test_parts_of_few_asperities_are_as_fine_as_machining():
     part = planned(lattice(8), lattice(8), PartOptions())
     assert part.chord_error == pytest.approx(FINE * 0.526)
     assert part_notes(part, PartOptions()) == ()
 
 
-def test_many_asperities_stay_small_and_say_so():
+def test_parts_of_many_asperities_are_coarser_with_a_note():
     part = planned(lattice(100), lattice(100), PartOptions())
     assert 0.8 * MOST_BY_DEFAULT < part.triangles <= MOST_BY_DEFAULT
     # a cap of height h has about pi h/error triangles: 3.7 um here, where 3.0 would follow without rounding
@@ -40,7 +40,7 @@ def test_the_size_is_known_before_the_part_is_made():
     )
 
 
-def test_without_a_block_no_part_is_made_and_the_note_says_so():
+def test_without_a_block_no_part_is_made_and_a_note_states_it():
     surface = lattice(2, block=False)
     assert planned(surface, surface, PartOptions()) is None
     (note,) = part_notes(None, PartOptions())

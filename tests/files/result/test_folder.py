@@ -61,7 +61,7 @@ def test_two_folders_of_one_design_are_equal(tmp_path, linear):
         assert path.read_bytes() == (tmp_path / "b" / path.name).read_bytes()
 
 
-def test_without_a_block_the_part_is_left_out_and_said(tmp_path, linear):
+def test_without_a_block_the_part_is_left_out_with_a_note(tmp_path, linear):
     spec, _ = linear
     template = spec.template.replaced(block=None)
     mf.save(mf.design(spec.target, template, limits=spec.limits), tmp_path / "out")
@@ -217,7 +217,7 @@ def test_a_changed_specification_of_a_folder_is_designed_into_it(tmp_path, linea
     mf.save(design, folder, specification=spec, force=True)
 
 
-def test_a_full_disk_is_told_and_leaves_nothing(tmp_path, linear):
+def test_a_full_disk_is_reported_and_leaves_nothing(tmp_path, linear):
     resource = pytest.importorskip("resource")
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (10_000, hard))

@@ -68,7 +68,7 @@ def test_any_slope_reads_back_to_the_bit(slope):
     assert through_json(mf.LinearLaw(slope)) == mf.LinearLaw(slope)
 
 
-def test_what_is_not_known_is_not_written():
+def test_unknown_types_are_not_written():
     with pytest.raises(mf.InvalidInput, match="cannot be written"):
         to_record(object())
 
@@ -94,7 +94,7 @@ def test_every_named_model_reads_back(name):
     assert through_json(MODELS[name]()) == MODELS[name]()
 
 
-def test_notes_read_back_and_texts_of_before_become_notes():
+def test_notes_read_back_and_earlier_texts_become_notes():
     design = mf.design(mf.LinearLaw(6.87), TEMPLATE, limits=mf.Limits(0.12, height_sd=0.01))
     assert {note.level for note in design.notes} == set(Level)
     record = json.loads(json.dumps(to_record(design)))

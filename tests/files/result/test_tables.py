@@ -129,7 +129,7 @@ def test_a_wrong_table_is_refused(tmp_path, text, message):
         "# cold; dry\nx_mm,y_mm,height_um,radius_mm\n  # first row\n0,0,120.5,0.5\r\n1.5,0,94.3,.5",
     ],
 )
-def test_tables_of_every_country_are_read(tmp_path, text):
+def test_tables_with_other_separators_and_decimals_are_read(tmp_path, text):
     path = tmp_path / "heights.csv"
     path.write_bytes(text.encode("utf-8-sig"))
     position, height, radius = read_heights(path)

@@ -1,4 +1,4 @@
-"""What a specification may hold, told from what is read."""
+"""The manual of specifications, made from the classes that read them."""
 
 import pytest
 
@@ -55,7 +55,7 @@ def test_the_examples_make_a_specification(tmp_path, kind, left_out):
     assert isinstance(mf.read_spec(path), Specification)
 
 
-def test_the_text_tells_every_section_kind_and_key():
+def test_the_manual_lists_every_section_kind_and_key():
     text = manual()
     for name, field in Sections.model_fields.items():
         assert f"[{name}]" in text
@@ -64,7 +64,7 @@ def test_the_text_tells_every_section_kind_and_key():
     assert all(key.meaning and f"\n{key.name} = {as_toml(key.example)}" in text for key in KEYS)
 
 
-def test_what_may_be_left_out_is_marked():
+def test_optional_keys_are_marked():
     lines = {line.split("=")[0].strip(): line for line in manual().splitlines()}
     assert "# optional, default 0.5: " in lines["poisson_ratio"]
     assert "# optional: " in lines["height_sd"]

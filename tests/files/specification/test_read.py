@@ -161,7 +161,7 @@ def test_mixed_radii_may_differ_between_asperities(read):
     assert set(result.surface.radius) == {0.2, 0.8}
 
 
-def test_a_specification_is_designed_with_all_it_asks_for(read):
+def test_a_specification_is_designed_with_its_radii_and_layout(read):
     """A slope of 4.5 is out of reach of the larger tool."""
     text = LINEAR.replace(RADIUS, "").replace("[8, 8]", "[4, 4]").replace("6.87", "4.5")
     text = text.replace("seed = 0", 'seed = 3\ntilt = "0.1 deg"')
@@ -254,7 +254,7 @@ def test_points_need_both_lists(read):
 
 
 @pytest.mark.parametrize("target", ["friction_coefficient = 1.5", None])
-def test_forces_without_friction_say_so(read, target):
+def test_forces_without_friction_are_refused(read, target):
     start, end = LINEAR.index("[friction]"), LINEAR.index("[lattice]")
     text = LINEAR[:start] + LINEAR[end:]
     forces = 'load = ["0.2 N"]\nfriction_force = ["0.3 N"]'
@@ -271,7 +271,7 @@ def test_all_problems_are_reported_one_a_line(read):
     assert len(str(error.value).splitlines()) == 3
 
 
-def test_the_cost_of_many_places_is_said_before_they_are_designed(read):
+def test_the_cost_of_many_sites_is_reported_before_the_design(read):
     facts = []
     with mf.progress.listening(lambda step, done: None, facts.append):
         tell_cost(64)
@@ -307,7 +307,7 @@ def test_the_cost_of_many_places_is_said_before_they_are_designed(read):
         ('"1.5 mm"', '"1,5 mm"', "write decimals with a point"),
     ],
 )
-def test_errors_speak_of_what_was_written(read, old, new, words):
+def test_errors_state_what_was_written(read, old, new, words):
     with pytest.raises(mf.InvalidInput, match=words) as error:
         read(LINEAR.replace(old, new, 1))
     assert len(str(error.value).splitlines()) == 1
@@ -327,7 +327,7 @@ def test_the_end_of_a_truncated_file_is_named(read):
 
 
 @pytest.mark.parametrize("text", ["", "[target]\nkind = 3\n", "target = 3", "[[target]]\n"])
-def test_hardly_a_specification_is_refused(read, text):
+def test_nearly_empty_specifications_are_refused(read, text):
     with pytest.raises(mf.InvalidInput, match=r"section \[lattice\] is missing"):
         read(text)
 

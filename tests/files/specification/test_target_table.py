@@ -1,4 +1,4 @@
-"""A wanted law from a table."""
+"""A target law from a table."""
 
 import tomllib
 
