@@ -58,3 +58,9 @@ def test_no_module_imports_itself_through_others():
     sizes = np.bincount(circle)
     assert [m for m, i in zip(modules, circle, strict=True) if sizes[i] > 1] == []
     assert len(modules) > 150  # the whole package was read
+
+
+def test_folders_hold_at_most_14_modules():
+    folders = [HOME, *(folder for folder in HOME.rglob("*") if folder.is_dir())]
+    counts = {folder.relative_to(HOME).as_posix(): len(list(folder.glob("*.py"))) for folder in folders}
+    assert {name: count for name, count in counts.items() if count > 14} == {}
