@@ -95,9 +95,8 @@ def misfit_of(candidate: Candidate, area: Callable[[FloatArray], FloatArray]) ->
 
 def independent_misfit(candidate: Candidate) -> float:
     """Return the misfit of independent asperities; it does not depend on the sites."""
-    return misfit_of(
-        candidate, lambda load: Independent().curves(candidate.height, candidate.radius, load)[2][0]
-    )
+    height, radius = candidate.height, candidate.radius
+    return misfit_of(candidate, lambda load: Independent().curve_of(height, radius, load).area)
 
 
 def model_misfit(candidate: Candidate, surface: Surface, model: Model) -> float:

@@ -219,12 +219,11 @@ def _with_common_radius(problem: Problem, rng: np.random.Generator) -> Design:
         "radius_misfits": np.array([found[radius].misfit for radius in tried.tolist()]),
         **_coefficients(problem, tried),
     }
-    notes = result.notes
-    if refused:
-        which = ", ".join(f"{radius:.4g}" for radius in sorted(refused))
-        words = f"radii that cannot reach the target [mm]: {which}; {refused[min(refused)]}"
-        notes = (*notes, information(words))
-    return replace(result, parameters=parameters, notes=notes)
+    if not refused:
+        return replace(result, parameters=parameters)
+    which = ", ".join(f"{radius:.4g}" for radius in sorted(refused))
+    note = information(f"radii that cannot reach the target [mm]: {which}; {refused[min(refused)]}")
+    return replace(result, parameters=parameters, notes=when_read(lambda: (*result.notes, note)))
 
 
 def _radii_in_use(problem: Problem, surface: Surface) -> dict[str, Parameter]:

@@ -57,18 +57,21 @@ class Independent(Uncoupled):
 
         values, by_load = controlled(load, approach)
         if by_load:
-            return self._curve(surface.height, surface.radius, values)
+            return self.curve_of(surface.height, surface.radius, values)
         gap, root = _sorted_by_gap(surface.height[None, :], surface.radius)
         carried, area, slope = (np.empty(len(values)) for _ in range(3))
         kernel.curve_at_approach(gap[0], root[0], values, carried, area, slope)
         last = partial(self._last, surface.height, surface.radius, 0.0, values[-1])
         return Curve(np.array(values), carried, area, slope, np.zeros(len(values)), TOLERANCE, last)
 
-    def _curve(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> Curve:
+    def curve_of(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> Curve:
+        """As `curve` at loads, for heights and radii (n,) without a surface, which takes as long to check."""
         from metafem._kernels import independent as kernel
 
         gap, root = _sorted_by_gap(height[None, :], radius)
-        approach, carried, area, slope = (part[0] for part in _follow(gap, root, load))
+        results = kernel.empty_results(1, len(load))
+        kernel.curves(gap, root, load, *results)
+        approach, carried, area, slope = (part[0] for part in results)
         error = np.abs(carried - load) / np.where(load > 0.0, load, 1.0)
         base, depth = kernel.refine(gap[0], root[0], load[-1], approach[-1])
         last = partial(self._last, height, radius, base, depth)
@@ -94,8 +97,8 @@ class Independent(Uncoupled):
         return self.sensitivity_of(surface.height if height is None else height, surface.radius, load)
 
     def sensitivity_of(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> Sensitivity:
-        """As `sensitivity`, for heights and radii (n,) without a surface, which takes as long to check."""
-        curve = self._curve(height, radius, load)
+        """As `sensitivity`, for heights and radii (n,) without a surface."""
+        curve = self.curve_of(height, radius, load)
         indentation = curve.approach[:, None] - (height.max() - height)
         alone = math.pi * radius * (indentation > 0.0)
         share = np.sqrt(radius * np.maximum(indentation, 0.0))
@@ -129,6 +132,8 @@ class Independent(Uncoupled):
         >>> area.shape, bool((area[0] == area[1]).all())
         ((2, 2), True)
         """
+        from metafem._kernels import independent as kernel
+
         heights = check.lists("height", height, None)
         radii = check.lists("radius", radius, None).reshape(np.shape(radius))
         if radii.shape not in ((), heights.shape[1:], heights.shape):
@@ -141,22 +146,15 @@ class Independent(Uncoupled):
         loads = check.loads("rescaled_load", rescaled_load)
         gap, root = _sorted_by_gap(heights, radii)
         order = np.argsort(loads, kind="stable")
+        rising, results = loads[order], kernel.empty_results(len(gap), len(loads))
+
+        def run(rows: slice) -> None:
+            kernel.curves(gap[rows], root[rows], rising, *(part[rows] for part in results))
+
+        run_rows(run, len(gap), len(gap) * len(loads), POINTS_PER_THREAD)
         back = np.argsort(order, kind="stable")
-        approach, carried, area, slope = (part[:, back] for part in _follow(gap, root, loads[order]))
+        approach, carried, area, slope = (part[:, back] for part in results)
         return approach, carried, area, slope
-
-
-def _follow(gap: FloatArray, root: FloatArray, load: FloatArray) -> tuple[FloatArray, ...]:
-    """Return approach, load, area and stiffness (m, k) of sorted gaps (m, n) at increasing loads (k,)."""
-    from metafem._kernels import independent as kernel
-
-    results = kernel.empty_results(len(gap), len(load))
-
-    def run(rows: slice) -> None:
-        kernel.curves(gap[rows], root[rows], load, *(part[rows] for part in results))
-
-    run_rows(run, len(gap), len(gap) * len(load), POINTS_PER_THREAD)
-    return results
 
 
 def _sorted_by_gap(height: FloatArray, radius: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -1,6 +1,7 @@
 """Designs of all three kinds: exact where they can be, refused with a reason where they cannot."""
 
 import math
+import sys
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import metafem as mf
+from metafem._kernels import continuation, independent
 from metafem.inversion import DesignStatus
 from metafem.inversion.height_density import TruncatedExponential
 from metafem.inversion.strategies.exponential import level_counts
@@ -283,3 +285,36 @@ def test_a_density_whose_few_asperities_miss_its_law_is_refined(template):
     result = mf.design(mf.BilinearLaw((7.15, 12.52), 0.038), template, limits=mf.Limits(0.27))
     assert result.status is DesignStatus.REFINED
     assert any("for the scatter of so few asperities" in note.text for note in result.notes)
+
+
+@pytest.mark.parametrize("model", [mf.Independent(), mf.Interacting()], ids=["alone", "coupled"])
+@pytest.mark.parametrize(
+    ("target", "limits", "radii"),
+    [
+        (POINTS, mf.Limits(0.27), None),
+        (mf.LinearLaw(6.87), LIMITS, None),
+        (mf.LinearLaw(6.87, (0.05, 0.2)), LIMITS, None),
+        (mf.PowerLaw(1.2, (0.1, 0.4)), mf.Limits(0.27, height_step=0.006), None),
+        (mf.PowerLaw(0.645, (0.1, 0.4)), mf.Limits(0.27), [0.2, 0.8]),
+    ],
+    ids=["points", "density", "line", "steps", "radii"],
+)
+def test_a_kernel_is_called_within_ten_frames(template, monkeypatch, target, limits, radii, model):
+    deepest = 0
+
+    def counted(kernel):
+        def count(*arguments):
+            nonlocal deepest
+            frame, frames = sys._getframe(1), 0
+            while frame is not None and frame.f_code is not here:
+                frame, frames = frame.f_back, frames + 1
+            deepest = max(deepest, frames)
+            return kernel(*arguments)
+
+        return count
+
+    here = sys._getframe().f_code
+    for module in (independent, continuation):
+        monkeypatch.setattr(module, "curves", counted(module.curves))
+    mf.design(target, template, model, limits, radii=radii)
+    assert 0 < deepest <= 10

@@ -67,18 +67,22 @@ def residual_of_heights(radius: float | FloatArray, load: FloatArray, law_residu
     return residual
 
 
-def with_one_radius(task: LawSearch, radii: Radii, restarts: int | None = None) -> NearestLaw:
-    """Return heights of asperities of the least radius; default restarts: those of the task."""
-    options, load, radius = task.options, task.load, radii.low
-    guesses = (
-        initial_heights(load, law, np.full(len(law), radius), task.count, options) for law in task.guesses
-    )
-    starts = [start for height, _ in guesses for start in _with_fewer(height, task.span, options)]
-    residual = residual_of_heights(radius, load, task.law_residual)
-    space = Heights(task.span, task.count)
-    most = task.restarts if restarts is None else restarts
-    found = search(residual, starts, space, task.goal, most, task.rng, options)
-    return NearestLaw(found.unknowns, np.full(len(found.unknowns), radius), found.misfit)
+def with_one_radius(task: LawSearch, radii: Radii) -> NearestLaw:
+    """Return heights of asperities of the least radius."""
+    residual, starts, space = _heights_task(task, radii.low)
+    found = search(residual, starts, space, task.goal, task.restarts, task.rng, task.options)
+    return NearestLaw(found.unknowns, np.full(len(found.unknowns), radii.low), found.misfit)
+
+
+def _heights_task(task: LawSearch, radius: float) -> tuple[Residual, list[FloatArray], Heights]:
+    """Return the residual, the initial guesses and the limits of a search for heights."""
+    residual = residual_of_heights(radius, task.load, task.law_residual)
+    starts = []
+    for law in task.guesses:
+        radii = np.full(len(law), radius)
+        height, _ = initial_heights(task.load, law, radii, task.count, task.options)
+        starts += _with_fewer(height, task.span, task.options)
+    return residual, starts, Heights(task.span, task.count)
 
 
 def _with_fewer(height: FloatArray, span: float, options: SearchOptions) -> list[FloatArray]:
@@ -97,8 +101,10 @@ def with_several_radii(task: LawSearch, radii: Radii) -> NearestLaw:
     options, load = task.options, task.load
     singles = []
     for radius in radii.tried.tolist():
-        singles.append(with_one_radius(task, Radii.of(radius), 0))
-        if singles[-1].misfit <= task.goal:
+        residual, guesses, space = _heights_task(task, radius)
+        alone = search(residual, guesses, space, task.goal, 0, task.rng, options)
+        singles.append(NearestLaw(alone.unknowns, np.full(len(alone.unknowns), radius), alone.misfit))
+        if alone.misfit <= task.goal:
             return singles[-1]
     best = min(singles, key=lambda found: found.misfit)
     rising, middle = np.geomspace(radii.low, radii.high, len(load)), len(load) // 2
@@ -109,7 +115,7 @@ def with_several_radii(task: LawSearch, radii: Radii) -> NearestLaw:
     ]
     starts += [slowest_law(load[middle], law[middle], radii, task.count) for law in task.guesses]
     starts.append((best.height, best.radius))
-    depth = float(Independent().curves(best.height, best.radius, load[-1:])[0].max())
+    depth = float(Independent().curve_of(best.height, best.radius, load[-1:]).approach[0])
     ranged = radii.tools is None
     tools = radii.extremes if ranged else radii
     between = Asperities(task.span, task.count, radii.between, depth)

@@ -74,8 +74,7 @@ class Step:
         times = self.number.astype(np.int64)
         height = np.concatenate([np.repeat(self.lead, times), np.zeros(number)])
         radii = np.concatenate([np.repeat(self.radius, times), np.full(number, radius)])
-        _, _, area, _ = Independent().curves(height, radii, [self.load])
-        return float(area[0, 0])
+        return float(Independent().curve_of(height, radii, np.array([self.load])).area[0])
 
     def needed(self, radius: float) -> float:
         """Least number of new asperities, the adjustment asperity included, that meets the point."""

@@ -100,7 +100,7 @@ def _without_levels(
         residual = residual_of_heights(radius, load, law.residual)
         found = descend(residual, height, Heights(limits.span), options.point_goal, True, options)
         height = found.unknowns - found.unknowns.max()
-        approach = float(Independent().curves(height, radius, load[-1:])[0][0, 0])
+        approach = float(Independent().curve_of(height, radius, load[-1:]).approach[0])
         if found.misfit < misfit and approach <= top:
             misfit, order = found.misfit, np.argsort(-height, kind="stable")
             note = "no levels of equal heights meet the points: the heights were found by a search"

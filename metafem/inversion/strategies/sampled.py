@@ -31,7 +31,7 @@ def candidate(
     height, radius = nearest(task, problem.radii).sorted
     parameters: dict[str, Parameter] = {"span": float(-height[-1])}
     if law.is_open:
-        area = Independent().curves(height, radius, law.load)[2][0]
+        area = Independent().curve_of(height, radius, law.load).area
         parameters |= target.open_parameters(law, area)
     branches = tuple(
         # a line is fixed, and its friction at zero load is the intercept

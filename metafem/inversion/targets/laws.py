@@ -29,7 +29,7 @@ from metafem.inversion.targets.wording import RESCALED, Wording, in_title
 from metafem.surface import Friction, Material
 
 if TYPE_CHECKING:
-    from metafem.inversion.candidate import Candidate, Parameter
+    from metafem.inversion.candidate import Parameter
     from metafem.inversion.problem import Problem
 
 # Number of loads at which a power law is compared.
@@ -101,9 +101,7 @@ class OperatingPoints(Value, Target):
         """Return the points."""
         return TargetLaw.fixed(self.rescaled_load, self.rescaled_friction, pointwise=True)
 
-    def candidate(self, problem: Problem, rng: np.random.Generator) -> Candidate:
-        """Return levels of equal heights (eq. S1), or other heights, that meet all points."""
-        return operating_points.candidate(self, problem, rng)
+    candidate = operating_points.candidate
 
 
 @checked_class
@@ -189,9 +187,7 @@ class SampledLaw(Value, Target):
                 SampledLaw(load, broken.nearest, self.weight, wording),
             )
 
-    def candidate(self, problem: Problem, rng: np.random.Generator) -> Candidate:
-        """Return heights and radii whose independent law is nearest to the samples."""
-        return sampled.candidate(self, problem, rng)
+    candidate = sampled.candidate
 
 
 @checked_class
@@ -302,6 +298,4 @@ class PowerLaw(Target):
             load = np.array(self.load_range)
             SampledLaw(load, self.prefactor * load**self.exponent, wording=wording).refuse(problem, margin)
 
-    def candidate(self, problem: Problem, rng: np.random.Generator) -> Candidate:
-        """Return heights and radii whose independent law is nearest to the power."""
-        return sampled.candidate(self, problem, rng)
+    candidate = sampled.candidate

@@ -30,7 +30,7 @@ from metafem.inversion.targets.wording import RESCALED, Wording
 from metafem.surface import Friction, Material
 
 if TYPE_CHECKING:
-    from metafem.inversion.candidate import Candidate, Parameter
+    from metafem.inversion.candidate import Parameter
     from metafem.inversion.problem import Problem
 
 # Number of loads at which all branches together are compared, and the fewest of one branch.
@@ -220,9 +220,7 @@ class MultilinearLaw(Target):
                     f"{margin_words(margin)}"
                 )
 
-    def candidate(self, problem: Problem, rng: np.random.Generator) -> Candidate:
-        """Return heights and radii whose independent law is nearest to the branches."""
-        return sampled.candidate(self, problem, rng)
+    candidate = sampled.candidate
 
 
 def _crossover(i: int, given: object) -> LoadRange:
