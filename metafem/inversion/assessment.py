@@ -36,9 +36,10 @@ class DesignStatus(Enum):
     """How a design ended; the value is the message."""
 
     EXACT = "exact: the law meets the target to 1e-9"
-    REACHED = "reached: the law meets the target within the misfit"
-    REFINED = "refined: the heights were adjusted until the law met the target within the misfit"
+    REACHED = "reached: the law meets the target within 1 %"
+    REFINED = "refined: the heights were adjusted until the law met the target within 1 %"
     APPROXIMATE = "approximate: the density has the target's slopes at large loads; the law has the misfit"
+    # in results of earlier versions alone
     UNCORRECTED = "uncorrected: designed for independent asperities; this model's law has the misfit"
     MISSED = "missed: the misfit is above 1 %, or above 10 % for the heights of a density"
 
@@ -78,7 +79,7 @@ def assess(problem: Problem, candidate: Candidate, surface: Surface) -> Assessme
         law=law,
         fits=fits,
         misfit=misfit,
-        status=status_of(candidate, misfit, problem.model.couples),
+        status=status_of(candidate, misfit),
         parameters={**candidate.parameters, **opened},
     )
 
@@ -131,16 +132,13 @@ def misfit_meaning(pointwise: bool, density: bool, fits: Fits, misfit: float) ->
     return f"rms difference from {'the law of the height density' if density else 'the target'}"
 
 
-def status_of(candidate: Candidate, misfit: float, couples: bool) -> DesignStatus:
-    """Return how a design ended under a model that couples its contacts or not; nan counts as missed."""
-    if candidate.density is None:
-        if not misfit <= REACHED:
-            return DesignStatus.MISSED
-        if misfit <= EXACT:
-            return DesignStatus.EXACT
-        return DesignStatus.REFINED if candidate.moved else DesignStatus.REACHED
-    if not misfit <= MISSED:
+def status_of(candidate: Candidate, misfit: float) -> DesignStatus:
+    """Return how a design ended; a misfit of nan counts as missed."""
+    density = candidate.density is not None
+    if not misfit <= (MISSED if density else REACHED):
         return DesignStatus.MISSED
-    if candidate.moved:
+    if misfit <= EXACT and not density:
+        return DesignStatus.EXACT
+    if misfit <= REACHED and candidate.moved:
         return DesignStatus.REFINED
-    return DesignStatus.UNCORRECTED if couples else DesignStatus.APPROXIMATE
+    return DesignStatus.APPROXIMATE if density else DesignStatus.REACHED
