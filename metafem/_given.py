@@ -19,7 +19,7 @@ UNITS: Mapping[str, str] = {
     for unit, names in {
         "mm": (
             *("position", "height", "radius", "pitch", "width", "length", "thickness", "max_height"),
-            *("min_height", "offset", "height_step", "height_sd", "low", "high", "radii", "places"),
+            *("min_height", "offset", "height_step", "height_sd", "low", "high", "radii"),
             *("separation", "approach", "cell", "contact_radius", "block_radius", "cell_radius"),
             *("alignment_height", "chord_error", "indentation", "r", "tools", "range"),
         ),

@@ -45,7 +45,7 @@ def with_freedom(free: bool) -> list[mf.Arrangement]:
     """Return the surface of Fig. 3 arranged from several seeds, on its own sites or on all."""
     design = fig3()
     places = design.template.position if free else None
-    return [mf.arrange(design.surface, FOLLOW, MODEL, rng, places=places) for rng in range(SEEDS)]
+    return [mf.arrange(design.surface, FOLLOW, MODEL, rng, position=places) for rng in range(SEEDS)]
 
 
 def rms(objective: mf.FollowLaw | mf.InsensitiveToTilt, surface: mf.Surface) -> float:

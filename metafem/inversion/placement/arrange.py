@@ -14,7 +14,7 @@ from metafem._validate import FloatArray, IntArray
 from metafem._values import Value
 from metafem.inversion.placement.exchange import Forecast, after, drawn, exchanged, swap
 from metafem.inversion.placement.objectives import Objective
-from metafem.inversion.placement.sites import Places, places_for
+from metafem.inversion.placement.sites import Sites, sites_for
 from metafem.inversion.search.options import DEFAULTS, SearchOptions
 from metafem.models import Independent, Interacting, Model
 from metafem.progress import each
@@ -31,12 +31,12 @@ class Arrangement(Value):
     Attributes
     ----------
     surface : Surface
-    places : ndarray, (m, 2)
-        All sites [mm], including empty ones.
+    position : ndarray, (m, 2)
+        Positions of all sites [mm], including empty ones.
     order : ndarray of int, (m,)
         Index of the asperity of the given surface at each site, -1 at an empty site.
     sites : ndarray of int, (n,)
-        Site of each asperity of the arranged surface: ``surface.position = places[sites]`` and
+        Site of each asperity of the arranged surface: ``surface.position = position[sites]`` and
         ``surface.height = given.height[order[sites]]``.
     before, after : float
         Misfit of the objective [-] under the model as given and as arranged.
@@ -56,7 +56,7 @@ class Arrangement(Value):
     """
 
     surface: Surface
-    places: FloatArray
+    position: FloatArray
     order: IntArray
     sites: IntArray
     before: float
@@ -72,7 +72,7 @@ def arrange(
     model: Model | None = None,
     rng: Any = 0,
     *,
-    places: ArrayLike | None = None,
+    position: ArrayLike | None = None,
 ) -> Arrangement:
     """Assign the asperities of a surface, each height with its radius, to its sites or to some of more.
 
@@ -91,9 +91,9 @@ def arrange(
         Model under which the misfit of the objective is lowered; default: ``Interacting()``.
     rng : int or numpy Generator
         Seed of the random exchanges.
-    places : array_like, (m, 2), optional
-        Sites [mm], such as ``design.template.position``. They must include the positions of the surface
-        exactly; as many as there are more stay empty. Default: the positions of the surface.
+    position : array_like, (m, 2), optional
+        Positions of the sites [mm], such as ``design.template.position``. They must include those of the
+        surface exactly; as many as there are more stay empty. Default: the positions of the surface.
 
     Returns
     -------
@@ -102,8 +102,8 @@ def arrange(
     Raises
     ------
     InvalidInput
-        For arguments outside their range or of the wrong kind, `places` without one of the surface's
-        positions or with one twice, and more sites than fit into memory, 24 bytes for each pair.
+        For arguments outside their range or of the wrong kind, a `position` without one of the surface's
+        or with one twice, and more sites than fit into memory, 24 bytes for each pair.
     NotConverged
         If an equilibrium of the model did not converge.
 
@@ -124,15 +124,15 @@ def arrange(
     check.instance("surface", surface, Surface, "a metafem.Surface")
     check.instance("model", solver, Model, "a model such as metafem.Interacting()")
     check.instance("objective", objective, Objective, "such as metafem.FollowLaw(...)")
-    where, known = places_for(surface, solver, places)
+    where, known = sites_for(surface, solver, position)
     count, total = surface.count, len(where.position)
-    given, own = np.full(total, EMPTY), where.numbers(surface.position)
-    given[own] = np.arange(count)
-    search = _Search(surface, where, np.sort(own), objective, known, check.generator(rng))
+    given, occupied = np.full(total, EMPTY), where.indices(surface.position)
+    given[occupied] = np.arange(count)
+    search = _Search(surface, where, np.sort(occupied), objective, known, check.generator(rng))
     first = search.measured(given)
     best = search.best(first)
     if total > count:
-        best = replace(search, open_=np.arange(total)).best(best)
+        best = replace(search, open_sites=np.arange(total)).best(best)
     order, sites = best.order, np.flatnonzero(best.order != EMPTY)
     for array in (order, sites):
         array.flags.writeable = False
@@ -161,8 +161,8 @@ def _misfit(found: _Measured) -> float:
 @dataclass(frozen=True, eq=False)
 class _Search:
     surface: Surface
-    places: Places
-    open_: IntArray
+    sites: Sites
+    open_sites: IntArray
     objective: Objective
     model: Model
     rng: np.random.Generator
@@ -170,16 +170,16 @@ class _Search:
 
     def affordable(self, most: int) -> int:
         """Return the number of trials: their cost grows at least with the square of the number of sites."""
-        return min(most, most * self.options.few_sites**2 // len(self.open_) ** 2)
+        return min(most, most * self.options.few_sites**2 // len(self.open_sites) ** 2)
 
     def best(self, first: _Measured) -> _Measured:
-        """Return the best arrangement that is found from a given one, over the sites `open_`."""
+        """Return the best arrangement that is found from a given one, over the sites `open_sites`."""
         best = first
         tries = range(max(1, self.affordable(self.options.most_rounds)))
-        for k in each("try", tries, at_most=True):
+        for k in each("round", tries, at_most=True):
             if _misfit(best) <= self.options.arranged_goal:
                 break
-            start = first if k < 2 else self.stirred(best)
+            start = first if k < 2 else self.disturbed(best)
             best = min(best, self.corrected(start, (self.model, Independent())[k % 2]), key=_squares)
         return self.confirmed(best)
 
@@ -187,33 +187,33 @@ class _Search:
         """Return the order with its residuals under the model."""
         sites = np.flatnonzero(order != EMPTY)
         surface = self.surface.replaced(
-            position=self.places.position[sites],
+            position=self.sites.position[sites],
             height=self.surface.height[order[sites]],
             radius=self.surface.radius[order[sites]],
         )
         return _Measured(order, surface, self.objective.residual(surface, self.model))
 
-    def stirred(self, best: _Measured) -> _Measured:
+    def disturbed(self, best: _Measured) -> _Measured:
         """Return the arrangement after some random exchanges."""
         order = best.order.copy()
-        for _ in range(max(2, int(self.options.exchanged_fraction * len(self.open_)))):
-            i, j = self.rng.choice(self.open_, 2)
+        for _ in range(max(2, int(self.options.exchanged_fraction * len(self.open_sites)))):
+            i, j = self.rng.choice(self.open_sites, 2)
             swap(order, int(i), int(j))
         return self.measured(order)
 
     def forecast(self, best: _Measured, model: Model) -> Forecast:
         """Return the forecast linearised at an order."""
-        return self.objective.forecast(best.surface, model, self.places)
+        return self.objective.forecast(best.surface, model, self.sites)
 
     def corrected(self, best: _Measured, model: Model) -> _Measured:
         """Make the forecast's exchanges; after an improvement renew it, otherwise make fewer at a time."""
-        trusted = max(self.options.most_exchanges, len(self.open_) // 4)
+        trusted = max(self.options.most_exchanges, len(self.open_sites) // 4)
         forecast = self.forecast(best, model)
-        for _ in each("round", range(self.options.most_evaluations), at_most=True):
+        for _ in each("exchange", range(self.options.most_evaluations), at_most=True):
             if _misfit(best) <= self.options.arranged_goal:
                 break
             missed = best.residual - forecast.residual()
-            order = exchanged(forecast, missed, best.order, self.open_, trusted, self.rng, self.options)
+            order = exchanged(forecast, missed, best.order, self.open_sites, trusted, self.rng, self.options)
             if (order == best.order).all():
                 break
             found = self.measured(order)
@@ -230,14 +230,14 @@ class _Search:
         for _ in each("last step", range(self.affordable(self.options.last_steps)), at_most=True):
             if _misfit(best) <= self.options.arranged_goal:
                 break
-            places = drawn(self.open_, self.rng, self.options)
-            squares = after(best.residual, self.forecast(best, self.model).changes(places))
-            squares[np.tril_indices(len(places))] = np.inf
+            sites = drawn(self.open_sites, self.rng, self.options)
+            squares = after(best.residual, self.forecast(best, self.model).changes(sites))
+            squares[np.tril_indices(len(sites))] = np.inf
             trials = []
             for flat in np.argsort(squares, axis=None, kind="stable")[: self.options.evaluated_exchanges]:
                 a, b = np.unravel_index(int(flat), squares.shape)
                 order = best.order.copy()
-                swap(order, int(places[a]), int(places[b]))
+                swap(order, int(sites[a]), int(sites[b]))
                 trials.append(self.measured(order))
             found = min([best, *trials], key=_squares)
             if found is best:

@@ -25,15 +25,15 @@ class Forecast(Protocol):
     """Predicted residuals (q,) of the asperities at their sites."""
 
     def swapped(self, i: int, j: int) -> Forecast:
-        """Return the forecast with the asperities of two places exchanged."""
+        """Return the forecast with the asperities of two sites exchanged."""
         ...
 
     def residual(self) -> FloatArray:
         """Return the residuals, (q,)."""
         ...
 
-    def changes(self, places: IntArray) -> FloatArray:
-        """Return their changes by the exchange of each two of the places, (q, m, m)."""
+    def changes(self, sites: IntArray) -> FloatArray:
+        """Return their changes by the exchange of each two of the sites, (q, m, m)."""
         ...
 
 
@@ -54,7 +54,7 @@ class Coupled:
         object.__setattr__(self, "fields", (self.left @ self.influence, self.right @ self.influence))
 
     def swapped(self, i: int, j: int) -> Coupled:
-        """Return the forecast with the asperities of two places exchanged."""
+        """Return the forecast with the asperities of two sites exchanged."""
         result = copy(self)
         pair, turned = [i, j], [j, i]
         between = self.influence[i] - self.influence[j]
@@ -71,14 +71,14 @@ class Coupled:
         """Return the residuals, (q,)."""
         return np.asarray((self.fields[0] * self.right).sum(axis=1))
 
-    def changes(self, places: IntArray) -> FloatArray:
-        """Return their changes by the exchange of each two of the places, (q, m, m)."""
-        influence = self.influence[np.ix_(places, places)]
+    def changes(self, sites: IntArray) -> FloatArray:
+        """Return their changes by the exchange of each two of the sites, (q, m, m)."""
+        influence = self.influence[np.ix_(sites, sites)]
         own = np.diagonal(influence)
 
         def difference(values: FloatArray) -> FloatArray:
             """Value at the second site minus that at the first."""
-            part = values[:, places]
+            part = values[:, sites]
             return np.asarray(part[:, None, :] - part[:, :, None])
 
         left, right = difference(self.left), difference(self.right)
@@ -114,7 +114,7 @@ class Tilted:
     rate: FloatArray
 
     def swapped(self, i: int, j: int) -> Tilted:
-        """Return the forecast with the asperities of two places exchanged."""
+        """Return the forecast with the asperities of two sites exchanged."""
         order = np.arange(len(self.radius))
         swap(order, i, j)
         return replace(self, depth=self.depth[:, order], radius=self.radius[order])
@@ -124,13 +124,13 @@ class Tilted:
         tilted = self._value(self.depth[None] + self.lift[:, None], self.radius)
         return np.asarray((tilted - self._value(self.depth[None], self.radius)).sum(axis=-1).ravel())
 
-    def changes(self, places: IntArray) -> FloatArray:
-        """Return their changes by the exchange of each two of the places, (t k, m, m)."""
+    def changes(self, sites: IntArray) -> FloatArray:
+        """Return their changes by the exchange of each two of the sites, (t k, m, m)."""
         # asperity a at site b
-        depth = self.depth[:, places]
-        tilted = depth[None, :, :, None] + self.lift[:, places][:, None, None, :]
+        depth = self.depth[:, sites]
+        tilted = depth[None, :, :, None] + self.lift[:, sites][:, None, None, :]
         rows = len(self.lift) * len(self.depth)
-        value = self._value(tilted, self.radius[places][:, None]).reshape(rows, len(places), -1)
+        value = self._value(tilted, self.radius[sites][:, None]).reshape(rows, len(sites), -1)
         own = np.diagonal(value, axis1=1, axis2=2)
         return np.asarray(value + value.transpose(0, 2, 1) - own[:, :, None] - own[:, None, :])
 
@@ -150,31 +150,31 @@ class Joined:
     parts: tuple[Forecast, ...]
 
     def swapped(self, i: int, j: int) -> Joined:
-        """Return the forecast with the asperities of two places exchanged."""
+        """Return the forecast with the asperities of two sites exchanged."""
         return replace(self, parts=tuple(part.swapped(i, j) for part in self.parts))
 
     def residual(self) -> FloatArray:
         """Return the residuals, (q,)."""
         return np.concatenate([f * part.residual() for f, part in zip(self.factors, self.parts, strict=True)])
 
-    def changes(self, places: IntArray) -> FloatArray:
-        """Return their changes by the exchange of each two of the places, (q, m, m)."""
+    def changes(self, sites: IntArray) -> FloatArray:
+        """Return their changes by the exchange of each two of the sites, (q, m, m)."""
         pairs = zip(self.factors, self.parts, strict=True)
-        return np.concatenate([f * part.changes(places) for f, part in pairs])
+        return np.concatenate([f * part.changes(sites) for f, part in pairs])
 
 
 def exchanged(
     forecast: Forecast,
     missed: FloatArray,
     order: IntArray,
-    open_: IntArray,
+    open_sites: IntArray,
     most: int,
     rng: np.random.Generator,
     options: SearchOptions,
 ) -> IntArray:
     """Return the order after at most `most` exchanges, each that of the smallest sum of squares.
 
-    forecast: of the asperities in the given order; missed: its error (q,), taken as constant; open_: the
+    forecast: of the asperities in the given order; missed: its error (q,), taken as constant; open_sites: the
     sites that take part.
     """
     order, now = order.copy(), forecast
@@ -182,14 +182,14 @@ def exchanged(
     for _ in range(most):
         if residual @ residual <= options.forecast_goal**2:
             break
-        places = drawn(open_, rng, options)
-        change = now.changes(places)
+        sites = drawn(open_sites, rng, options)
+        change = now.changes(sites)
         squares = after(residual, change)
         a, b = np.unravel_index(int(squares.argmin()), squares.shape)
         if not squares[a, b] < residual @ residual * (1.0 - options.exchange_gain):
             break
         residual = residual + change[:, a, b]
-        i, j = int(places[a]), int(places[b])
+        i, j = int(sites[a]), int(sites[b])
         swap(order, i, j)
         now = now.swapped(i, j)
     return order
@@ -202,11 +202,11 @@ def after(residual: FloatArray, change: FloatArray) -> FloatArray:
     return np.asarray(squares.reshape(change.shape[1:]))
 
 
-def drawn(places: IntArray, rng: np.random.Generator, options: SearchOptions) -> IntArray:
+def drawn(sites: IntArray, rng: np.random.Generator, options: SearchOptions) -> IntArray:
     """Return the sites whose exchanges are evaluated."""
-    if len(places) <= options.forecast_sites:
-        return places
-    return np.asarray(rng.choice(places, options.forecast_sites, replace=False))
+    if len(sites) <= options.forecast_sites:
+        return sites
+    return np.asarray(rng.choice(sites, options.forecast_sites, replace=False))
 
 
 def swap(order: IntArray, i: int, j: int) -> None:

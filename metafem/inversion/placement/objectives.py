@@ -17,7 +17,7 @@ from metafem._values import Value
 from metafem.contact import Hertz
 from metafem.errors import InvalidInput
 from metafem.inversion.placement.exchange import Coupled, Forecast, Joined, Tilted
-from metafem.inversion.placement.sites import Places
+from metafem.inversion.placement.sites import Sites
 from metafem.models import Independent, Model, Sensitivity
 from metafem.surface import STEEPEST, Surface
 
@@ -37,7 +37,7 @@ class Objective(Protocol):
         """Return the relative differences of A0 whose sum of squares is minimised."""
         ...
 
-    def forecast(self, surface: Surface, model: Model, places: Places) -> Forecast:
+    def forecast(self, surface: Surface, model: Model, sites: Sites) -> Forecast:
         """Return their first-order prediction for exchanges of asperities and vacancies."""
         ...
 
@@ -85,7 +85,7 @@ class FollowLaw(Value):
         area = model.curve(surface, self.rescaled_load).area
         return np.asarray((area / self._target(surface) - 1.0) / math.sqrt(len(area)))
 
-    def forecast(self, surface: Surface, model: Model, places: Places) -> Forecast:
+    def forecast(self, surface: Surface, model: Model, sites: Sites) -> Forecast:
         """Return ``-sum_ij dA0/dh_i G_ij P_j/E*``: displacements by other asperities act as lower heights.
 
         The gradient and the loads are those of the given arrangement.
@@ -93,9 +93,9 @@ class FollowLaw(Value):
         found = _sensitivity(surface, model, self.rescaled_load)
         load = Hertz().load_at_indentation(found.indentation, surface.radius)
         weight = -found.gradient / (self._target(surface)[:, None] * math.sqrt(len(load)))
-        sites = places.numbers(surface.position)
-        left, right = (_spread(values, sites, places, 0.0) for values in (weight, load))
-        return Coupled(left, right, places.influence)
+        rows = sites.indices(surface.position)
+        left, right = (_spread(values, rows, sites, 0.0) for values in (weight, load))
+        return Coupled(left, right, sites.influence)
 
     def _target(self, surface: Surface) -> FloatArray:
         if self.rescaled_friction is not None:
@@ -147,7 +147,7 @@ class InsensitiveToTilt(Value):
         changes = [model.curve(part, self.rescaled_load).area / level - 1.0 for part in tilted]
         return np.concatenate(changes) / math.sqrt(DIRECTIONS * len(level))
 
-    def forecast(self, surface: Surface, model: Model, places: Places) -> Forecast:
+    def forecast(self, surface: Surface, model: Model, sites: Sites) -> Forecast:
         """Return the changes of independent asperities with the present loads: sums over the sites."""
         found = _sensitivity(surface, model, self.rescaled_load)
         depth, radius = found.indentation, surface.radius
@@ -155,15 +155,15 @@ class InsensitiveToTilt(Value):
         rate /= 2.0 * np.sqrt(radius * np.maximum(depth, 0.0)).sum(axis=1)
         scale = 1.0 / (found.curve.area * math.sqrt(DIRECTIONS * len(depth)))
         # a vacancy is represented by an asperity that no tilt brings into contact
-        sites = places.numbers(surface.position)
-        depth, radius = _spread(depth, sites, places, -math.inf), _spread(radius, sites, places, 1.0)
-        return Tilted(depth, radius, self._lifts(places.position), scale, rate)
+        rows = sites.indices(surface.position)
+        depth, radius = _spread(depth, rows, sites, -math.inf), _spread(radius, rows, sites, 1.0)
+        return Tilted(depth, radius, self._lifts(sites.position), scale, rate)
 
-    def _lifts(self, places: FloatArray) -> FloatArray:
+    def _lifts(self, position: FloatArray) -> FloatArray:
         """Return the rise of the sites by the tilts, (6, m) [mm]."""
         direction = 2.0 * math.pi * np.arange(DIRECTIONS) / DIRECTIONS
         slope = math.tan(self.angle) * np.stack([np.cos(direction), np.sin(direction)], axis=1)
-        return np.asarray(slope @ places.T)
+        return np.asarray(slope @ position.T)
 
 
 @checked_class
@@ -210,9 +210,9 @@ class Together:
         pairs = zip(self.weights, self.objectives, strict=True)
         return np.concatenate([math.sqrt(w) * part.residual(surface, model) for w, part in pairs])
 
-    def forecast(self, surface: Surface, model: Model, places: Places) -> Forecast:
+    def forecast(self, surface: Surface, model: Model, sites: Sites) -> Forecast:
         """Return the forecasts of all objectives, each times the square root of its weight."""
-        parts = tuple(part.forecast(surface, model, places) for part in self.objectives)
+        parts = tuple(part.forecast(surface, model, sites) for part in self.objectives)
         return Joined(tuple(math.sqrt(w) for w in self.weights), parts)
 
 
@@ -221,10 +221,10 @@ def _sensitivity(surface: Surface, model: Model, load: FloatArray) -> Sensitivit
     return model.gradient_model.sensitivity(surface, load)
 
 
-def _spread(values: FloatArray, sites: IntArray, places: Places, vacant: float) -> FloatArray:
+def _spread(values: FloatArray, rows: IntArray, sites: Sites, vacant: float) -> FloatArray:
     """Return values of asperities (..., n) at all sites (..., m)."""
-    result = np.full((*values.shape[:-1], len(places.position)), vacant)
-    result[..., sites] = values
+    result = np.full((*values.shape[:-1], len(sites.position)), vacant)
+    result[..., rows] = values
     return result
 
 

@@ -1,4 +1,4 @@
-"""Arrangements: forecasts that price every exchange, and laws that the places make better."""
+"""Arrangements: forecasts that price every exchange, and laws that the sites make better."""
 
 from dataclasses import replace
 
@@ -7,7 +7,7 @@ import pytest
 
 import metafem as mf
 from metafem.inversion.placement.exchange import swap
-from metafem.inversion.placement.sites import places_for
+from metafem.inversion.placement.sites import sites_for
 
 LOAD = np.array([0.05, 0.15, 0.3])
 LAYER = mf.Interacting(substrate=mf.BondedLayer())
@@ -36,8 +36,8 @@ def exchanged(surface, i, j):
 @pytest.mark.parametrize("objective", [mf.FollowLaw(LOAD), TILT, BOTH], ids=["law", "tilt", "both"])
 def test_forecast_prices_every_exchange_as_if_it_were_made(uneven, objective):
     more = np.vstack([uneven.position, [[9.0, 0.0], [0.0, 9.0]]])
-    places, model = places_for(uneven, mf.Interacting(), more)
-    forecast = objective.forecast(uneven, model, places)
+    sites, model = sites_for(uneven, mf.Interacting(), more)
+    forecast = objective.forecast(uneven, model, sites)
     changes = forecast.changes(np.arange(38))
     for i, j in [(0, 1), (3, 30), (35, 7), (12, 12), (4, 36), (36, 37)]:
         after = forecast.swapped(i, j)
@@ -52,7 +52,7 @@ def test_forecast_of_the_law_is_its_first_order_change(uneven, model):
     objective = mf.FollowLaw(LOAD)
     moved = uneven.position.copy()
     moved[7, 0] += 1e-5
-    here, there = (places_for(uneven.replaced(position=p), model, None)[0] for p in (uneven.position, moved))
+    here, there = (sites_for(uneven.replaced(position=p), model, None)[0] for p in (uneven.position, moved))
     forecast = objective.forecast(uneven, model, here)
     foreseen = replace(forecast, influence=there.influence).residual() - forecast.residual()
     made = objective.residual(uneven.replaced(position=moved), model) - objective.residual(uneven, model)
@@ -73,8 +73,8 @@ def test_small_tilts_change_the_law_by_the_first_moments(uneven):
 
 def test_forecast_of_tilt_is_that_of_independent_asperities(uneven):
     found = TILT.residual(uneven, mf.Independent())
-    places, model = places_for(uneven, mf.Independent(), None)
-    forecast = TILT.forecast(uneven, model, places).residual()
+    sites, model = sites_for(uneven, mf.Independent(), None)
+    forecast = TILT.forecast(uneven, model, sites).residual()
     # the shift of the plane is taken to first order
     np.testing.assert_allclose(forecast, found, atol=0.25 * np.abs(found).max())
     assert np.linalg.norm(forecast - found) < 0.2 * np.linalg.norm(found)
@@ -88,7 +88,7 @@ def test_arranged_laws_follow_the_independent_one(uneven, model):
     assert np.linalg.norm(again) == pytest.approx(result.after, rel=1e-12)
 
 
-def test_arrangement_keeps_each_height_with_its_radius_and_the_places(uneven):
+def test_arrangement_keeps_each_height_with_its_radius_and_the_sites(uneven):
     result = mf.arrange(uneven, TILT)
     assert result.after < result.before
     np.testing.assert_array_equal(np.sort(result.order), np.arange(36))
@@ -150,16 +150,16 @@ def test_empty_places_are_taken_where_they_help():
     """Two asperities as near as they can be move as far apart as they can."""
     row = np.column_stack([1.5 * np.arange(6), np.zeros(6)])
     pair = mf.Surface(row[2:4], [0.1, 0.11], 0.526, mf.Material(1.36))
-    result = mf.arrange(pair, mf.FollowLaw([0.02, 0.04]), places=row)
+    result = mf.arrange(pair, mf.FollowLaw([0.02, 0.04]), position=row)
     assert np.abs(np.diff(result.sites)) == [5]
     assert result.after < 0.3 * result.before
 
 
 def test_places_that_stay_empty_are_told(uneven):
     more = np.vstack([CORNERS, uneven.position])
-    result = mf.arrange(uneven, mf.FollowLaw(LOAD), places=more)
+    result = mf.arrange(uneven, mf.FollowLaw(LOAD), position=more)
     assert result.after < result.before == mf.arrange(uneven, mf.FollowLaw(LOAD)).before
-    np.testing.assert_array_equal(result.places, more)
+    np.testing.assert_array_equal(result.position, more)
     assert (result.order == -1).sum() == 4
     np.testing.assert_array_equal(np.sort(result.order[result.sites]), np.arange(36))
     np.testing.assert_array_equal(result.surface.position, more[result.sites])
@@ -167,10 +167,10 @@ def test_places_that_stay_empty_are_told(uneven):
     np.testing.assert_array_equal(result.surface.radius, uneven.radius[result.order[result.sites]])
 
 
-def test_a_substrate_without_a_formula_is_asked_once_for_all_places(uneven):
+def test_a_substrate_without_a_formula_is_asked_once_for_all_sites(uneven):
     more, law = np.vstack([CORNERS, uneven.position]), mf.FollowLaw(LOAD)
     substrate = Dear()
-    result = mf.arrange(uneven, law, mf.Interacting(substrate=substrate), places=more)
+    result = mf.arrange(uneven, law, mf.Interacting(substrate=substrate), position=more)
     assert substrate.asked == 1
     assert result.after < 0.1 * result.before
     assert result.after == pytest.approx(np.linalg.norm(law.residual(result.surface, mf.Interacting())))
@@ -187,12 +187,15 @@ def test_a_substrate_without_a_formula_is_asked_once_for_all_places(uneven):
         (lambda s: mf.Together([TILT], [0.0]), "weights holds 0"),
         (lambda s: mf.Together([3]), r"objectives\[0\] = 3 must be"),
         (lambda s: mf.arrange(s, "tilt"), "objective = 'tilt' must be"),
-        (lambda s: mf.arrange(s, TILT, places=s.position[1:]), r"position\[0\] = .* is none of the places"),
-        (lambda s: mf.arrange(s, TILT, places=np.vstack([s.position, s.position[:1]])), "coincide"),
-        (lambda s: mf.arrange(s, TILT, places=[1.0, 2.0]), r"places has shape \(2,\)"),
         (
-            lambda s: mf.arrange(s, TILT, places=np.random.default_rng(0).uniform(size=(10**6, 2))),
-            "the influence between 1000000 places would need",
+            lambda s: mf.arrange(s, TILT, position=s.position[1:]),
+            r"position\[0\] = .* is not among the given ones",
+        ),
+        (lambda s: mf.arrange(s, TILT, position=np.vstack([s.position, s.position[:1]])), "coincide"),
+        (lambda s: mf.arrange(s, TILT, position=[1.0, 2.0]), r"position has shape \(2,\)"),
+        (
+            lambda s: mf.arrange(s, TILT, position=np.random.default_rng(0).uniform(size=(10**6, 2))),
+            "the influence between 1000000 sites would need",
         ),
         (lambda s: mf.arrange(3, TILT), "surface = 3 must be a metafem.Surface"),
     ],
