@@ -1,8 +1,8 @@
-"""Compilation of kernels, kept outside the package for the next process.
+"""Compilation of kernels, stored on disk outside the package.
 
-The files that numba itself writes lie in the package, are found by the function's own source alone, and
-are written in two parts that two processes can mix up. Here each compiled function is one file, whole or
-not there, in a folder named after all that its machine code depends on.
+Numba's own cache lies in the package, identifies a function by its source alone, and writes two files that
+two processes can mix up. Here each compiled function is one file, which is complete or absent, in a folder
+whose name is a hash of everything on which its machine code depends.
 """
 
 from __future__ import annotations
@@ -28,17 +28,17 @@ from numba.core.types import unliteral
 
 from metafem import _caches
 
-# Versions of the kernels that are kept; one takes about 3 MB, and each Python or edit needs its own.
+# Largest number of stored versions of the kernels: about 3 MB each, one for each Python and each edit.
 MOST_VERSIONS = 8
 
-# Bytes of the hash that a kept file begins with.
+# Size of the hash at the start of a stored file [bytes].
 DIGEST = 32
 
 
 def compiled(function):
-    """Compile a kernel for each signature that it is called with, once for this installation.
+    """Compile a kernel for each signature of its calls, once for this installation.
 
-    A kernel that calls another with a literal, such as False, gets the one compiled for any boolean.
+    Literal arguments of calls between kernels, such as False, do not cause a compilation of their own.
     """
     dispatcher: Any = njit(nogil=True)(function)
     dispatcher._cache = _Kept(function)
@@ -50,7 +50,7 @@ def compiled(function):
 
 
 def version(package: Path) -> str:
-    """Return a hash of what compiled kernels depend on: all sources, since kernels call each other."""
+    """Return a hash of all sources, since kernels call each other, and of the libraries' versions."""
     sources = sorted(package.rglob("*.py"))
     if not sources:
         raise FileNotFoundError(f"no sources in {package}")
@@ -69,18 +69,18 @@ def _version() -> str:
 
 
 def folder() -> Path:
-    """Return where this version of the kernels is kept."""
+    """Return the folder of this version of the kernels."""
     return _caches.kernel_folder() / _version()
 
 
 class _Kept(NullCache):
-    """The compiled signatures of one function, on disk. What cannot be read or kept is compiled."""
+    """The compiled signatures of one function on disk. What cannot be read or written is compiled again."""
 
     def __init__(self, function):
         self._name = f"{function.__module__}.{function.__qualname__}"
 
     def load_overload(self, signature, target_context):
-        """Return what was compiled for a signature, or None."""
+        """Return the stored code of a signature, or None."""
         target_context.refresh()
         try:
             path = self._path(signature, target_context.codegen())
@@ -94,7 +94,7 @@ class _Kept(NullCache):
         return CompileResult._rebuild(target_context, *pickle.loads(data))
 
     def save_overload(self, signature, result):
-        """Keep what was compiled: write beside and rename, so that no half-written file is ever found."""
+        """Store the code of a signature: the file is written under another name and then renamed."""
         if result.library.has_dynamic_globals:  # holds addresses of this process
             return
         data = dumps(result._reduce())
@@ -119,6 +119,6 @@ class _Kept(NullCache):
 
 @lru_cache
 def _used(path: Path) -> None:
-    """Date the folder of kernels, so that those last used are kept longest."""
+    """Set the date of the folder of kernels, so that the least recently used ones are removed first."""
     with suppress(OSError):
         os.utime(path)

@@ -1,7 +1,7 @@
-"""Whole curves of interacting contacts, each equilibrium predicted from those before.
+"""Curves of interacting contacts; each equilibrium is predicted from those before.
 
-In terms of the approach x each z is nearly a straight line, and exactly one without interaction. The
-prediction is the cubic through the last two equilibria and their tangents.
+Each z is nearly linear in the approach x, and exactly linear without interaction. The prediction is the cubic
+through the last two equilibria and their tangents.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ from metafem._kernels.contact import hertz
 from metafem._kernels.coupling import State, copy, empty_state, quadratic_form
 from metafem._kernels.interacting import TOLERANCE, Scratch, empty_scratch, rates, refresh, settle
 
-# Residual of the tangent; the stiffness is stationary about it and has twice the digits.
+# Residual of the tangent; the stiffness is stationary there and has twice the digits.
 TANGENT = 1e-4
 
-# The cubic is not trusted further ahead than this many of its own lengths.
+# The cubic is used up to this distance ahead, in units of its length.
 REACH = 3.0
 
-# Newton steps for the approach of a prediction, whose own error is larger after three.
+# Newton steps for the approach of a prediction; after three its error is below that of the cubic.
 PREDICTOR_STEPS = 3
 
 
@@ -39,7 +39,7 @@ class Memory(NamedTuple):
 
 
 class Results(NamedTuple):
-    """What is kept of each equilibrium, (m, k)."""
+    """Results of each equilibrium, (m, k)."""
 
     approach: np.ndarray  # [mm]
     load: np.ndarray  # P/E* [mm^2]
@@ -68,16 +68,16 @@ def empty_workspace(count: int, order: int) -> tuple[State, Memory, Scratch]:
 def uniform_approach(gap, radius, load):
     """Return the approach [mm] at which independent asperities carry `load`, to a few percent."""
     x = math.inf
-    for i in range(gap.size):  # each asperity alone would need more: the smallest bounds from above
+    for i in range(gap.size):  # a single asperity needs a larger approach: the smallest is an upper bound
         x = min(x, gap[i] + hertz.indentation_at_load(radius[i], load))
     for _ in range(60):
         p = slope = 0.0
         for i in range(gap.size):
             d = x - gap[i]
             if d > 0.0:
-                a = math.sqrt(radius[i] * d)
+                a = hertz.contact_radius(radius[i], d)
                 p += hertz.LOAD * a * d
-                slope += 2.0 * a
+                slope += hertz.STIFFNESS * a
         if p <= 1.01 * load:
             break
         x -= (p - load) / slope  # convex and increasing: from the right it cannot overshoot
@@ -94,15 +94,15 @@ def extrapolate(memory, points, width, ahead, radius, z):
         cube = memory.cube[i] if cubic else 0.0
         z[i] = memory.last[i] + ahead * (memory.last_rate[i] + ahead * (square + ahead * cube))
         if z[i] > 0.0:
-            a = math.sqrt(radius[i] * z[i])
+            a = hertz.contact_radius(radius[i], z[i])
             load += hertz.LOAD * a * z[i]
-            slope += 2.0 * a * (memory.last_rate[i] + ahead * (2.0 * square + 3.0 * ahead * cube))
+            slope += hertz.STIFFNESS * a * (memory.last_rate[i] + ahead * (2.0 * square + 3.0 * ahead * cube))
     return load, slope
 
 
 @compiled
 def predict(memory, points, width, ahead, target, radius, z):
-    """Fill z for an approach `ahead` of the last, or for a target load > 0; return the way ahead."""
+    """Fill z for an approach `ahead` of the last, or for a target load > 0; return the distance."""
     if points > 1:
         for i in range(z.size):
             chord = (memory.last[i] - memory.before[i]) / width
@@ -191,7 +191,7 @@ def curves(field, order, radius, own, gap, control, by_load, results, state, mem
                 )
                 if residual <= TOLERANCE or alone:
                     break
-                alone = True  # a prediction across entering contacts can mislead
+                alone = True  # predictions across new contacts can be wrong
             if trail.size > 0:
                 copy(state.z, trail[j])
             results.approach[row, j] = new

@@ -9,8 +9,8 @@ Hertz's d_i = (3 p_i/4)^(2/3) k_i^(1/3). Its derivative by k is the finite size 
 v_j = p_j a_j^2/10, and the derivative of the last term is the shift of the contacts by -R g: the
 three corrections belong together, and the Jacobian is symmetric.
 
-The unknown of a contact is z with p = 4/3 sqrt(R) z^(3/2): its indentation d but for the curvature,
-d = z (k R)^(1/3); where z < 0 the asperity is open by that gap.
+The unknown of a contact is z with p = 4/3 sqrt(R) z^(3/2), so that d = z (k R)^(1/3). Where z < 0 the
+asperity is open, with the gap -z.
 """
 
 from __future__ import annotations
@@ -22,8 +22,9 @@ import numpy as np
 
 from metafem._kernels.compiled import compiled
 from metafem._kernels.contact import hertz
+from metafem._kernels.vectors import add
 
-# Neighbours that flatten a summit to a tenth of its curvature are outside any expansion.
+# Smallest k R: neighbours that flatten a summit further are outside the range of the expansion.
 LEAST_CURVATURE = 0.1
 
 
@@ -49,7 +50,7 @@ class State(NamedTuple):
     z: np.ndarray  # nominal indentation [mm]
     load: np.ndarray  # p [mm^2]
     indentation: np.ndarray  # d [mm]
-    displacement: np.ndarray  # u at the contact's own place [mm]
+    displacement: np.ndarray  # u at the contact [mm]
     bend: np.ndarray  # (k R)^(1/3)
     square: np.ndarray  # a^2 [mm^2]
     slope_x: np.ndarray
@@ -67,14 +68,14 @@ def empty_state(count: int) -> State:
 
 @compiled
 def copy(source, target):
-    """Copy an array (n,): a slice would be checked for its shape, whose message takes seconds to compile."""
+    """Copy an array (n,); assignment to a slice takes seconds to compile."""
     for i in range(target.size):
         target[i] = source[i]
 
 
 @compiled
 def add_rows(matrix, closed, count, weight, out):
-    """Add sum_j weight[j] matrix[j] over the closed j to `out`: rows stream, no reduction is needed."""
+    """Add sum_j weight[j] matrix[j] over the closed j to `out`."""
     n = out.size
     k = 0
     while k + 4 <= count:
@@ -147,9 +148,9 @@ def respond(field, order, radius, own, state):
 
 @compiled
 def assemble(field, radius, state, count, matrix):
-    """Fill the rows of contacts of dF/dp but for the diagonal of Hertz and `own`.
+    """Fill the rows of contacts of dF/dp, without the diagonal of Hertz and `own`.
 
-    Two more terms are left out, squares of the order-3 corrections: Newton's residual has them.
+    Two terms are left out, squares of the order-3 corrections; the residual contains them.
     """
     n = radius.size
     tilt_x, tilt_y, third = state.part, state.other, state.square
@@ -181,8 +182,8 @@ def quadratic_form(field, order, radius, own, state, count, y, out, rate):
     total = 0.0
     for k in range(count):
         i = closed[k]
-        hertz = state.bend[i] / (2.0 * math.sqrt(radius[i] * state.z[i]))
-        total += y[i] * (out[i] + (hertz + own[i]) * y[i])
+        compliance = state.bend[i] / hertz.stiffness(radius[i], state.z[i])
+        total += y[i] * (out[i] + (compliance + own[i]) * y[i])
     if order == 1:
         return total
     rate[:] = 0.0
@@ -222,8 +223,8 @@ def energy(order, radius, gap, approach, state, count):
 def measure(order, radius, gap, approach, target, state, count):
     """Return the residual of the equations, and the load.
 
-    Largest |d + u - e| of a contact, or largest overlap of an open asperity, over the largest d; and
-    the relative error of the load where `target` is positive.
+    The residual is the largest |d + u - e| of a contact or overlap of an open asperity, over the largest d,
+    and the relative error of the load if `target` is positive.
     """
     worst = largest = load = rest = 0.0
     for i in range(radius.size):
@@ -231,9 +232,7 @@ def measure(order, radius, gap, approach, target, state, count):
         if state.z[i] > 0.0:
             worst = max(worst, abs(error))
             largest = max(largest, state.indentation[i])
-            new = load + state.load[i]  # compensated: Neumaier
-            rest += (load - new) + state.load[i] if load >= state.load[i] else (state.load[i] - new) + load
-            load = new
+            load, rest = add(load, rest, state.load[i])
             if order > 1 and 1.0 + 0.5 * radius[i] * state.curvature[i] <= LEAST_CURVATURE:
                 worst = math.inf
         else:

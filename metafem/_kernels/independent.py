@@ -12,12 +12,13 @@ import numpy as np
 
 from metafem._kernels.compiled import compiled
 from metafem._kernels.contact import hertz
+from metafem._kernels.vectors import add
 
-# Newton from the right loses two thirds of the distance at first and then converges quadratically;
-# 200 steps shrink any double to nothing.
+# From the right, Newton's method reduces the distance by two thirds at first and then converges
+# quadratically; 200 steps are enough for any double.
 MAX_STEPS = 200
 
-# The first refinement brings the load to rounding; the second finds nothing left to do.
+# The first refinement reduces the error of the load to rounding.
 MAX_REFINEMENTS = 3
 ROUNDING = 4.0 * np.finfo(np.float64).eps
 
@@ -39,7 +40,7 @@ def load_and_slope(gap, root_radius, approach):
 
 @compiled
 def sums(gap, root_radius, base, depth):
-    """Return P/E* [mm^2], A0 [mm^2] and slope [mm] at the approach base + depth, summed after Neumaier."""
+    """Return P/E* [mm^2], A0 [mm^2] and slope [mm] at the approach base + depth, with compensated sums."""
     load = area = slope = 0.0
     load_rest = area_rest = slope_rest = 0.0
     for i in range(gap.size):
@@ -47,39 +48,24 @@ def sums(gap, root_radius, base, depth):
         if d <= 0.0:
             break
         s = root_radius[i] * math.sqrt(d)
-        for kind in range(3):
-            if kind == 0:
-                term, total = s * d, load
-            elif kind == 1:
-                term, total = s * s, area
-            else:
-                term, total = s, slope
-            new = total + term
-            rest = (total - new) + term if total >= term else (term - new) + total
-            if kind == 0:
-                load = new
-                load_rest += rest
-            elif kind == 1:
-                area = new
-                area_rest += rest
-            else:
-                slope = new
-                slope_rest += rest
+        load, load_rest = add(load, load_rest, s * d)
+        area, area_rest = add(area, area_rest, s * s)
+        slope, slope_rest = add(slope, slope_rest, s)
     load, area, slope = load + load_rest, area + area_rest, slope + slope_rest
     return hertz.LOAD * load, math.pi * area, hertz.STIFFNESS * slope
 
 
 @compiled
 def approach_at_load(gap, root_radius, load, below):
-    """Return the approach [mm] that carries `load`; `below` is one that carries less (0 will do)."""
+    """Return the approach [mm] at a load; at the approach `below`, such as 0, the load is smaller."""
     if load <= 0.0:
         return 0.0
-    # The tallest asperity alone would need the largest approach: an upper bracket.
+    # upper bracket: the tallest asperity alone
     above = hertz.indentation_at_load(root_radius[0] ** 2, load)
     x = above
     if below > 0.0:
         p, s = load_and_slope(gap, root_radius, below)
-        # The tangent of a convex function lies below it: this step ends right of the root.
+        # the tangent of a convex function is below it: this step ends on the right of the root
         x = min(above, below + (load - p) / s)
     for _ in range(MAX_STEPS):
         p, s = load_and_slope(gap, root_radius, x)
@@ -96,9 +82,9 @@ def approach_at_load(gap, root_radius, load, below):
 
 @compiled
 def refine(gap, root_radius, load, approach):
-    """Split an approach into the gap of the last contact and its indentation, and solve for that.
+    """Split an approach into the gap of the last contact and its indentation, and solve for the latter.
 
-    Where all contacts are far shallower than their gaps, the approach itself cannot hold their digits.
+    Where all indentations are far smaller than the gaps, the approach loses their digits.
     """
     if approach <= 0.0:
         return 0.0, approach

@@ -9,30 +9,31 @@ import numpy as np
 
 from metafem._kernels import projected_cg
 from metafem._kernels.compiled import compiled
+from metafem._kernels.contact import hertz
 from metafem._kernels.coupling import assemble, copy, energy, measure, respond
 
-# The residual that is promised, and the one Newton aims at, which leaves room for rounding.
+# Largest residual of a solution, and the goal of Newton's method, smaller to allow for rounding.
 TOLERANCE = 1e-12
 GOAL = 3e-13
 
-# Newton takes 2 steps along a curve and 3 to 8 from afar; damped ones may take more.
+# Largest number of Newton steps: 2 along a curve, 3 to 8 from an independent state, more with damping.
 MAX_STEPS = 60
 
-# The inner solve leaves this much of the residual: two steps square it away.
+# Relative residual of the inner solver: it decreases quadratically within two steps.
 INNER = 1e-5
 
-# A step is halved at most this often: what is left then is below the noise of the energy.
+# Largest number of halvings of a step: smaller steps change the energy by less than rounding.
 MAX_CUTS = 30
 
-# Where the energy bends down, Hertz's compliance is raised by this factor, at most so often, until the step
-# leads downhill: contacts that overlap, of which one leaves in the end.
+# If the energy is not convex (contacts that overlap, one of which opens in the end), Hertz's compliance is
+# multiplied by this factor, at most this many times, until the step decreases the energy.
 SOFTER = 4.0
 MOST_SOFTENINGS = 20
 
-# Share of the predicted decrease of the energy that is asked for (Armijo).
+# Smallest fraction of the predicted decrease of the energy (Armijo).
 ARMIJO = 1e-4
 
-# Approaches that bracket a load on which Newton stalls; each halves the bracket at least.
+# Largest number of approaches that bracket a load at which Newton's method stalls; each halves the bracket.
 MAX_BRACKET = 100
 
 
@@ -59,10 +60,10 @@ def empty_scratch(count: int, order: int) -> Scratch:
 
 @compiled
 def refresh(field, order, radius, own, state, count, scratch, always):
-    """Fill the diagonal, and the matrix where it must be; return the matrix."""
+    """Fill the diagonal, and the matrix if needed; return the matrix."""
     for k in range(count):
         i = state.closed[k]
-        scratch.diagonal[i] = own[i] + state.bend[i] / (2.0 * math.sqrt(radius[i] * state.z[i]))
+        scratch.diagonal[i] = own[i] + state.bend[i] / hertz.stiffness(radius[i], state.z[i])
         always = always or not scratch.ready[i]
     if order == 1:
         return field.influence
@@ -76,7 +77,7 @@ def refresh(field, order, radius, own, state, count, scratch, always):
 
 @compiled
 def rates(own, state, count, shift, scratch, out):
-    """Fill the change of z on all rows that goes with the loads and the approach just solved for."""
+    """Fill the change of z on all rows for the last solution of loads and approach."""
     for i in range(out.size):
         out[i] = scratch.work[0, i] + shift
     for k in range(count):
@@ -98,7 +99,7 @@ def newton(field, order, radius, own, gap, approach, target, state, scratch):
     for _ in range(MAX_STEPS):
         if residual <= GOAL:
             break
-        if count == 0:  # nothing to linearise: let all that overlaps touch
+        if count == 0:  # nothing to linearise: close all asperities that overlap
             for i in range(radius.size):
                 state.z[i] = x - gap[i]
             count = respond(field, order, radius, own, state)
@@ -115,7 +116,7 @@ def newton(field, order, radius, own, gap, approach, target, state, scratch):
             matrix, scratch.diagonal, state.closed, count, free, target - load, scratch.rhs,
             leave, False, scratch.loads, scratch.work,
         )  # fmt: skip
-        if order == 1 and not (good or free):  # the energy of order 3 has no bottom there
+        if order == 1 and not (good or free):  # the energy of order 3 has no minimum there
             shift, good = downhill(own, matrix, state, count, leave, scratch)
         if not good:
             residual = max(residual, 1.0)
@@ -124,13 +125,13 @@ def newton(field, order, radius, own, gap, approach, target, state, scratch):
         x, count, load, new, whole = line_search(
             field, order, radius, own, gap, x, shift, target, residual, count, state, scratch
         )
-        # a matrix that gains two digits a step is kept
+        # a matrix is reused if it gains two digits per step
         always = not whole or new > 1e-2 * residual
         stalled = new > 0.5 * residual and (new <= TOLERANCE or (free and not whole))
         residual = new
         if stalled:
             break
-    for i in range(radius.size):  # open ones have their gap, on which predictions and sensitivities build
+    for i in range(radius.size):  # z of open asperities is minus their gap, for predictions and sensitivities
         if state.z[i] <= 0.0:
             state.z[i] = min(x - gap[i] - state.displacement[i], 0.0)
             state.indentation[i] = state.z[i]
@@ -139,11 +140,11 @@ def newton(field, order, radius, own, gap, approach, target, state, scratch):
 
 @compiled
 def downhill(own, matrix, state, count, leave, scratch):
-    """Solve for a step at a given approach with contacts made compliant until the matrix is positive."""
+    """Solve for a step at a given approach with softer contacts, such that the matrix is positive."""
     raised = 1.0
     shift, good = 0.0, False
     for k in range(count):
-        if scratch.diagonal[state.closed[k]] <= 0.0:  # a thin layer wins over Hertz: no bottom either
+        if scratch.diagonal[state.closed[k]] <= 0.0:  # on a thin layer: no minimum either
             return shift, good
     for _ in range(MOST_SOFTENINGS):
         raised *= SOFTER
@@ -166,8 +167,8 @@ def downhill(own, matrix, state, count, leave, scratch):
 def line_search(field, order, radius, own, gap, approach, shift, target, residual, count, state, scratch):
     """Move z along the step until the energy, or the residual, falls enough; a full step is tried first.
 
-    Return the approach, the number of contacts, the load, the residual, and whether the step is whole.
-    Under a given load the energy has a constraint that the path does not keep: the residual decides.
+    Return the approach, the number of contacts, the load, the residual, and whether the step is whole. At a
+    given load the residual is used, because the path does not satisfy the constraint of the energy.
     """
     free = target > 0.0
     before = slope = 0.0
@@ -196,10 +197,10 @@ def line_search(field, order, radius, own, gap, approach, shift, target, residua
 
 @compiled
 def settle(field, order, radius, own, gap, approach, target, state, scratch):
-    """Solve by Newton at the approach where the target is 0, else at a given load.
+    """Solve by Newton's method at a given load or, if the target is 0, at the approach.
 
-    Where that stalls, equilibria at given approaches bracket the load: it grows with the approach, and at
-    a given approach the energy is convex, so bisection ends near enough for Newton.
+    If it stalls at a load, equilibria at given approaches bracket the load, which increases with the
+    approach; at a given approach the energy is convex. Bisection ends close enough for Newton's method.
     """
     copy(state.z, scratch.safe)
     low, high = 0.0, math.inf
@@ -208,7 +209,7 @@ def settle(field, order, radius, own, gap, approach, target, state, scratch):
     for _ in range(2 * MAX_BRACKET + 1):
         end, count, load, residual = newton(field, order, radius, own, gap, x, goal, state, scratch)
         if target == 0.0 or (goal > 0.0) == (residual <= TOLERANCE):
-            break  # at the load, or not even at the approach
+            break  # solved at the load, or not solved at the approach
         if goal > 0.0:
             copy(scratch.safe, state.z)
             x, goal = following, 0.0

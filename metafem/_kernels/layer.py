@@ -1,7 +1,7 @@
 """Piecewise polynomials for the regular part of a bonded layer's influence.
 
 g(s) = pi t (G - 1/(pi r)) with s = r/t. table: (3, pieces, DEGREE + 1) for g, g' and g'', coefficients
-of the powers of y = 2 (s/WIDTH - piece) - 1. Beyond the table the layer does not answer: g(s) = -1/s.
+of the powers of y = 2 (s/WIDTH - piece) - 1. Beyond the table the displacement is zero: g(s) = -1/s.
 """
 
 from __future__ import annotations
@@ -12,7 +12,8 @@ import numpy as np
 
 from metafem._kernels.compiled import compiled
 
-# g is analytic in |Im s| < 2, so a piece of half-width 1/16 gains a factor 64 a degree: 64^-10 = 1e-18.
+# g is analytic in |Im s| < 2, so that on pieces of half-width 1/16 the error falls by 64 per degree: 64^-10 =
+# 1e-18.
 WIDTH = 0.125
 DEGREE = 9
 

@@ -14,8 +14,8 @@ import numpy as np
 from metafem._kernels.compiled import compiled
 
 # The closed form is a second difference of terms of size r: it loses (r/cell)^2 units in the last
-# place, so it serves up to this distance only. Beyond it, five Gauss points a side err by about
-# (4 r)^-10 < 1e-15, and nothing cancels.
+# place, so that it is used up to this distance only. Beyond, five Gauss points per side have an error of
+# about (4 r)^-10 < 1e-15, without cancellation.
 CLOSED_FORM_DISTANCE = 8.0
 
 # Gauss-Legendre rule on [-1/2, 1/2].
@@ -61,7 +61,7 @@ def displacement(x, y):
 
 @compiled
 def table(rows, columns):
-    """Return displacements at whole-cell distances, (rows, columns); symmetric, so only once each."""
+    """Return displacements at distances of whole cells, (rows, columns)."""
     result = np.empty((rows, columns))
     for i in range(rows):
         for j in range(columns):

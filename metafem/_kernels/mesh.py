@@ -1,4 +1,4 @@
-"""Spreading of point sources to a regular grid, and interpolation from it, by a smooth window.
+"""Sums of point sources on a regular grid, and interpolation from it, by a smooth window.
 
 ``w(x) = exp(b (sqrt(1 - (2x/POINTS)^2) - 1))`` for |x| < POINTS/2 grid steps (Barnett, Magland and af
 Klinteberg, SIAM J. Sci. Comput. 41, C479 (2019), doi:10.1137/18M120885X).
@@ -25,22 +25,22 @@ def window(x):
 
 
 @compiled
-def weights(place, out):
-    """Fill the window (POINTS,) around a place [grid steps]; return the first grid point."""
-    first = math.ceil(place - 0.5 * POINTS)
+def weights(position, out):
+    """Fill the window (POINTS,) around a position [grid steps]; return the first grid point."""
+    first = math.ceil(position - 0.5 * POINTS)
     for k in range(POINTS):
-        out[k] = window(first + k - place)
+        out[k] = window(first + k - position)
     return first
 
 
 @compiled
-def spread(place, source, grid):
-    """Add sources (n,) at places (n, 2) [grid steps: row, column] to the grid."""
+def spread(position, source, grid):
+    """Add sources (n,) at positions (n, 2) [grid steps: row, column] to the grid."""
     wy, wx = np.empty(POINTS), np.empty(POINTS)
     for i in range(source.size):
         if source[i] == 0.0:
             continue
-        row, column = weights(place[i, 0], wy), weights(place[i, 1], wx)
+        row, column = weights(position[i, 0], wy), weights(position[i, 1], wx)
         for k in range(POINTS):
             amount = source[i] * wy[k]
             for j in range(POINTS):
@@ -48,11 +48,11 @@ def spread(place, source, grid):
 
 
 @compiled
-def gather(place, grid, out):
-    """Fill the sums (n,) of the grid under the windows at places (n, 2)."""
+def gather(position, grid, out):
+    """Fill the sums (n,) of the grid under the windows at positions (n, 2)."""
     wy, wx = np.empty(POINTS), np.empty(POINTS)
     for i in range(out.size):
-        row, column = weights(place[i, 0], wy), weights(place[i, 1], wx)
+        row, column = weights(position[i, 0], wy), weights(position[i, 1], wx)
         total = 0.0
         for k in range(POINTS):
             part = 0.0

@@ -1,9 +1,10 @@
 """Conjugate gradients for the Newton step, within the plane of a given total load.
 
 Solves ``A y - x 1 = b`` and ``sum y = total`` for the loads y of the contacts and the approach x:
-preconditioned conjugate gradients whose preconditioner, the diagonal, carries the constraint too
+conjugate gradients preconditioned by the diagonal and the constraint
 (Gould, Hribar and Nocedal, SIAM J. Sci. Comput. 23, 1376 (2001), doi:10.1137/S1064827598345667). The
-stiff long waves that only shift the approach are projected out. Without the constraint x = 0.
+stiff long waves that only shift the approach are projected out. Without the constraint x = 0. The set of
+contacts is fixed; `models.boundary_elements.quadratic_program` also determines it.
 """
 
 from __future__ import annotations
@@ -13,16 +14,16 @@ import numpy as np
 from metafem._kernels.compiled import compiled
 from metafem._kernels.coupling import add_rows
 
-# Enough for any well-posed dense system; a step left inexact is corrected by the next.
+# Enough for any well-posed dense system; the next Newton step corrects an inexact one.
 MAX_STEPS = 400
 
 
 @compiled
 def solve(matrix, diagonal, closed, count, free, total, rhs, tolerance, warm, y, work):
-    """Fill y; return the approach and whether the matrix was positive along the way.
+    """Fill y; return the approach, and whether the matrix was positive in all directions of search.
 
-    matrix: rows of contacts of A, to whose diagonal `diagonal` (n,) is added. warm: y is a first guess
-    that already fulfils the constraint. work: (4, n), whose first row returns the residual
+    matrix: rows of contacts of A, to whose diagonal `diagonal` (n,) is added. warm: y is an initial
+    guess that fulfils the constraint. work: (4, n), whose first row returns the residual
     ``rhs - A y`` on every row, open ones too; the contacts' part of it plus x is within `tolerance`.
     """
     n = diagonal.size

@@ -1,4 +1,4 @@
-"""Sums over long vectors, in one thread: a threaded BLAS waits for cores that others use."""
+"""Sums over vectors in one thread; a threaded BLAS may wait for cores that are in use."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from metafem._kernels.compiled import compiled
 
 @compiled
 def dot(a, b):
-    """Return the inner product, four partial sums at a time."""
+    """Return the inner product of a with the first elements of b, by four partial sums."""
     s0 = s1 = s2 = s3 = 0.0
     whole = a.size - a.size % 4
     for i in range(0, whole, 4):
@@ -18,6 +18,13 @@ def dot(a, b):
     for i in range(whole, a.size):
         s0 += a[i] * b[i]
     return (s0 + s1) + (s2 + s3)
+
+
+@compiled
+def add(total, rest, term):
+    """Add a term to a sum and its rounding error, after Neumaier, ZAMM 54, 39 (1974)."""
+    new = total + term
+    return new, rest + ((total - new) + term if total >= term else (term - new) + total)
 
 
 @compiled

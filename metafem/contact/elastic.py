@@ -17,11 +17,11 @@ from metafem.contact.law import Values
 class Hertz:
     """Frictionless, non-adhesive elastic contact of a paraboloid of radius R and a rigid plane.
 
-    With the contact radius a and the curvature ``1/R + k``, k that of the neighbours' field:
-    ``d = a^2 (1/R + k)``, ``A = pi a^2``, ``P/E* = 4/3 a d``, ``dP/dd = 2 a E*``, and the second moment of
-    the pressure is ``2/5 P a^2``. Lengths in mm, P/E* in mm^2. Valid for contact radii well below R; with a
-    fitted modulus it holds within a few percent up to a/R = 0.5.
-    Hertz, J. reine angew. Math. 92, 156 (1882), doi:10.1515/crll.1882.92.156.
+    With the contact radius a and the curvature ``1/R + k``, where k is due to the displacement by other
+    contacts: ``d = a^2 (1/R + k)``, ``A = pi a^2``, ``P/E* = 4/3 a d``, ``dP/dd = 2 a E*``, and the second
+    moment of the pressure is ``2/5 P a^2``. Lengths in mm, P/E* in mm^2. Valid for a well below R; with a
+    fitted modulus the error is a few percent up to a/R = 0.5. Hertz, J. reine angew. Math. 92, 156 (1882),
+    doi:10.1515/crll.1882.92.156.
 
     Examples
     --------

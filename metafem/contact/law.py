@@ -1,4 +1,4 @@
-"""What every law of a single contact offers."""
+"""The protocol of contact laws."""
 
 from __future__ import annotations
 
@@ -13,8 +13,9 @@ Values = FloatArray | float
 class Contact(Protocol):
     """Law of one axisymmetric contact, for unit E*: loads are P/E* [mm^2].
 
-    The contact radius a [mm] is the variable, R [mm] the radius of the summit; `curvature` [1/mm] is what
-    the field of other contacts adds to the profile, ``curvature rho^2 / 2``. All methods are vectorised.
+    The contact radius a [mm] is the variable, R [mm] the radius of the summit; `curvature` [1/mm] is that of
+    the displacement by other contacts, which adds ``curvature rho^2 / 2`` to the profile. All methods are
+    vectorised.
     """
 
     def contact_radius(self, indentation: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:

@@ -5,7 +5,7 @@ from metafem.files.atomic.text import refuse_existing, write_text
 from metafem.files.part.plan import PartOptions, part_notes, planned
 from metafem.files.result.folder import load, result_folder, same_design, save, stored_hardness, write_all
 from metafem.files.result.study import study_data, study_path, write_study
-from metafem.files.result.tables import is_law_table, law_table, read_heights, read_surface
+from metafem.files.result.tables import is_law_table, law_table, read_surface
 from metafem.files.specification.demos import demo_text
 from metafem.files.specification.manual import all_keys, manual
 from metafem.files.specification.models import MODELS, model_named
@@ -28,7 +28,6 @@ __all__ = [
     "part_notes",
     "planned",
     "quantity",
-    "read_heights",
     "read_spec",
     "read_surface",
     "refuse_existing",

@@ -1,1 +1,1 @@
-"""Closed forms of whole problems that judge the package; used by tests and validation alone."""
+"""Closed forms with which results are compared; no solver uses them."""

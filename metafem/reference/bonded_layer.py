@@ -35,7 +35,7 @@ def multiplier(x: FloatArray, poisson_ratio: float) -> FloatArray:
 
 
 def regular_influence(r: ArrayLike, thickness: float, poisson_ratio: float) -> FloatArray:
-    """What the layer adds to a half-space's 1/(pi r) per unit P/E* [1/mm]; finite at r = 0.
+    """Difference of the layer's influence from the half-space's 1/(pi r) [1/mm]; finite at r = 0.
 
     ``1/(pi t) int_0^inf (M(x) - 1) J0(x r/t) dx``, r up to 30 t.
     """
@@ -56,7 +56,7 @@ def influence(r: ArrayLike, thickness: float, poisson_ratio: float) -> FloatArra
 def lattice_sums(pitch: float, thickness: float, poisson_ratio: float) -> tuple[float, float]:
     """Influence and its Laplacian, summed over an infinite square lattice at one of its sites.
 
-    The site's own regular part is in the first [1/mm] and not in the second [1/mm^3].
+    The first [1/mm] includes the regular part of the site, the second [1/mm^3] does not.
     """
     count = math.ceil(LATTICE_EXTENT * thickness / pitch)
     index = np.arange(-count, count + 1)
@@ -64,17 +64,16 @@ def lattice_sums(pitch: float, thickness: float, poisson_ratio: float) -> tuple[
     square, number = np.unique(square[(square > 0) & (square <= count**2)], return_counts=True)
     r = pitch * np.sqrt(square)
     laplacian = 1.0 / (math.pi * r**3) + regular_laplacian(r, thickness, poisson_ratio)
-    own = float(regular_influence(0.0, thickness, poisson_ratio))
-    return own + math.fsum(number * influence(r, thickness, poisson_ratio)), math.fsum(number * laplacian)
+    regular = float(regular_influence(0.0, thickness, poisson_ratio))
+    return regular + math.fsum(number * influence(r, thickness, poisson_ratio)), math.fsum(number * laplacian)
 
 
 def cell_influence(
     contact_radius: float, cell_radius: float, thickness: float, poisson_ratio: float
 ) -> float:
-    """Displacement at the centre of a Hertzian load per unit P/E* on a smooth-walled cylinder, less a
-    half-space's own ``3/(4 a)`` [1/mm].
+    """Displacement at the centre of a Hertzian load on a cylinder minus the half-space's ``3/(4 a)`` [1/mm].
 
-    Dini series over the zeros of J1(k b), where neither radial displacement nor shear reaches the wall:
+    Per unit P/E*; the wall has no radial displacement and no shear. Dini series over the zeros of J1(k b):
     ``2/(pi b^2) sum M(k t) F(k a)/(k J0(k b)^2)``, F(x) = 3 (sin x - x cos x)/x^3.
     """
     zeros = jn_zeros(1, TERMS)

@@ -1,7 +1,7 @@
 """Equations S3 to S8 as printed by Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234.
 
-They lose digits by cancellation for small arguments; `metafem.inversion.height_density` evaluates them in a
-form that does not. Lengths in mm.
+They lose digits by cancellation for small arguments; `metafem.inversion.height_density` evaluates them
+without cancellation. Lengths in mm.
 """
 
 from __future__ import annotations

@@ -19,8 +19,8 @@ def hertz(contact_radius: float, radius: float) -> tuple[float, float]:
 
 def hertz_pressure(r: FloatArray, contact_radius: float, radius: float) -> FloatArray:
     """Pressure ``2 a/(pi R) sqrt(1 - r^2/a^2)`` over E* [-]; 0 outside."""
-    share = np.maximum(1.0 - (r / contact_radius) ** 2, 0.0)
-    return np.asarray(2.0 * contact_radius / (math.pi * radius) * np.sqrt(share))
+    square = np.maximum(1.0 - (r / contact_radius) ** 2, 0.0)
+    return np.asarray(2.0 * contact_radius / (math.pi * radius) * np.sqrt(square))
 
 
 def hertz_displacement(r: FloatArray, contact_radius: float, radius: float) -> FloatArray:

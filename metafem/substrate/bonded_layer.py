@@ -16,15 +16,15 @@ from metafem.substrate.protocol import agreed
 from metafem.substrate.radial import Radial
 from metafem.surface import Surface
 
-# 1 - M falls as x^2 exp(-2x): what lies beyond is below 1e-19.
+# Upper limit of the integrals: beyond it 1 - M, which decreases as x^2 exp(-2x), is below 1e-19.
 LAST_WAVENUMBER = 25.0
 
-# Panels of 16 Gauss points up to there, each shorter than three waves of J0 at the table's end.
+# Panels of 16 Gauss points, each shorter than three waves of J0 at the end of the table.
 PANELS = 72
 PANEL_POINTS = 16
 
 # The slowest decay of G, at nu = 1/2, is exp(-0.739 s) (0.739 = cos 0.739 is the first pole of M): at
-# the end of the table the layer is below 1e-13 of the half-space.
+# the end of the table G is below 1e-13 of the half-space's.
 TABLE_END = 48.0
 
 
@@ -34,10 +34,10 @@ class BondedLayer(Radial):
     """A layer of thickness t, unbounded in the plane, bonded to a rigid base.
 
     ``G(r) = 1/pi int_0^inf M(k t) J0(k r) dk`` with
-    ``M(x) = (2 K sinh 2x - 4x) / (2 K cosh 2x + 4x^2 + 1 + K^2)`` and ``K = 3 - 4 nu``. The half-space
-    1/(pi r) is taken out; the rest is a table of polynomials in r/t, built once for each nu, with an
-    error below 1e-12 of the half-space's value. Holds while the sides of the block are farther away
-    than t. Johnson, Contact Mechanics, section 5.8, doi:10.1017/CBO9781139171731.
+    ``M(x) = (2 K sinh 2x - 4x) / (2 K cosh 2x + 4x^2 + 1 + K^2)`` and ``K = 3 - 4 nu``. The difference from
+    the half-space's 1/(pi r) is a table of polynomials in r/t, computed once for each nu, with an error below
+    1e-12 of the half-space's value. Valid if the sides of the block are farther away than t. Johnson, Contact
+    Mechanics, section 5.8, doi:10.1017/CBO9781139171731.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ class BondedLayer(Radial):
     Raises
     ------
     InvalidInput
-        For values outside their range, or that differ from the surface's own.
+        For values that are outside their range or differ from those of the surface.
 
     Examples
     --------
@@ -68,7 +68,7 @@ class BondedLayer(Radial):
 
     @property
     def name(self) -> str:
-        """What a person calls the substrate."""
+        """Name of the substrate."""
         return "layer"
 
     def for_surface(self, surface: Surface) -> BondedLayer:
@@ -76,7 +76,7 @@ class BondedLayer(Radial):
         ratio = agreed("BondedLayer", "poisson_ratio", self.poisson_ratio, surface.material.poisson_ratio)
         block = surface.block
         if block is None and self.thickness is None:
-            raise InvalidInput("BondedLayer() needs the surface's block, or a thickness of its own")
+            raise InvalidInput("BondedLayer() needs the surface's block, or the argument thickness")
         given = None if block is None else block.thickness
         thickness = agreed("BondedLayer", "thickness", self.thickness, given)
         return replace(self, thickness=thickness, poisson_ratio=ratio)
@@ -107,7 +107,7 @@ class BondedLayer(Radial):
     def _values(self) -> tuple[float, float]:
         if self.thickness is None or self.poisson_ratio is None:
             raise InvalidInput(
-                "a bare BondedLayer needs thickness and poisson_ratio; for_surface(surface) fills them in"
+                "BondedLayer needs thickness and poisson_ratio; for_surface(surface) sets them"
             )
         return self.thickness, self.poisson_ratio
 

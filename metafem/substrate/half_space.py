@@ -14,9 +14,9 @@ from metafem.substrate.radial import Radial
 @checked_class
 @dataclass(frozen=True)
 class HalfSpace(Radial):
-    """A block without sides or bottom: ``G(r) = 1/(pi r)``.
+    """An elastic half-space: ``G(r) = 1/(pi r)``.
 
-    Holds while the distances of the asperities are small against the block. Boussinesq (1885);
+    Valid if the distances between asperities are small compared with the block. Boussinesq (1885);
     Johnson, Contact Mechanics, equation 3.22a, doi:10.1017/CBO9781139171731.
 
     Examples
@@ -27,7 +27,7 @@ class HalfSpace(Radial):
 
     @property
     def name(self) -> str:
-        """What a person calls the substrate."""
+        """Name of the substrate."""
         return "half-space"
 
     @property
@@ -41,5 +41,5 @@ class HalfSpace(Radial):
         return 0.0
 
     def regular_derivatives(self, distance: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return three zeros per distance."""
+        """Return zeros."""
         return np.zeros_like(distance), np.zeros_like(distance), np.zeros_like(distance)

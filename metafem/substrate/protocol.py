@@ -1,4 +1,4 @@
-"""What every elastic substrate offers."""
+"""The protocol of elastic substrates."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ class Substrate(Protocol):
     """Green's function of the block: surface displacement per unit of rescaled load P/E*."""
 
     def for_surface(self, surface: Surface) -> Substrate:
-        """Return the substrate with what it takes from the surface's block and material filled in."""
+        """Return the substrate with the dimensions and the Poisson's ratio of a surface."""
         ...
 
     def influence_matrix(self, surface: Surface) -> FloatArray:
         """Displacement at each asperity per load on each other, (n, n) [1/mm].
 
-        The diagonal holds the regular self terms: what the block adds to a half-space's own answer.
+        The diagonal holds the regular self terms: the difference from a half-space at r = 0.
         """
         ...
 

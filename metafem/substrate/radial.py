@@ -1,4 +1,4 @@
-"""Substrates whose influence depends on the distance alone."""
+"""Substrates whose influence depends only on the distance."""
 
 from __future__ import annotations
 
@@ -14,25 +14,25 @@ from metafem.surface import Surface
 
 
 class Radial:
-    """A half-space's influence 1/(pi r) and a regular part; subclasses supply the regular part."""
+    """Influence 1/(pi r) of the half-space and a regular part, which subclasses define."""
 
     @property
     def name(self) -> str:
-        """What a person calls the substrate; its class's name where a subclass says nothing else."""
+        """Name of the substrate; default: that of its class."""
         return type(self).__name__
 
     def for_surface(self, surface: Surface) -> Self:
-        """Return the substrate with what it takes from the surface filled in."""
+        """Return the substrate with the dimensions and the Poisson's ratio of a surface."""
         return self
 
     @property
     def self_influence(self) -> float:
-        """Displacement of a point by its own load beyond a half-space's, per P/E* [1/mm]."""
+        """Regular part of G at r = 0 [1/mm]."""
         raise NotImplementedError
 
     @property
     def self_curvature(self) -> float:
-        """Curvature added to a summit by its own load beyond a half-space's, per P/E* [1/mm^3]."""
+        """Curvature of the regular part of G at r = 0 [1/mm^3]."""
         raise NotImplementedError
 
     def regular_derivatives(self, distance: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -61,7 +61,7 @@ class Radial:
         distance : array_like
             r [mm], positive.
         derivatives : bool
-            Return (G, G', G'') in place of G.
+            Whether to return (G, G', G'') instead of G; default: False.
 
         Returns
         -------

@@ -6,8 +6,14 @@ from pathlib import Path
 import pytest
 
 import metafem as mf
-from metafem.files import read_heights
+from metafem.files import read_surface
 from metafem.files.reading import TABLE, file_label, read_bytes, read_record
+
+
+def read_heights(path):
+    """Read a table of heights with a column of radii."""
+    return read_surface(path, mf.Material(1.36))
+
 
 READERS = {"spec": mf.read_spec, "table": read_heights, "record": read_record}
 

@@ -7,9 +7,10 @@ import math
 import numpy as np
 
 from metafem import fe
-from metafem.contact.cap_compliance import SHARES, TABLE, pedestal_compliance
+from metafem.contact.cap_compliance import pedestal_compliance
 from metafem.drawing import new_figure
 from validation.check import Claim, below
+from validation.scenes.pedestals import FOOT_RATIOS, TABLE
 
 # h/R and contact radius over foot radius, between the nodes of the table.
 BETWEEN = ((0.06, 0.3), (0.23, 0.5), (0.38, 0.1), (0.57, 0.3))
@@ -35,7 +36,7 @@ def _figure():
     ax = figure.add_subplot()
     table = np.array(TABLE)
     ratio = np.linspace(table[0, 0], table[-1, 0], 80)
-    for fraction, column in zip(SHARES, table[:, 1:].T, strict=True):
+    for fraction, column in zip(FOOT_RATIOS, table[:, 1:].T, strict=True):
         ax.plot(table[:, 0], column, "o", ms=3)
         a = fraction * np.sqrt(ratio * (2.0 - ratio))
         ax.plot(ratio, pedestal_compliance(ratio, 1.0, a), "k-", lw=0.7)

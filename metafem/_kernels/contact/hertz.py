@@ -18,6 +18,12 @@ def contact_radius(radius, indentation):
 
 
 @compiled
+def stiffness(radius, indentation):
+    """Return dP/dd = 2 sqrt(R d) [mm]."""
+    return STIFFNESS * contact_radius(radius, indentation)
+
+
+@compiled
 def load(radius, indentation):
     """Return P = 4/3 sqrt(R) d^(3/2) [mm^2]."""
     return LOAD * contact_radius(radius, indentation) * indentation

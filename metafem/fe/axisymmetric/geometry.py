@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
+from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.contact.cap_geometry import foot_radius
+from metafem.errors import InvalidInput
 
 
 class Geometry(Protocol):
@@ -168,3 +170,20 @@ class Cap:
         """Plane coordinates of surface points."""
         inside = np.arcsin(np.minimum(r / self.radius, 1.0)) * self.foot / self.angle
         return np.array([np.where(r < self.foot, inside, r), np.zeros_like(r)])
+
+
+def checked_cap(a: float, radius: Any, height: Any, thickness: Any, side_name: str, side: Any) -> Cap:
+    """Return the cap on a block, after checks that the contact of radius a is on it and it on the block."""
+    R = check.number("radius", radius, above=0.0)
+    h = check.number("height", height, above=0.0, at_most=R)
+    t = check.number("thickness", thickness, above=0.0)
+    cap = Cap(R, h, check.number(side_name, side, above=0.0), t)
+    if t < h:
+        raise InvalidInput(f"thickness = {t:g} must be at least the cap's height = {h:g}")
+    if cap.foot >= cap.outer:
+        raise InvalidInput(
+            f"the cap's foot of radius {cap.foot:g} must lie within {side_name} = {cap.outer:g}"
+        )
+    if a >= cap.foot:
+        raise InvalidInput(f"contact_radius = {a:g} must lie within the cap's edge at {cap.foot:g}")
+    return cap

@@ -14,7 +14,7 @@ from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.contact.cap_geometry import sphere_profile
 from metafem.errors import InvalidInput, NotConverged
-from metafem.fe.axisymmetric.geometry import Cap, Flat, Oblate
+from metafem.fe.axisymmetric.geometry import Cap, Flat, Oblate, checked_cap
 from metafem.fe.axisymmetric.mesh import graded_mesh, half_space_mesh
 from metafem.fe.axisymmetric.prescribed_radius import Pressed, graded, spectral
 from metafem.fe.axisymmetric.surface_values import contact_pressure, surface_displacement
@@ -235,13 +235,4 @@ def _body(
         raise InvalidInput(f"contact_radius = {a:g} must be smaller than {name} = {side:g}")
     if height is None:
         return Flat(), cell_radius is not None
-    big = float(radius)
-    h = check.number("height", height, above=0.0, at_most=big)
-    if t < h:
-        raise InvalidInput(f"thickness = {t:g} must be at least the cap's height = {h:g}")
-    cap = Cap(big, h, side, t)
-    if cap.foot >= side:
-        raise InvalidInput(f"the cap's foot of radius {cap.foot:g} must lie within {name} = {side:g}")
-    if a >= cap.foot:
-        raise InvalidInput(f"contact_radius = {a:g} must lie within the cap's edge at {cap.foot:g}")
-    return cap, cell_radius is not None
+    return checked_cap(a, radius, height, t, name, side), cell_radius is not None

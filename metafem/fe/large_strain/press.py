@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any
 
 import numpy as np
 
@@ -13,7 +11,7 @@ from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.contact.cap_geometry import sphere_profile
 from metafem.errors import InvalidInput, NotConverged
-from metafem.fe.axisymmetric.geometry import Cap
+from metafem.fe.axisymmetric.geometry import Cap, checked_cap
 from metafem.fe.axisymmetric.mesh import graded_mesh
 from metafem.fe.large_strain.body import Flattened, NewtonStatus, SoftBody
 
@@ -134,7 +132,7 @@ def press_finite(
     a = check.number("contact_radius", contact_radius, above=0.0)
     if not isinstance(stick, (bool, np.bool_)):
         raise InvalidInput(f"stick = {stick!r:.60} must be True or False")
-    cap = _cap(a, radius, height, thickness, block_radius)
+    cap = checked_cap(a, radius, height, thickness, "block_radius", block_radius)
     radii = a * np.arange(1, HISTORY + 1) / HISTORY if stick else np.array([a])
     return press_sequence(radii, cap, stick)[-1]
 
@@ -242,19 +240,3 @@ def _flatten(
         None if stick is None else (stick.displacement, stick.mode),
         start,
     )
-
-
-def _cap(a: float, radius: Any, height: Any, thickness: Any, block_radius: Any) -> Cap:
-    """Check the dimensions."""
-    big = check.number("radius", radius, above=0.0)
-    h = check.number("height", height, above=0.0, at_most=big)
-    t = check.number("thickness", thickness, above=0.0)
-    side = check.number("block_radius", block_radius, above=0.0)
-    if t < h:
-        raise InvalidInput(f"thickness = {t:g} must be at least the cap's height = {h:g}")
-    foot = math.sqrt(h * (2.0 * big - h))
-    if foot >= side:
-        raise InvalidInput(f"the cap's foot of radius {foot:g} must lie within block_radius = {side:g}")
-    if a >= foot:
-        raise InvalidInput(f"contact_radius = {a:g} must lie within the cap's edge at {foot:g}")
-    return Cap(big, h, side, t)

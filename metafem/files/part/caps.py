@@ -10,11 +10,11 @@ from metafem.contact.cap_geometry import foot_radius
 from metafem.errors import InvalidInput
 from metafem.surface import Block, Surface
 
-__all__ = ["alignment_asperities", "alignment_positions", "refuse_impossible", "with_alignment"]
+__all__ = ["alignment_positions", "refuse_impossible", "with_alignment"]
 
 
 def alignment_positions(template: Surface) -> FloatArray:
-    """Return places of four alignment asperities, (4, 2) [mm].
+    """Return the positions of four alignment asperities, (4, 2) [mm].
 
     One lattice pitch outside the corners of the template, along x and along y; the pitch is the
     smallest distance between two of its sites.
@@ -39,25 +39,26 @@ def alignment_positions(template: Surface) -> FloatArray:
     return np.array([(west, south), (east, south), (west, north), (east, north)])
 
 
-def alignment_asperities(surface: Surface, template: Surface, height: float) -> Surface:
-    """Return the four alignment asperities as a surface of their own.
+def with_alignment(surface: Surface, template: Surface, height: float | None) -> Surface:
+    """Return the asperities of a part and, after them, four alignment asperities of a height [mm], if any.
 
-    Their radius is the smallest in use that is no less than their height: the part needs no further tool,
-    and no other of its tools makes narrower caps of that height.
+    Their radius is the smallest in use that is not below their height: the part needs no further tool, and
+    no other of its tools makes narrower caps of that height.
 
     Raises
     ------
     InvalidInput
-        If `height` [mm] does not exceed the tallest summit, or exceeds the largest radius in use.
+        If `height` does not exceed the tallest summit, or exceeds the largest radius in use.
     """
-    tallest = float(surface.height.max())
+    if height is None:
+        return surface
+    tallest, largest = float(surface.height.max()), float(surface.radius.max())
     top = check.number("part.alignment_height", height)
     if top <= tallest:
         raise InvalidInput(
             f"part.alignment_height = {top:g} mm must exceed the tallest summit, {tallest:g} mm, "
             "so that the alignment asperities touch first"
         )
-    largest = float(surface.radius.max())
     if top > largest:
         raise InvalidInput(
             f"part.alignment_height = {top:g} mm exceeds the largest radius in use, {largest:g} mm; a cap is "
@@ -65,26 +66,16 @@ def alignment_asperities(surface: Surface, template: Surface, height: float) -> 
         )
     radius = float(surface.radius[surface.radius >= top].min())
     return surface.replaced(
-        position=alignment_positions(template), height=np.full(4, top), radius=np.full(4, radius)
-    )
-
-
-def with_alignment(surface: Surface, template: Surface, height: float | None) -> Surface:
-    """Return the asperities of a part and, last, its alignment asperities of a height [mm], if any."""
-    if height is None:
-        return surface
-    extra = alignment_asperities(surface, template, height)
-    return surface.replaced(
-        position=np.vstack([surface.position, extra.position]),
-        height=np.concatenate([surface.height, extra.height]),
-        radius=np.concatenate([surface.radius, extra.radius]),
+        position=np.vstack([surface.position, alignment_positions(template)]),
+        height=np.append(surface.height, np.full(4, top)),
+        radius=np.append(surface.radius, np.full(4, radius)),
     )
 
 
 def refuse_impossible(surface: Surface, block: Block, asperities: int) -> None:
     """Raise InvalidInput for caps that are no caps, overlap or leave the block.
 
-    Those after the first `asperities` are of the alignment.
+    Those after the first `asperities` are for alignment.
     """
     from scipy.spatial import KDTree
 

@@ -15,11 +15,11 @@ from metafem._validate import FloatArray
 from metafem.contact.cap_geometry import foot_radius
 from metafem.surface import Block, Surface
 
-# Scales of ISO 5455, largest first, and the room for the plan view on an A3 sheet [mm].
+# Scales of ISO 5455, largest first, and the size of the plan view on an A3 sheet [mm].
 _SCALES = tuple(a * 10.0**k for k in range(2, -4, -1) for a in (5.0, 2.0, 1.0))
-_ROOM = 240.0
+_PLAN = 240.0
 
-# Margins round the plan view, room below it for the notes, and between lines of text [mm].
+# Margins around the plan view, space below it before the notes, and distance of lines of text [mm].
 _LEFT, _TOP, _RIGHT, _BELOW, _LINE = 32.0, 36.0, 32.0, 28.0, 5.5
 
 # Distance of dimension lines from the outline, and size of arrows and letters [mm].
@@ -28,10 +28,10 @@ _FAR, _ARROW, _TEXT = 10.0, 2.5, 3.5
 # Sheets are at least as wide as their notes [mm].
 _NARROWEST = 190.0
 
-# Up to this number of holes each is marked by its number in mould.csv.
+# Largest number of holes that are marked by their numbers in mould.csv.
 _MOST_NUMBERED = 144
 
-# Lines of tools that are told apart: colour and dashes.
+# Line styles of the tools: colour and dashes. More tools have one style.
 _TOOLS = (
     ("#1b6f8a", ""),
     ("#c8553d", "1.5 .8"),
@@ -40,7 +40,7 @@ _TOOLS = (
     ("#a07d1c", "3 .8 .6 .8"),
 )
 
-# Places that differ by less than this share of the block are in one column or row.
+# Positions that differ by less than this fraction of their range are in one column or row.
 _SAME = 1e-9
 
 
@@ -50,13 +50,13 @@ def mould_drawing(surface: Surface, asperities: int, block: Block) -> str:
     Parameters
     ----------
     surface : Surface
-        Caps of the part; those after the first `asperities` are of the alignment.
+        Caps of the part; those after the first `asperities` are for alignment.
     asperities : int
     block : Block
-        Of the outline of the part.
+        Block of the part.
     """
-    place = surface.position * (-1.0, 1.0)
-    scale = next((s for s in _SCALES if s * max(block.width, block.length) <= _ROOM), _SCALES[-1])
+    position = surface.position * (-1.0, 1.0)
+    scale = next((s for s in _SCALES if s * max(block.width, block.length) <= _PLAN), _SCALES[-1])
     wide, high = scale * block.width, scale * block.length
     left = _LEFT + 0.5 * max(_NARROWEST - _LEFT - _RIGHT - wide, 0.0)
     tools = _tools(surface)
@@ -73,7 +73,7 @@ def mould_drawing(surface: Surface, asperities: int, block: Block) -> str:
         f'<rect x="{left:.7g}" y="{_TOP}" width="{wide:.7g}" height="{high:.7g}" stroke-width=".5"/>',
         _centre_lines(left, wide, high),
     ]
-    x, y = left + 0.5 * wide + scale * place[:, 0], _TOP + 0.5 * high - scale * place[:, 1]
+    x, y = left + 0.5 * wide + scale * position[:, 0], _TOP + 0.5 * high - scale * position[:, 1]
     rim = scale * foot_radius(surface.height, surface.radius)
     for (colour, dashes), (which, _) in zip(_TOOLS, tools, strict=False):
         lines.append(f'<g stroke="{colour}" stroke-width=".25" stroke-dasharray="{dashes or "none"}">')
@@ -91,10 +91,10 @@ def mould_drawing(surface: Surface, asperities: int, block: Block) -> str:
         ]
     lines.append("</g>")
     lines.append('<g stroke="#000" fill="#000" stroke-width=".2">')
-    lines += _horizontal(left, left + wide, bottom, bottom + _FAR, f"{block.width:.7g}")
-    lines += _vertical(_TOP, bottom, left, left - _FAR, f"{block.length:.7g}")
-    lines += _horizontal_chain(np.sort(x), left, scale)
-    lines += _vertical_chain(np.sort(y)[::-1], bottom, left + wide, scale)
+    lines += _dimension(left, left + wide, bottom, bottom + _FAR, f"{block.width:.7g}")
+    lines += _dimension(_TOP, bottom, left, left - _FAR, f"{block.length:.7g}", upright=True)
+    lines += _chain(np.sort(x), left, _TOP, _TOP - _FAR, scale)
+    lines += _chain(np.sort(y)[::-1], bottom, left + wide, left + wide + _FAR, scale, upright=True)
     lines.append("</g>")
     start = bottom + _BELOW
     for k, ((colour, dashes), (_, words)) in enumerate(zip(_TOOLS, tools, strict=False)):
@@ -110,17 +110,17 @@ def mould_drawing(surface: Surface, asperities: int, block: Block) -> str:
 
 
 def _tools(surface: Surface) -> list[tuple[list[int], str]]:
-    """Return the holes of each tool and what is said of them; many tools count as one."""
+    """Return the holes of each tool and their description; more tools than line styles count as one."""
     radii = np.unique(surface.radius)
     if len(radii) > len(_TOOLS):
         words = f"{surface.count} holes, {len(radii)} tool radii R from {radii[0]:.6g} to {radii[-1]:.6g}"
         return [(list(range(surface.count)), f"{words}, {_depths(surface.height)}")]
-    found = []
+    tools = []
     for radius in radii:
         which = np.flatnonzero(surface.radius == radius)
         depth = _depths(surface.height[which])
-        found.append((which.tolist(), f"{len(which)} holes, tool radius R {radius:.6g}, {depth}"))
-    return found
+        tools.append((which.tolist(), f"{len(which)} holes, tool radius R {radius:.6g}, {depth}"))
+    return tools
 
 
 def _depths(height: FloatArray) -> str:
@@ -134,11 +134,11 @@ def _notes(surface: Surface, asperities: int, block: Block, scale: float) -> lis
     notes = [
         f"Lengths in mm. Scale {ratio}. Circles: rims of the holes in the face.",
         "Datum: centre of the outline, on the face. The part lies face down on it: x is mirrored, x -> -x.",
-        f"Place, depth and tool radius of each hole: mould.csv, {rows}.",
+        f"Position, depth and tool radius of each hole: mould.csv, {rows}.",
         f"Depths are below the face; the part above it is {block.thickness:.7g} thick.",
     ]
     if asperities < surface.count:
-        notes.insert(3, "Holes with a cross: alignment, cut off the part in the end.")
+        notes.insert(3, "Holes with a cross: alignment asperities, which are cut off the part in the end.")
     return notes
 
 
@@ -157,28 +157,24 @@ def _cross(x: float, y: float, size: float) -> str:
     )
 
 
-def _horizontal_chain(places: FloatArray, edge: float, scale: float) -> Iterator[str]:
-    """Yield dimensions above the plan view: the first column from the edge, and the pitch."""
-    first, pitch = float(places[0]), _pitch(places)
-    yield from _horizontal(edge, first, _TOP, _TOP - _FAR, f"{(first - edge) / scale:.5g}")
+def _chain(
+    position: FloatArray, edge: float, side: float, level: float, scale: float, upright: bool = False
+) -> Iterator[str]:
+    """Yield the dimensions from an edge to the first column or row, and of the pitch."""
+    first, sign = float(position[0]), -1.0 if upright else 1.0
+    pitch = _pitch(sign * position)
+    words = f"{abs(first - edge) / scale:.5g}"
+    yield from _dimension(min(edge, first), max(edge, first), side, level, words, upright=upright)
     if pitch is not None:
-        step = f"pitch {pitch / scale:.6g}"
-        yield from _horizontal(first, first + pitch, _TOP, _TOP - _FAR, step, beside=True)
+        start, end = sorted((first, first + sign * pitch))
+        words = f"pitch {pitch / scale:.6g}"
+        yield from _dimension(start, end, side, level, words, beside=True, upright=upright)
 
 
-def _vertical_chain(places: FloatArray, edge: float, right: float, scale: float) -> Iterator[str]:
-    """Yield dimensions on the right of the plan view: the first row from the edge, and the pitch."""
-    first, pitch = float(places[0]), _pitch(-places)
-    yield from _vertical(first, edge, right, right + _FAR, f"{(edge - first) / scale:.5g}")
-    if pitch is not None:
-        step = f"pitch {pitch / scale:.6g}"
-        yield from _vertical(first - pitch, first, right, right + _FAR, step, beside=True)
-
-
-def _pitch(places: FloatArray) -> float | None:
-    """Return the step of increasing places that lie on equal steps, or None."""
-    extent = float(np.ptp(places))
-    steps = np.diff(places)
+def _pitch(position: FloatArray) -> float | None:
+    """Return the step of increasing positions that are multiples of it, or None."""
+    extent = float(np.ptp(position))
+    steps = np.diff(position)
     steps = steps[steps > _SAME * extent]
     if not len(steps):
         return None
@@ -187,35 +183,35 @@ def _pitch(places: FloatArray) -> float | None:
     return pitch if np.allclose(multiples, np.round(multiples), rtol=0.0, atol=1e-6) else None
 
 
-def _horizontal(
-    start: float, end: float, edge: float, level: float, words: str, beside: bool = False
+def _dimension(
+    start: float,
+    end: float,
+    edge: float,
+    level: float,
+    words: str,
+    *,
+    beside: bool = False,
+    upright: bool = False,
 ) -> Iterator[str]:
-    """Yield a dimension line with its extension lines from the edge; the words above it or at its end."""
+    """Yield a dimension line along x, or along y if upright, with extension lines and its text."""
     over = level + np.sign(level - edge)
-    yield f'<path d="M{start:.6g} {edge:.6g}V{over:.6g}M{end:.6g} {edge:.6g}V{over:.6g}" fill="none"/>'
-    yield f'<path d="{_arrows(start, end, level, "{0:.6g} {1:.6g}")}"/>'
-    x, anchor = (end + _ARROW + 1.0, "start") if beside else (0.5 * (start + end), "middle")
-    y = level + 0.35 * _TEXT if beside else level - 1.0
-    if not beside and end - start < 0.6 * _TEXT * len(words):
-        x, anchor = end - 0.5 * (end - start) - _ARROW, "end"
-    yield f'<text x="{x:.6g}" y="{y:.6g}" text-anchor="{anchor}" stroke="none">{words}</text>'
-
-
-def _vertical(
-    start: float, end: float, edge: float, level: float, words: str, beside: bool = False
-) -> Iterator[str]:
-    """Yield a dimension line along y, from a smaller to a larger one, as `_horizontal`."""
-    over = level + np.sign(level - edge)
-    yield f'<path d="M{edge:.6g} {start:.6g}H{over:.6g}M{edge:.6g} {end:.6g}H{over:.6g}" fill="none"/>'
-    yield f'<path d="{_arrows(start, end, level, "{1:.6g} {0:.6g}")}"/>'
-    y, anchor = (start - _ARROW - 1.0, "start") if beside else (0.5 * (start + end), "middle")
-    x = level + 0.35 * _TEXT if beside else level - 1.0
-    turned = f'transform="rotate(-90 {x:.6g} {y:.6g})"'
-    yield f'<text x="{x:.6g}" y="{y:.6g}" text-anchor="{anchor}" stroke="none" {turned}>{words}</text>'
+    pair, line = ("{1:.6g} {0:.6g}", "H") if upright else ("{0:.6g} {1:.6g}", "V")
+    path = "".join(f"M{pair.format(tip, edge)}{line}{over:.6g}" for tip in (start, end))
+    yield f'<path d="{path}" fill="none"/>'
+    yield f'<path d="{_arrows(start, end, level, pair)}"/>'
+    along, anchor = 0.5 * (start + end), "middle"
+    if beside:
+        along, anchor = start - _ARROW - 1.0 if upright else end + _ARROW + 1.0, "start"
+    elif not upright and end - start < 0.6 * _TEXT * len(words):
+        along, anchor = end - 0.5 * (end - start) - _ARROW, "end"
+    place = pair.format(along, level + 0.35 * _TEXT if beside else level - 1.0)
+    x, y = place.split()
+    turned = f' transform="rotate(-90 {place})"' if upright else ""
+    yield f'<text x="{x}" y="{y}" text-anchor="{anchor}" stroke="none"{turned}>{words}</text>'
 
 
 def _arrows(start: float, end: float, level: float, pair: str) -> str:
-    """Return the path of a dimension line: arrows inside it or, where it is short, pointing at it."""
+    """Return the path of a dimension line with arrows: inside it or, if it is short, outside."""
     inside = end - start > 3.0 * _ARROW
     reach = 0.0 if inside else 2.0 * _ARROW
     path = f"M{pair.format(start - reach, level)}L{pair.format(end + reach, level)}"

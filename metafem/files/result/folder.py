@@ -18,7 +18,7 @@ from metafem.errors import InvalidInput
 from metafem.files.atomic.claim import restore
 from metafem.files.atomic.manifest import FORMAT, digest
 from metafem.files.atomic.staged import staged
-from metafem.files.part.caps import alignment_asperities
+from metafem.files.part.caps import with_alignment
 from metafem.files.part.plan import Part, PartOptions, part_notes, planned
 from metafem.files.reading import file_label, read_record
 from metafem.files.result.records import from_record, to_record
@@ -112,15 +112,14 @@ def write_all(
     """Write all files of a design into an existing folder."""
     surface = design.surface
     options = part or (PartOptions() if specification is None else specification.part)
-    height = options.alignment_height
     made = planned(surface, design.template, options)
-    alignment = None if height is None else alignment_asperities(surface, design.template, height)
+    whole = with_alignment(surface, design.template, options.alignment_height)
     texts = {
         "design.json": json.dumps(_record(design, specification, made, options), indent=1, allow_nan=False)
         + "\n",
         "heights.csv": heights_table(design),
         "law.csv": law_table(design.law),
-        "mould.csv": mould_table(design, alignment),
+        "mould.csv": mould_table(design, whole),
         **pages,
     }
     contents = {name: text.encode("utf-8") for name, text in texts.items()}

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from metafem._validate import FloatArray
-from metafem.contact.cap_compliance import COEFFICIENTS, POWERS, TABLE
+from metafem.contact.cap_compliance import COEFFICIENTS, POWERS, TALLEST
 from metafem.notes import Note
 from metafem.surface import Surface
 
@@ -30,20 +30,18 @@ def pedestal_influence(height: FloatArray, radius: FloatArray) -> tuple[FloatArr
     >>> (math.pi * value).round(2)
     array([0.22, 0.61])
     """
-    ratio = np.clip(height / radius, 0.0, TABLE[-1][0])
+    ratio = np.clip(height / radius, 0.0, TALLEST)
     angle = np.arccos(1.0 - ratio)
     value = sum(c * angle**i for i, c in LIGHT.items()) / (math.pi * radius)
     # d angle/dh = 1/(R sin(angle)), and angle/sin(angle) stays finite
     slope = sum(i * c * angle ** (i - 2) for i, c in LIGHT.items()) / np.sinc(angle / math.pi)
-    within = (ratio > 0.0) & (ratio < TABLE[-1][0])
+    within = (ratio > 0.0) & (ratio < TALLEST)
     return np.asarray(value), np.where(within, slope / (math.pi * radius**2), 0.0)
 
 
 def pedestal_notes(surface: Surface) -> tuple[Note, ...]:
     """State how many summits are taller than the range of the table."""
-    tall = int((surface.height > TABLE[-1][0] * surface.radius).sum())
+    tall = int((surface.height > TALLEST * surface.radius).sum())
     if not tall:
         return ()
-    return (
-        Note(f"{tall} summits are higher than {TABLE[-1][0]:g} R; their pedestals are taken as that high"),
-    )
+    return (Note(f"{tall} summits are higher than {TALLEST:g} R; their pedestals are taken as that high"),)

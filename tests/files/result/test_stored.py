@@ -13,7 +13,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 import metafem as mf
-from metafem.files.result.tables import read_heights
+from metafem.files.result.tables import read_surface
 from metafem.inversion import DesignStatus
 
 FOLDERS = sorted(path.parent for path in Path(__file__).with_name("stored").glob("*/design.json"))
@@ -46,10 +46,10 @@ def test_a_stored_design_is_what_its_files_state(folder):
     assert_array_equal(design.surface.radius, stated["surface"]["radius"]["float64"])
     assert set(design.parameters) == set(stated["parameters"])
     assert [note.text for note in design.notes] == [note["text"] for note in stated["notes"]]
-    position, height, radius = read_heights(folder / "heights.csv")
-    assert_allclose(position, design.surface.position, rtol=PRINTED)
-    assert_allclose(height, design.surface.height, rtol=PRINTED)
-    assert_allclose(radius, design.surface.radius, rtol=PRINTED)
+    surface = read_surface(folder / "heights.csv", design.surface.material)
+    assert_allclose(surface.position, design.surface.position, rtol=PRINTED)
+    assert_allclose(surface.height, design.surface.height, rtol=PRINTED)
+    assert_allclose(surface.radius, design.surface.radius, rtol=PRINTED)
     law = table(folder / "law.csv")
     for title, values in (
         ("load_N", design.law.load),

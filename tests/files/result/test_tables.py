@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import metafem as mf
-from metafem.files.part.caps import alignment_asperities
-from metafem.files.result.tables import heights_table, law_table, mould_table, read_heights, read_surface
+from metafem.files.part.caps import with_alignment
+from metafem.files.result.tables import heights_table, law_table, mould_table, read_surface
 
 TEMPLATE = mf.Surface.square_lattice(
     0.12, (3, 3), radius=0.526, material=mf.Material(1.36), friction=mf.Friction(0.358, 0.85)
@@ -22,10 +22,16 @@ def columns(text):
     return {name: [row[name] for row in rows] for name in rows[0]}
 
 
+def read_summits(path, radius=None):
+    """Return positions, heights and radii of a table."""
+    surface = read_surface(path, mf.Material(1.36), radius)
+    return surface.position, surface.height, surface.radius
+
+
 def test_heights_read_back(tmp_path):
     path = tmp_path / "heights.csv"
     path.write_text(heights_table(DESIGN))
-    for found, kept in zip(read_heights(path), ("position", "height", "radius"), strict=True):
+    for found, kept in zip(read_summits(path), ("position", "height", "radius"), strict=True):
         np.testing.assert_allclose(found, getattr(DESIGN.surface, kept), rtol=1e-12)
 
 
@@ -62,7 +68,7 @@ def test_without_friction_the_law_has_no_force():
 
 def test_the_mould_mirrors_x_and_keeps_depth_and_radius():
     surface = DESIGN.surface
-    table = columns(mould_table(DESIGN, alignment_asperities(surface, TEMPLATE, 0.4)))
+    table = columns(mould_table(DESIGN, with_alignment(surface, TEMPLATE, 0.4)))
     assert table["number"] == [str(number) for number in range(1, 14)]
     assert table["site"] == [*(str(site) for site in DESIGN.sites), "", "", "", ""]
     assert table["kind"] == ["asperity"] * 9 + ["alignment"] * 4
@@ -81,7 +87,7 @@ def test_holes_and_summits_have_their_own_radii(tmp_path):
     np.testing.assert_array_equal(np.array(columns(mould_table(mixed))["tool_radius_mm"], float), radius)
     path = tmp_path / "heights.csv"
     path.write_text(heights_table(mixed))
-    np.testing.assert_array_equal(read_heights(path)[2], radius)
+    np.testing.assert_array_equal(read_summits(path)[2], radius)
 
 
 @given(st.lists(st.integers(1, 999_999), min_size=1, max_size=5))
@@ -89,7 +95,7 @@ def test_units_of_the_header_are_applied(tmp_path_factory, nanometres):
     path = tmp_path_factory.getbasetemp() / "units.csv"
     lines = [f"{i},{0.1 * i},{n / 1000!r},note" for i, n in enumerate(nanometres)]
     path.write_text("\n".join(["x_cm,y_mm,height_\u00b5m,remark", *lines]), encoding="utf-8")
-    position, height, radius = read_heights(path, radius=0.5)
+    position, height, radius = read_summits(path, radius=0.5)
     np.testing.assert_array_equal(height, [n / 1e6 for n in nanometres])
     np.testing.assert_array_equal(position[:, 0], 10.0 * np.arange(len(nanometres)))
     np.testing.assert_array_equal(radius, 0.5)
@@ -118,7 +124,7 @@ def test_a_wrong_table_is_refused(tmp_path, text, message):
     path = tmp_path / "heights.csv"
     path.write_bytes(text if isinstance(text, bytes) else text.encode())
     with pytest.raises(mf.InvalidInput, match=message):
-        read_heights(path)
+        read_summits(path)
 
 
 @pytest.mark.parametrize(
@@ -132,7 +138,7 @@ def test_a_wrong_table_is_refused(tmp_path, text, message):
 def test_tables_with_other_separators_and_decimals_are_read(tmp_path, text):
     path = tmp_path / "heights.csv"
     path.write_bytes(text.encode("utf-8-sig"))
-    position, height, radius = read_heights(path)
+    position, height, radius = read_summits(path)
     assert (position.tolist(), height.tolist(), radius.tolist()) == (
         [[0.0, 0.0], [1.5, 0.0]],
         [0.1205, 0.0943],
@@ -160,9 +166,9 @@ def test_a_radius_beside_a_column_of_radii_is_refused(tmp_path):
     path = tmp_path / "heights.csv"
     path.write_text(heights_table(DESIGN))
     with pytest.raises(mf.InvalidInput, match="has the column radius_mm, and --radius is given too"):
-        read_heights(path, radius=0.5)
+        read_summits(path, radius=0.5)
 
 
 def test_a_missing_table_is_refused(tmp_path):
     with pytest.raises(mf.InvalidInput, match="no such file"):
-        read_heights(tmp_path / "none.csv")
+        read_summits(tmp_path / "none.csv")
