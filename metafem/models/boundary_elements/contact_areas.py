@@ -1,4 +1,11 @@
-"""Load and contact area of each asperity from a resolved pressure."""
+"""Load and contact area of each asperity from a resolved pressure, all in units of the cell.
+
+The pressure on a Hertzian ellipse has the area ``5 pi sqrt(<x^2><y^2> - <xy>^2)`` with its second moments
+about its centroid. Any other area is found from its edge, near which p^2 falls linearly: the squares of the
+pressure, without those of the two outermost rings of cells, which collocation distorts, are extrapolated
+outwards by quadratic functions along rows, columns and diagonals. The area is that where the result, linear
+in triangles between the centres of the cells, is positive.
+"""
 
 from __future__ import annotations
 
@@ -11,17 +18,27 @@ from numpy.typing import NDArray
 from metafem._validate import FloatArray
 from metafem.models.boundary_elements.patches import IntArray, Patch
 
-# The moments of a pressure (1 - rho^2)^m on an ellipse determine m; Hertz's is 1/2. Where m differs from it
-# by more than this, the area from the second moments has an error of 0.2 % (measured on thin layers).
-EXPONENT_RANGE = 0.01
+# Rings of cells at the edge whose pressure is replaced by the extrapolation, and rings that are filled:
+# those, and three outside.
+DISTORTED, FILLED = 2, 5
 
-# With n cells per radius m is shifted by about 1.3/n^2 (measured on one Hertz contact); a shift of up to
-# twice that is within the discretisation error.
-EXPONENT_BY_CELL = 2.6
+# In a Hertz contact the edge is found this far outside, in cells, and the area is smaller by this number of
+# cells: means of six offsets, with 5 to 80 cells per radius.
+EDGE, CURVED = 0.009, 0.22 * math.pi
 
-# With collocation the pressure extends this far beyond the edge, in cells (measured on one Hertz contact with
-# 12 to 100 cells per radius).
+# With n cells per radius the areas from the edge and from the moments of a Hertz contact differ by up to this
+# and this times n, in cells over pi (measured at the same offsets).
+DIFFERENCE, DIFFERENCE_BY_CELL = 0.5, 0.002
+
+# With fewer cells than this, 4.7 per radius, the area is the number of cells, corrected at the edge.
+SMALL = 70
+
+# A pressure on whole cells extends this far beyond the edge, in cells (measured on one Hertz contact with 12
+# to 100 cells per radius).
 RIM = 0.115
+
+# Steps to the neighbours of a cell.
+STEPS = ((1, 0), (0, 1), (1, 1), (1, -1), (-1, 0), (0, -1), (-1, -1), (-1, 1))
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,66 +50,104 @@ class Contacts:
     load : ndarray, (n,)
         Sum of p/E* over the cells on which the asperity is the highest.
     area : ndarray, (n,)
-        ``5 pi sqrt(<x^2><y^2> - <xy>^2)`` of the pressure about its centroid, where that is Hertzian;
-        otherwise the number of its cells, corrected for the cells that collocation adds along the rim.
-    counted : ndarray, (n,)
-        Whether the area is a number of cells.
+        Contact area on these cells.
+    deformed : ndarray, (n,)
+        Whether the contact is no Hertzian ellipse, so that its area is that within its edge.
     merged : ndarray, (m, 2)
         Pairs of asperities whose contacts share an edge of a cell.
     """
 
     load: FloatArray
     area: FloatArray
-    counted: NDArray[np.bool_]
+    deformed: NDArray[np.bool_]
     merged: IntArray
 
 
 def measure(patches: list[Patch], pressure: list[FloatArray], count: int) -> Contacts:
-    """Add up the pressure of each asperity and find contacts that have merged."""
-    load, area, cells = np.zeros(count), np.zeros(count), np.zeros(count)
-    counted = np.zeros(count, dtype=bool)
+    """Add up the pressure of each asperity, and find contacts that have merged."""
+    load, area, ellipse = np.zeros((3, count))
     pairs = []
     for place, p in zip(patches, pressure, strict=True):
         closed = p > 0.0
         for a, b in ((np.s_[1:, :], np.s_[:-1, :]), (np.s_[:, 1:], np.s_[:, :-1])):
             met = closed[a] & closed[b] & (place.owner[a] != place.owner[b])
             pairs.append(np.stack([place.owner[a][met], place.owner[b][met]], axis=1))
+        load += np.bincount(place.owner.ravel(), p.ravel(), count)
+        area += _areas(p, place.owner, count)
         for i in np.unique(place.owner[closed]):
-            own = np.where(place.owner == i, p, 0.0)
-            load[i] = own.sum()
-            cells[i] = _counted(own > 0.0, closed)
-            area[i], exponent = _ellipse(own / load[i])
-            # a radius of n cells: n^2 = area / pi
-            slack = EXPONENT_RANGE + EXPONENT_BY_CELL * math.pi / max(area[i], 1.0)
-            counted[i] = abs(exponent - 0.5) > slack
+            ellipse[i] = _ellipse(np.where(place.owner == i, p, 0.0) / load[i])
     merged = np.unique(np.sort(np.concatenate(pairs), axis=1), axis=0)
-    counted[merged.ravel()] = True
-    return Contacts(load, np.where(counted, cells, area), counted, merged)
+    difference = DIFFERENCE * math.pi + DIFFERENCE_BY_CELL * np.sqrt(math.pi * area)
+    deformed = np.abs(area - ellipse) > difference
+    deformed[merged.ravel()] = True
+    return Contacts(load, np.where(deformed, area, ellipse), deformed, merged)
 
 
-def _ellipse(density: FloatArray) -> tuple[float, float]:
-    """Area of the Hertzian ellipse with these second moments, and the exponent m of the fourth.
-
-    For (1 - rho^2)^m the squared Mahalanobis distance s has ``<s^2> = 8 (m + 2)/(m + 3)``.
-    """
+def _ellipse(density: FloatArray) -> float:
+    """Return the area of the Hertzian ellipse with the second moments of a pressure."""
     x, y = (np.arange(n, dtype=np.float64) for n in density.shape)
     along_x, along_y = density.sum(axis=1), density.sum(axis=0)
-    x = (x - (along_x * x).sum())[:, None]
-    y = (y - (along_y * y).sum())[None, :]
-    xx, yy, xy = (float((density * z).sum()) for z in (x * x, y * y, x * y))
-    square = xx * yy - xy**2
-    if square <= 0.0:
-        return 0.0, 0.5
-    distance = (yy * x * x - 2.0 * xy * x * y + xx * y * y) / square
-    q = float((density * distance**2).sum()) / 4.0
-    return 5.0 * math.pi * math.sqrt(square), (3.0 * q - 4.0) / (2.0 - q)
+    x, y = x - x @ along_x, y - y @ along_y
+    square = (x**2 @ along_x) * (y**2 @ along_y) - (x @ density @ y) ** 2
+    return 5.0 * math.pi * math.sqrt(max(square, 0.0))
 
 
-def _counted(own: NDArray[np.bool_], closed: NDArray[np.bool_]) -> float:
-    """Number of cells of an asperity minus the rim, whose length is pi/4 of the outer edges of the cells."""
-    inner = np.pad(closed, 1)
-    open_edges = sum(
-        np.count_nonzero(own & ~side)
-        for side in (inner[2:, 1:-1], inner[:-2, 1:-1], inner[1:-1, 2:], inner[1:-1, :-2])
-    )
-    return max(np.count_nonzero(own) - RIM * 0.25 * math.pi * open_edges, 0.0)
+def _areas(pressure: FloatArray, owner: IntArray, count: int) -> FloatArray:
+    """Return the area within the edges of the contacts on the cells of each asperity, (n,)."""
+    # room for the rings outside and three more cells
+    pressure, owner = np.pad(pressure, FILLED + 3), np.pad(owner, FILLED + 3, mode="edge")
+    closed = pressure > 0.0
+    edges = np.sum([closed & ~np.roll(closed, step, (0, 1)) for step in STEPS if 0 in step], axis=0)
+    cells = np.bincount(owner.ravel(), closed.ravel(), count)
+    rim = 0.25 * math.pi * np.bincount(owner.ravel(), edges.ravel(), count)
+    covered = _covered(*_extrapolated(pressure, closed), owner, count)
+    smooth = covered - EDGE * rim + CURVED
+    return np.asarray(np.where(cells >= SMALL, smooth, np.maximum(cells - RIM * rim, 0.0)))
+
+
+def _extrapolated(pressure: FloatArray, closed: NDArray[np.bool_]) -> tuple[FloatArray, NDArray[np.bool_]]:
+    """Return squares of the pressure within the contacts and around them, and where there are any."""
+    inner = closed
+    for _ in range(DISTORTED):
+        inner = inner & _surrounded(inner)
+    known, level = inner.ravel().copy(), np.where(inner, pressure**2, 0.0).ravel()
+    columns = pressure.shape[1]
+    offsets = np.array([dx * columns + dy for dx, dy in STEPS])
+    outermost = np.flatnonzero(inner & ~_surrounded(inner))
+    for _ in range(FILLED):
+        ring = np.unique((outermost[:, None] + offsets).ravel())
+        ring = ring[~known[ring]]
+        one, two, three = (ring[:, None] + k * offsets for k in (1, 2, 3))
+        usable = known[one] & known[two] & known[three]
+        number = usable.sum(axis=1)
+        value = np.where(usable, 3.0 * level[one] - 3.0 * level[two] + level[three], 0.0).sum(axis=1)
+        ring, value, number = ring[number > 0], value[number > 0], number[number > 0]
+        level[ring] = value / number
+        known[ring] = True
+        outermost = ring
+    return level.reshape(pressure.shape), known.reshape(pressure.shape)
+
+
+def _surrounded(cells: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return whether all neighbours of each cell are among the cells."""
+    return np.asarray(np.logical_and.reduce([np.roll(cells, step, (0, 1)) for step in STEPS]))
+
+
+def _covered(level: FloatArray, known: NDArray[np.bool_], owner: IntArray, count: int) -> FloatArray:
+    """Return the area of each asperity, (n,), where the level is positive."""
+    level = np.where(known, level, -np.finfo(np.float64).tiny)
+    corners = (np.s_[:-1, :-1], np.s_[1:, :-1], np.s_[1:, 1:], np.s_[:-1, 1:])
+    used = np.flatnonzero(np.maximum.reduce([level[corner] for corner in corners]).ravel() > 0.0)
+    values = [level[corner].ravel()[used] for corner in corners]
+    owners = [owner[corner].ravel()[used] for corner in corners]
+    middle = 0.25 * np.sum(values, axis=0)
+    area = np.zeros(count)
+    for k in range(4):  # triangles between the middle and the corners k and k - 1
+        low, mean, high = np.sort([values[k], values[k - 1], middle], axis=0)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            one = high**2 / ((high - low) * (high - mean))
+            two = 1.0 - low**2 / ((low - mean) * (low - high))
+        part = np.where(high <= 0.0, 0.0, np.where(mean <= 0.0, one, np.where(low < 0.0, two, 1.0)))
+        for corner in (k, k - 1):
+            area += np.bincount(owners[corner], 0.125 * part, count)
+    return area

@@ -37,9 +37,10 @@ class BoundaryElements(WithoutGradients):
     neighbourhoods of the contacts only. With n cells per contact radius the relative error of a Hertz
     contact at any position is at most 0.12/n^2 in load and 0.37/n^2 in area: 5e-5 and 1.5e-4 at n = 50.
     Areas come from the second moments of each contact's pressure, ``A = 5 pi sqrt(<x^2><y^2> - <xy>^2)``,
-    which is exact for Hertzian ellipses. Where the fourth moments show a different shape, and where contacts
-    have merged, cells are counted and a note says so. The stiffness is that of flat punches on the cells in
-    contact. Johnson, Contact Mechanics (1985), section 5.9, doi:10.1017/CBO9781139171731.
+    which is exact for Hertzian ellipses. Contacts of another shape and merged ones have the area within
+    their edges, with an error of up to seven cells for each asperity, and a note says so. The stiffness is
+    that of flat punches on the cells in contact. Johnson, Contact Mechanics (1985), section 5.9,
+    doi:10.1017/CBO9781139171731.
 
     Parameters
     ----------
@@ -179,11 +180,11 @@ def _notes(scene: Scene, solution: Solution) -> tuple[Note, ...]:
                 f"displacements between {len(patches)} patches by expansions within {far_field.TOLERANCE:g}"
             )
         )
-    if contacts.counted.any():
+    if contacts.deformed.any():
         notes.append(
             information(
-                f"the pressure of {contacts.counted.sum()} contacts is not that of a Hertzian ellipse: their "
-                "areas are sums of cells, with a relative error of about a tenth of cell over contact radius"
+                f"the pressure of {contacts.deformed.sum()} contacts is not that of a Hertzian ellipse: "
+                "their areas are those within their edges, with an error of up to seven cells each"
             )
         )
     if len(contacts.merged):

@@ -332,3 +332,19 @@ def test_patches_give_what_one_grid_gives(monkeypatch):
     assert len(whole.notes) == 1
     np.testing.assert_allclose(apart.asperity_load, whole.asperity_load, rtol=1e-8)
     np.testing.assert_allclose(apart.asperity_area, whole.asperity_area, rtol=1e-8)
+
+
+def crowded(count):
+    """Three contacts that nearly touch, or two that have merged."""
+    place, height = ([[0, 0], [0.22, 0.05], [0.1, 0.2]], [0.1, 0.11, 0.1])
+    if count == 2:
+        place, height = ([[0, 0], [0.1, 0.0]], [0.1, 0.1])
+    return mf.Surface(place, height, RADIUS, MATERIAL)
+
+
+# Areas are extrapolated from 80 and 120 cells per 0.17 mm.
+@pytest.mark.parametrize(("count", "area"), [(3, 0.138790), (2, 0.125957)])
+def test_areas_of_deformed_contacts_are_within_seven_cells_each(count, area):
+    for cell in (0.006, 0.004):
+        found = mf.equilibrium(crowded(count), mf.BoundaryElements(cell), approach=0.05 + 0.01 * (count == 2))
+        assert abs(found.area - area) < 7.0 * count * cell**2
