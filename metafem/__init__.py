@@ -1,4 +1,4 @@
-"""Surfaces with a friction law of your choice.
+"""Inverse design of friction laws by surfaces of spherical caps.
 
 metafem computes the heights of spherical asperities from a target friction law, predicts the law of a
 surface under models of increasing detail, and writes the files to make the part.

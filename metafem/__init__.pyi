@@ -33,6 +33,9 @@ from .inversion import feasible_region as feasible_region
 from .inversion import plasticity_index as plasticity_index
 from .inversion.design import design as design
 from .inversion.result import Design as Design
+from .material import Block as Block
+from .material import Friction as Friction
+from .material import Material as Material
 from .models import Automatic as Automatic
 from .models import BoundaryElements as BoundaryElements
 from .models import Independent as Independent
@@ -46,7 +49,4 @@ from .prediction import equilibrium as equilibrium
 from .prediction import friction_law as friction_law
 from .substrate import BondedLayer as BondedLayer
 from .substrate import HalfSpace as HalfSpace
-from .surface import Block as Block
-from .surface import Friction as Friction
-from .surface import Material as Material
 from .surface import Surface as Surface

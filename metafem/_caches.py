@@ -12,7 +12,7 @@ from pathlib import Path
 # Environment variable with the folder of all caches; default: the user's cache folder.
 VARIABLE = "METAFEM_CACHE_DIR"
 
-# Names of everything that metafem writes there; other files are left alone.
+# Names of the files that metafem writes there; other files are never removed.
 _KERNELS = re.compile(r"[0-9a-f]{32}")
 _BLOCK = re.compile(r"\.?block-.*\.npz")
 
@@ -25,9 +25,9 @@ def cache_folder() -> Path:
     OSError
         If the user has no home folder and the variable is not set.
     """
-    wanted = os.environ.get(VARIABLE)
-    if wanted:
-        return Path(wanted).absolute()
+    stated = os.environ.get(VARIABLE)
+    if stated:
+        return Path(stated).absolute()
     from platformdirs import user_cache_path
 
     folder = user_cache_path("metafem")
@@ -61,8 +61,8 @@ def size(paths: list[Path]) -> int:
 def remove(paths: list[Path]) -> int:
     """Remove files and folders, and return how much was freed [bytes].
 
-    Other processes may read, write or remove the same files at any time: each file is written whole, and a
-    missing one is computed again.
+    Other processes may use the same files at any time: each file is complete or absent, and the content of an
+    absent one is computed again.
     """
     before = size(paths)
     for path in paths:

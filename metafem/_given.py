@@ -50,7 +50,7 @@ def unit_of(name: str) -> str:
 
 @dataclass(frozen=True)
 class ErrorNames:
-    """How errors name arguments, entries and numbers: as in Python, or as in the file they came from.
+    """How errors name arguments, entries and numbers: as in Python, or as in the file that was read.
 
     `units` holds the unit in which a quantity was written and the size of that unit in the package's unit;
     `lines` holds the line number of each entry in the file, `names` the file's names of arguments, and

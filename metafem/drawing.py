@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
-# One colour for the target, one for what is achieved, grey for the rest.
+# Colours of the target, of the achieved law and of secondary lines.
 TARGET, ACHIEVED, QUIET = "#c8553d", "#1b6f8a", "#8a8f98"
 
 MICROMETRES = 1e3
@@ -54,7 +54,7 @@ def new_figure(
 
 
 def axes(ax: Axes | None, width: float = 5.0, height: float = 3.6) -> Axes:
-    """Return the given axes, or for None those of a new pyplot figure, which notebooks and scripts show."""
+    """Return the given axes or, for None, those of a new pyplot figure."""
     if ax is None:
         from matplotlib import pyplot
 
@@ -101,8 +101,8 @@ def summits(ax: Axes, position: FloatArray, height: FloatArray, radius: FloatArr
 
     If the radii [mm] differ, the diameters are proportional to them, and a legend explains them.
     """
-    share = radius / radius.max()
-    dots = circles(ax, position, LARGEST_DOT * spacing(position) * share, height * MICROMETRES)
+    diameter = LARGEST_DOT * spacing(position) * (radius / radius.max())
+    dots = circles(ax, position, diameter, height * MICROMETRES)
     ax.figure.colorbar(dots, ax=ax, label="summit height [µm]", shrink=0.85)
     if np.ptp(radius) > 0.0:
         shown = np.unique(radius)
@@ -125,7 +125,7 @@ def height_scale(height: FloatArray) -> ScalarMappable:
     return ScalarMappable(Normalize(MICROMETRES * height.min(), MICROMETRES * height.max()), "viridis")
 
 
-def empty_places(ax: Axes, position: FloatArray) -> None:
+def empty_sites(ax: Axes, position: FloatArray) -> None:
     """Draw sites (m, 2) [mm] without an asperity as rings."""
     x, y = position.T
     ax.scatter(x, y, s=60, facecolors="none", edgecolors=QUIET, lw=0.8, rasterized=len(position) > MANY)

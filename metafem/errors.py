@@ -43,4 +43,4 @@ class NotConverged(MetafemError):
 
 
 class MetafemWarning(UserWarning):
-    """A result was computed, but outside the range in which it can be trusted."""
+    """A result was computed outside the range in which the model is valid."""

@@ -78,9 +78,9 @@ def from_lines(text: str) -> tuple[Note, ...]:
 
 
 class LateNotes:
-    """A field of notes, given as a tuple or by a function that is called when they are first read.
+    """A field of notes, set to a tuple or to a function that is called when they are first read.
 
-    Estimating what a model leaves out takes longer than one equilibrium, and most callers do not read it.
+    The estimates of a model's errors take longer than one equilibrium, and most callers do not read them.
     """
 
     def __set_name__(self, owner: type, name: str) -> None:

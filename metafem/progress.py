@@ -12,13 +12,13 @@ __all__ = ["listening"]
 
 Item = TypeVar("Item")
 
-# Called with the name of the step and the fraction that is done, None if it is not known.
+# Called with the name of the step and the fraction done, None if it is not known.
 OnStep = Callable[[str, float | None], None]
 
 
 @dataclass(frozen=True)
 class _Step:
-    """A step; of a repeated one, its number and the number `of` all, which may be an upper bound."""
+    """A step and, if it is one of several, its number and their number `of`, which may be an upper bound."""
 
     name: str
     number: int = 0
@@ -32,7 +32,7 @@ class _Step:
 
 @dataclass(eq=False)
 class _Listener:
-    """The steps that are running, outermost first, and the functions to call."""
+    """The running steps, outermost first, and the functions to call."""
 
     on_step: OnStep
     on_message: Callable[[str], None] | None
@@ -68,7 +68,11 @@ def listening(on_step: OnStep, on_message: Callable[[str], None] | None = None) 
         Called as each step begins, with the name of the step and the fraction that is done, from 0 to 1, or
         None if it is not known. Quick computations report many steps per second.
     on_message : callable, optional
-        Called with messages that should stay on the screen, such as the file in which a solution is kept.
+        Called with messages that should stay on the screen, such as the file in which a solution is stored.
+
+    Returns
+    -------
+    context manager
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""The surface: material, friction, block and asperities."""
+"""The surface: asperities on a block."""
 
 from __future__ import annotations
 
@@ -12,136 +12,23 @@ from numpy.typing import ArrayLike
 
 from metafem import _validate as check
 from metafem import drawing
-from metafem._calls import checked_call, checked_class
+from metafem._calls import checked_call
 from metafem._given import formatted, label
 from metafem._validate import FloatArray
 from metafem._values import Value, span
 from metafem.errors import InvalidInput
+from metafem.material import Block, Friction, Material
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 __all__ = ["Block", "Friction", "Material", "Surface"]
 
-# A larger tilt is not a misalignment, and heights would no longer be along the plane's normal.
+# Largest tilt: for larger ones heights are not along the normal of the plane.
 STEEPEST = 0.25 * math.pi
 
-# The positions and heights of more sites would need gigabytes.
+# Largest number of sites: more need gigabytes.
 MOST_SITES = 10**8
-
-
-@checked_class
-@dataclass(frozen=True)
-class Material:
-    """Linear-elastic material of the block against a rigid plane.
-
-    The composite modulus is ``E* = E / (1 - nu^2)``.
-
-    Parameters
-    ----------
-    composite_modulus : float
-        E* [MPa], positive.
-    poisson_ratio : float
-        nu [-], from 0 to 0.5 (incompressible; default: 0.5).
-
-    Raises
-    ------
-    InvalidInput
-        If a value is outside its range.
-
-    Examples
-    --------
-    >>> Material(composite_modulus=1.36, poisson_ratio=0.5).young_modulus
-    1.02
-    """
-
-    composite_modulus: float
-    poisson_ratio: float = 0.5
-
-    def __post_init__(self) -> None:
-        check.member(self, "composite_modulus", above=0.0)
-        check.member(self, "poisson_ratio", **check.POISSON)
-
-    @classmethod
-    def from_young(cls, young_modulus: float, poisson_ratio: float = 0.5) -> Material:
-        """Return the material with a Young's modulus, ``E* = E / (1 - nu^2)``.
-
-        Parameters
-        ----------
-        young_modulus : float
-            E [MPa], positive.
-        poisson_ratio : float
-            nu [-], from 0 to 0.5; default: 0.5.
-
-        Raises
-        ------
-        InvalidInput
-            If a value is outside its range.
-
-        Examples
-        --------
-        >>> Material.from_young(young_modulus=1.02, poisson_ratio=0.5)
-        Material(composite_modulus=1.36, poisson_ratio=0.5)
-        """
-        modulus = check.number("young_modulus", young_modulus, above=0.0)
-        ratio = check.number("poisson_ratio", poisson_ratio, **check.POISSON)
-        return cls(modulus / (1.0 - ratio**2), ratio)
-
-    @property
-    def young_modulus(self) -> float:
-        """Young's modulus E = E* (1 - nu^2) [MPa]."""
-        return self.composite_modulus * (1.0 - self.poisson_ratio**2)
-
-
-@checked_class
-@dataclass(frozen=True)
-class Friction:
-    """Friction of the material pair, ``F = sigma B A0``.
-
-    Parameters
-    ----------
-    shear_strength : float
-        sigma [MPa]: friction force per sheared real contact area, positive.
-    area_ratio : float
-        B [-]: sheared area over initial area, positive; default: 1, no change of the area by shear.
-
-    Examples
-    --------
-    >>> Friction(shear_strength=0.404, area_ratio=0.85).shear_strength
-    0.404
-    """
-
-    shear_strength: float
-    area_ratio: float = 1.0
-
-    def __post_init__(self) -> None:
-        check.member(self, "shear_strength", above=0.0)
-        check.member(self, "area_ratio", above=0.0)
-
-
-@checked_class
-@dataclass(frozen=True)
-class Block:
-    """The block that carries the asperities. It is centred on the origin, and its base is bonded.
-
-    Parameters
-    ----------
-    width, length, thickness : float
-        Extent along x, along y and below the base plane [mm], positive.
-
-    Examples
-    --------
-    >>> Block(width=20.0, length=20.0, thickness=7.2).thickness
-    7.2
-    """
-
-    width: float
-    length: float
-    thickness: float
-
-    def __post_init__(self) -> None:
-        for name in ("width", "length", "thickness"):
-            check.member(self, name, above=0.0)
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -158,9 +45,9 @@ class Surface(Value):
         Radii of curvature of the summits [mm], positive.
     material : Material
     friction : Friction, optional
-        Needed for friction forces.
+        Needed for friction forces; default: None.
     block : Block, optional
-        Needed by the bonded layer, the true block and the part files.
+        Needed by the bonded layer, the true block and the part files; default: None.
 
     Raises
     ------
@@ -194,14 +81,14 @@ class Surface(Value):
         friction: Friction | None = None,
         block: Block | None = None,
     ) -> None:
-        places = check.array("position", position, shape=(None, 2))
-        n = len(places)
+        positions = check.array("position", position, shape=(None, 2))
+        n = len(positions)
         heights = check.array("height", height, shape=(n,))
         if check.scalar(radius):
             radius = np.full(n, check.number("radius", radius, above=0.0))
         radii = check.array("radius", radius, shape=(n,), positive=True)
-        _refuse_coincident(places)
-        _refuse_disproportion(radii, {"radius": radii, "height": heights, "position": places})
+        _refuse_coincident(positions)
+        _refuse_disproportion(radii, {"radius": radii, "height": heights, "position": positions})
         check.instance("material", material, Material, "a metafem.Material")
         if friction is not None:
             check.instance("friction", friction, Friction, "a metafem.Friction")
@@ -209,7 +96,7 @@ class Surface(Value):
             check.instance("block", block, Block, "a metafem.Block")
             for name in ("width", "length", "thickness"):
                 check.proportion(f"block.{name}", getattr(block, name), "radius", float(radii.min()))
-        values = {"position": places, "height": heights, "radius": radii}
+        values = {"position": positions, "height": heights, "radius": radii}
         for name, given in {**values, "material": material, "friction": friction, "block": block}.items():
             object.__setattr__(self, name, given)
 
@@ -238,6 +125,10 @@ class Surface(Value):
             Distance between neighbours [mm], positive; default: 1.5.
         radius, material, friction, block
             As for `Surface`.
+
+        Returns
+        -------
+        Surface
 
         Examples
         --------
@@ -285,7 +176,7 @@ class Surface(Value):
 
     @property
     def gap(self) -> FloatArray:
-        """Depth of each summit below the tallest, (n,) [mm]: exact where heights are close."""
+        """Depth of each summit below the tallest, (n,) [mm]; it keeps the digits of small differences."""
         return np.asarray(self.height.max() - self.height)
 
     def replaced(self, **changes: Any) -> Surface:
@@ -300,6 +191,10 @@ class Surface(Value):
         angle_x, angle_y : float
             Slopes along x and along y, as angles [rad], between -pi/4 and pi/4; the height at the origin
             of the coordinates does not change.
+
+        Returns
+        -------
+        Surface
 
         Examples
         --------
@@ -316,13 +211,16 @@ class Surface(Value):
     def perturbed(self, height_sd: float, rng: Any = 0) -> Surface:
         """Return the surface with independent Gaussian errors of s.d. `height_sd` [mm] on its heights.
 
-        `rng` is a seed or a numpy Generator.
+        `rng` is a seed or a numpy Generator; default: 0.
         """
         sd = check.number("height_sd", height_sd, at_least=0.0)
         return self.replaced(height=self.height + sd * check.generator(rng).standard_normal(self.count))
 
     def shuffled(self, rng: Any = 0) -> Surface:
-        """Return the surface with its asperities (height and radius) randomly reassigned to its sites."""
+        """Return the surface with its asperities (height and radius) assigned to its sites at random.
+
+        `rng` is a seed or a numpy Generator; default: 0.
+        """
         order = check.generator(rng).permutation(self.count)
         return self.replaced(height=self.height[order], radius=self.radius[order])
 
@@ -336,7 +234,7 @@ class Surface(Value):
 
         Returns
         -------
-        matplotlib Axes
+        matplotlib.axes.Axes
 
         Examples
         --------
@@ -353,10 +251,10 @@ class Surface(Value):
 
 
 def _refuse_coincident(position: FloatArray) -> None:
-    # coordinates may be arbitrarily small, but points closer together than this count as one
-    places = np.where(np.abs(position) < check.SMALLEST, 0.0, position)
-    order = np.lexsort(places.T)
-    same = np.flatnonzero((places[order[1:]] == places[order[:-1]]).all(axis=1))
+    # coordinates may be arbitrarily small, but smaller ones count as zero
+    rounded = np.where(np.abs(position) < check.SMALLEST, 0.0, position)
+    order = np.lexsort(rounded.T)
+    same = np.flatnonzero((rounded[order[1:]] == rounded[order[:-1]]).all(axis=1))
     if same.size:
         i, j = sorted(order[same[0] : same[0] + 2].tolist())
         x, y = (formatted("position", float(value)) for value in position[i])

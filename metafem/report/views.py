@@ -41,7 +41,7 @@ def height_figure(design: Design) -> Figure:
     figure = new_figure(5.0, 4.2, (0.7, 0.4, 0.8, 0.3))
     ax = figure.add_subplot()
     empty = np.setdiff1d(np.arange(design.template.count), design.sites)
-    drawing.empty_places(ax, design.template.position[empty])
+    drawing.empty_sites(ax, design.template.position[empty])
     design.surface.plot(ax)
     if empty.size:
         ax.set_title(f"{empty.size} sites stay empty (rings)", fontsize=10, color=QUIET)
