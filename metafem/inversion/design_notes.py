@@ -15,7 +15,6 @@ from metafem.inversion.assessment import (
     misfit_meaning,
 )
 from metafem.inversion.candidate import Candidate
-from metafem.inversion.limits import Limits
 from metafem.inversion.problem import Problem
 from metafem.inversion.strategies.proportional import reached_line
 from metafem.notes import Level, Note
@@ -32,16 +31,27 @@ def design_notes(
     problem: Problem, candidate: Candidate, surface: Surface, found: Assessment, step_loss: float
 ) -> tuple[Note, ...]:
     """Return notes on a straight target that is missed, and on heights that are hard to make."""
+    limits = problem.limits
+    allowed = limits.span if limits.height_step is None else float(np.ptp(limits.levels))
     by_steps = found.misfit - step_loss <= REACHED
-    held = found.status is DesignStatus.MISSED and not by_steps and _uses_all(surface, problem.limits)
-    notes = _made(surface, problem.limits, held)
-    if found.misfit <= REACHED:
-        return notes
-    if candidate.density is not None:
-        return (*notes, _density(problem, found))
-    if candidate.branches and candidate.target_law.pointwise and independent_misfit(candidate) > REACHED:
-        return (*notes, _line(problem, held))
-    return notes
+    full = float(np.ptp(surface.height)) >= allowed * (1.0 - ALL_OF_IT)
+    held = full and found.status is DesignStatus.MISSED and not by_steps
+    notes = []
+    if held:
+        steps = "" if limits.height_step is None else ", from the lowest to the highest step"
+        words = f"the heights use the whole allowed range of {allowed:g} mm{steps}: raise max_height"
+        notes.append(Note(words))
+    low = 0 if limits.height_sd is None else int((surface.height < HEIGHT_TO_ERROR * limits.height_sd).sum())
+    if low:
+        words = f"{low} of {surface.count} summits are lower than {HEIGHT_TO_ERROR:g} times height_sd"
+        notes.append(Note(f"{words} = {limits.height_sd:g} mm: raise the offset"))
+    if found.misfit > REACHED:
+        law = candidate.target_law
+        if candidate.density is not None:
+            notes.append(_density(problem, found))
+        elif candidate.branches and law.pointwise and independent_misfit(candidate) > REACHED:
+            notes.append(_line(problem, held))
+    return tuple(notes)
 
 
 def _density(problem: Problem, found: Assessment) -> Note:
@@ -59,44 +69,14 @@ def _density(problem: Problem, found: Assessment) -> Note:
 def _line(problem: Problem, held: bool) -> Note:
     """State over which loads the line can be met, and what else to change; `held` by max_height or not."""
     target: Any = problem.target
-    wording = target.wording
-    found = reached_line(target, problem)
+    wording, found = target.wording, reached_line(target, problem)
     if found is None or found.load_range is None:
         height = "raise max_height or" if held else "raise"
         words = f"nor over any part of it; {height} the {wording.name()}, or use a smaller radius"
     else:
         inside = wording.inside(*found.load_range)
-        words = f"asked for alone, {inside} can be met within {100.0 * REACHED:g} % (independent asperities)"
+        words = (
+            f"as the only range, {inside} can be met within {100.0 * REACHED:g} % (independent asperities)"
+        )
     ends = wording.loads(*target.load_range)
     return Note(f"the line is not met within {100.0 * REACHED:g} % from {ends}: {words}")
-
-
-def _allowed(limits: Limits) -> float:
-    """Return the largest difference of heights [mm]: that of the levels where there are steps."""
-    return limits.span if limits.height_step is None else float(np.ptp(limits.levels))
-
-
-def _uses_all(surface: Surface, limits: Limits) -> bool:
-    """Whether the heights differ by all that they may."""
-    return float(np.ptp(surface.height)) >= _allowed(limits) * (1.0 - ALL_OF_IT)
-
-
-def _made(surface: Surface, limits: Limits, held: bool) -> tuple[Note, ...]:
-    """State which heights are restricted by the limits, or hard to make."""
-    notes: list[Note] = []
-    if held:
-        steps = "" if limits.height_step is None else ", from the lowest to the highest step"
-        notes.append(
-            Note(
-                f"the heights use the whole allowed range of {_allowed(limits):g} mm{steps}: raise max_height"
-            )
-        )
-    low = 0 if limits.height_sd is None else int((surface.height < HEIGHT_TO_ERROR * limits.height_sd).sum())
-    if low:
-        notes.append(
-            Note(
-                f"{low} of {surface.count} summits are lower than {HEIGHT_TO_ERROR:g} times height_sd = "
-                f"{limits.height_sd:g} mm: raise the offset"
-            )
-        )
-    return tuple(notes)

@@ -40,14 +40,13 @@ def target_law(design: Design) -> FloatArray:
 def draw_laws(design: Design, ax: Axes, label: str = "achieved") -> None:
     """Draw the achieved law with its label, and the target or the law of its height density."""
     design.law.plot(ax, label=label)
-    (_draw_target if design.density is None else _draw_density)(design, ax)
+    if design.density is None:
+        draw_target(design, ax, design.target_law.load, target_law(design))
+    else:
+        _draw_density(design, ax)
     for branch, _ in design.fits:
         ax.axvspan(*branch.load_range, color=TARGET, alpha=0.06, lw=0)
     ax.legend(frameon=False, loc="upper left")
-
-
-def _draw_target(design: Design, ax: Axes) -> None:
-    draw_target(design, ax, design.target_law.load, target_law(design))
 
 
 def draw_target(design: Design, ax: Axes, load: FloatArray, friction: FloatArray) -> None:
@@ -68,10 +67,8 @@ def draw_target(design: Design, ax: Axes, load: FloatArray, friction: FloatArray
 
 def _draw_density(design: Design, ax: Axes) -> None:
     """Draw the law of the height density, and straight lines with the target slopes along its branches."""
-    density = design.target_law
-    ax.plot(
-        density.load, density.base, color="black", ls=(0, (2, 3)), lw=1.0, label="law of the height density"
-    )
+    law, words = design.target_law, "law of the height density"
+    ax.plot(law.load, law.base, color="black", ls=(0, (2, 3)), lw=1.0, label=words)
     for i, (branch, fit) in enumerate(design.fits):
         load = np.array(branch.load_range)
         middle = fit.intercept + fit.slope * load.mean()

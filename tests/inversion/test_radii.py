@@ -82,7 +82,7 @@ def test_a_mixture_has_the_law_of_its_mean_radius():
     density = TruncatedExponential(0.03, 0.12)
     height = np.sort(-0.03 * np.log1p(-np.linspace(0.0, -np.expm1(-4.0), 4001)[1:]))[::-1]
     load = np.linspace(1.0, 10.0, 5)
-    area = mf.Independent().curves(height, mixture.interleaved(), load)[2][0]
+    area = mf.Independent().curves(height, mixture.mixed(), load)[2][0]
     delta = np.linspace(0.12, 0.0, 2000)
     expected = np.interp(
         load,

@@ -10,7 +10,7 @@ import numpy as np
 
 from metafem import _validate as check
 from metafem._calls import checked_class
-from metafem._validate import FloatArray, IntArray
+from metafem._validate import IntArray
 from metafem.errors import InvalidInput
 from metafem.inversion.placement.arrange import arrange
 from metafem.inversion.placement.objectives import FollowLaw, InsensitiveToTilt, Objective, Together
@@ -130,11 +130,8 @@ def _law(surface: Surface, law: TargetLaw) -> FollowLaw:
     area = Independent().curve(surface, law.load).area
     friction, some = law.law(area), _some(len(law.load), LAW_LOADS)
     # a poor fit can decrease with the load; the law of independent asperities always increases
-    return FollowLaw(law.load[some], friction[some] if _rises(friction[some]) else area[some])
-
-
-def _rises(law: FloatArray) -> bool:
-    return bool(law[0] > 0.0 and (np.diff(law) > 0.0).all())
+    rises = friction[some][0] > 0.0 and (np.diff(friction[some]) > 0.0).all()
+    return FollowLaw(law.load[some], friction[some] if rises else area[some])
 
 
 def _some(count: int, most: int) -> IntArray:

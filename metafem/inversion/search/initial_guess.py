@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 from scipy.optimize import brentq
@@ -32,38 +33,44 @@ def initial_heights(
     depth = (load[0] / friction[0] / _pressure(radius[0])) ** 2
     levels, numbers, kinds = [0.0], [friction[0] / (math.pi * radius[0] * depth)], [radius[0]]
     plane = -depth
-    for p, f, new_radius in zip(load[1:], friction[1:], radius[1:], strict=True):
-        lead, kind = np.array(levels) - plane, np.array(kinds)
+    for p, f, new in zip(load[1:], friction[1:], radius[1:], strict=True):
+        above, kind = np.array(levels) - plane, np.array(kinds)
         per_depth = math.pi * kind * np.array(numbers)
         per_root = Hertz().load_at_indentation(1.0, kind) * np.array(numbers)
-        whole = float(per_depth.sum())
-
-        def carried(depth: float, lead: FloatArray = lead, per_root: FloatArray = per_root) -> float:
-            return float(per_root @ (lead + depth) ** 1.5)
-
-        deepest = (f - float(per_depth @ lead)) / whole
-        if deepest > 0.0 and carried(deepest) > p:
-            share = _pressure(new_radius)
-
-            def excess(
-                depth: float, p: float = p, area: float = deepest * whole, whole: float = whole,
-                share: float = share,
-            ) -> float:  # fmt: skip
-                return carried(depth) + (area - depth * whole) * share * math.sqrt(depth) - p  # eq. S1
-
-            low = options.shallowest * deepest
-            depth = (
-                float(brentq(excess, low, deepest, xtol=1e-12 * low, rtol=1e-12))
-                if excess(low) < 0.0
-                else low
-            )
+        total = float(per_depth.sum())
+        deepest = (f - float(per_depth @ above)) / total
+        if deepest > 0.0 and _load(deepest, above, per_root) > p:
+            low, pressure = options.shallowest * deepest, _pressure(new)
+            arguments = (above, per_root, total, deepest, pressure, p)
+            depth = low
+            if _excess(low, *arguments) < 0.0:
+                depth = float(brentq(_excess, low, deepest, arguments, xtol=1e-12 * low, rtol=1e-12))
             levels.append(plane)
-            numbers.append((deepest - depth) * whole / (math.pi * new_radius * depth))
-            kinds.append(new_radius)
+            numbers.append((deepest - depth) * total / (math.pi * new * depth))
+            kinds.append(new)
         else:
-            depth = _depth_at(carried, p, float(radius.max()))
+            depth = _depth_at(partial(_load, above=above, per_root=per_root), p, float(radius.max()))
         plane -= depth
     return _spread(np.array(levels), np.array(numbers), np.array(kinds), plane, count)
+
+
+def _load(depth: float, above: FloatArray, per_root: FloatArray) -> float:
+    """Return the load of the earlier asperities at a depth of the plane below the new level [mm^2]."""
+    return float(per_root @ (above + depth) ** 1.5)
+
+
+def _excess(
+    depth: float,
+    above: FloatArray,
+    per_root: FloatArray,
+    per_depth: float,
+    deepest: float,
+    pressure: float,
+    load: float,
+) -> float:
+    """Return the load, with as many new asperities as the area needs, minus that of the sample (eq. S1)."""
+    area = deepest * per_depth - depth * per_depth
+    return _load(depth, above, per_root) + area * pressure * math.sqrt(depth) - load
 
 
 def slowest_law(load: float, friction: float, radii: Radii, count: int) -> tuple[FloatArray, FloatArray]:
@@ -72,14 +79,13 @@ def slowest_law(load: float, friction: float, radii: Radii, count: int) -> tuple
     small = 1.0 / (k * s) ** 3  # small caps for each large one
     # sums of a^3/R and of a^2 for one large cap with a/R = 1 and its small caps
     cubes, squares = (radii.high**2 * (1.0 + small * k**4 * s**power) for power in (6.0, 4.0))
-    ratio = (
-        float(Hertz().load(1.0, 1.0)) * cubes / (math.pi * squares)
-    )  # P/A0 where the large caps have a/R = 1
-    share = load / friction / ratio  # a/R of the large caps
-    large = friction / (math.pi * squares * share**2)
+    # P/A0 where the large caps have a/R = 1, and their a/R
+    ratio = float(Hertz().load(1.0, 1.0)) * cubes / (math.pi * squares)
+    slope = load / friction / ratio
+    large = friction / (math.pi * squares * slope**2)
     large *= min(1.0, count / (large * (1.0 + small)))
     numbers = max(1, round(large)), max(1, round(large * small))
-    deeper = radii.high * share**2 - radii.low * (share * s * s) ** 2
+    deeper = radii.high * slope**2 - radii.low * (slope * s * s) ** 2
     height = np.repeat([0.0, -deeper], numbers)
     radius = np.repeat([radii.high, radii.low], numbers)
     return height[:count], radius[:count]
@@ -107,7 +113,7 @@ def _spread(
     """Return a whole number of asperities, spread evenly from each level half-way to its neighbours."""
     ends = np.append(np.insert(0.5 * (levels[1:] + levels[:-1]), 0, levels[0]), 0.5 * (levels[-1] + plane))
     total = np.insert(np.cumsum(numbers), 0, 0.0)
-    whole = min(count, max(1, math.ceil(total[-1])))
-    place = (np.arange(whole) + 0.5) / whole * total[-1]
-    level = np.minimum(np.searchsorted(total[1:], place), len(kinds) - 1)
-    return np.interp(place, total, ends), kinds[level]
+    most = min(count, max(1, math.ceil(total[-1])))
+    middle = (np.arange(most) + 0.5) / most * total[-1]
+    level = np.minimum(np.searchsorted(total[1:], middle), len(kinds) - 1)
+    return np.interp(middle, total, ends), kinds[level]

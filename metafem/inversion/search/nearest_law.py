@@ -67,13 +67,6 @@ def residual_of_heights(radius: float | FloatArray, load: FloatArray, law_residu
     return residual
 
 
-def with_one_radius(task: LawSearch, radii: Radii) -> NearestLaw:
-    """Return heights of asperities of the least radius."""
-    residual, starts, space = _heights_task(task, radii.low)
-    found = search(residual, starts, space, task.goal, task.restarts, task.rng, task.options)
-    return NearestLaw(found.unknowns, np.full(len(found.unknowns), radii.low), found.misfit)
-
-
 def _heights_task(task: LawSearch, radius: float) -> tuple[Residual, list[FloatArray], Heights]:
     """Return the residual, the initial guesses and the limits of a search for heights."""
     residual = residual_of_heights(radius, task.load, task.law_residual)
@@ -93,7 +86,7 @@ def _with_fewer(height: FloatArray, span: float, options: SearchOptions) -> list
     return [height[:number] for number in numbers]
 
 
-def with_several_radii(task: LawSearch, radii: Radii) -> NearestLaw:
+def nearest_law(task: LawSearch, radii: Radii) -> NearestLaw:
     """Return heights and radii; a single radius is used where it reaches the goal.
 
     Otherwise the search starts from radii that rise or fall with the depth, and then from random changes.
@@ -101,10 +94,12 @@ def with_several_radii(task: LawSearch, radii: Radii) -> NearestLaw:
     options, load = task.options, task.load
     singles = []
     for radius in radii.tried.tolist():
+        restarts = task.restarts if radii.single else 0
         residual, guesses, space = _heights_task(task, radius)
-        alone = search(residual, guesses, space, task.goal, 0, task.rng, options)
-        singles.append(NearestLaw(alone.unknowns, np.full(len(alone.unknowns), radius), alone.misfit))
-        if alone.misfit <= task.goal:
+        minimum = search(residual, guesses, space, task.goal, restarts, task.rng, options)
+        height = minimum.unknowns
+        singles.append(NearestLaw(height, np.full(len(height), radius), minimum.misfit))
+        if radii.single or minimum.misfit <= task.goal:
             return singles[-1]
     best = min(singles, key=lambda found: found.misfit)
     rising, middle = np.geomspace(radii.low, radii.high, len(load)), len(load) // 2

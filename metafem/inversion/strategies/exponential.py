@@ -78,7 +78,7 @@ def _linear(target: LinearLaw, mixture: Mixture, limits: Limits) -> Candidate:
     branch = Branch(target.slope, (BRANCH_START * end, end), intercept)
     return Candidate(
         height=limits.foot + height,
-        radius=mixture.interleaved(),
+        radius=mixture.mixed(),
         parameters=parameters,
         target_law=law_of(density, (branch,), mixture),
         branches=(branch,),
@@ -112,7 +112,7 @@ def _bilinear(target: BilinearLaw, mixture: Mixture, limits: Limits) -> Candidat
     )
     return Candidate(
         height=limits.foot + height,
-        radius=mixture.interleaved(),
+        radius=mixture.mixed(),
         parameters=parameters,
         target_law=law_of(density, branches, mixture),
         branches=branches,

@@ -52,27 +52,29 @@ class Level:
 
 
 class Step:
-    """One operating point: the earlier asperities, by kinds, are `lead` above the new level [mm]."""
+    """One operating point: the earlier asperities, by kinds, are `above` the new level [mm]."""
 
     def __init__(self, done: tuple[Level, ...], height: float, load: float, friction: float) -> None:
         self.height, self.load, self.friction = height, load, friction
         kinds = [kind for level in done for kind in level.kinds]
         top, self.radius, self.number = np.array(kinds).reshape(-1, 3).T
-        self.lead = top - height
-        # sum R_i d_i still missing as the plane meets the level [mm^2], and its derivative by the depth
-        self.rest = friction / math.pi - float(self.number @ (self.radius * self.lead))
+        self.above = top - height
+        # eq. S1, area: sum R_i d_i still missing as the plane meets the level [mm^2], and its derivative by
+        # the depth
+        self.missing = friction / math.pi - float(self.number @ (self.radius * self.above))
         self.growth = float(self.number @ self.radius)
         self.fewest = 0 if done else 1
 
     def excess(self, depth: FloatArray, number: FloatArray | float, radius: float) -> FloatArray:
         """Load minus that of the point at indentations of the level, (k,) [mm^2]."""
-        earlier = Hertz().load_at_indentation(self.lead + depth[:, None], self.radius) @ self.number
+        # eq. S1, load
+        earlier = Hertz().load_at_indentation(self.above + depth[:, None], self.radius) @ self.number
         return np.asarray(earlier + number * Hertz().load_at_indentation(depth, radius) - self.load)
 
     def friction_with(self, number: int, radius: float) -> float:
         """Friction at the load of the point with `number` new asperities at the level [mm^2]."""
         times = self.number.astype(np.int64)
-        height = np.concatenate([np.repeat(self.lead, times), np.zeros(number)])
+        height = np.concatenate([np.repeat(self.above, times), np.zeros(number)])
         radii = np.concatenate([np.repeat(self.radius, times), np.full(number, radius)])
         return float(Independent().curve_of(height, radii, np.array([self.load])).area[0])
 
@@ -80,7 +82,7 @@ class Step:
         """Least number of new asperities, the adjustment asperity included, that meets the point."""
 
         def excess(number: float) -> float:
-            depth = self.rest / (self.growth + number * radius)
+            depth = self.missing / (self.growth + number * radius)
             return float(self.excess(np.array([depth]), number, radius)[0])
 
         low, high = float(self.fewest), 1.0
@@ -91,16 +93,16 @@ class Step:
     def levels(self, tools: tuple[float, ...], left: int) -> Iterator[Level]:
         """Yield the levels that meet the point with at most `left` asperities."""
         number = np.arange(self.fewest, left + 1.0)
-        if self.rest <= 0.0 or not number.size:
+        if self.missing <= 0.0 or not number.size:
             return
         for radius in tools:
             growth = self.growth + number * radius
-            alone = self.excess(self.rest / growth, number, radius)
+            alone = self.excess(self.missing / growth, number, radius)
             for n in number[np.abs(alone) <= ROUNDING * self.load]:
-                depth = self.rest / (self.growth + n * radius)
+                depth = self.missing / (self.growth + n * radius)
                 yield Level(self.height, int(n), radius, radius, depth, 0.0)
             for other in tools:
-                depth = self.rest / (growth + other)
+                depth = self.missing / (growth + other)
                 both = self.excess(depth, number, radius) + Hertz().load_at_indentation(depth, other)
                 for n in number[(alone * both <= 0.0) & (np.abs(alone) > ROUNDING * self.load)]:
                     if n < left:
@@ -111,13 +113,13 @@ class Step:
         growth = self.growth + number * radius
 
         def adjustment(depth: float) -> float:
-            return max(0.0, float(self.rest - growth * depth) / other)
+            return max(0.0, float(self.missing - growth * depth) / other)
 
         def excess(depth: float) -> float:
-            rest = float(Hertz().load_at_indentation(np.array(adjustment(depth)), other))
-            return float(self.excess(np.array([depth]), number, radius)[0]) + rest
+            adjusted = float(Hertz().load_at_indentation(np.array(adjustment(depth)), other))
+            return float(self.excess(np.array([depth]), number, radius)[0]) + adjusted
 
-        depth = _root(excess, self.rest / (growth + other), self.rest / growth)
+        depth = _root(excess, self.missing / (growth + other), self.missing / growth)
         return Level(self.height, number, radius, other, depth, adjustment(depth))
 
 

@@ -55,16 +55,16 @@ class Mixture:
         pairs = zip(self.radii, self.numbers, strict=True)
         return math.fsum(number * radius**power for radius, number in pairs) / self.count
 
-    def interleaved(self) -> FloatArray:
+    def mixed(self) -> FloatArray:
         """Return the radius of each height in order, evenly mixed, (N,) [mm]."""
         if len(self.radii) == 1:
             return np.full(self.count, self.radii[0])
-        numbers, given = np.array(self.numbers), np.zeros(len(self.numbers))
+        numbers, used = np.array(self.numbers), np.zeros(len(self.numbers))
         order = []
         for i in range(self.count):
-            most_owed = int((numbers * (i + 1) / self.count - given).argmax())
-            given[most_owed] += 1.0
-            order.append(most_owed)
+            most_behind = int((numbers * (i + 1) / self.count - used).argmax())
+            used[most_behind] += 1.0
+            order.append(most_behind)
         return np.array(self.radii)[order]
 
 

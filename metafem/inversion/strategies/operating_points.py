@@ -16,12 +16,7 @@ from metafem.errors import Infeasible
 from metafem.inversion.candidate import Candidate, Parameter
 from metafem.inversion.feasibility import broken_bound, largest_load
 from metafem.inversion.search.levenberg_marquardt import descend
-from metafem.inversion.search.nearest_law import (
-    LawSearch,
-    residual_of_heights,
-    with_one_radius,
-    with_several_radii,
-)
+from metafem.inversion.search.nearest_law import LawSearch, nearest_law, residual_of_heights
 from metafem.inversion.search.space import Heights
 from metafem.inversion.strategies.level import Level, Step
 from metafem.models import Independent
@@ -47,12 +42,13 @@ def candidate(target: OperatingPoints, problem: Problem, rng: np.random.Generato
         fewest = min(paths, key=lambda levels: sum(level.count for level in levels))
         return _with_levels(target, fewest, problem)
     if not last.limited and not _is_impossible(target, problem):
-        for choice in dict.fromkeys(
-            (radii.extremes, radii)
-        ):  # the extremes leave more room for the refinement
+        # the extreme radii leave more room for the refinement
+        for choice in dict.fromkeys((radii.extremes, radii)):
             if found := _without_levels(target, choice, problem, rng):
                 return found
-    raise last.refused if last.refused is not None else Infeasible("no way to meet the points was found")
+    raise (
+        last.refused if last.refused is not None else Infeasible("no heights that meet the points were found")
+    )
 
 
 def _is_impossible(target: OperatingPoints, problem: Problem) -> bool:
@@ -95,8 +91,7 @@ def _without_levels(
         task = LawSearch(
             load, law.residual, [law.base], problem.count, limits.span, restarts, rng, goal, options
         )
-        nearest = with_one_radius if radii.single else with_several_radii
-        height, radius = nearest(task, radii).sorted
+        height, radius = nearest_law(task, radii).sorted
         residual = residual_of_heights(radius, load, law.residual)
         found = descend(residual, height, Heights(limits.span), options.point_goal, True, options)
         height = found.unknowns - found.unknowns.max()

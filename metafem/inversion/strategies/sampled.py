@@ -8,7 +8,7 @@ import numpy as np
 
 from metafem.inversion.candidate import Branch, Candidate, Parameter
 from metafem.inversion.feasibility import friction_bounds
-from metafem.inversion.search.nearest_law import LawSearch, with_one_radius, with_several_radii
+from metafem.inversion.search.nearest_law import LawSearch, nearest_law
 from metafem.models import Independent
 
 if TYPE_CHECKING:
@@ -27,8 +27,7 @@ def candidate(
     task = LawSearch(
         law.load, law.residual, guesses, problem.count, limits.span, most, rng, options.goal, options
     )
-    nearest = with_one_radius if problem.radii.single else with_several_radii
-    height, radius = nearest(task, problem.radii).sorted
+    height, radius = nearest_law(task, problem.radii).sorted
     parameters: dict[str, Parameter] = {"span": float(-height[-1])}
     if law.is_open:
         area = Independent().curve_of(height, radius, law.load).area

@@ -1,4 +1,4 @@
-"""What every target law is asked for by an inversion."""
+"""Base of all target laws."""
 
 from __future__ import annotations
 

@@ -87,7 +87,7 @@ def test_little_height_shortens_the_range(template):
     assert result.status is DesignStatus.MISSED
     (told,) = (str(note) for note in result.notes if "the line is not met within 1 % from" in str(note))
     within = mf.achievable_load_range(result.target, template, mf.Limits(0.15, offset=0.2))
-    assert f"asked for alone, {result.target.wording.inside(*within)} can be met within 1 %" in told
+    assert f"as the only range, {result.target.wording.inside(*within)} can be met within 1 %" in told
 
 
 @pytest.mark.parametrize(
