@@ -99,7 +99,7 @@ def main(output: str, readme: bool, names: tuple[str, ...]) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     data = {name: {"title": c.title, "checks": [asdict(k) for k in c.checks]} for name, c in results.items()}
     (folder / "results.json").write_text(json.dumps(data, indent=1, ensure_ascii=False), "utf-8")
-    (folder / "index.html").write_text(page(list(results.values())), "utf-8")
+    (folder / "index.html").write_text(page(results), "utf-8")
     if readme:
         renew_readme(results)
     checks = [check for claim in results.values() for check in claim.checks]

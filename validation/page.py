@@ -21,8 +21,9 @@ th { color: #667078; } .failed td { color: #b3261e; font-weight: 600; }
 <h1>Validation of metafem</h1>
 <p>{{ passed }} of {{ total }} checks passed. Every number is computed when this page is made.</p>
 <p>{{ reference }}.</p>
-{% for claim in claims %}
+{% for name, claim in results.items() %}
 <h2>{{ claim.title }}</h2>
+<p><code>{{ path(name) }}</code></p>
 {% if claim.text %}<p>{{ claim.text }}</p>{% endif %}
 <table><thead><tr><th>check</th><th>computed</th><th>expected</th><th>source</th></tr></thead><tbody>
 {% for check in claim.checks %}
@@ -30,26 +31,27 @@ th { color: #667078; } .failed td { color: #b3261e; font-weight: 600; }
 <td>{{ "%.6g"|format(check.computed) }}</td><td>{{ check.expected }}</td><td>{{ check.source }}</td></tr>
 {% endfor %}
 </tbody></table>
-<div class="figures">{% for figure in drawn[claim.title] %}{{ figure|safe }}{% endfor %}</div>
+<div class="figures">{% for figure in drawn[name] %}{{ figure|safe }}{% endfor %}</div>
 {% endfor %}
 </body></html>
 """
 
 
-def page(claims: list[Claim]) -> str:
+def page(results: dict[str, Claim]) -> str:
     """Return the page with all figures drawn."""
     from jinja2 import Environment, StrictUndefined
 
-    checks = [check for claim in claims for check in claim.checks]
+    checks = [check for claim in results.values() for check in claim.checks]
     drawn = {
-        claim.title: [svg(draw(), f"{claim.title}: {name}") for name, draw in claim.figures.items()]
-        for claim in claims
+        name: [svg(draw(), f"{claim.title}: {title}") for title, draw in claim.figures.items()]
+        for name, claim in results.items()
     }
     return (
         Environment(autoescape=True, undefined=StrictUndefined)
         .from_string(TEMPLATE)
         .render(
-            claims=claims,
+            results=results,
+            path=path,
             drawn=drawn,
             total=len(checks),
             passed=sum(check.passed for check in checks),
@@ -63,6 +65,10 @@ def readme_table(results: dict[str, Claim]) -> str:
     rows = ["| claim | checks passed | file |", "|---|---|---|"]
     for name, claim in results.items():
         passed = sum(check.passed for check in claim.checks)
-        path = module(name, "claim").__name__.replace(".", "/")
-        rows.append(f"| {claim.title} | {passed} of {len(claim.checks)} | `{path}.py` |")
+        rows.append(f"| {claim.title} | {passed} of {len(claim.checks)} | `{path(name)}` |")
     return "\n".join(rows)
+
+
+def path(name: str) -> str:
+    """Return the file of a claim, from the root of the repository."""
+    return f"{module(name, 'claim').__name__.replace('.', '/')}.py"
