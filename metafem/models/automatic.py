@@ -1,47 +1,45 @@
-"""The cheapest model that is within a tolerance for a given surface and load."""
+"""Order 3 where it is within a tolerance for a given surface and load, else resolved contacts."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import ClassVar
-
-import numpy as np
 
 from metafem import _validate as check
 from metafem._calls import checked_class
 from metafem._validate import FloatArray
-from metafem.errors import InvalidInput, NotConverged
+from metafem.errors import MetafemError
 from metafem.models.boundary_elements.model import BoundaryElements
 from metafem.models.independent import Independent
 from metafem.models.interacting.model import DENSE_LIMIT, Interacting
-from metafem.models.model import Curve, Model, controlled
+from metafem.models.model import Curve, controlled
 from metafem.models.stand_in import WithoutGradients
 from metafem.models.truncation import truncation
 from metafem.notes import Level, Note, information
 from metafem.substrate import HalfSpace, Radial, Substrate
 from metafem.surface import Surface
 
-# Relative error of the area times the square of the number of cells per contact radius, as `BoundaryElements`
-# states it, and the smallest number that is used.
-CELL_ERROR = 0.37
+# Error of the area of one contact by `BoundaryElements`, in cells, and the fewest cells per radius of the
+# largest contact that are used.
+CELL_ERROR = 7.0
 FEWEST_CELLS = 10.0
 
-# The asperity models in the notes.
-NAMES = ("independent", "order 1", "order 3")
-
-ASIDE = "the surface's block is not used: the contacts are coupled through a half-space"
+UNUSED_BLOCK = information("the surface's block is not used: the contacts are coupled through a half-space")
 
 
 @checked_class
 @dataclass(frozen=True)
 class Automatic(WithoutGradients):
-    """Choose among `Independent`, `Interacting` and `BoundaryElements` by estimates of their errors.
+    """`Interacting` of order 3 within a tolerance, and `BoundaryElements` beyond it.
 
-    The error of order 3 is estimated as (a/r)^5 from the contacts of the independent model. The cheaper
-    models are compared with order 3 at up to three of the loads. The cheapest model within the tolerance is
-    used; if there is none, `BoundaryElements` with sufficiently fine cells. Above 2000 asperities order 3 is
-    always the last choice, and a note states its estimated error where that exceeds the tolerance.
+    Order 3 is solved first. Its error is estimated from its own contacts: by the sum of (a/r)^5 over pairs
+    of contacts, and of (a/t)^5 on a layer. Where the estimate exceeds the tolerance, where contacts overlap,
+    and where order 3 has no solution, the contacts are resolved by sufficiently fine cells. Along a curve
+    the lighter loads are those of order 3 if its error is within the tolerance there. Independent
+    asperities and order 1 are not used: their errors are known only from order 3. Above 2000 asperities,
+    and on substrates other than half-space and layer, contacts cannot be resolved; a warning then states the
+    estimated error of order 3.
 
     Parameters
     ----------
@@ -49,18 +47,22 @@ class Automatic(WithoutGradients):
         Relative error of A0(P) against resolved contacts on the same substrate, positive. It applies to
         the choice; the equations are solved to the tolerance of the chosen model.
     substrate : Substrate
+        Default: `HalfSpace()`.
 
     Raises
     ------
     InvalidInput
         For a tolerance that is not positive, or a substrate that cannot be used.
+    NotConverged
+        When solving, if the chosen model does not converge.
 
     Examples
     --------
     >>> from metafem import Material, equilibrium
     >>> surface = Surface.square_lattice(0.1, (8, 8), radius=0.526, material=Material(1.36))
-    >>> equilibrium(surface, Automatic(1e-3), load=0.5).model
-    Interacting(order=1, substrate=HalfSpace(), contact=Hertz(), pedestal=False)
+    >>> state = equilibrium(surface, Automatic(1e-3), load=0.5)
+    >>> print(state.notes[0])
+    chosen: order 3; its estimated error of A0(P) is 8.8e-06
     """
 
     title: ClassVar[str] = "automatic"
@@ -76,96 +78,75 @@ class Automatic(WithoutGradients):
     def curve(
         self, surface: Surface, load: FloatArray | None = None, *, approach: FloatArray | None = None
     ) -> Curve:
-        """Equilibria at increasing rescaled loads P/E* [mm^2] or approaches [mm], (k,); see `_parts`.
+        """Equilibria at increasing rescaled loads P/E* [mm^2] or approaches [mm], (k,)."""
+        unused = (UNUSED_BLOCK,) if surface.block is not None and self.substrate == HalfSpace() else ()
+        curve, error = self._order_3(surface, load, approach)
+        if curve is not None and error <= self.tolerance:
+            note = information(f"chosen: order 3; its estimated error of A0(P) is {error:.1e}")
+            return curve.with_notes((note, *curve.notes, *unused))
+        if surface.count > DENSE_LIMIT or not isinstance(self.substrate, Radial):
+            curve = curve or self.gradient_model.curve(surface, load, approach=approach)
+            text = f"order 3; its estimated error of A0(P) is {error:.1e}: resolved contacts are needed"
+            return curve.with_notes((Note(f"chosen: {text}", Level.WARNING), *curve.notes, *unused))
+        reason = "order 3 has no solution" if curve is None else "contacts overlap"
+        if math.isfinite(error):
+            reason = f"the estimated error of A0(P) by order 3 is {error:.1e}"
+        curve = self._resolved(surface, *controlled(load, approach), self.substrate, reason)
+        return curve.with_notes((*curve.notes, *unused))
 
-        At a given approach even a uniform displacement changes the load. The choice is therefore made for
-        A0(P) at the loads of interacting point loads at these approaches.
-        """
-        values, by_load = controlled(load, approach)
-        point = Interacting(order=1, substrate=self.substrate)
-        loads = values if by_load else point.curve(surface, approach=values).load
-        parts = []
-        for model, rows, notes in self._parts(surface, loads):
-            if by_load:
-                curve = model.curve(surface, values[rows])
-            else:  # the load of independent asperities at this approach would be different
-                curve = (model if model.couples else point).curve(surface, approach=values[rows])
-            parts.append(replace(curve.checked(), notes=notes))
-        return Curve.joined(parts)
+    def _order_3(
+        self, surface: Surface, load: FloatArray | None, approach: FloatArray | None
+    ) -> tuple[Curve | None, float]:
+        """Return the curve by order 3 with the estimated error of its last state, or None without one."""
+        try:
+            curve = self.gradient_model.curve(surface, load, approach=approach)
+        except MetafemError:
+            return None, math.inf
+        if not curve.converged:
+            return None, math.inf
+        return curve, truncation(surface, curve.last.area, self.substrate)
 
-    def _parts(self, surface: Surface, load: FloatArray) -> list[tuple[Model, slice, tuple[Note, ...]]]:
-        """Return a model for all loads, or one below the first load that needs resolved contacts."""
-        model, notes = self._choice(surface, load)
-        if model == model.gradient_model:  # asperities
-            return [(model, slice(0, len(load)), notes)]
-        low, high = 0, len(load) - 1  # the last one needs resolved contacts: errors grow with the load
+    def _resolved(
+        self, surface: Surface, values: FloatArray, by_load: bool, substrate: Radial, reason: str
+    ) -> Curve:
+        """Return resolved contacts at the last values, and order 3 below the first that needs them."""
+
+        def control(rows: slice) -> tuple[FloatArray | None, FloatArray | None]:
+            """Return loads and approaches, one of them None."""
+            return (values[rows], None) if by_load else (None, values[rows])
+
+        low, high = 0, len(values) - 1  # the error grows with the load, and the last one needs them
         while low < high:
             middle = (low + high) // 2
-            held = load[middle] <= 0.0 or self._truncation(surface, float(load[middle])) <= self.tolerance
-            low, high = (middle + 1, high) if held else (low, middle)
-        parts: list[tuple[Model, slice, tuple[Note, ...]]] = []
-        for rows in (slice(0, low), slice(low, len(load))):
-            if rows.stop > rows.start:
-                model, (note, *rest) = self._choice(surface, load[rows])
-                end = surface.material.composite_modulus * load[rows][-1]
-                parts.append((model, rows, (information(f"up to {end:.4g} N: {note}"), *rest)))
-        return parts
-
-    def _choice(self, surface: Surface, load: FloatArray) -> tuple[Model, tuple[Note, ...]]:
-        """Return the chosen model with its notes."""
-        loads = load[load > 0.0]
-        if not loads.size:
-            return Independent(), (information(f"chosen: {NAMES[0]}; there are no contacts"),)
-        errors = self._errors(surface, loads)
-        found = next(((name, model) for name, model, error in errors if error <= self.tolerance), None)
-        stated = ", ".join(f"{name} {error:.1e}" for name, _, error in errors)
-        why, level = f"estimated errors of A0(P): {stated}", Level.INFORMATION
-        if found is None:
-            why = f"{why}; more than {self.tolerance:g}"
-            bound = self.substrate.for_surface(surface)
-            if surface.count > DENSE_LIMIT or not isinstance(bound, Radial):
-                found, level = (NAMES[-1], self.gradient_model), Level.WARNING
-                why = f"{why}: resolved contacts are needed"
+            _, estimate = self._order_3(surface, *control(slice(middle, middle + 1)))
+            low, high = (middle + 1, high) if estimate <= self.tolerance else (low, middle)
+        parts = []
+        if low:
+            light, estimate = self._order_3(surface, *control(slice(low)))
+            if light is not None:
+                end = surface.material.composite_modulus * float(light.load[-1])
+                text = f"chosen up to {end:.4g} N: order 3; its estimated error of A0(P) is {estimate:.1e}"
+                parts.append(light.with_notes((information(text), *light.notes)))
             else:
-                cells = max(FEWEST_CELLS, math.sqrt(CELL_ERROR / self.tolerance))
-                largest = float(_contact_radius(surface, loads[0]).max())
-                found = "resolved contacts", BoundaryElements(largest / cells, bound)
-                why = f"{why}: resolved by {cells:.0f} cells per contact radius"
-        name, model = found
-        notes = [Note(f"chosen: {name}; {why}", level)]
-        if surface.block is not None and isinstance(self.substrate, HalfSpace):
-            notes.append(information(ASIDE))
-        return model, tuple(notes)
+                low = 0
+        model = BoundaryElements(self._cell(surface, *control(slice(low, low + 1))), substrate)
+        load, approach = control(slice(low, None))
+        heavy = model.curve(surface, load, approach=approach)
+        note = information(f"chosen: resolved contacts with cells of {model.cell:.3g} mm; {reason}")
+        parts.append(heavy.with_notes((note, *heavy.notes)))
+        return Curve.joined(parts)
 
-    def _errors(self, surface: Surface, load: FloatArray) -> list[tuple[str, Model, float]]:
-        """Return the asperity models with relative errors of A0 at positive loads, the cheapest first.
+    def _cell(self, surface: Surface, load: FloatArray | None, approach: FloatArray | None) -> float:
+        """Return the side of the cells [mm] for which the error of A0 is within the tolerance.
 
-        The error of a cheaper model is its difference from order 3 plus the error of order 3. Models after
-        the first that is within the tolerance are left out, and so are the cheaper ones where order 3 is
-        not within it or has no solution.
+        The contacts are taken from order 1, or from independent asperities where it has no solution.
         """
-        reference = self.gradient_model
-        last = self._truncation(surface, load[-1])
-        models: tuple[Model, ...] = (Independent(), replace(reference, order=1))
-        probed = np.unique(load[[0, load.size // 2, -1]])
-        errors: list[float] = []
-        if last <= self.tolerance:
-            try:
-                full = reference.curve(surface, probed).checked().area
-                for model in models:
-                    area = model.curve(surface, probed).checked().area
-                    errors.append(float(np.abs(area / full - 1.0).max()) + last)
-                    if errors[-1] <= self.tolerance:  # it will be chosen
-                        break
-            except (NotConverged, InvalidInput):
-                last = math.inf
-        return [*zip(NAMES, models, errors, strict=False), (NAMES[-1], reference, last)]
-
-    def _truncation(self, surface: Surface, load: float) -> float:
-        """Return the estimated relative error of A0 by order 3 at a rescaled load."""
-        return truncation(surface, _contact_radius(surface, load), self.substrate)
-
-
-def _contact_radius(surface: Surface, load: float) -> FloatArray:
-    """Return the contact radii of independent asperities (n,) [mm]; coupled ones hardly exceed them."""
-    return np.sqrt(Independent().curve(surface, np.array([load])).last.area / math.pi)
+        point = Interacting(order=1, substrate=self.substrate)
+        try:
+            last = point.curve(surface, load, approach=approach).checked().last
+        except MetafemError:
+            last = Independent().curve(surface, load, approach=approach).last
+        count = int((last.area > 0.0).sum())
+        # count contacts, each with an error of CELL_ERROR cells
+        cell = math.sqrt(self.tolerance * float(last.area.sum()) / (CELL_ERROR * count))
+        return min(cell, math.sqrt(float(last.area.max()) / math.pi) / FEWEST_CELLS)

@@ -141,6 +141,12 @@ class Curve:
         """Whether all equilibria are converged, with the message."""
         return Status.CONVERGED if self.converged else Status.NOT_CONVERGED
 
+    def with_notes(self, notes: tuple[Note, ...]) -> Curve:
+        """Return the curve with other notes, and with all that was computed of it."""
+        curve = object.__new__(Curve)
+        curve.__dict__.update(self.__dict__, notes=notes)
+        return curve
+
     def checked(self) -> Curve:
         """Return the curve, or raise NotConverged with it."""
         if not self.converged:

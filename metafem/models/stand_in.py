@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar, Self
 
 from metafem.substrate import HalfSpace, Substrate
@@ -41,7 +42,7 @@ class WithoutGradients:
         on = "" if self.substrate == HalfSpace() else f", {self.gradient_model.name}"
         return f"{self.title}{on}"
 
-    @property
+    @cached_property
     def gradient_model(self) -> Interacting:
         """`Interacting` of order 3 on the same substrate."""
         from metafem.models.interacting.model import Interacting

@@ -18,39 +18,47 @@ PAIRS = 0.25
 # 0.4 and 0.5 with nu = 0.5 (0.9 % at 0.5 with nu = 0.3).
 LAYER = 0.5
 
-# Neighbours whose fields are counted; on a lattice those farther away add less than a hundredth.
-NEIGHBOURS = 24
+# Largest number of asperities for which all pairs are summed, and the number of nearest neighbours that are
+# counted above: on a lattice those farther away add less than a hundredth.
+ALL_PAIRS, NEIGHBOURS = 256, 24
 
 # Contact radius over distance of neighbours up to which order 3 was compared with resolved contacts.
 COMPARED = 0.32
 
 
-def truncation(surface: Surface, contact_radius: FloatArray, substrate: Substrate) -> float:
-    """Return the relative error of A0 by order 3, estimated from the contact radii (n,) [mm].
+def truncation(surface: Surface, area: FloatArray, substrate: Substrate) -> float:
+    """Return the relative error of A0 by order 3, estimated from the contact areas (n,) [mm^2].
 
-    The next terms of the neighbours' fields fall as (a/r)^5, and those of a layer's own as (a/t)^5.
+    The next terms of the neighbours' fields fall as (a/r)^5, and those of a layer's own as (a/t)^5; the
+    curvature by a source is p/r^3 = 4 a^3/(3 R r^3), whose effect is proportional to the R of the contact.
+    Infinite where contacts overlap.
     """
+    from metafem._kernels.truncation import pair_sum
+
+    thickness = getattr(substrate.for_surface(surface), "thickness", None)
+    error = 0.0
+    if thickness is not None and area.any():
+        error = LAYER * float(area @ (np.sqrt(area / math.pi) / thickness) ** 5 / area.sum())
+    if surface.count <= ALL_PAIRS:
+        return error + PAIRS * float(pair_sum(surface.position, surface.radius, area))
+    return error + PAIRS * _nearest_pairs(surface, area)
+
+
+def _nearest_pairs(surface: Surface, area: FloatArray) -> float:
+    """Return the sum of `pair_sum` over the nearest neighbours."""
     from scipy.spatial import cKDTree
 
-    closed = np.flatnonzero(contact_radius > 0.0)
-    if closed.size == 0:
+    closed = np.flatnonzero(area > 0.0)
+    if closed.size < 2:
         return 0.0
-    radius, curved = contact_radius[closed], surface.radius[closed]
-    share = radius**2 / (radius**2).sum()
-    thickness = getattr(substrate.for_surface(surface), "thickness", None)
-    error = 0.0 if thickness is None else LAYER * float(share @ (radius / thickness) ** 5)
-    if closed.size == 1:
-        return error
+    contact_radius, radius = np.sqrt(area[closed] / math.pi), surface.radius[closed]
     position = surface.position[closed]
-    if closed.size <= NEIGHBOURS + 1:
-        distance = np.hypot(*(position[:, None] - position[None, :]).T)
-        np.fill_diagonal(distance, math.inf)
-        ratio, relative = radius[None, :] / distance, curved[:, None] / curved[None, :]
-    else:
-        distance, other = cKDTree(position).query(position, k=NEIGHBOURS + 1)
-        ratio, relative = radius[other[:, 1:]] / distance[:, 1:], curved[:, None] / curved[other[:, 1:]]
-    # the curvature by a source is p/r^3 = 4 a^3/(3 R r^3); its effect is proportional to R of the contact
-    return error + PAIRS * float(share @ (ratio**5 * relative).sum(axis=1))
+    distance, other = cKDTree(position).query(position, k=min(NEIGHBOURS + 1, closed.size))
+    distance, other = distance[:, 1:], other[:, 1:]
+    if (contact_radius[:, None] + contact_radius[other] >= distance).any():
+        return math.inf
+    terms = (contact_radius[other] / distance) ** 5 * radius[:, None] / radius[other]
+    return float(area[closed] @ terms.sum(axis=1) / area[closed].sum())
 
 
 def crowding(surface: Surface, contact_radius: FloatArray) -> tuple[int, float]:

@@ -156,7 +156,7 @@ def _width_notes(surface: Surface, model: Model, reference: Interacting, curve: 
                 "contacts"
             )
         )
-    error = truncation(surface, radius, reference.substrate)
+    error = truncation(surface, curve.last.area, reference.substrate)
     if error > BOUND:
         notes.append(
             Note(

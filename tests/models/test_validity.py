@@ -82,7 +82,9 @@ def test_the_change_told_is_that_of_the_layer():
 def test_the_error_of_order_3_on_a_thin_layer(ratio, error):
     """Against resolved contacts of 20 cells a radius, whose own error of 9e-4 is taken off."""
     surface = scene([[0.0, 0.0]], [0.4], 0.526, thickness=0.2)
-    assert truncation(surface, np.array([0.2 * ratio]), mf.BondedLayer()) == pytest.approx(error, rel=0.15)
+    assert truncation(surface, np.array([np.pi * (0.2 * ratio) ** 2]), mf.BondedLayer()) == pytest.approx(
+        error, rel=0.15
+    )
 
 
 @pytest.mark.parametrize(

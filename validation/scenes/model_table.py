@@ -65,7 +65,7 @@ TABLE = (
     ),
     (
         "Automatic(1e-3)", "Automatic(tolerance)", "0.001",
-        "the cheapest of the others whose estimated error of A0(P) is within the tolerance",
+        "order 3, or resolved contacts where its estimated error of A0(P) exceeds the tolerance",
         "that of the chosen model; `state.notes` gives the reason",
     ),
 )  # fmt: skip
