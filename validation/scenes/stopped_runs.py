@@ -245,7 +245,7 @@ def pairs(known: Scene, count: int) -> Tally:
                 "the folder holds the design of that run", whole(known, folder, tuple(written), force), codes
             )
             refused = [text for text, code in zip(printed, codes, strict=True) if code == 2]
-            reasons = ("being written by another run", "made by somebody else", "exists")
+            reasons = ("being written by another run", "made by another program", "exists")
             tally.expect(
                 "the other run reports the reason",
                 all(any(r in text for r in reasons) for text in refused),

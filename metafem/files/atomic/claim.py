@@ -1,7 +1,7 @@
-"""A folder to work in, held by one process at a time.
+"""A working folder that one process holds at a time.
 
-Its name is hidden and the same for every run with the same goal. A lock that the system releases when
-the process ends, however it ends, tells a running process from the leftovers of one that was killed.
+Its name is hidden, and the same for all runs with the same goal. A lock, which the system releases at the end
+of a process, distinguishes a running process from what a killed one left.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from metafem.files.atomic.replacement import NEW, OLD, UNFINISHED, undo
 
 SUFFIX, LOCK = ".metafem-writing", "lock"
 
-# Seconds to wait for a lock: others hold it this shortly to write a single file or to remove leftovers.
+# Seconds to wait for a lock: the writing of a single file and the removal of leftovers take less.
 PATIENCE = 0.5
 
 
@@ -33,8 +33,8 @@ def beside(goal: Path) -> Path:
 def claimed(work: Path, goal: Path) -> Iterator[Path]:
     """Make and yield the folder `work`, with an empty folder ``new`` in it; it is removed at the end.
 
-    It stands beside the goal or in it, and so on the same disk. Leftovers of killed runs in its parent are
-    removed first, and replacements that they left unfinished are undone.
+    It is beside the goal or in it, and so on the same disk. What killed runs left in its parent is removed
+    first, and their unfinished replacements are undone.
 
     Raises
     ------
@@ -57,7 +57,7 @@ def claimed(work: Path, goal: Path) -> Iterator[Path]:
         if held is not None:
             try:
                 _released(work, held)
-            except BaseException:  # a signal while it was tidied: what is left is tidied first
+            except BaseException:  # a signal during the removal, which is then repeated
                 _released(work, held)
                 raise
 
@@ -84,7 +84,7 @@ def restore(folder: Path) -> None:
 
 
 def reason(error: Exception) -> str:
-    """Return the system's words for an error."""
+    """Return the message of the system for an error."""
     return str(getattr(error, "strerror", None) or error)
 
 
@@ -123,7 +123,7 @@ def _locked(path: Path, flags: int) -> int | None:
     """Return a file opened and locked, None if another process holds it or has just removed it."""
     handle = os.open(path, flags, 0o666)
     try:
-        # a name that another process removed before we got its lock guards nothing
+        # a file that another process removed before it was locked is not a lock
         if _lock(handle) and os.fstat(handle).st_nlink:
             return handle
     except BaseException:
@@ -163,12 +163,12 @@ def _clear(work: Path) -> None:
 
 
 def _released(work: Path, held: int) -> None:
-    """Remove a working folder; one whose replacement cannot be undone now is left for the next run."""
+    """Remove a working folder; if its replacement cannot be undone, it is left for the next run."""
     try:
-        os.fstat(held)  # closed, when a signal came after that: the lock may be another process's now
+        os.fstat(held)  # fails if it was closed before a signal: another process may have the lock
         _clear(work)
         (work / UNFINISHED).unlink(missing_ok=True)
-        with suppress(PermissionError):  # Windows removes no open file
+        with suppress(PermissionError):  # Windows does not remove open files
             (work / LOCK).unlink(missing_ok=True)
     except (OSError, ValueError, KeyError):
         with suppress(OSError):

@@ -1,4 +1,4 @@
-"""What metafem wrote into a result folder, so that nothing else is ever replaced."""
+"""List of the files that metafem wrote into a result folder; no others are ever replaced."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from metafem.files.reading import read_record
 # A hidden file of a result folder: lines of "sha256  name" for every file that metafem wrote there.
 MANIFEST = ".metafem-files"
 
-# First member of a design.json, by which a folder is known as a result folder.
+# First member of a design.json; a folder with such a file is a result folder.
 FORMAT = "metafem design 1"
 
 # Hashes under which metafem wrote each name; a name written twice has two.
@@ -29,7 +29,7 @@ def digest(path: Path) -> str:
 
 
 def unchanged(path: Path, hashes: frozenset[str]) -> bool:
-    """Whether this is a regular file, no link, with one of these hashes."""
+    """Whether this is a regular file, not a link, with one of these hashes."""
     try:
         return stat.S_ISREG(os.lstat(path).st_mode) and bool(hashes) and digest(path) in hashes
     except FileNotFoundError:
@@ -42,7 +42,7 @@ def manifest_text(hashes: Hashes) -> str:
 
 
 def written(folder: Path) -> Hashes:
-    """Return what metafem wrote into a folder, by its manifest; without one only a design.json is known."""
+    """Return the files of a folder by its manifest; without one, only a design.json is known."""
     try:
         text = (folder / MANIFEST).read_text(encoding="utf-8", errors="replace")
     except FileNotFoundError:

@@ -1,10 +1,10 @@
-"""Several files of a folder replaced as one, or not at all.
+"""Replacement of several files of a folder, completely or not at all.
 
-No system call replaces a set of files at once. Two renames of whole folders leave a moment without the
-old one, and carry away what others keep in it. Here the old files stay in their folder until each is
-replaced, by one rename. Hard links to them and a journal, which is written before the first rename and
-removed after the last, undo a replacement that an error, a signal or the end of the process cut short:
-at once, or on the next run. Only a folder that nobody opens after such an end shows files of both.
+No system call replaces a set of files at once. With two renames of folders there is a moment without the old
+one, and files of other origin move too. Here the old files stay in their folder until each is replaced by one
+rename. Hard links to them, and a journal that exists from before the first rename until after the last, allow
+an interrupted replacement to be undone: at once after an error or a signal, else on the next run. Until then
+the folder may hold files of both versions.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ NEW, OLD, JOURNAL, UNFINISHED = "new", "old", "journal.json", "journal.part"
 
 
 def replace_files(work: Path, folder: Path, ours: Hashes, stale: Collection[str] = ()) -> None:
-    """Move the files of `work`/new into the folder, and remove those of the stale that are not among them.
+    """Move the files of `work`/new into the folder, and remove the stale ones that are not among them.
 
     Only files that still have a hash in `ours` are replaced or removed.
 
@@ -39,7 +39,7 @@ def replace_files(work: Path, folder: Path, ours: Hashes, stale: Collection[str]
     (work / OLD).mkdir()
     for name in sorted(mine):
         _link(folder / name, work / OLD / name)
-    if mine:  # the old files go only when the new ones are on the disk
+    if mine:  # the new files are on the disk before old ones are removed
         for name in fresh:
             _flush(work / NEW / name)
     added = {name: fresh[name] for name in set(fresh) - there}
@@ -52,13 +52,13 @@ def replace_files(work: Path, folder: Path, ours: Hashes, stale: Collection[str]
     for name in fresh:
         if name in mine:
             (work / NEW / name).replace(folder / name)
-        else:  # fails where somebody made such a file meanwhile
+        else:  # fails if such a file was made in the meantime
             _link(work / NEW / name, folder / name)
     (work / JOURNAL).unlink()
 
 
 def undo(work: Path, folder: Path) -> None:
-    """Undo a replacement that was cut short; what others changed since then stays."""
+    """Undo an interrupted replacement; files that were changed since then stay."""
     try:
         journal = json.loads((work / JOURNAL).read_text(encoding="utf-8"))
         added = {Path(name).name: str(each) for name, each in journal["added"].items()}
@@ -67,8 +67,8 @@ def undo(work: Path, folder: Path) -> None:
         return
     except (ValueError, KeyError, TypeError, AttributeError):
         raise InvalidInput(
-            f"{work / JOURNAL} is damaged: a run was cut short while it replaced files of {folder}; its old "
-            f"files are in {work / OLD}: put back what you need, then remove {work}"
+            f"{work / JOURNAL} is damaged: a run was interrupted while it replaced files of {folder}; its "
+            f"old files are in {work / OLD}: copy those that you need, then remove {work}"
         ) from None
     for name, each in added.items():
         if unchanged(folder / name, frozenset({each})):
@@ -81,7 +81,7 @@ def undo(work: Path, folder: Path) -> None:
 
 
 def refuse_foreign(folder: Path, names: Collection[str], ours: Mapping[str, object]) -> None:
-    """Raise InvalidInput if there are names of files that are in the way and not metafem's."""
+    """Raise InvalidInput if there are names: files that metafem did not write, or that were changed."""
     if not names:
         return
     facts = {
@@ -97,7 +97,7 @@ def refuse_foreign(folder: Path, names: Collection[str], ours: Mapping[str, obje
 
 
 def _link(source: Path, goal: Path) -> None:
-    """Give a file a second name, which must be new; a copy where the disk knows no links."""
+    """Make a hard link with a new name, or a copy if the disk does not support links."""
     try:
         os.link(source, goal)
     except FileExistsError:

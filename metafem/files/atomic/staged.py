@@ -1,4 +1,4 @@
-"""A result folder is there whole or not at all."""
+"""Result folders that are written completely or not at all."""
 
 from __future__ import annotations
 
@@ -28,26 +28,26 @@ NOTHING: Mapping[str, bytes | None] = MappingProxyType({})
 def staged(
     folder: str | Path, force: bool = False, expected: Mapping[str, bytes | None] = NOTHING
 ) -> Iterator[Path]:
-    """Yield a temporary folder whose files become `folder` when the body ends without an error.
+    """Yield a temporary folder whose files become those of `folder` if the body ends without an error.
 
-    It is hidden, held against other runs of metafem, and removed if the body fails. A new folder appears
-    by one rename, which fails if somebody has made a folder of that name meanwhile. An existing folder is
-    refused, unless `force` is true and it is empty or a result folder; the files in it that metafem
-    wrote, and nothing else, are then replaced by `replace_files`.
+    It is hidden, locked for other runs of metafem, and removed if the body fails. A new folder appears by one
+    rename, which fails if a folder of that name was made in the meantime. An existing folder is refused,
+    except with `force` if it is empty or a result folder; then the files in it that metafem wrote, and no
+    others, are replaced by `replace_files`.
 
     Parameters
     ----------
     folder : str or Path
     force : bool
     expected : mapping of str to bytes or None
-        Names that the body writes, and the content of those where it is known: what is in their way is
-        refused before the body runs.
+        Names of the files that the body writes, with their content if it is known: other files of these
+        names are refused before the body runs.
 
     Raises
     ------
     InvalidInput
-        If the folder exists, holds a changed file, is being written by another run, or cannot be written;
-        nothing is left behind.
+        If the folder exists, holds a changed file, is being written by another run, or cannot be written.
+        No unfinished file is left.
     """
     target = check_free(folder, force, expected)
     inside = target.is_dir()
@@ -79,14 +79,14 @@ def _finish(work: Path, target: Path, inside: bool) -> None:
         if not os.path.lexists(target):
             raise
         raise InvalidInput(
-            f"{target} was made by somebody else in the meantime, and is left as it is; choose another folder"
+            f"{target} was made by another program in the meantime and is unchanged; choose another folder"
         ) from None
 
 
 def check_free(
     folder: str | Path, force: bool = False, expected: Mapping[str, bytes | None] = NOTHING
 ) -> Path:
-    """Raise InvalidInput if `staged` would refuse the folder: worth knowing before a long run."""
+    """Return the folder's path, or raise InvalidInput if `staged` would refuse it, before a long run."""
     try:
         target = Path(folder).absolute()
     except TypeError:
@@ -121,19 +121,19 @@ def _check(target: Path, force: bool, expected: Mapping[str, bytes | None], held
         raise InvalidInput(f"{target} exists; choose another folder, or replace it with force=True")
     sweep(target)
     if not held and (target / SUFFIX).exists():
-        return  # another run may be replacing files just now; claiming the folder tells of it
+        return  # another run may be replacing files; this is an error when the folder is claimed
     names = [path.name for path in target.iterdir() if not path.name.endswith(SUFFIX)]
     if names and MANIFEST not in names and not is_result_folder(target):
         raise InvalidInput(
             f"{target} holds no design.json of metafem, so it is not replaced; choose another folder"
         )
     before = written(target)
-    in_the_way = []
+    foreign = []
     for name in {*before, *expected} & set(names):
         content = expected.get(name)
         hashes = before.get(name, frozenset())
         if content is not None:
             hashes |= {hashlib.sha256(content).hexdigest()}
         if not unchanged(target / name, hashes):
-            in_the_way.append(name)
-    refuse_foreign(target, in_the_way, before)
+            foreign.append(name)
+    refuse_foreign(target, foreign, before)

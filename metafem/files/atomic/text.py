@@ -1,4 +1,4 @@
-"""A file is there whole or not at all."""
+"""Files that are written completely or not at all."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def write_text(
     ours: Callable[[bytes], bool] = lambda _: True,
     still: Callable[[], None] = lambda: None,
 ) -> None:
-    """Write a text in UTF-8; an existing file is refused unless `force` is true; as `write_file`."""
+    """Write a text in UTF-8 by `write_file`."""
     write_file(
         path, lambda fresh: fresh.write_bytes(text.encode("utf-8")), force=force, ours=ours, still=still
     )
@@ -34,26 +34,26 @@ def write_file(
     ours: Callable[[bytes], bool] = lambda _: True,
     still: Callable[[], None] = lambda: None,
 ) -> None:
-    """Let `write` fill a new file, which then takes its place.
+    """Write a file by the function `write` under another name, and rename it.
 
     Parameters
     ----------
     path : str or Path
         In a result folder the file is added to what metafem wrote there.
     write : callable
-        Is given the path to write to.
+        Function of the path that it writes to.
     force : bool
-        Replace an existing file: in a result folder one that metafem wrote and nobody changed, elsewhere
-        one whose content `ours` accepts.
+        Whether to replace an existing file: in a result folder one that metafem wrote and that was not
+        changed, elsewhere one whose content `ours` accepts.
     ours : callable
-        Whether metafem wrote this content; outside a result folder alone.
+        Whether metafem wrote this content; used outside result folders only.
     still : callable
-        Raises an error if what was written holds no more; called before the file takes its place.
+        Raises an error if the content is not valid any more; called before the file is renamed.
 
     Raises
     ------
     InvalidInput
-        If the file exists or cannot be written; nothing is left behind.
+        If the file exists or cannot be written. No unfinished file is left.
     """
     target = Path(path).absolute()
     refuse_existing(target, force, ours)
@@ -73,7 +73,7 @@ def write_file(
 
 
 def refuse_existing(path: str | Path, force: bool, ours: Callable[[bytes], bool] = lambda _: True) -> None:
-    """Raise InvalidInput if `write_file` would refuse the file: worth knowing before a long run."""
+    """Raise InvalidInput if `write_file` would refuse the file, before a long run."""
     target = Path(path).absolute()
     if not os.path.lexists(target):
         return
@@ -88,7 +88,7 @@ def refuse_existing(path: str | Path, force: bool, ours: Callable[[bytes], bool]
 
 
 def _before(target: Path, ours: Callable[[bytes], bool]) -> Hashes:
-    """Return what metafem wrote beside the target; outside a result folder the target alone is known."""
+    """Return the files that metafem wrote: of a result folder all, elsewhere the target only."""
     if target.with_name(MANIFEST).is_file():
         return written(target.parent)
     if target.is_file() and ours(target.read_bytes()):

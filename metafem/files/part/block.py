@@ -52,10 +52,10 @@ def block_mesh(surface: Surface, block: Block, chord_error: float) -> Mesh:
 
 
 def mould_mesh(part: Mesh, surface: Surface, block: Block, chord_error: float) -> Mesh:
-    """Return the negative of a part's mesh: a plate of the block's outline with a cavity for each cap.
+    """Return the negative of a part's mesh: a plate with the block's outline and a cavity for each cap.
 
     It is seen from its open face, z = 0, with the part face down on it: x is mirrored, x -> -x. The plate
-    is as thick as the block where a cavity is deepest.
+    below the deepest cavity is as thick as the block.
     """
     tallest = float(surface.height.max())
     vertices = part.vertices.copy()
@@ -102,16 +102,16 @@ def _welded(surface: Surface, block: Block, chord_error: float) -> Mesh:
 
 
 def _plane(points: FloatArray, owner: IntArray) -> IntArray:
-    """Triangulate a plane between rims, each of the points of one owner.
+    """Triangulate a plane between rims; `owner` (n,) is the number of the rim of each point.
 
-    It is the Delaunay triangulation without the triangles of a single owner. The circle of a rim holds no
-    other points, so that its polygon is a union of Delaunay triangles.
+    It is the Delaunay triangulation without the triangles that have all corners on one rim. No other points
+    are within the circle of a rim, so that its polygon is a union of Delaunay triangles.
     """
     from scipy.spatial import Delaunay
 
     triangles = Delaunay(points).simplices
-    own = owner[triangles]
-    between = triangles[(own[:, :1] != own[:, 1:]).any(axis=1)]
+    rim = owner[triangles]
+    between = triangles[(rim[:, :1] != rim[:, 1:]).any(axis=1)]
     a, b, c = (points[between[:, k]] for k in range(3))
     u, v = b - a, c - a
     clockwise = u[:, 0] * v[:, 1] < u[:, 1] * v[:, 0]
@@ -120,7 +120,7 @@ def _plane(points: FloatArray, owner: IntArray) -> IntArray:
 
 
 def _certify(mesh: Mesh, what: str, surface: Surface, box: float, sign: float, chord_error: float) -> None:
-    """Check the mesh against closed forms; a fault is the program's, not the user's."""
+    """Check the mesh against closed forms; an error here is a fault of the program."""
     h, R = surface.height, surface.radius
     caps = math.fsum(math.pi * h**2 * (3.0 * R - h) / 3.0)
     exact = box + sign * caps

@@ -1,4 +1,4 @@
-"""Triangles of spherical caps: rings of points on each, the more the finer."""
+"""Triangles of spherical caps, between rings of points."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from metafem._validate import FloatArray, IntArray
 from metafem.contact.cap_geometry import foot_radius
 
-# Neighbours in a ring of six points are 60 degrees apart: an arc of pi/3 ring spacings.
+# Distance of neighbours on a ring: 60 degrees in a ring of six points, an arc of pi/3 ring spacings.
 _RING_ARC = math.pi / 3.0
 
 # One ring would make a pyramid of the flattest caps.
@@ -29,7 +29,7 @@ def ring_count(height: FloatArray, radius: FloatArray, chord_error: float) -> In
 
 
 def cap_vertices(height: FloatArray, radius: FloatArray, rings: int) -> FloatArray:
-    """Return vertices (n, m, 3) [mm] of caps whose summits stand over the origin.
+    """Return vertices (n, m, 3) [mm] of caps with their summits above the origin.
 
     The summit and rings of 6, 12, 18, ... points lie on the sphere, at equal polar angles down to the
     base plane z = 0. The last ring is the rim: the last ``6 rings`` points, counterclockwise.
@@ -49,7 +49,7 @@ def cap_vertices(height: FloatArray, radius: FloatArray, rings: int) -> FloatArr
 
 @cache
 def cap_faces(rings: int) -> IntArray:
-    """Return outward faces (6 rings^2, 3): between two rings, six sectors of alternating triangles."""
+    """Return outward faces (6 rings^2, 3): six sectors of triangles between neighbouring rings."""
     faces: list[tuple[int, int, int]] = []
 
     def point(ring: int, place: int) -> int:

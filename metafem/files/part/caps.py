@@ -1,4 +1,4 @@
-"""Alignment asperities, and which caps can be made."""
+"""Alignment asperities, and checks that the caps can be made."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def with_alignment(surface: Surface, template: Surface, height: float | None) ->
 
 
 def refuse_impossible(surface: Surface, block: Block, asperities: int) -> None:
-    """Raise InvalidInput for caps that are no caps, overlap or leave the block.
+    """Raise InvalidInput for heights outside 0 < h <= R, and for caps that overlap or leave the block.
 
     Those after the first `asperities` are for alignment.
     """

@@ -15,7 +15,7 @@ from metafem.files.part.mesh import Mesh
 _STL_TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 _STL_HEADER = 80
 
-# Rows that are formatted at a time.
+# Number of rows that are formatted at a time.
 _ROWS = 1 << 14
 
 _3MF_TYPES = """<?xml version="1.0" encoding="UTF-8"?>
@@ -44,7 +44,7 @@ _NO_DATE = (1980, 1, 1, 0, 0, 0)
 def write_stl(mesh: Mesh, path: Path, title: str) -> None:
     """Write binary STL; its header states the title and the unit, for which the format has no field."""
     with path.open("wb") as file:
-        # a reader takes a file that begins with "solid" for a text
+        # files that begin with "solid" are read as text
         file.write(f"metafem {title}; units: mm".encode("ascii").ljust(_STL_HEADER)[:_STL_HEADER])
         file.write(np.uint32(len(mesh.faces)).astype("<u4").tobytes())
         for corners in mesh.corners():
@@ -90,7 +90,7 @@ def _rows(line: str, values: FloatArray | IntArray) -> Iterator[bytes]:
         yield (line * len(some) % tuple(some.ravel().tolist())).encode("ascii")
 
 
-# By the ending of a file's name.
+# By the extension of the file's name.
 WRITERS: Mapping[str, Callable[[Mesh, Path, str], None]] = {
     "stl": write_stl,
     "3mf": write_3mf,

@@ -9,7 +9,7 @@ import numpy as np
 
 from metafem._validate import FloatArray, IntArray
 
-# Faces that are worked on at a time: some ten megabytes.
+# Number of faces that are processed at a time: about ten megabytes.
 _AT_A_TIME = 1 << 16
 
 
@@ -43,7 +43,7 @@ class Mesh:
 
     @property
     def closed(self) -> bool:
-        """Whether each edge belongs to two faces, which run along it in opposite directions."""
+        """Whether each edge belongs to two faces that traverse it in opposite directions."""
         start, end = self.faces.ravel(), np.roll(self.faces, -1, axis=1).ravel()
         forth = np.sort(start * len(self.vertices) + end)
         back = np.sort(end * len(self.vertices) + start)

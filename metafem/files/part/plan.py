@@ -1,4 +1,4 @@
-"""What is written of a part: its caps, how finely, and how much."""
+"""The files of a part: caps, fineness and size."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ FORMATS = tuple(WRITERS)
 # 0.9 um with which its moulds are made (doi:10.1126/science.adk4234).
 FINE = 4e-4
 
-# Most triangles of a solid by default: 100 MB of STL, which common viewers and CAM programs open. A cap has
-# some pi h / (chord error) of them, whatever its radius.
+# Largest number of triangles of a solid by default: 100 MB of STL, which common viewers and CAM programs
+# open. A cap has about pi h / (chord error) triangles, for any radius.
 MOST_BY_DEFAULT = 2_000_000
 
-# Most triangles that can be asked for: 500 MB of STL, and a gigabyte of memory.
+# Largest number of triangles: 500 MB of STL, and a gigabyte of memory.
 MOST = 10_000_000
 
 # Steps in which the default chord error is increased.
@@ -41,7 +41,7 @@ MICROMETRES = 1e3
 
 @dataclass(frozen=True)
 class PartOptions:
-    """How the files of a part are made.
+    """Options of the files of a part.
 
     Parameters
     ----------
@@ -49,11 +49,11 @@ class PartOptions:
         Height of four alignment asperities outside the corners of the template [mm].
     chord_error : float, optional
         Largest depth of the faces of the caps below their spheres [mm]. At a given separation it changes
-        the real contact area of an asperity by at most ``pi R`` times it, as an error of height would;
-        most of it is a shift of all caps, which leaves A0(P) as it is. Default: 4e-4 of the smallest
-        radius, and more where a solid would otherwise have over two million triangles.
+        the real contact area of an asperity by at most ``pi R`` times the chord error, like an error of
+        height; most of this is a shift of all caps, which does not change A0(P). Default: 4e-4 of the
+        smallest radius, or more if a solid would have over two million triangles.
     formats : sequence of str
-        Of the solids: "stl", "3mf" and "obj".
+        File formats of the solids: "stl", "3mf" and "obj"; default: ("stl",).
 
     Examples
     --------
@@ -82,7 +82,7 @@ class Part:
     surface : Surface
         Its asperities and, last, its alignment asperities.
     asperities : int
-        How many there are without those of the alignment.
+        Number of asperities without those for alignment.
     block : Block
     chord_error : float
         [mm]
@@ -104,7 +104,7 @@ class Part:
         return triangle_count(self.surface.height, self.surface.radius, self.chord_error)
 
     def record(self) -> dict[str, Any]:
-        """Return what the files hold, for JSON."""
+        """Return a description of the files for JSON."""
         return {
             "chord_error_mm": self.chord_error,
             "triangles": self.triangles,
@@ -144,7 +144,7 @@ def planned(surface: Surface, template: Surface, options: PartOptions) -> Part |
     Raises
     ------
     InvalidInput
-        For caps that cannot be made, and for a chord error that asks for too many triangles.
+        For caps that cannot be made, and for a chord error that needs too many triangles.
     """
     whole = with_alignment(surface, template, options.alignment_height)
     if surface.block is None:
@@ -165,7 +165,7 @@ def planned(surface: Surface, template: Surface, options: PartOptions) -> Part |
 
 
 def part_notes(part: Part | None, options: PartOptions) -> tuple[Note, ...]:
-    """Return what is to be said of the files of a part."""
+    """Return notes on the files of a part."""
     if part is None:
         return (
             information(

@@ -46,34 +46,33 @@ def save(
 ) -> None:
     """Write a design and the files to make the part into a new folder.
 
-    ``design.json`` (everything that `load` needs, and the versions it was made with), ``heights.csv``,
-    ``law.csv``, ``mould.csv``, ``surface.vtu``, and ``spec.toml`` where a specification is given, with the
-    table of its wanted law beside it; with a block the solids ``block.stl`` and ``mould.stl`` and the drawing
-    ``mould.svg``. The folder appears when all of them are written. A hidden ``.metafem-files`` lists them
-    with their sha256, by which `force` knows what metafem wrote.
+    The files are ``design.json`` (all data for `load`, and versions), ``heights.csv``, ``law.csv``,
+    ``mould.csv`` and ``surface.vtu``; with a specification, ``spec.toml`` and the table of its target law;
+    with a block, the solids ``block.stl`` and ``mould.stl`` and the drawing ``mould.svg``. The folder appears
+    when all of them are written. A hidden file ``.metafem-files`` lists them with their sha256, for `force`.
 
     Parameters
     ----------
     design : Design
     folder : str or Path
-        Does not exist yet, its parent does.
+        Does not exist yet; its parent does.
     specification : Specification, optional
-        What the design was made from.
+        The specification of the design; default: None.
     part : PartOptions, optional
-        How the files of the part are made. Default: as in the specification.
+        Options of the files of the part. Default: those of the specification.
     pages : mapping of str to str, optional
-        Names and texts of further files. ``report.html`` is written only if it is one of them:
-        ``{"report.html": metafem.report.page(design)}``.
+        Names and texts of further files, for example ``{"report.html": metafem.report.page(design)}``;
+        default: none.
     force : bool
-        Write into an existing folder, if it is empty or a result folder: the files in it that metafem
-        wrote and nobody changed are replaced, all others stay.
+        Whether to write into an existing folder that is empty or a result folder: files that metafem wrote
+        and that were not changed are replaced, all others stay. Default: False.
 
     Raises
     ------
     InvalidInput
         If the folder exists, holds a changed file of these names, is being written by another run or
-        cannot be written, or the part cannot be made: a summit outside
-        ``0 < h <= R``, caps that overlap or leave the block. Nothing is left behind.
+        cannot be written, or if the part cannot be made: a summit outside ``0 < h <= R``, or caps that
+        overlap or leave the block. No unfinished file is left.
 
     Examples
     --------
@@ -96,7 +95,7 @@ def save(
 def result_folder(
     folder: str | Path, specification: Specification | None = None, *, force: bool = False
 ) -> AbstractContextManager[Path]:
-    """Return `staged` for the files of a design: what is in their way is refused before they are made."""
+    """Return the context of `staged` for the files of a design."""
     known = {} if specification is None else specification.files
     return staged(folder, force, {**dict.fromkeys(RESULT_FILES), **known})
 
@@ -137,7 +136,15 @@ def write_all(
 
 @checked_call
 def load(folder: str | Path) -> Design:
-    """Read the design of a result folder, equal to the bit to the one that was saved.
+    """Read the design of a result folder; it is equal to the saved one to the bit.
+
+    Parameters
+    ----------
+    folder : str or Path
+
+    Returns
+    -------
+    Design
 
     Raises
     ------
@@ -187,13 +194,13 @@ def same_design(folder: str | Path) -> Callable[[], None]:
     restore(Path(folder))
     path = Path(folder).absolute() / "design.json"
 
-    def found() -> str:
+    def current() -> str:
         return digest(path) if path.is_file() else ""
 
-    before = found()
+    before = current()
 
     def still() -> None:
-        if found() != before:
+        if current() != before:
             raise InvalidInput(f"{path} was replaced in the meantime; run the command again")
 
     return still
@@ -235,11 +242,11 @@ def _record(
 
 
 def versions() -> dict[str, str]:
-    """Return the versions of what a design's numbers depend on."""
+    """Return the versions of Python and of the libraries that the numbers of a design depend on."""
     found = {"python": platform.python_version()}
     for name in ("metafem", "numpy", "scipy", "numba", "meshio"):
         try:
             found[name] = version(name)
-        except PackageNotFoundError:  # a checkout that is run in place
+        except PackageNotFoundError:  # run from its sources
             found[name] = "not installed"
     return found

@@ -1,4 +1,4 @@
-"""Whether a value is of an annotated type, down to the members of tuples and mappings."""
+"""Comparison of values with type annotations, including members of tuples and mappings."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ import numpy as np
 
 
 def fits(value: Any, hint: Any) -> bool:
-    """Return whether a value is what an annotation says; numbers must be finite.
+    """Return whether a value is of the annotated type; numbers must be finite.
 
     Examples
     --------
     >>> fits((1.0, 2.0), tuple[float, float]), fits((1.0, True), tuple[float, ...])
     (True, False)
     """
-    origin, parts = _taken_apart(hint)
+    origin, parts = _parts_of(hint)
     if origin in (Union, UnionType):
         return any(fits(value, part) for part in parts)
     if origin is tuple:
@@ -41,7 +41,7 @@ def fits(value: Any, hint: Any) -> bool:
 
 def in_words(hint: Any) -> str:
     """Return a short name of an annotation for an error."""
-    origin, parts = _taken_apart(hint)
+    origin, parts = _parts_of(hint)
     if origin in (Union, UnionType):
         return " or ".join(dict.fromkeys(in_words(part) for part in parts))
     if origin is np.ndarray:
@@ -53,8 +53,8 @@ def in_words(hint: Any) -> str:
     return simple.get(hint, f"a {getattr(origin or hint, '__name__', hint)}")
 
 
-def _taken_apart(hint: Any) -> tuple[Any, tuple[Any, ...]]:
-    """Return the class and the parameters of an annotation, or of what its alias stands for (NDArray)."""
+def _parts_of(hint: Any) -> tuple[Any, tuple[Any, ...]]:
+    """Return the class and the parameters of an annotation; an alias such as NDArray is resolved."""
     origin, parts = get_origin(hint), get_args(hint)
     if hasattr(origin, "__value__"):
         hint = origin.__value__[parts]

@@ -36,7 +36,7 @@ from metafem.prediction import BranchFit, FrictionLaw
 from metafem.substrate import BondedLayer, HalfSpace
 from metafem.surface import Block, Friction, Material, Surface
 
-# What may stand in a record. A new model, target or density is added here.
+# The types of a record. A new model, target or density is added here.
 VALUES: Mapping[str, type] = {
     kind.__name__: kind
     for kind in (
@@ -47,7 +47,7 @@ VALUES: Mapping[str, type] = {
         *(Note, Wording, Branch, BranchFit, TruncatedExponential, TwoBranchExponential),
     )
 }
-# Those whose modules are read when a record holds one.
+# Types whose modules are imported when a record holds one.
 LATE: Mapping[str, str] = {"Block3D": "metafem.fe"}
 ENUMS: Mapping[str, type[Enum]] = {kind.__name__: kind for kind in (Status, DesignStatus, Level)}
 ARRAYS = ("float64", "int64")
@@ -134,8 +134,8 @@ def to_record(value: Any) -> Any:
 def from_record(record: Any, name: str = "record") -> Any:
     """Return the value of a record; raises InvalidInput for one that `to_record` did not write.
 
-    Members are compared with the annotations of their class, and its constructor judges their values;
-    errors call the record by `name` and a member of it ``name.member``.
+    Members are compared with the annotations of their class and checked by its constructor; errors name the
+    record `name` and a member of it ``name.member``.
 
     Examples
     --------
@@ -166,7 +166,7 @@ def from_record(record: Any, name: str = "record") -> Any:
 
 
 def _made(title: str, record: dict[str, Any], name: str) -> Any:
-    """Return the value of a class, its members judged by their annotations and by its constructor."""
+    """Return the value of a class; its members are checked by annotations and constructor."""
     kind: Any = VALUES[title] if title in VALUES else getattr(import_module(LATE[title]), title)
     record = EARLIER.get(title, dict)(record)
     known = {field.name: field.default is MISSING for field in fields(kind)}

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 def study_path(folder: str | Path, name: str, force: bool) -> Path:
     """Return where a study of a result folder goes; raises InvalidInput if `write_study` would refuse it."""
     record = Path(folder) / "design.json"
-    read_record(record, "no such file; name a result folder of metafem")  # which says what is damaged
+    read_record(record, "no such file; name a result folder of metafem")  # raises a detailed error
     if not is_result_folder(Path(folder)):
         raise InvalidInput(f"{record} is not a design of metafem")
     path = Path(folder) / f"{name}.nc"
@@ -33,13 +33,13 @@ def write_study(
 ) -> None:
     """Write a study as NetCDF 4, by h5netcdf; an existing file is refused unless `force` is true.
 
-    `still` is that of `write_file`: a design that was replaced meanwhile is not given the study of another.
+    `still` is that of `write_file`: no study is written if the design was replaced in the meantime.
     """
     write_file(path, lambda fresh: study.to_netcdf(fresh, engine="h5netcdf"), force=force, still=still)
 
 
 def study_data(study: Dataset) -> dict[str, Any]:
-    """Return a study as dicts, lists, numbers and texts; what is not there is None."""
+    """Return a study as dicts, lists, numbers and texts; numbers that are not finite are None."""
     arrays = {
         str(name): {
             "dims": list(array.dims),

@@ -1,4 +1,4 @@
-"""The summits with their contacts, for a viewer of fields such as ParaView."""
+"""The summits and their contacts as a VTU file, for viewers such as ParaView."""
 
 from __future__ import annotations
 

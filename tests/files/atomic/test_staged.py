@@ -129,7 +129,7 @@ def test_a_folder_made_in_the_meantime_stays(tmp_path, content, force):
         if content:
             (target / "a.txt").write_text(content)
 
-    with pytest.raises(mf.InvalidInput, match="made by somebody else"), staged(target, force) as fresh:
+    with pytest.raises(mf.InvalidInput, match="made by another program"), staged(target, force) as fresh:
         another_process(fresh)
     assert texts(target) == ({"a": content} if content else {})
     assert list(tmp_path.iterdir()) == [target]
