@@ -43,8 +43,8 @@ def _clear_cache(as_json: bool) -> None:
     except OSError as error:
         raise click.ClickException(f"the cache cannot be cleared: {error}") from None
     if as_json:
-        told = {"folder": str(folder), "kernels_bytes": kernels, "blocks_bytes": blocks, "left_bytes": left}
-        click.echo(json.dumps(told))
+        data = {"folder": str(folder), "kernels_bytes": kernels, "blocks_bytes": blocks, "left_bytes": left}
+        click.echo(json.dumps(data))
     else:
         click.echo(
             f"removed from {folder}: compiled kernels, {megabytes(kernels)}; "

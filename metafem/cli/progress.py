@@ -25,7 +25,7 @@ LOOK = 0.5
 
 @contextmanager
 def printing_messages() -> Iterator[None]:
-    """Print what quick work reports, such as the columns of a table that are not read, on stderr."""
+    """Print the messages of the body on stderr, such as the columns of a table that are not read."""
     from metafem.progress import listening
 
     with listening(lambda step, done: None, lambda text: click.echo(text, err=True)):

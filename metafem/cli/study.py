@@ -37,19 +37,19 @@ def study(name: str, folder: Path, force: bool, as_json: bool) -> None:
     still = same_design(folder)
     design = mf.load(folder)
     with progress():
-        found = getattr(mf.studies, name)(design)
-    write_study(found, path, force=force, still=still)
+        dataset = getattr(mf.studies, name)(design)
+    write_study(dataset, path, force=force, still=still)
     if as_json:
-        click.echo(json.dumps({"file": str(path), **study_data(found)}))
+        click.echo(json.dumps({"file": str(path), **study_data(dataset)}))
     else:
-        _print_study(found, path)
+        _print_study(dataset, path)
 
 
-def _print_study(found: Dataset, path: Path) -> None:
+def _print_study(dataset: Dataset, path: Path) -> None:
     from metafem.studies import summary
 
-    told = summary(found)
+    table = summary(dataset)
     console = terminal()
-    print_table(console, told.columns, told.rows, told.title)
-    print_notes(console, told.notes)
+    print_table(console, table.columns, table.rows, table.title)
+    print_notes(console, table.notes)
     console.print(f"wrote {path}", highlight=False, markup=False)

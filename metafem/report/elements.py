@@ -89,9 +89,10 @@ def _cap_figures(design: Design, a: float, tallest: int) -> list[str]:
 def mesh_figure(mesh: Any, cap: Cap, contact_radius: float) -> Figure:
     """Mesh of a cap with its curved edges: the whole mesh, and a view of the contact's edge."""
     figure = new_figure(8.0, 3.6)
-    share = np.linspace(0.0, 1.0, 9)
+    fraction = np.linspace(0.0, 1.0, 9)
     lines = [
-        cap.point(mesh.p[:, i, None] * (1.0 - share) + mesh.p[:, j, None] * share) for i, j in mesh.facets.T
+        cap.point(mesh.p[:, i, None] * (1.0 - fraction) + mesh.p[:, j, None] * fraction)
+        for i, j in mesh.facets.T
     ]
     whole, edge = figure.subplots(1, 2)
     edge_top = cap.height - 0.5 * contact_radius**2 / cap.radius
@@ -132,7 +133,7 @@ def hertz_figure(contact: PressedContact, radius: float) -> Figure:
 
 
 def cap_pressure_figure(contacts: list[tuple[PressedContact, float]], radius: float) -> Figure:
-    """Pressure under true caps of some heights [mm] against Hertz's at the same contact radius."""
+    """Pressure under true caps of given heights [mm], and Hertz's at the same contact radius."""
     figure = new_figure(4.0 * len(contacts), 3.2)
     axes = figure.subplots(1, len(contacts), squeeze=False)[0]
     for ax, (contact, height) in zip(axes, contacts, strict=True):

@@ -32,7 +32,7 @@ MOST_LISTED = 200
 # Significant digits of a parameter, and of one that is a misfit.
 DIGITS, MISFIT_DIGITS = 6, 3
 
-# Parameters below this share of the largest area, height or of 100 % are printed as 0.
+# Parameters below this fraction of the largest area, of the largest height or of 100 % are printed as 0.
 ZERO = 1e-9
 
 # Largest number of printed values of one parameter.
@@ -80,9 +80,13 @@ def page(design: Design, hardness: float | None = None, *, checks: bool = False)
     ----------
     design : Design
     hardness : float, optional
-        H [MPa], for the plasticity index.
+        H [MPa], for the plasticity index; default: None, it is not evaluated.
     checks : bool
-        Add the finite-element checks, which take about a minute.
+        Whether to add the finite-element checks, which take about a minute; default: False.
+
+    Returns
+    -------
+    str
 
     Examples
     --------

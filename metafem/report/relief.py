@@ -49,15 +49,15 @@ class Relief:
     factor: int
 
 
-def turned(place: FloatArray) -> tuple[FloatArray, FloatArray]:
+def turned(position: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the distances of points (..., 2) [mm] to the right and away from the viewer."""
-    x, y = place[..., 0], place[..., 1]
+    x, y = position[..., 0], position[..., 1]
     return x * math.cos(TURN) + y * math.sin(TURN), y * math.cos(TURN) - x * math.sin(TURN)
 
 
-def projected(place: FloatArray, height: float = 0.0) -> FloatArray:
-    """Return the picture coordinates (..., 2) [mm] of points at a height above `place` (..., 2) [mm]."""
-    right, away = turned(place)
+def projected(position: FloatArray, height: float = 0.0) -> FloatArray:
+    """Return the picture coordinates (..., 2) [mm] of points at a height above `position` (..., 2) [mm]."""
+    right, away = turned(position)
     return np.stack([right, away * math.sin(RISE) + height * math.cos(RISE)], axis=-1)
 
 
@@ -66,8 +66,8 @@ def relief(
 ) -> Relief:
     """Draw caps of colours (n, 4) on the rectangle between two corners (2, 2) [mm]."""
     distance = math.sqrt(float(np.prod(corners[1] - corners[0])) / len(height))
-    wanted = TALL * distance / max(float(height.max()), 1e-300)
-    factor = max(each for each in FACTORS if each <= max(1.0, wanted))
+    ideal = TALL * distance / max(float(height.max()), 1e-300)
+    factor = max(each for each in FACTORS if each <= max(1.0, ideal))
     right, away = turned(
         np.array([[x, y] for x in (corners[0, 0], corners[1, 0]) for y in (corners[0, 1], corners[1, 1])])
     )

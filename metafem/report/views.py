@@ -56,15 +56,15 @@ def contact_figure(design: Design) -> Figure:
     figure = new_figure(9.6, 4.0, (0.7, 0.1, 0.6, 0.6))
     axes = figure.subplots(1, len(VIEWED_LOADS), sharex=True, sharey=True, gridspec_kw={"wspace": 0.05})
     corners, shown = _shown(design.surface)
-    place = design.surface.position[shown]
-    apart = drawing.spacing(place)
-    for ax, share in zip(axes, VIEWED_LOADS, strict=True):
-        load = share * float(design.law.load[-1])
+    position = design.surface.position[shown]
+    distance = drawing.spacing(position)
+    for ax, fraction in zip(axes, VIEWED_LOADS, strict=True):
+        load = fraction * float(design.law.load[-1])
         state = equilibrium(design.surface, design.law.model, load=load)
         closed = state.asperity_area[shown] > 0.0
         diameter = 2.0 * np.sqrt(state.asperity_area[shown][closed] / np.pi)
-        drawing.rings(ax, place[~closed], RING * apart)
-        drawing.circles(ax, place[closed], np.maximum(diameter, LEAST_DOT * apart))
+        drawing.rings(ax, position[~closed], RING * distance)
+        drawing.circles(ax, position[closed], np.maximum(diameter, LEAST_DOT * distance))
         drawing.plan(ax)
         ax.set(xlim=corners[:, 0], ylim=corners[:, 1])
         count = int((state.asperity_area > 0.0).sum())
@@ -98,18 +98,18 @@ def _shown(surface: Surface) -> tuple[FloatArray, NDArray[np.bool_]]:
 
     The part extends by half the distance of summits beyond the outer ones, within the block.
     """
-    place = surface.position
-    apart = drawing.spacing(place)
-    low, high = place.min(axis=0), place.max(axis=0)
+    position = surface.position
+    distance = drawing.spacing(position)
+    low, high = position.min(axis=0), position.max(axis=0)
     if surface.count > MOST_SHAPED:
-        half = 0.5 * apart * math.sqrt(MOST_SHAPED)
-        centre = np.clip(place[surface.height.argmax()], low + half, np.maximum(high - half, low + half))
+        half = 0.5 * distance * math.sqrt(MOST_SHAPED)
+        centre = np.clip(position[surface.height.argmax()], low + half, np.maximum(high - half, low + half))
         low, high = np.maximum(low, centre - half), np.minimum(high, centre + half)
-    corners = np.array([low - 0.5 * apart, high + 0.5 * apart])
+    corners = np.array([low - 0.5 * distance, high + 0.5 * distance])
     if surface.block is not None:
         edge = 0.5 * np.array([surface.block.width, surface.block.length])
         corners = np.clip(corners, -edge, edge)
-    return corners, ((place >= corners[0]) & (place <= corners[1])).all(axis=1)
+    return corners, ((position >= corners[0]) & (position <= corners[1])).all(axis=1)
 
 
 def _name_edges(ax: Axes, corners: FloatArray, side: float) -> None:

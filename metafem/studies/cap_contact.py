@@ -114,8 +114,8 @@ class Caps:
         a = Hertz().contact_radius(depth, self.surface.radius)
         load = Hertz().load(a, self.surface.radius)
         for k, table in enumerate(self.tables):
-            its = self.table == k
-            a[its], load[its] = table.solve(self.surface.height[its], indentation[its])
+            own = self.table == k
+            a[own], load[own] = table.solve(self.surface.height[own], indentation[own])
         return a, load
 
 
@@ -135,12 +135,12 @@ def caps_of(surface: Surface, indentation: FloatArray) -> Caps:
         )
     tables, table = [], np.full(surface.count, -1)
     for k, radius in enumerate(radii):
-        its = surface.radius == radius
+        own = surface.radius == radius
         part = surface.replaced(
-            position=surface.position[its], height=surface.height[its], radius=float(radius)
+            position=surface.position[own], height=surface.height[own], radius=float(radius)
         )
-        tables.append(cap_contact(part, indentation[its]))
-        table[its] = k
+        tables.append(cap_contact(part, indentation[own]))
+        table[own] = k
     return Caps(surface, tuple(tables), table)
 
 
@@ -163,9 +163,7 @@ def cap_contact(surface: Surface, indentation: FloatArray) -> CapContact:
         raise InvalidInput("the summits differ in their radii")
     heights = surface.height[touching]
     if heights.min() <= 0.0 or heights.max() > radius:
-        raise InvalidInput(
-            "a summit in contact is not a cap: its height must be above 0 and at most its radius"
-        )
+        raise InvalidInput("the height of a summit in contact must be above 0 and at most its radius")
     foot = foot_radius(heights, radius)
     share = np.sqrt(radius * indentation[touching]) / foot
     low, high = float(heights.min()), float(heights.max())

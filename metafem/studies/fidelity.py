@@ -38,7 +38,7 @@ def fidelity(design: Design, *, elements: bool = True) -> xr.Dataset:
     "fe" are independent asperities with the contact law of the true spherical cap on the bonded block
     instead of Hertz's: ``sum_i P_fe(a_i, h_i) = P`` with ``d_fe(a_i, h_i) = h_i - delta``. The law is
     interpolated between axisymmetric finite elements (`metafem.fe.press`) at nine pairs of height and contact
-    radius. It includes the cap's shape, its pedestal, and the base and the sides of the block, but no
+    radius. It includes the shape of the cap, its pedestal, and the base and the sides of the block, but no
     neighbours. The difference from "independent" is meaningful at small a/R. At large a/R it is an upper
     estimate: at a/R = 0.5 small strain gives 1.11 of Hertz's load, finite strain 0.978 of it.
 
@@ -46,8 +46,8 @@ def fidelity(design: Design, *, elements: bool = True) -> xr.Dataset:
     ----------
     design : Design
     elements : bool
-        Whether to compute "fe", which takes about half a minute for each radius of the summits; with more
-        than four radii it is left out.
+        Whether to compute "fe", which takes about half a minute for each radius of the summits; it is left
+        out if there are more than four radii. Default: True.
 
     Returns
     -------
@@ -117,12 +117,12 @@ def _law_of_caps(caps: Caps, load: FloatArray) -> tuple[FloatArray, FloatArray]:
         return caps.solve(surface.height - separation)
 
     low = top
-    for k, wanted in enumerate(load / surface.material.composite_modulus):
+    for k, rescaled in enumerate(load / surface.material.composite_modulus):
         step = 0.02 * top
-        while loaded(low)[1].sum() < wanted:
+        while loaded(low)[1].sum() < rescaled:
             low, step = low - step, 1.5 * step
         separation[k] = brentq(
-            lambda s, wanted=wanted: loaded(s)[1].sum() - wanted, low, top, xtol=1e-15 * top, rtol=1e-14
+            lambda s, rescaled=rescaled: loaded(s)[1].sum() - rescaled, low, top, xtol=1e-15 * top, rtol=1e-14
         )
         area[k] = np.pi * (loaded(separation[k])[0] ** 2).sum()
     return area, separation

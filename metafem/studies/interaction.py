@@ -32,16 +32,16 @@ def interaction(design: Design, *, placements: int = 1000, rng: Any = 0) -> xr.D
     """Compare A0(P) and delta(P) of coupled asperities with those of independent ones.
 
     The change depends on the assignment of asperities to sites, which does not affect the law of
-    independent asperities. The study compares the design with many random assignments of its asperities to
-    its sites, and with one assignment that has the tallest asperities in the centre.
+    independent asperities. The design is compared with random assignments of its asperities to its sites,
+    and with one that has the tallest asperities in the centre.
 
     Parameters
     ----------
     design : Design
     placements : int
-        Number of random assignments.
-    rng
-        Seed or numpy Generator; default: 0.
+        Number of random assignments; default: 1000.
+    rng : int or numpy.random.Generator
+        Seed or generator; default: 0.
 
     Returns
     -------
@@ -92,28 +92,28 @@ def interaction(design: Design, *, placements: int = 1000, rng: Any = 0) -> xr.D
     load = rescaled * surface.material.composite_modulus
     return xr.Dataset(
         {
-            "area_change": (axes, np.array(change), _told("1", "change of A0 by interaction")),
+            "area_change": (axes, np.array(change), _units("1", "change of A0 by interaction")),
             "sinking": (
                 axes,
                 np.array(sinking),
-                _told("mm", "increase of the approach over independent asperities"),
+                _units("mm", "increase of the approach over independent asperities"),
             ),
             "centred_change": (
                 ("substrate", "load"),
                 np.array(centre),
-                _told("1", "change of A0, tallest in the centre"),
+                _units("1", "change of A0, tallest in the centre"),
             ),
             "placement_rms": (
                 ("substrate", "placement"),
                 np.array(spread),
-                _told("1", "rms change of A0 of random assignments"),
+                _units("1", "rms change of A0 of random assignments"),
             ),
         },
         {
             "substrate": list(substrates),
             "order": [1, 3],
-            "load": ("load", load, _told("N", "normal load")),
-            "rescaled_load": ("load", rescaled, _told("mm2", "load over E*")),
+            "load": ("load", load, _units("N", "normal load")),
+            "rescaled_load": ("load", rescaled, _units("mm2", "load over E*")),
         },
         {"study": "interaction", "notes": ""},
     )
@@ -122,7 +122,7 @@ def interaction(design: Design, *, placements: int = 1000, rng: Any = 0) -> xr.D
 def _areas(
     model: Interacting, surface: Surface, orders: list[IndexArray], rescaled: FloatArray
 ) -> FloatArray:
-    """Return A0 (m, k) with the asperities assigned to the sites in the given orders."""
+    """Return A0 (m, k) of m assignments of the asperities to the sites, at k loads."""
     if np.ptp(surface.radius) == 0.0:
         parts = [orders[k : k + AT_ONCE] for k in range(0, len(orders), AT_ONCE)]
         return np.concatenate(
@@ -139,5 +139,5 @@ def _areas(
     )
 
 
-def _told(units: str, long_name: str) -> dict[str, str]:
+def _units(units: str, long_name: str) -> dict[str, str]:
     return {"units": units, "long_name": long_name}

@@ -22,7 +22,21 @@ MICROMETRES = 1e3
 
 @dataclass(frozen=True)
 class Summary:
-    """A table of texts: title, column headings, rows and notes."""
+    """A table of texts that summarises a study.
+
+    Attributes
+    ----------
+    title : str
+    columns : tuple of str
+        Headings.
+    rows : tuple of tuple of str
+    notes : tuple of Note
+
+    Examples
+    --------
+    >>> Summary("Change of A0", ("model", "rms [%]"), (("layer", "0.21"),), ()).rows[0]
+    ('layer', '0.21')
+    """
 
     title: str
     columns: tuple[str, ...]
@@ -31,13 +45,36 @@ class Summary:
 
 
 def summary(study: Dataset) -> Summary:
-    """Return the table of a study; raises InvalidInput for an unknown study."""
+    """Return the table of a study.
+
+    Parameters
+    ----------
+    study : xarray.Dataset
+        Result of `interaction` or `fidelity`.
+
+    Returns
+    -------
+    Summary
+
+    Raises
+    ------
+    InvalidInput
+        For any other data set.
+
+    Examples
+    --------
+    >>> import metafem as mf
+    >>> template = mf.Surface.square_lattice(0.12, (2, 2), radius=0.526, material=mf.Material(1.36))
+    >>> design = mf.design(mf.OperatingPoints([0.01], [0.1]), template)
+    >>> summary(mf.studies.interaction(design, placements=5)).columns[:3]
+    ('substrate', 'order', 'rms [%]')
+    """
     name = study.attrs.get("study")
     if name not in _SUMMARIES:
         raise InvalidInput(f"there is no summary of a study {name!r}")
     title, columns, rows = _SUMMARIES[name](study)
-    words = (information(RANDOM),) if name == "interaction" else ()
-    return Summary(title, columns, rows, (*words, *from_lines(str(study.attrs["notes"]))))
+    remarks = (information(RANDOM),) if name == "interaction" else ()
+    return Summary(title, columns, rows, (*remarks, *from_lines(str(study.attrs["notes"]))))
 
 
 # Meaning of the last columns of the interaction's table.
@@ -51,12 +88,12 @@ Table = tuple[str, tuple[str, ...], tuple[tuple[str, ...], ...]]
 
 def _fidelity(study: Dataset) -> Table:
     load = study["load"].values
-    told = [int(np.abs(load - share * load[-1]).argmin()) for share in SHOWN_LOADS]
+    shown = [int(np.abs(load - fraction * load[-1]).argmin()) for fraction in SHOWN_LOADS]
     columns = (
         "model",
         "rms [%]",
         "largest [%]",
-        *(f"at {load[i]:.3g} N [%]" for i in told),
+        *(f"at {load[i]:.3g} N [%]" for i in shown),
         "A0 [mm²]",
         "separation [µm]",
         "plane lower by [µm]",
@@ -70,7 +107,7 @@ def _fidelity(study: Dataset) -> Table:
                 str(name),
                 f"{100.0 * _rms(change):.2f}",
                 f"{100.0 * _largest(change):+.2f}",
-                *(f"{100.0 * change[i]:+.2f}" for i in told),
+                *(f"{100.0 * change[i]:+.2f}" for i in shown),
                 f"{float(row.area[-1]):.5g}",
                 f"{MICROMETRES * float(row.separation[-1]):.2f}",
                 f"{MICROMETRES * float(row.sinking[-1]):+.2f}",
