@@ -92,13 +92,13 @@ def array(name: str, value: Any, *, shape: tuple[int | None, ...], positive: boo
         raise
     except (TypeError, ValueError, OverflowError, Warning):
         raise InvalidInput(f"{name} is not an array of numbers: {shown(value, 80)}") from None
-    wanted = "(" + ", ".join("n" if length is None else str(length) for length in shape) + ")"
+    required = "(" + ", ".join("n" if length is None else str(length) for length in shape) + ")"
     if result.ndim != len(shape) or any(
         length not in (None, have) for length, have in zip(shape, result.shape, strict=True)
     ):
-        raise InvalidInput(f"{name} has shape {result.shape}; it must have shape {wanted}")
+        raise InvalidInput(f"{name} has shape {result.shape}; it must have shape {required}")
     if result.size == 0:
-        raise InvalidInput(f"{name} is empty; it must have shape {wanted} with n > 0")
+        raise InvalidInput(f"{name} is empty; it must have shape {required} with n > 0")
     bad = np.argwhere(~np.isfinite(result))
     if bad.size:
         first = tuple(bad[0].tolist())
@@ -117,11 +117,11 @@ def array(name: str, value: Any, *, shape: tuple[int | None, ...], positive: boo
     return result
 
 
-def proportion(name: str, value: float, other: str, beside: float) -> None:
+def proportion(name: str, value: float, other: str, reference: float) -> None:
     """Refuse two lengths whose ratio exceeds the resolution of double precision."""
-    small, large = sorted((abs(value), abs(beside)))
+    small, large = sorted((abs(value), abs(reference)))
     if large > PROPORTION * small:
-        both = f"{label(name)} = {formatted(name, value)} and {label(other)} = {formatted(other, beside)}"
+        both = f"{label(name)} = {formatted(name, value)} and {label(other)} = {formatted(other, reference)}"
         raise InvalidInput(
             f"{both} differ by a factor of {large / small:.1g}; it must be at most {PROPORTION:.1g}, the "
             "resolution of double precision"
@@ -147,10 +147,10 @@ def loads(name: str, value: Any) -> FloatArray:
     return result
 
 
-def instance(name: str, value: Any, kind: type, wanted: str) -> None:
+def instance(name: str, value: Any, kind: type, required: str) -> None:
     """Refuse a value that is not an instance of `kind`, and a class in place of an instance."""
     if isinstance(value, type) or not isinstance(value, kind):
-        raise InvalidInput(f"{name} = {shown(value)} must be {wanted}")
+        raise InvalidInput(f"{name} = {shown(value)} must be {required}")
 
 
 def scalar(value: Any) -> bool:

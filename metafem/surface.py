@@ -151,8 +151,8 @@ class Surface(Value):
             radius = np.full(rows * columns, check.number("radius", radius, above=0.0))
         radii = check.array("radius", radius, shape=(rows * columns,))
         if radii.min() > 0.0:
-            for beside in (radii.min(), radii.max()):
-                check.proportion("pitch", step, "radius", float(beside))
+            for size in (radii.min(), radii.max()):
+                check.proportion("pitch", step, "radius", float(size))
         x = step * (np.arange(columns) - 0.5 * (columns - 1))
         y = step * (np.arange(rows) - 0.5 * (rows - 1))
         position = np.column_stack([np.tile(x, rows), np.repeat(y, columns)])

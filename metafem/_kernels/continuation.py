@@ -121,9 +121,9 @@ def predict(memory, points, width, ahead, target, radius, z):
 
 
 @compiled
-def tangent(field, order, radius, own, state, count, points, memory, scratch):
+def tangent(field, order, radius, self_term, state, count, points, memory, scratch):
     """Fill memory.last_rate = dz/dx and return dP/dx [mm]; dp/dP is kept in scratch.loads."""
-    matrix = refresh(field, order, radius, own, state, count, scratch, False)
+    matrix = refresh(field, order, radius, self_term, state, count, scratch, False)
     share = scratch.loads
     whole = compliance = 0.0
     for k in range(count):
@@ -141,10 +141,12 @@ def tangent(field, order, radius, own, state, count, points, memory, scratch):
         matrix, scratch.diagonal, state.closed, count, True, 1.0, scratch.rhs,
         TANGENT / compliance, warm, share, scratch.work,
     )  # fmt: skip
-    rates(own, state, count, shift, scratch, memory.last_rate)
+    rates(self_term, state, count, shift, scratch, memory.last_rate)
     for i in range(radius.size):
         memory.last_rate[i] /= shift
-    form = quadratic_form(field, order, radius, own, state, count, share, scratch.work[1], scratch.work[2])
+    form = quadratic_form(
+        field, order, radius, self_term, state, count, share, scratch.work[1], scratch.work[2]
+    )
     return 1.0 / form if good and form > 0.0 else math.inf
 
 
@@ -158,10 +160,10 @@ def independent_start(gap, radius, control, by_load, z):
 
 
 @compiled
-def curves(field, order, radius, own, gap, control, by_load, results, state, memory, scratch, trail):
-    """Fill the results (m, k) of m surfaces, and z (k, n) of the last where `trail` has room.
+def curves(field, order, radius, self_term, gap, control, by_load, results, state, memory, scratch, all_z):
+    """Fill the results (m, k) of m surfaces, and z (k, n) of the last where `all_z` has room.
 
-    radius, own and gap are (m, n), control (k,) holds increasing loads or approaches.
+    radius, self_term and gap are (m, n), control (k,) holds increasing loads or approaches.
     """
     n = gap.shape[1]
     share = np.zeros(n)
@@ -175,8 +177,8 @@ def curves(field, order, radius, own, gap, control, by_load, results, state, mem
                     state.z[i] = min(results.approach[row, j], 0.0) - gap[row, i]
                     state.indentation[i] = state.z[i]
                     state.load[i] = state.square[i] = 0.0
-                if trail.size > 0:
-                    copy(state.z, trail[j])
+                if all_z.size > 0:
+                    copy(state.z, all_z[j])
                 continue
             target = control[j] if by_load else 0.0
             alone = points == 0
@@ -187,13 +189,13 @@ def curves(field, order, radius, own, gap, control, by_load, results, state, mem
                     ahead = 0.0 if by_load else control[j] - x
                     start = x + predict(memory, points, width, ahead, target, radius[row], state.z)
                 new, count, load, residual = settle(
-                    field, order, radius[row], own[row], gap[row], start, target, state, scratch
+                    field, order, radius[row], self_term[row], gap[row], start, target, state, scratch
                 )
                 if residual <= TOLERANCE or alone:
                     break
                 alone = True  # predictions across new contacts can be wrong
-            if trail.size > 0:
-                copy(state.z, trail[j])
+            if all_z.size > 0:
+                copy(state.z, all_z[j])
             results.approach[row, j] = new
             results.load[row, j] = load
             results.residual[row, j] = residual
@@ -206,7 +208,7 @@ def curves(field, order, radius, own, gap, control, by_load, results, state, mem
             copy(state.z, memory.last)
             copy(share, scratch.loads)
             results.stiffness[row, j] = tangent(
-                field, order, radius[row], own[row], state, count, points, memory, scratch
+                field, order, radius[row], self_term[row], state, count, points, memory, scratch
             )
             copy(scratch.loads, share)
             width = new - x

@@ -94,7 +94,7 @@ def add_rows(matrix, closed, count, weight, out):
 
 
 @compiled
-def respond(field, order, radius, own, state):
+def respond(field, order, radius, self_term, state):
     """Fill the state that follows from its z; return the number of contacts."""
     z, load, closed = state.z, state.load, state.closed
     n = z.size
@@ -107,7 +107,7 @@ def respond(field, order, radius, own, state):
             count += 1
     u = state.displacement
     for i in range(n):
-        u[i] = own[i] * load[i]
+        u[i] = self_term[i] * load[i]
     add_rows(field.influence, closed, count, load, u)
     if order == 1:
         for i in range(n):
@@ -148,7 +148,7 @@ def respond(field, order, radius, own, state):
 
 @compiled
 def assemble(field, radius, state, count, matrix):
-    """Fill the rows of contacts of dF/dp, without the diagonal of Hertz and `own`.
+    """Fill the rows of contacts of dF/dp, without the diagonal of Hertz and `self_term`.
 
     Two terms are left out, squares of the order-3 corrections; the residual contains them.
     """
@@ -174,7 +174,7 @@ def assemble(field, radius, state, count, matrix):
 
 
 @compiled
-def quadratic_form(field, order, radius, own, state, count, y, out, rate):
+def quadratic_form(field, order, radius, self_term, state, count, y, out, rate):
     """Return y.(d2W/dp2) y with every term; y vanishes on open asperities. out, rate: scratch."""
     closed = state.closed
     out[:] = 0.0
@@ -183,7 +183,7 @@ def quadratic_form(field, order, radius, own, state, count, y, out, rate):
     for k in range(count):
         i = closed[k]
         compliance = state.bend[i] / hertz.stiffness(radius[i], state.z[i])
-        total += y[i] * (out[i] + (compliance + own[i]) * y[i])
+        total += y[i] * (out[i] + (compliance + self_term[i]) * y[i])
     if order == 1:
         return total
     rate[:] = 0.0

@@ -59,11 +59,11 @@ def empty_scratch(count: int, order: int) -> Scratch:
 
 
 @compiled
-def refresh(field, order, radius, own, state, count, scratch, always):
+def refresh(field, order, radius, self_term, state, count, scratch, always):
     """Fill the diagonal, and the matrix if needed; return the matrix."""
     for k in range(count):
         i = state.closed[k]
-        scratch.diagonal[i] = own[i] + state.bend[i] / hertz.stiffness(radius[i], state.z[i])
+        scratch.diagonal[i] = self_term[i] + state.bend[i] / hertz.stiffness(radius[i], state.z[i])
         always = always or not scratch.ready[i]
     if order == 1:
         return field.influence
@@ -76,24 +76,24 @@ def refresh(field, order, radius, own, state, count, scratch, always):
 
 
 @compiled
-def rates(own, state, count, shift, scratch, out):
+def rates(self_term, state, count, shift, scratch, out):
     """Fill the change of z on all rows for the last solution of loads and approach."""
     for i in range(out.size):
         out[i] = scratch.work[0, i] + shift
     for k in range(count):
         i = state.closed[k]
-        out[i] = (out[i] + (scratch.diagonal[i] - own[i]) * scratch.loads[i]) / state.bend[i]
+        out[i] = (out[i] + (scratch.diagonal[i] - self_term[i]) * scratch.loads[i]) / state.bend[i]
 
 
 @compiled
-def newton(field, order, radius, own, gap, approach, target, state, scratch):
+def newton(field, order, radius, self_term, gap, approach, target, state, scratch):
     """Solve from state.z and the approach; a target load > 0 makes the approach an unknown.
 
     Return the approach, the number of contacts, the load and the residual.
     """
     free = target > 0.0
     x = approach
-    count = respond(field, order, radius, own, state)
+    count = respond(field, order, radius, self_term, state)
     residual, load = measure(order, radius, gap, x, target, state, count)
     always = True
     for _ in range(MAX_STEPS):
@@ -102,11 +102,11 @@ def newton(field, order, radius, own, gap, approach, target, state, scratch):
         if count == 0:  # nothing to linearise: close all asperities that overlap
             for i in range(radius.size):
                 state.z[i] = x - gap[i]
-            count = respond(field, order, radius, own, state)
+            count = respond(field, order, radius, self_term, state)
             residual, load = measure(order, radius, gap, x, target, state, count)
             if count == 0:
                 break
-        matrix = refresh(field, order, radius, own, state, count, scratch, always)
+        matrix = refresh(field, order, radius, self_term, state, count, scratch, always)
         largest = 0.0
         for i in range(radius.size):
             scratch.rhs[i] = (x - gap[i]) - state.indentation[i] - state.displacement[i]
@@ -117,13 +117,13 @@ def newton(field, order, radius, own, gap, approach, target, state, scratch):
             leave, False, scratch.loads, scratch.work,
         )  # fmt: skip
         if order == 1 and not (good or free):  # the energy of order 3 has no minimum there
-            shift, good = downhill(own, matrix, state, count, leave, scratch)
+            shift, good = downhill(self_term, matrix, state, count, leave, scratch)
         if not good:
             residual = max(residual, 1.0)
             break
-        rates(own, state, count, shift, scratch, scratch.step)
+        rates(self_term, state, count, shift, scratch, scratch.step)
         x, count, load, new, whole = line_search(
-            field, order, radius, own, gap, x, shift, target, residual, count, state, scratch
+            field, order, radius, self_term, gap, x, shift, target, residual, count, state, scratch
         )
         # a matrix is reused if it gains two digits per step
         always = not whole or new > 1e-2 * residual
@@ -139,7 +139,7 @@ def newton(field, order, radius, own, gap, approach, target, state, scratch):
 
 
 @compiled
-def downhill(own, matrix, state, count, leave, scratch):
+def downhill(self_term, matrix, state, count, leave, scratch):
     """Solve for a step at a given approach with softer contacts, such that the matrix is positive."""
     raised = 1.0
     shift, good = 0.0, False
@@ -150,7 +150,7 @@ def downhill(own, matrix, state, count, leave, scratch):
         raised *= SOFTER
         for k in range(count):
             i = state.closed[k]
-            scratch.diagonal[i] = own[i] + SOFTER * (scratch.diagonal[i] - own[i])
+            scratch.diagonal[i] = self_term[i] + SOFTER * (scratch.diagonal[i] - self_term[i])
         shift, good = projected_cg.solve(
             matrix, scratch.diagonal, state.closed, count, False, 0.0, scratch.rhs,
             leave, False, scratch.loads, scratch.work,
@@ -159,12 +159,14 @@ def downhill(own, matrix, state, count, leave, scratch):
             break
     for k in range(count):
         i = state.closed[k]
-        scratch.diagonal[i] = own[i] + (scratch.diagonal[i] - own[i]) / raised
+        scratch.diagonal[i] = self_term[i] + (scratch.diagonal[i] - self_term[i]) / raised
     return shift, good
 
 
 @compiled
-def line_search(field, order, radius, own, gap, approach, shift, target, residual, count, state, scratch):
+def line_search(
+    field, order, radius, self_term, gap, approach, shift, target, residual, count, state, scratch
+):
     """Move z along the step until the energy, or the residual, falls enough; a full step is tried first.
 
     Return the approach, the number of contacts, the load, the residual, and whether the step is whole. At a
@@ -183,7 +185,7 @@ def line_search(field, order, radius, own, gap, approach, shift, target, residua
         for i in range(radius.size):
             state.z[i] = scratch.start[i] + length * scratch.step[i]
         x = approach + length * shift
-        count = respond(field, order, radius, own, state)
+        count = respond(field, order, radius, self_term, state)
         new, load = measure(order, radius, gap, x, target, state, count)
         if new <= (1.0 - 0.5 * length) * residual or new <= TOLERANCE:
             break
@@ -196,7 +198,7 @@ def line_search(field, order, radius, own, gap, approach, shift, target, residua
 
 
 @compiled
-def settle(field, order, radius, own, gap, approach, target, state, scratch):
+def settle(field, order, radius, self_term, gap, approach, target, state, scratch):
     """Solve by Newton's method at a given load or, if the target is 0, at the approach.
 
     If it stalls at a load, equilibria at given approaches bracket the load, which increases with the
@@ -207,7 +209,7 @@ def settle(field, order, radius, own, gap, approach, target, state, scratch):
     x = following = approach
     goal = target
     for _ in range(2 * MAX_BRACKET + 1):
-        end, count, load, residual = newton(field, order, radius, own, gap, x, goal, state, scratch)
+        end, count, load, residual = newton(field, order, radius, self_term, gap, x, goal, state, scratch)
         if target == 0.0 or (goal > 0.0) == (residual <= TOLERANCE):
             break  # solved at the load, or not solved at the approach
         if goal > 0.0:

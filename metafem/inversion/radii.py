@@ -20,7 +20,17 @@ TRIED_RADII = 7
 @checked_class
 @dataclass(frozen=True)
 class RadiusRange:
-    """Radii from one to another [mm], positive and increasing.
+    """Range of the radii that each asperity may have.
+
+    Parameters
+    ----------
+    low, high : float
+        Smallest and largest radius [mm], positive and increasing.
+
+    Raises
+    ------
+    InvalidInput
+        If `low` is not positive or `high` does not exceed it.
 
     Examples
     --------

@@ -37,7 +37,7 @@ class Relief:
     Attributes
     ----------
     image : (rows, columns, 4) ndarray
-        Lowest row first; transparent beside the block.
+        Lowest row first; transparent outside the block.
     extent : (float, float, float, float)
         Left, right, lower and upper edge [mm].
     factor : int

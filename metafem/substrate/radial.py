@@ -14,7 +14,14 @@ from metafem.surface import Surface
 
 
 class Radial:
-    """Influence 1/(pi r) of the half-space and a regular part, which subclasses define."""
+    """Influence 1/(pi r) of the half-space and a regular part, which subclasses define.
+
+    Examples
+    --------
+    >>> from metafem import HalfSpace
+    >>> isinstance(HalfSpace(), Radial)
+    True
+    """
 
     @property
     def name(self) -> str:

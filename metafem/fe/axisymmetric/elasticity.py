@@ -16,7 +16,7 @@ from metafem._validate import FloatArray, IntArray
 from metafem.fe.axisymmetric.geometry import Geometry
 from metafem.fe.linear_solve import LinearStatus, solve
 
-# Gauss points per direction beyond the degree: the elements' own polynomials need one, the analytic
+# Gauss points per direction beyond the degree: the polynomials of the elements need one, the analytic
 # maps and 1/r are resolved by the others.
 EXTRA_POINTS = 3
 

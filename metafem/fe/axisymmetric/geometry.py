@@ -53,7 +53,7 @@ class Oblate:
 
     ``r + i z = a cosh(mu + i phi)`` with the plane's coordinates (phi, mu): the disc is mu = 0, the free
     surface phi = 0, the axis phi = pi/2. The inverse is a square root at the edge of the disc, so that
-    the stresses' own square roots become polynomials.
+    the square roots in the stresses become polynomials.
     """
 
     radius: float
