@@ -31,12 +31,19 @@ INDEPENDENT = (
 
 def rows() -> list[Row]:
     """Measure designs, laws, commands and the claims of the independent model."""
+    points = fig3()
+
+    def coupled(substrate: mf.HalfSpace | mf.BondedLayer) -> mf.Design:
+        return mf.design(points.target, points.template, mf.Interacting(substrate=substrate), points.limits)
+
     measured = [
         Row(f"one design, {name}", allowed, 1e3 * best(work, 10), "ms")
         for name, allowed, work in (
             ("operating points", 20.0, fig3),
             ("linear law", 2.0, lambda: fig4("red")),
             ("bilinear law", 20.0, lambda: fig5("red")),
+            ("operating points on a half-space", 15.0, lambda: coupled(mf.HalfSpace())),
+            ("operating points on a layer", 15.0, lambda: coupled(mf.BondedLayer())),
         )
     ]
     height = np.random.default_rng(0).exponential(0.03, (SURFACES, ASPERITIES))
