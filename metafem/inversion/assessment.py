@@ -74,14 +74,12 @@ def assess(problem: Problem, candidate: Candidate, surface: Surface) -> Assessme
         for branch, rows in zip(branches, on_branches, strict=True)
     )
     misfit = _misfit(candidate, area[at_target], [fit.slope for _, fit in fits])
-    opened = problem.target.open_parameters(target_law, area[at_target]) if target_law.is_open else {}
-    return Assessment(
-        law=law,
-        fits=fits,
-        misfit=misfit,
-        status=status_of(candidate, misfit),
-        parameters={**candidate.parameters, **opened},
-    )
+    parameters = dict(candidate.parameters)
+    if target_law.is_open:
+        parameters |= problem.target.open_parameters(target_law, area[at_target])
+    if candidate.unrounded is not None:
+        parameters["step_loss"] = misfit - candidate.unrounded
+    return Assessment(law, fits, misfit, status_of(candidate, misfit), parameters)
 
 
 def misfit_of(candidate: Candidate, area: Callable[[FloatArray], FloatArray]) -> float:

@@ -46,28 +46,11 @@ class Candidate:
     A strategy returns the heights of independent asperities, tallest first and without `sites`. The later
     steps of a design assign them to sites of the template and may move them.
 
-    Attributes
-    ----------
-    height, radius : ndarray, (n,)
-        Heights above the base plane and radii [mm].
-    parameters : mapping
-        What was solved for.
-    target_law : TargetLaw
-        The law with which that of the heights is compared: of the target, or of a height density.
-    branches : tuple of Branch
-        Straight branches of the target.
-    density : PiecewiseExponential or None
-        The height density from which the heights follow.
-    notes : tuple of Note
-    stepped : bool
-        Whether the heights are already on the levels of the limits.
-    lowest_level : float or None
-        Given for points that are to be met exactly: below this height [mm] asperities can be added that
-        another model needs.
-    sites : ndarray of int, (n,)
-        Sites of the template, increasing; empty until the heights are assigned.
-    moved : bool
-        Whether the heights differ from those of independent asperities.
+    The law of the heights is compared with `target_law`, that of the target or of a height density.
+    `stepped` heights are already on the levels of the limits, `moved` ones differ from those of independent
+    asperities; `unrounded` is the misfit before heights were rounded to steps. `lowest_level` [mm] is given
+    for points that are to be met exactly: below it asperities can be added that another model needs.
+    `sites` (n,) are those of the template, increasing.
     """
 
     height: FloatArray
@@ -81,6 +64,7 @@ class Candidate:
     lowest_level: float | None = None
     sites: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     moved: bool = False
+    unrounded: float | None = None
 
     @property
     def exact(self) -> bool:

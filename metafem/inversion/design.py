@@ -12,11 +12,11 @@ from metafem import _validate as check
 from metafem._calls import checked_call
 from metafem._validate import FloatArray
 from metafem.errors import Infeasible
-from metafem.inversion.assessment import EXACT, assess, model_misfit
+from metafem.inversion.assessment import EXACT, assess
 from metafem.inversion.candidate import Parameter
 from metafem.inversion.design_notes import design_notes
 from metafem.inversion.feasibility import achievable_friction_coefficients
-from metafem.inversion.height_steps import rounded_to_steps, step_note
+from metafem.inversion.height_steps import rounded_to_steps
 from metafem.inversion.limits import Limits
 from metafem.inversion.placement.layout import Layout, arranged
 from metafem.inversion.problem import Problem
@@ -136,19 +136,10 @@ def design(
     candidate = candidate.placed(permutation[: len(candidate.height)], problem.limits.foot)
     candidate = arranged(problem, candidate, generator)
     candidate = refined(problem, candidate, generator)
-    surface, step_loss = candidate.surface(template), 0.0
-    steps = problem.limits.height_step is not None and (problem.model.couples or not candidate.stepped)
-    if steps:
-        before = model_misfit(candidate, surface, problem.model)
-        candidate = rounded_to_steps(problem, candidate)
-        surface = candidate.surface(template)
+    candidate = rounded_to_steps(problem, candidate)
+    surface = candidate.surface(template)
     found = assess(problem, candidate, surface)
-    notes = candidate.notes
-    if steps:
-        step_loss = found.misfit - before
-        notes = (*notes, step_note(problem.limits, before, found.misfit))
-        found.parameters["step_loss"] = step_loss
-    notes = (*notes, *design_notes(problem, candidate, surface, found, step_loss))
+    notes = (*candidate.notes, *design_notes(problem, candidate, surface, found))
     return Design(
         surface=surface,
         law=found.law,
@@ -219,11 +210,11 @@ def _with_common_radius(problem: Problem, rng: np.random.Generator) -> Design:
         "radius_misfits": np.array([found[radius].misfit for radius in tried.tolist()]),
         **_coefficients(problem, tried),
     }
-    if not refused:
-        return replace(result, parameters=parameters)
-    which = ", ".join(f"{radius:.4g}" for radius in sorted(refused))
-    note = information(f"radii that cannot reach the target [mm]: {which}; {refused[min(refused)]}")
-    return replace(result, parameters=parameters, notes=when_read(lambda: (*result.notes, note)))
+    notes: list[Note] = []
+    if refused:
+        which = ", ".join(f"{radius:.4g}" for radius in sorted(refused))
+        notes = [information(f"radii that cannot reach the target [mm]: {which}; {refused[min(refused)]}")]
+    return replace(result, parameters=parameters, notes=when_read(lambda: (*result.notes, *notes)))
 
 
 def _radii_in_use(problem: Problem, surface: Surface) -> dict[str, Parameter]:

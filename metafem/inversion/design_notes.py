@@ -15,9 +15,10 @@ from metafem.inversion.assessment import (
     misfit_meaning,
 )
 from metafem.inversion.candidate import Candidate
+from metafem.inversion.limits import Limits
 from metafem.inversion.problem import Problem
 from metafem.inversion.strategies.proportional import reached_line
-from metafem.notes import Level, Note
+from metafem.notes import Level, Note, information
 from metafem.surface import Surface
 
 # Heights should be larger than the height errors by at least this factor.
@@ -28,15 +29,15 @@ ALL_OF_IT = 1e-6
 
 
 def design_notes(
-    problem: Problem, candidate: Candidate, surface: Surface, found: Assessment, step_loss: float
+    problem: Problem, candidate: Candidate, surface: Surface, found: Assessment
 ) -> tuple[Note, ...]:
-    """Return notes on a straight target that is missed, and on heights that are hard to make."""
-    limits = problem.limits
+    """Return notes on height steps, heights that are hard to make, and a straight target that is missed."""
+    limits, before = problem.limits, candidate.unrounded
+    notes = [] if before is None else [step_note(limits, before, found.misfit)]
     allowed = limits.span if limits.height_step is None else float(np.ptp(limits.levels))
-    by_steps = found.misfit - step_loss <= REACHED
+    by_steps = before is not None and before <= REACHED
     full = float(np.ptp(surface.height)) >= allowed * (1.0 - ALL_OF_IT)
     held = full and found.status is DesignStatus.MISSED and not by_steps
-    notes = []
     if held:
         steps = "" if limits.height_step is None else ", from the lowest to the highest step"
         words = f"the heights use the whole allowed range of {allowed:g} mm{steps}: raise max_height"
@@ -52,6 +53,17 @@ def design_notes(
         elif candidate.branches and law.pointwise and independent_misfit(candidate) > REACHED:
             notes.append(_line(problem, held))
     return tuple(notes)
+
+
+def step_note(limits: Limits, before: float, after: float) -> Note:
+    """Return the note that states the misfits before and after the rounding."""
+    aside = ": the search over steps found a better law than that over free heights" if after < before else ""
+    if after > REACHED >= before:
+        aside = f"; a smaller height_step brings it below {100.0 * REACHED:g} %"
+    return information(
+        f"heights are on steps of {1e3 * (limits.height_step or 0.0):.4g} um: the misfit is "
+        f"{100.0 * after:.3g} %; before rounding to them it was {100.0 * before:.3g} %{aside}"
+    )
 
 
 def _density(problem: Problem, found: Assessment) -> Note:

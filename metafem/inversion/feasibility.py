@@ -206,7 +206,7 @@ def feasible_region(
     load = check.array("rescaled_load", rescaled_load, shape=(None,))
     if load.min() <= 0.0:
         check.number("rescaled_load", float(load.min()), above=0.0)
-    choice = Radii.common(template) if radii is None else Radii.given(radii)
+    choice = Radii.given(radii, template)
     low, high = friction_bounds(load, choice, template.count)
     beyond = load > largest_load(choice, template.count, limits)
     return np.where(beyond, np.nan, low), np.where(beyond, np.nan, high)
@@ -258,7 +258,7 @@ def achievable_friction_coefficients(
     check.instance("limits", limits, Limits, "metafem.Limits")
     if template.friction is None:
         raise InvalidInput("template has no friction; a friction coefficient needs metafem.Friction")
-    choice = Radii.common(template) if radii is None else Radii.given(radii)
+    choice = Radii.given(radii, template)
     per_slope = (
         template.friction.shear_strength * template.friction.area_ratio / template.material.composite_modulus
     )

@@ -7,24 +7,24 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from metafem._validate import FloatArray, IntArray
-from metafem.inversion.assessment import REACHED
+from metafem.inversion.assessment import model_misfit
 from metafem.inversion.candidate import Candidate, Parameter
-from metafem.inversion.limits import Limits
 from metafem.inversion.problem import Problem
 from metafem.inversion.search.levenberg_marquardt import Residual
 from metafem.inversion.search.options import SearchOptions
-from metafem.notes import Note, information
 
 
 def rounded_to_steps(problem: Problem, candidate: Candidate) -> Candidate:
-    """Return the candidate with heights on the steps of the limits.
+    """Return the candidate with heights on the steps of the limits, if there are any.
 
     Each height is rounded to the nearest level. Then one or two heights at a time are changed by one step,
     as long as that lowers the misfit under the model (or under its `gradient_model`, where it has no
     sensitivities). With many asperities the heights are only rounded.
     """
-    solver, law, levels = problem.model.gradient_model, candidate.target_law, problem.limits.levels
-    surface = candidate.surface(problem.template)
+    model, limits, law = problem.model, problem.limits, candidate.target_law
+    if limits.height_step is None or (candidate.stepped and not model.couples):
+        return candidate
+    solver, levels, surface = model.gradient_model, limits.levels, candidate.surface(problem.template)
 
     def residual(height: FloatArray) -> tuple[FloatArray, FloatArray]:
         found = solver.sensitivity(surface, law.load, height)
@@ -38,18 +38,8 @@ def rounded_to_steps(problem: Problem, candidate: Candidate) -> Candidate:
     used, counts = np.unique(index, return_counts=True)
     result = candidate.with_heights(levels[index])
     steps: dict[str, Parameter] = {"step_levels": levels[used], "step_counts": counts.astype(np.int64)}
-    return replace(result, parameters={**result.parameters, **steps})
-
-
-def step_note(limits: Limits, before: float, after: float) -> Note:
-    """Return the note that states the misfits before and after the rounding."""
-    aside = ": the search over steps found a better law than that over free heights" if after < before else ""
-    if after > REACHED >= before:
-        aside = f"; a smaller height_step brings it below {100.0 * REACHED:g} %"
-    return information(
-        f"heights are on steps of {1e3 * (limits.height_step or 0.0):.4g} um: the misfit is "
-        f"{100.0 * after:.3g} %; before rounding to them it was {100.0 * before:.3g} %{aside}"
-    )
+    before = model_misfit(candidate, surface, model)
+    return replace(result, parameters={**result.parameters, **steps}, unrounded=before)
 
 
 @dataclass(frozen=True, eq=False)

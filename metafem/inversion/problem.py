@@ -55,7 +55,7 @@ class Problem:
         check.instance("limits", bounds, Limits, "metafem.Limits")
         if layout is not None:
             check.instance("layout", layout, Layout, "metafem.Layout")
-        choice = Radii.common(template) if radii is None else Radii.given(radii)
+        choice = Radii.given(radii, template)
         return cls(target, template, choice, solver, bounds, layout)
 
     @property

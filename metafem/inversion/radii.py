@@ -60,21 +60,18 @@ class Radii:
         return cls(radius, radius, (radius,))
 
     @classmethod
-    def common(cls, template: Surface) -> Radii:
-        """The radius that all asperities of a template share."""
-        radius = float(template.radius[0])
-        if (template.radius != radius).any():
-            raise InvalidInput(
-                f"template.radius runs from {template.radius.min():g} to {template.radius.max():g} mm; "
-                "one common radius is needed here, and the argument radii allows several"
-            )
-        return cls.of(radius)
-
-    @classmethod
-    def given(cls, radii: RadiusRange | Sequence[float]) -> Radii:
-        """A range or a list of tools, as passed by the user."""
+    def given(cls, radii: RadiusRange | Sequence[float] | None, template: Surface | None = None) -> Radii:
+        """A range, a list of tools, or by default the radius that all asperities of a template share."""
         if isinstance(radii, RadiusRange):
             return cls(radii.low, radii.high, None)
+        if radii is None and template is not None:
+            radius = template.radius
+            if (radius != radius[0]).any():
+                raise InvalidInput(
+                    f"template.radius runs from {radius.min():g} to {radius.max():g} mm; one common radius "
+                    "is needed here, and the argument radii allows several"
+                )
+            return cls.of(float(radius[0]))
         tools = np.unique(check.array("radii", radii, shape=(None,)))
         if tools[0] <= 0.0:
             raise InvalidInput(f"radii holds {tools[0]:g}; all must be greater than 0")

@@ -5,7 +5,7 @@ import pytest
 
 import metafem as mf
 from metafem.inversion import DesignStatus
-from metafem.inversion.height_steps import step_note
+from metafem.inversion.design_notes import step_note
 from tests.models.scenes import said
 
 STEP = 0.006

@@ -18,7 +18,7 @@ from metafem.contact import Hertz
 from metafem.errors import InvalidInput
 from metafem.inversion.placement.exchange import Coupled, Forecast, Joined, Tilted
 from metafem.inversion.placement.sites import Sites
-from metafem.models import Independent, Model, Sensitivity
+from metafem.models import Independent, Model
 from metafem.surface import STEEPEST, Surface
 
 # The misalignment for which Aymard et al. state the change of their laws, doi:10.1126/science.adk4234.
@@ -90,7 +90,7 @@ class FollowLaw(Value):
 
         The gradient and the loads are those of the given arrangement.
         """
-        found = _sensitivity(surface, model, self.rescaled_load)
+        found = model.gradient_model.sensitivity(surface, self.rescaled_load)
         load = Hertz().load_at_indentation(found.indentation, surface.radius)
         weight = -found.gradient / (self._target(surface)[:, None] * math.sqrt(len(load)))
         rows = sites.indices(surface.position)
@@ -149,7 +149,7 @@ class InsensitiveToTilt(Value):
 
     def forecast(self, surface: Surface, model: Model, sites: Sites) -> Forecast:
         """Return the changes of independent asperities with the present loads: sums over the sites."""
-        found = _sensitivity(surface, model, self.rescaled_load)
+        found = model.gradient_model.sensitivity(surface, self.rescaled_load)
         depth, radius = found.indentation, surface.radius
         rate = math.pi * np.where(depth > 0.0, radius, 0.0).sum(axis=1)
         rate /= 2.0 * np.sqrt(radius * np.maximum(depth, 0.0)).sum(axis=1)
@@ -214,11 +214,6 @@ class Together:
         """Return the forecasts of all objectives, each times the square root of its weight."""
         parts = tuple(part.forecast(surface, model, sites) for part in self.objectives)
         return Joined(tuple(math.sqrt(w) for w in self.weights), parts)
-
-
-def _sensitivity(surface: Surface, model: Model, load: FloatArray) -> Sensitivity:
-    """Return the law and its sensitivity to the heights."""
-    return model.gradient_model.sensitivity(surface, load)
 
 
 def _spread(values: FloatArray, rows: IntArray, sites: Sites, vacant: float) -> FloatArray:

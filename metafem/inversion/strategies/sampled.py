@@ -21,8 +21,8 @@ def candidate(
 ) -> Candidate:
     """Return heights and radii whose independent law is nearest to the target."""
     law, limits, options = target.curve(), problem.limits, problem.options
-    low, high = friction_bounds(law.load, problem.radii, problem.count)
-    guesses = target.guesses(law, low, high, options.level_fractions)
+    bounds = friction_bounds(law.load, problem.radii, problem.count)
+    guesses = target.guesses(law, bounds, options.level_fractions)
     most = options.restarts if restarts is None else restarts
     task = LawSearch(
         law.load, law.residual, guesses, problem.count, limits.span, most, rng, options.goal, options

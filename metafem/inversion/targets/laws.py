@@ -23,7 +23,7 @@ from metafem.inversion.feasibility import (
     refuse_load,
 )
 from metafem.inversion.strategies import operating_points, sampled
-from metafem.inversion.targets.target import LoadRange, Target
+from metafem.inversion.targets.target import Bounds, LoadRange, Target
 from metafem.inversion.targets.target_law import TargetLaw
 from metafem.inversion.targets.wording import RESCALED, Wording, in_title
 from metafem.surface import Friction, Material
@@ -240,9 +240,7 @@ class PowerLaw(Target):
     ) -> PowerLaw:
         """Law with the least-squares exponent and prefactor through points P, F, (k >= 2,) [N]."""
         wording = Wording.of(material, friction)
-        x, y = wording.rescaled(load, friction_force)
-        if len(x) < 2:
-            raise InvalidInput(f"load holds {len(x)} value; an exponent needs at least 2 points")
+        x, y = wording.rescaled(load, friction_force, "an exponent", 2)
         exponent, height = np.polyfit(np.log(x), np.log(y), 1)
         return cls(float(exponent), (float(x[0]), float(x[-1])), float(np.exp(height)), wording)
 
@@ -266,13 +264,11 @@ class PowerLaw(Target):
             return TargetLaw.fixed(load, self.prefactor * shape)
         return TargetLaw(load, np.zeros(POINTS), shape[:, None], np.ones(POINTS))
 
-    def guesses(
-        self, law: TargetLaw, low: FloatArray, high: FloatArray, fractions: tuple[float, ...]
-    ) -> list[FloatArray]:
+    def guesses(self, law: TargetLaw, bounds: Bounds, fractions: tuple[float, ...]) -> list[FloatArray]:
         """Return powers with several prefactors between the bounds where the prefactor is free."""
         if self.prefactor is not None:
             return [law.base]
-        shape = law.free[:, 0]
+        (low, high), shape = bounds, law.free[:, 0]
         least, most = float((low / shape).max()), float((high / shape).min())
         return [shape * least * (most / least) ** fraction for fraction in fractions]
 

@@ -24,7 +24,7 @@ from metafem.inversion.feasibility import (
     single_friction,
 )
 from metafem.inversion.strategies import sampled
-from metafem.inversion.targets.target import LoadRange, Target
+from metafem.inversion.targets.target import Bounds, LoadRange, Target
 from metafem.inversion.targets.target_law import TargetLaw
 from metafem.inversion.targets.wording import RESCALED, Wording
 from metafem.surface import Friction, Material
@@ -115,9 +115,7 @@ class MultilinearLaw(Target):
     ) -> MultilinearLaw:
         """Law of the slopes of the straight lines between points P, F, (b + 1,) [N]."""
         wording = Wording.of(material, friction)
-        x, y = wording.rescaled(load, friction_force)
-        if len(x) < 2:
-            raise InvalidInput(f"load holds {len(x)} value; a branch needs 2 points")
+        x, y = wording.rescaled(load, friction_force, "a branch", 2)
         return cls(np.diff(y) / np.diff(x), x[1:-1].tolist(), (float(x[0]), float(x[-1])), wording)
 
     @property
@@ -169,11 +167,9 @@ class MultilinearLaw(Target):
         free = np.eye(column + 1)[group]
         return TargetLaw(np.concatenate(loads), np.concatenate(base), free, np.ones(len(group)))
 
-    def guesses(
-        self, law: TargetLaw, low: FloatArray, high: FloatArray, fractions: tuple[float, ...]
-    ) -> list[FloatArray]:
+    def guesses(self, law: TargetLaw, bounds: Bounds, fractions: tuple[float, ...]) -> list[FloatArray]:
         """Return the branches with several intercepts of the first group between the bounds."""
-        found = []
+        (low, high), found = bounds, []
         for fraction in fractions:
             guess = np.empty_like(law.load)
             for column in range(law.free.shape[1]):

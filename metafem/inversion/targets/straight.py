@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -37,9 +38,20 @@ class StraightLaw(Target):
         """Last rescaled load of the target [mm^2]; None without a load range: the density decides it."""
         return None if self.load_range is None else self.load_range[1]
 
+    @property
+    def branches(self) -> tuple[tuple[float, LoadRange], ...]:
+        """Slope and load range of each line; none without a load range."""
+        if self.load_range is None:
+            return ()
+        low, high = self.load_range
+        ends = [low, *(start for _, start in self.lines[1:]), high]
+        return tuple((slope, part) for (slope, _), part in zip(self.lines, pairwise(ends), strict=True))
+
     def line(self, rescaled_load: FloatArray) -> FloatArray:
         """Return the friction of the lines at rescaled loads, (k,) [mm^2]."""
-        raise NotImplementedError
+        starts = [*(start for _, start in self.lines), np.inf]
+        parts = (np.clip(rescaled_load, low, high) - low for low, high in pairwise(starts))
+        return np.asarray(sum(slope * part for (slope, _), part in zip(self.lines, parts, strict=True)))
 
     def curve(self) -> TargetLaw:
         """Return the lines over the load range.
@@ -120,9 +132,7 @@ class LinearLaw(StraightLaw):
     ) -> LinearLaw:
         """Law with the least-squares slope through points P_i, F_i, (k >= 2,) [N]."""
         wording = Wording.of(material, friction)
-        x, y = wording.rescaled(load, friction_force)
-        if len(x) < 2:
-            raise InvalidInput(f"load holds {len(x)} value; a slope needs at least 2 points")
+        x, y = wording.rescaled(load, friction_force, "a slope", 2)
         return cls(float(np.polyfit(x, y, 1)[0]), wording=wording)
 
     @property
@@ -142,15 +152,6 @@ class LinearLaw(StraightLaw):
     def lines(self) -> tuple[tuple[float, float], ...]:
         """Slope of the line through the origin, and the load 0 from which it holds."""
         return ((self.slope, 0.0),)
-
-    @property
-    def branches(self) -> tuple[tuple[float, LoadRange], ...]:
-        """Slope and load range of the line; none without a load range."""
-        return () if self.load_range is None else ((self.slope, self.load_range),)
-
-    def line(self, rescaled_load: FloatArray) -> FloatArray:
-        """Return the friction of the line at rescaled loads, (k,) [mm^2]."""
-        return np.asarray(self.slope * rescaled_load)
 
     def candidate(self, problem: Problem, rng: np.random.Generator) -> Candidate:
         """Return heights of an exponential density, or with a load range of the line itself."""
@@ -251,19 +252,6 @@ class BilinearLaw(StraightLaw):
     def lines(self) -> tuple[tuple[float, float], ...]:
         """Slope of each line, and the load from which it holds [mm^2]."""
         return (self.slopes[0], 0.0), (self.slopes[1], self.crossover_load)
-
-    @property
-    def branches(self) -> tuple[tuple[float, LoadRange], ...]:
-        """Slope and load range of each line; none without a load range."""
-        if self.load_range is None:
-            return ()
-        (first, second), (low, high) = self.slopes, self.load_range
-        return (first, (low, self.crossover_load)), (second, (self.crossover_load, high))
-
-    def line(self, rescaled_load: FloatArray) -> FloatArray:
-        """Return the friction of the lines at rescaled loads, (k,) [mm^2]."""
-        below = np.minimum(rescaled_load, self.crossover_load)
-        return np.asarray(self.slopes[0] * below + self.slopes[1] * (rescaled_load - below))
 
     def candidate(self, problem: Problem, rng: np.random.Generator) -> Candidate:
         """Return heights of a density of two exponentials, or with a load range of the lines themselves."""

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.inversion.targets.target_law import TargetLaw
 from metafem.inversion.targets.wording import Wording
@@ -16,6 +17,9 @@ if TYPE_CHECKING:
 
 LoadRange = tuple[float, float]
 
+# Lowest and highest friction (k,) [mm^2].
+Bounds = tuple[FloatArray, FloatArray]
+
 
 class Target:
     """Base of the target friction laws, in rescaled load P/E* and friction F/(sigma B) [mm^2]."""
@@ -24,7 +28,8 @@ class Target:
 
     def _set(self, wording: Wording, **members: Any) -> None:
         """Set the members of a frozen target."""
-        for name, value in {**members, "wording": Wording.checked(wording)}.items():
+        check.instance("wording", wording, Wording, "a Wording, as from_friction_coefficient sets it")
+        for name, value in {**members, "wording": wording}.items():
             object.__setattr__(self, name, value)
 
     @property
@@ -51,10 +56,8 @@ class Target:
         """Return the law at the loads at which a design is compared with it."""
         raise NotImplementedError
 
-    def guesses(
-        self, law: TargetLaw, low: FloatArray, high: FloatArray, fractions: tuple[float, ...]
-    ) -> list[FloatArray]:
-        """Return laws (k,) for initial guesses, between bounds of the friction (k,) at the loads of `law`.
+    def guesses(self, law: TargetLaw, bounds: Bounds, fractions: tuple[float, ...]) -> list[FloatArray]:
+        """Return laws (k,) for initial guesses, between bounds of the friction at the loads of `law`.
 
         Where the target leaves its level open, there is one for each fraction of the possible levels.
         """

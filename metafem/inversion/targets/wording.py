@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
+from metafem.errors import InvalidInput
 from metafem.surface import Friction, Material
 
 # Digits of a friction coefficient or force after the conversion to its rescaled value and back: a number
@@ -52,12 +53,6 @@ class Wording:
         check.instance("material", material, Material, "a metafem.Material")
         check.instance("friction", friction, Friction, "a metafem.Friction")
         return cls(material.composite_modulus, friction.shear_strength * friction.area_ratio)
-
-    @staticmethod
-    def checked(given: Wording) -> Wording:
-        """Return the argument if it is a Wording, or raise InvalidInput."""
-        check.instance("wording", given, Wording, "a Wording, as from_friction_coefficient sets it")
-        return given
 
     @property
     def per_slope(self) -> float | None:
@@ -107,9 +102,7 @@ class Wording:
 
     def loads(self, *loads: float) -> str:
         """Return rescaled loads in words: ``0.05 to 0.2 mm^2``."""
-        factor = self.composite_modulus or 1.0
-        unit = "mm^2" if self.composite_modulus is None else "N"
-        return f"{' to '.join(f'{_digits(factor * load, DIGITS):.6g}' for load in loads)} {unit}"
+        return _stated(loads, self.composite_modulus)
 
     def load_bound(self, load: float, *, up: bool) -> str:
         """Return a bound on loads in words, rounded to the reachable side."""
@@ -123,13 +116,15 @@ class Wording:
 
     def frictions(self, *frictions: float) -> str:
         """Return rescaled frictions in words: ``0.84 to 1.68 mm^2``."""
-        factor = self.shear_stress or 1.0
-        unit = "mm^2" if self.shear_stress is None else "N"
-        return f"{' to '.join(f'{_digits(factor * friction, DIGITS):.6g}' for friction in frictions)} {unit}"
+        return _stated(frictions, self.shear_stress)
 
-    def rescaled(self, load: ArrayLike, friction_force: ArrayLike) -> tuple[FloatArray, FloatArray]:
-        """Return P/E* and F/(sigma B) of increasing loads and friction forces [N]."""
+    def rescaled(
+        self, load: ArrayLike, friction_force: ArrayLike, use: str = "a law", least: int = 1
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return P/E* and F/(sigma B) of increasing loads and friction forces [N], at least so many."""
         newtons = check.increasing("load", check.array("load", load, shape=(None,)))
+        if len(newtons) < least:
+            raise InvalidInput(f"load holds {len(newtons)} value; {use} needs at least {least} points")
         force = check.array("friction_force", friction_force, shape=(len(newtons),))
         force = check.increasing("friction_force", force)
         return newtons / (self.composite_modulus or 1.0), force / (self.shear_stress or 1.0)
@@ -146,6 +141,12 @@ def in_title(words: str) -> str:
 
 def _digits(value: float, digits: int) -> float:
     return float(f"{value:.{digits}g}")
+
+
+def _stated(values: tuple[float, ...], factor: float | None) -> str:
+    """Return rescaled values in mm^2, or times a factor in N."""
+    digits = (f"{_digits((factor or 1.0) * value, DIGITS):.6g}" for value in values)
+    return f"{' to '.join(digits)} {'mm^2' if factor is None else 'N'}"
 
 
 def _rounded(value: float, up: bool) -> float:
