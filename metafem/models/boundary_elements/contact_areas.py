@@ -43,39 +43,29 @@ STEPS = ((1, 0), (0, 1), (1, 1), (1, -1), (-1, 0), (0, -1), (-1, -1), (-1, 1))
 
 @dataclass(frozen=True, eq=False)
 class Contacts:
-    """Loads and areas of the asperities, in units of the cell.
+    """Loads and areas of the asperities (n,), in units of the cell."""
 
-    Attributes
-    ----------
-    load : ndarray, (n,)
-        Sum of p/E* over the cells on which the asperity is the highest.
-    area : ndarray, (n,)
-        Contact area on these cells.
-    deformed : ndarray, (n,)
-        Whether the contact is no Hertzian ellipse, so that its area is that within its edge.
-    merged : ndarray, (m, 2)
-        Pairs of asperities whose contacts share an edge of a cell.
-    """
-
-    load: FloatArray
-    area: FloatArray
-    deformed: NDArray[np.bool_]
-    merged: IntArray
+    load: FloatArray  # sum of p/E* over the cells on which the asperity is the highest
+    area: FloatArray  # contact area on these cells
+    deformed: NDArray[
+        np.bool_
+    ]  # whether the contact is no Hertzian ellipse: its area is that within its edge
+    merged: IntArray  # pairs of asperities whose contacts share an edge of a cell, (m, 2)
 
 
 def measure(patches: list[Patch], pressure: list[FloatArray], count: int) -> Contacts:
     """Add up the pressure of each asperity, and find contacts that have merged."""
     load, area, ellipse = np.zeros((3, count))
     pairs = []
-    for place, p in zip(patches, pressure, strict=True):
+    for patch, p in zip(patches, pressure, strict=True):
         closed = p > 0.0
         for a, b in ((np.s_[1:, :], np.s_[:-1, :]), (np.s_[:, 1:], np.s_[:, :-1])):
-            met = closed[a] & closed[b] & (place.owner[a] != place.owner[b])
-            pairs.append(np.stack([place.owner[a][met], place.owner[b][met]], axis=1))
-        load += np.bincount(place.owner.ravel(), p.ravel(), count)
-        area += _areas(p, place.owner, count)
-        for i in np.unique(place.owner[closed]):
-            ellipse[i] = _ellipse(np.where(place.owner == i, p, 0.0) / load[i])
+            met = closed[a] & closed[b] & (patch.owner[a] != patch.owner[b])
+            pairs.append(np.stack([patch.owner[a][met], patch.owner[b][met]], axis=1))
+        load += np.bincount(patch.owner.ravel(), p.ravel(), count)
+        area += _areas(p, patch.owner, count)
+        for i in np.unique(patch.owner[closed]):
+            ellipse[i] = _ellipse(np.where(patch.owner == i, p, 0.0) / load[i])
     merged = np.unique(np.sort(np.concatenate(pairs), axis=1), axis=0)
     difference = DIFFERENCE * math.pi + DIFFERENCE_BY_CELL * np.sqrt(math.pi * area)
     deformed = np.abs(area - ellipse) > difference

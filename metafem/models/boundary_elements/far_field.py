@@ -59,14 +59,8 @@ def table_bytes(rate: FloatArray) -> int:
 class FarField:
     """Expansions between all pairs of patches.
 
-    Parameters
-    ----------
-    influence : callable
-        Displacement in cells per unit pressure on one cell, of the distance in cells.
-    centre : ndarray, (m, 2)
-        Centres of the patches, in cells.
-    shape : list of (int, int)
-        Their rows and columns.
+    influence: displacement in cells per unit pressure on one cell, of the distance in cells; centre: (m, 2)
+    in cells; shape: rows and columns of each patch.
     """
 
     def __init__(
@@ -109,8 +103,8 @@ class FarField:
 
 def _basis(count: int, size: int) -> FloatArray:
     """Chebyshev polynomials on the cells of one side, (count, size), spread over each cell."""
-    place = np.arange(count) - 0.5 * (count - 1)
-    below, above = (chebvander(2.0 * (place + s) / count, size - 1) for s in (-HALF_SPREAD, HALF_SPREAD))
+    position = np.arange(count) - 0.5 * (count - 1)
+    below, above = (chebvander(2.0 * (position + s) / count, size - 1) for s in (-HALF_SPREAD, HALF_SPREAD))
     return np.asarray(0.5 * (below + above))
 
 

@@ -26,21 +26,11 @@ SLOWEST_RATE = 2.4
 
 @dataclass(frozen=True, eq=False)
 class Patch:
-    """A rectangle of cells around one contact, or around several that are close.
+    """A rectangle of cells around one contact, or around several that are close."""
 
-    Attributes
-    ----------
-    corner : ndarray, (2,)
-        Grid index of its first cell.
-    gap : ndarray, (rows, columns)
-        Depth of the undeformed surface below the tallest summit, in cells.
-    owner : ndarray, (rows, columns)
-        Number of the asperity whose surface is highest in each cell.
-    """
-
-    corner: IntArray
-    gap: FloatArray
-    owner: IntArray
+    corner: IntArray  # grid index of its first cell, (2,)
+    gap: FloatArray  # depth of the undeformed surface below the tallest summit, (rows, columns), in cells
+    owner: IntArray  # number of the asperity whose surface is highest in each cell, (rows, columns)
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -58,7 +48,7 @@ class Patch:
 class Summits:
     """Asperities in units of the cell: positions (n, 2), summit depths (n,), radii (n,)."""
 
-    place: FloatArray
+    position: FloatArray
     depth: FloatArray
     radius: FloatArray
 
@@ -67,8 +57,8 @@ class Summits:
         """Measure a surface in cells."""
         low, high = surface.position.min(axis=0), surface.position.max(axis=0)
         # halved before the sum, so that a corner far from the origin costs no digits
-        place = ((surface.position - low) - 0.5 * (high - low)) / cell
-        return cls(place, surface.gap / cell, surface.radius / cell)
+        position = ((surface.position - low) - 0.5 * (high - low)) / cell
+        return cls(position, surface.gap / cell, surface.radius / cell)
 
 
 def box_rate(first: IntArray, last: IntArray) -> FloatArray:
@@ -83,10 +73,10 @@ def boxes(summits: Summits, half_width: FloatArray) -> tuple[list[IntArray], Int
 
     `half_width` (n,) is the extent of the cells around each summit; 0 for none.
     """
-    wanted = np.flatnonzero(half_width > 0.0)
-    first = np.floor(summits.place[wanted] - half_width[wanted, None]).astype(np.int64)
-    last = np.ceil(summits.place[wanted] + half_width[wanted, None]).astype(np.int64)
-    members = [np.array([i]) for i in wanted]
+    used = np.flatnonzero(half_width > 0.0)
+    first = np.floor(summits.position[used] - half_width[used, None]).astype(np.int64)
+    last = np.ceil(summits.position[used] + half_width[used, None]).astype(np.int64)
+    members = [np.array([i]) for i in used]
     while len(members) > 1:
         rate = box_rate(first, last)
         a, b = np.nonzero(np.triu(rate < SLOWEST_RATE, 1))
@@ -103,12 +93,12 @@ def boxes(summits: Summits, half_width: FloatArray) -> tuple[list[IntArray], Int
 
 def patch(summits: Summits, members: IntArray, first: IntArray, last: IntArray) -> Patch:
     """Lay the cells from `first` to `last` and measure the surface's depth on them."""
-    inside = np.flatnonzero(((summits.place >= first) & (summits.place <= last)).all(axis=1))
+    inside = np.flatnonzero(((summits.position >= first) & (summits.position <= last)).all(axis=1))
     x, y = (np.arange(a, b + 1, dtype=np.float64) for a, b in zip(first, last, strict=True))
     gap = np.full((len(x), len(y)), np.inf)
     owner = np.zeros(gap.shape, dtype=np.int64)
     for i in np.union1d(members, inside):
-        (cx, cy), radius = summits.place[i], summits.radius[i]
+        (cx, cy), radius = summits.position[i], summits.radius[i]
         depth = summits.depth[i] + ((x - cx)[:, None] ** 2 + (y - cy)[None, :] ** 2) / (2.0 * radius)
         higher = depth < gap
         gap[higher] = depth[higher]

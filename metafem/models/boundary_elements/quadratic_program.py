@@ -14,12 +14,15 @@ doi:10.1016/S0043-1648(99)00113-1, take projected steps unconditionally.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from metafem._validate import FloatArray
+
+if TYPE_CHECKING:
+    from metafem.models.boundary_elements.influence import Influence
 
 # Most halvings of a gradient step: 2^-40 of the first step is below rounding.
 MAX_HALVINGS = 40
@@ -28,39 +31,14 @@ MAX_HALVINGS = 40
 MAX_PASSES = 100
 
 
-class Operator(Protocol):
-    """A symmetric positive definite matrix and an approximate inverse."""
-
-    def product(self, pressure: FloatArray) -> FloatArray:
-        """Return A p."""
-        ...
-
-    def precondition(self, vector: FloatArray) -> FloatArray:
-        """Return an approximation of A^-1 times the vector."""
-        ...
-
-
 @dataclass(frozen=True, eq=False)
 class Minimum:
-    """Result of the solver.
+    """Result of the solver."""
 
-    Attributes
-    ----------
-    pressure : ndarray
-        Not negative.
-    gradient : ndarray
-        A p + g - z, recomputed: the gap.
-    multiplier : float
-        z.
-    error : float
-        Largest gap where there is pressure, or overlap where there is none.
-    iterations : int
-    """
-
-    pressure: FloatArray
-    gradient: FloatArray
-    multiplier: float
-    error: float
+    pressure: FloatArray  # not negative
+    gradient: FloatArray  # A p + g - z, recomputed: the gap
+    multiplier: float  # z
+    error: float  # largest gap where there is pressure, or overlap where there is none
     iterations: int
 
 
@@ -83,7 +61,7 @@ def project(trial: FloatArray, total: float | None) -> FloatArray:
 
 
 def minimise(
-    operator: Operator,
+    operator: Influence,
     gap: FloatArray,
     pressure: FloatArray,
     *,
@@ -92,27 +70,10 @@ def minimise(
     tolerance: float,
     max_iterations: int,
 ) -> Minimum:
-    """Solve the program from a start that satisfies its constraints.
+    """Solve the program from a start `pressure` that satisfies its constraints.
 
-    Parameters
-    ----------
-    operator : Operator
-        A.
-    gap : ndarray
-        g, scaled like the result of A p.
-    pressure : ndarray
-        Start: not negative, with the sum `total` where that is given.
-    multiplier : float
-        z; a first guess where `total` is given.
-    total : float or None
-        Sum of the pressure.
-    tolerance : float
-        Error at which to stop, scaled like g.
-    max_iterations : int
-
-    Returns
-    -------
-    Minimum
+    operator: A, with its approximate inverse; gap: g; multiplier: z, or a first guess where the sum `total`
+    of the pressure is given. Stops at an error within the tolerance, which is scaled like g.
     """
     from metafem._kernels import vectors as kernel
 
@@ -156,7 +117,7 @@ def minimise(
 
 
 def solve_on(
-    operator: Operator, face: NDArray[np.bool_], right: FloatArray, tolerance: float, max_iterations: int
+    operator: Influence, face: NDArray[np.bool_], right: FloatArray, tolerance: float, max_iterations: int
 ) -> FloatArray:
     """Solve A q = right on the face, with q = 0 elsewhere, by preconditioned conjugate gradients.
 
@@ -185,7 +146,7 @@ def solve_on(
 class _Problem:
     """The data, and the multiplier as it is updated."""
 
-    def __init__(self, operator: Operator, gap: FloatArray, total: float | None, multiplier: float) -> None:
+    def __init__(self, operator: Influence, gap: FloatArray, total: float | None, multiplier: float) -> None:
         self.operator = operator
         self.gap = gap
         self.total = total

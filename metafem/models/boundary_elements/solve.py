@@ -58,27 +58,14 @@ PAIR_MATRICES = 16
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """Pressure of one load, all in units of the cell.
-
-    Attributes
-    ----------
-    minimum : quadratic_program.Minimum
-    contacts : Contacts
-    patches : list of Patch
-    covered : bool
-        Whether no contact reaches the edge of its patch and no asperity without cells is in contact.
-    indentation : float
-        Largest A/(pi R), the indentation of a Hertz contact: the unit of the residuals.
-    stiffness : float
-        Derivative of the load by the approach on the cells that carry pressure.
-    """
+    """Pressure of one load, all in units of the cell."""
 
     minimum: quadratic_program.Minimum
     contacts: Contacts
     patches: list[Patch]
-    covered: bool
-    indentation: float
-    stiffness: float
+    covered: bool  # no contact reaches the edge of its patch, and no asperity without cells is in contact
+    indentation: float  # largest A/(pi R), the indentation of a Hertz contact: the unit of the residuals
+    stiffness: float  # derivative of the load by the approach on the cells that carry pressure
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,7 +91,7 @@ class Scene:
     def initial_guess(self, value: float, by_load: bool) -> InitialGuess:
         """Return the solution of coupled point loads at a load P/E* [mm^2] or an approach [mm].
 
-        On very thin layers there is none, and independent asperities are taken.
+        On very thin layers there is none, and independent asperities are used.
         """
         control = {"load" if by_load else "approach": np.array([value])}
         try:
@@ -191,7 +178,7 @@ class Scene:
         square = radius * np.maximum(indentation, 0.0) / h
         shift = np.stack([self.slope_x @ load, self.slope_y @ load], axis=1) * surface.radius[:, None] / h
         near = (shift**2).sum(axis=1) < 0.25 * square
-        centre = self.summits.place - np.where(near[:, None], shift, 0.0)
+        centre = self.summits.position - np.where(near[:, None], shift, 0.0)
         parts = []
         for p in patches:
             x, y = (c + np.arange(n) for c, n in zip(p.corner, p.shape, strict=True))
@@ -230,10 +217,10 @@ class Scene:
     ) -> FloatArray:
         """Return wider neighbourhoods where a contact reaches the edge or a summit without cells closes."""
         result = half_width.copy()
-        for place, p in zip(patches, pressure, strict=True):
+        for region, p in zip(patches, pressure, strict=True):
             rim = p > 0.0
             rim[1:-1, 1:-1] = False
-            reached = np.unique(place.owner[rim])
+            reached = np.unique(region.owner[rim])
             result[reached] = GROWTH * half_width[reached] + MARGIN_CELLS
         load = self.cell**2 * contacts.load
         d = minimum.multiplier * self.cell - self.surface.gap - self.coupling @ load
@@ -243,14 +230,14 @@ class Scene:
 def _moved(old: list[Patch], pressure: list[FloatArray], new: list[Patch]) -> FloatArray:
     """Return the pressure on other patches of the same grid, zero where there was no cell."""
     parts = []
-    for place in new:
-        part = np.zeros(place.shape)
+    for region in new:
+        part = np.zeros(region.shape)
         for source, p in zip(old, pressure, strict=True):
-            low = np.maximum(source.corner, place.corner)
-            high = np.minimum(source.corner + source.shape, place.corner + place.shape)
+            low = np.maximum(source.corner, region.corner)
+            high = np.minimum(source.corner + source.shape, region.corner + region.shape)
             if (low < high).all():
                 (a, b), (c, d) = low - source.corner, high - source.corner
-                (e, f), (g, h) = low - place.corner, high - place.corner
+                (e, f), (g, h) = low - region.corner, high - region.corner
                 part[e:g, f:h] = p[a:c, b:d]
         parts.append(part.ravel())
     return np.concatenate(parts)

@@ -33,21 +33,11 @@ MAX_CUTS = 8
 
 @dataclass(frozen=True, eq=False)
 class Coarse:
-    """Square cells over the scene within which displacements are taken as uniform.
+    """Square cells over the scene within which displacements are assumed uniform."""
 
-    Attributes
-    ----------
-    cell : ndarray of int, (n,)
-        The cell of each asperity.
-    count : int
-        Number of cells that hold any.
-    influence : ndarray, (count, count)
-        Mean influence of the cells on each other [1/mm].
-    """
-
-    cell: NDArray[np.int64]
-    count: int
-    influence: FloatArray
+    cell: NDArray[np.int64]  # the cell of each asperity, (n,)
+    count: int  # number of cells that contain any
+    influence: FloatArray  # mean influence of the cells on each other [1/mm], (count, count)
 
     def loads(self, load: FloatArray) -> FloatArray:
         """Return the sums over the cells."""
@@ -124,9 +114,9 @@ def coarsen(position: FloatArray, substrate: Radial) -> Coarse:
     count = len(position)
     cells = max(1.0, min(USUAL_CELLS, count / FEWEST), min(MAX_CELLS, count / EACH))
     size = max(math.sqrt(float(extent[0] * extent[1]) / cells), float(extent.max()) / cells)
-    place = np.floor((position - low) / (size * (1.0 + 1e-9))).astype(np.int64)
-    columns = int(place[:, 0].max()) + 1
-    used, cell = np.unique(place @ np.array([1, columns]), return_inverse=True)
+    index = np.floor((position - low) / (size * (1.0 + 1e-9))).astype(np.int64)
+    columns = int(index[:, 0].max()) + 1
+    used, cell = np.unique(index @ np.array([1, columns]), return_inverse=True)
     x, y = used % columns, used // columns
     # mean over pairs of points of two cells, by their offset in whole cells
     offset = np.arange(max(int(x.max()), int(y.max())) + 1)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from metafem._validate import FloatArray
 from metafem.models.interacting.fft_sums import WORKERS
-from metafem.substrate import BondedLayer, Radial
+from metafem.substrate import Radial
 
 # Pairs are summed up to REACH s, where erfc = 3e-11.
 REACH = 4.7
@@ -64,12 +64,13 @@ class ScatteredSums:
         self.step = STEP * self.split
         self._spacing = spacing
         self._pairs_alone = False
-        if isinstance(substrate, BondedLayer) and substrate.thickness is not None:
-            layer_reach = LAYER_REACH * substrate.thickness
+        thickness = getattr(substrate, "thickness", None)
+        if thickness is not None:
+            layer_reach = LAYER_REACH * thickness
             self._pairs_alone = layer_reach <= FARTHEST * self.reach
             self.reach = layer_reach if self._pairs_alone else self.reach
-            self.step = min(self.step, substrate.thickness / LAYER_STEPS)
-        self._place = np.ascontiguousarray((position - low)[:, ::-1]) / self.step + 0.5 * POINTS + 1.0
+            self.step = min(self.step, thickness / LAYER_STEPS)
+        self._grid_position = np.ascontiguousarray((position - low)[:, ::-1]) / self.step + 0.5 * POINTS + 1.0
         self._span = np.ceil(extent[::-1] / self.step) + POINTS + 3.0
         self._position = position
 
@@ -114,13 +115,13 @@ class ScatteredSums:
     ) -> FloatArray:
         """Return G p, and with sizes v and moments (w_x, w_y) of the sources + lap v + grad . w, (n,)."""
         near = self._near[0]
-        result = near @ load + near.T @ load - self._own[0] * load
+        result = near @ load + near.T @ load - self._self_terms[0] * load
         sources, spectra = [load], [self._influence]
         if size is not None:
             # the derivative at the source is the opposite of that at the displaced end
             sources, spectra = [load, size, *moment], [self._influence, *self._derivatives]
             laplacian, x, y = self._near_derivatives
-            result += laplacian @ size + laplacian.T @ size - self._own[1] * size
+            result += laplacian @ size + laplacian.T @ size - self._self_terms[1] * size
             result += x.T @ moment[0] - x @ moment[0] + y.T @ moment[1] - y @ moment[1]
         self.products += len(sources)
         if not self._pairs_alone:
@@ -133,7 +134,7 @@ class ScatteredSums:
     def field(self, load: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return the Laplacian and the two slopes of G p at the asperities, (n,) each."""
         near, x, y = self._near_derivatives
-        laplacian = near @ load + near.T @ load - self._own[1] * load
+        laplacian = near @ load + near.T @ load - self._self_terms[1] * load
         slope_x, slope_y = x @ load - x.T @ load, y @ load - y.T @ load
         self.products += 1
         if not self._pairs_alone:
@@ -143,7 +144,7 @@ class ScatteredSums:
         return laplacian, slope_x, slope_y
 
     @cached_property
-    def _own(self) -> tuple[float, float]:
+    def _self_terms(self) -> tuple[float, float]:
         """Smooth part at the position of the source itself, without the Laplacian of the substrate."""
         if self._pairs_alone:
             return 0.0, -2.0 * self.substrate.self_curvature
@@ -250,7 +251,7 @@ class ScatteredSums:
         from metafem._kernels import mesh
 
         grid = np.zeros(self._padded)
-        mesh.spread(self._place, np.ascontiguousarray(vector), grid)
+        mesh.spread(self._grid_position, np.ascontiguousarray(vector), grid)
         return np.asarray(rfft2(grid, workers=WORKERS, overwrite_x=True))
 
     def _backward(self, spectrum: NDArray[np.complex128]) -> FloatArray:
@@ -259,7 +260,7 @@ class ScatteredSums:
         from metafem._kernels import mesh
 
         result = np.empty(len(self._position))
-        mesh.gather(self._place, irfft2(spectrum, self._padded, workers=WORKERS), result)
+        mesh.gather(self._grid_position, irfft2(spectrum, self._padded, workers=WORKERS), result)
         return result
 
 

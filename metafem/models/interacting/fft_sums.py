@@ -24,21 +24,11 @@ WORKERS = 2
 
 @dataclass(frozen=True, eq=False)
 class Lattice:
-    """Sites of a square lattice, in whole steps along its two axes.
+    """Sites of a square lattice, in whole steps along its two axes."""
 
-    Attributes
-    ----------
-    site : ndarray of int, (n, 2)
-        Row and column of each position, from 0.
-    shape : (int, int)
-        Rows and columns of the smallest rectangle that holds them.
-    pitch : float
-        Distance of neighbours [mm].
-    """
-
-    site: NDArray[np.int64]
-    shape: tuple[int, int]
-    pitch: float
+    site: NDArray[np.int64]  # row and column of each position, from 0, (n, 2)
+    shape: tuple[int, int]  # rows and columns of the smallest rectangle that contains them
+    pitch: float  # distance of neighbours [mm]
 
 
 def find_lattice(position: FloatArray) -> Lattice | None:
@@ -60,12 +50,12 @@ def find_lattice(position: FloatArray) -> Lattice | None:
         whole = np.rint(exact)
         inside = np.hypot(*(centre - first).T) <= reach
         # least squares of the similarity x = step * whole, as complex numbers
-        places = (centre - first)[inside] @ np.array([1.0, 1.0j])
+        positions = (centre - first)[inside] @ np.array([1.0, 1.0j])
         steps = whole[inside] @ np.array([1.0, 1.0j])
         weight = float((np.abs(steps) ** 2).sum())
         if weight == 0.0:
             return None
-        best = complex((np.conj(steps) * places).sum() / weight)
+        best = complex((np.conj(steps) * positions).sum() / weight)
         step = np.array([best.real, best.imag])
     pitch = abs(best)
     axes = np.array([step, [-step[1], step[0]]]) / pitch**2

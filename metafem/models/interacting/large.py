@@ -12,7 +12,7 @@ from metafem.models._resources import require_memory
 from metafem.models.interacting.coarse import coarsen
 from metafem.models.interacting.ewald_sums import ScatteredSums
 from metafem.models.interacting.fft_sums import LatticeSums, find_lattice
-from metafem.models.interacting.newton_krylov import TOLERANCE, ContactEquations, Iterate, Sums, open_state
+from metafem.models.interacting.newton_krylov import TOLERANCE, ContactEquations, Iterate, open_state
 from metafem.progress import each
 from metafem.substrate import Radial
 from metafem.surface import Surface
@@ -29,7 +29,7 @@ class LargeScene:
     """The sites of one surface, for any heights: a coarse model and fast sums."""
 
     def __init__(self, surface: Surface, substrate: Radial, order: int) -> None:
-        self.radius, self.order, self.substrate = surface.radius, order, substrate
+        self.radius, self.order, self.substrate = np.array(surface.radius), order, substrate
         self.sums = fast_sums(surface, substrate, order)
         self.coarse = coarsen(surface.position, substrate)
 
@@ -47,8 +47,10 @@ class LargeScene:
 
         Nominal indentations and dA0/dh at fixed load are filled where there is room for them, (k, n) [mm].
         """
-        own = self_term + self.substrate.self_influence
-        equations = ContactEquations(self.sums, self.order, self.radius, own, gap, self.coarse)
+        from metafem._kernels.continuation import uniform_approach
+
+        gap, self_term = np.ascontiguousarray(gap), self_term + self.substrate.self_influence
+        equations = ContactEquations(self.sums, self.order, self.radius, self_term, gap, self.coarse)
         x, rate = 0.0, None
         state = open_state(-gap)
         for j, value in enumerate(each("load", control.tolist())):
@@ -58,7 +60,7 @@ class LargeScene:
             else:
                 target = float(value) if by_load else 0.0
                 if rate is None:
-                    x = uniform_approach(gap, self.radius, target) if by_load else float(value)
+                    x = float(uniform_approach(gap, self.radius, target) if by_load else value)
                     z, x = self.coarse.start(self.radius, gap, x, target)
                 else:
                     ahead = (
@@ -87,7 +89,7 @@ class LargeScene:
         results.residual[j] = state.residual
 
 
-def fast_sums(surface: Surface, substrate: Radial, order: int) -> Sums:
+def fast_sums(surface: Surface, substrate: Radial, order: int) -> LatticeSums | ScatteredSums:
     """Return the sums for the positions of a surface: by FFT on a lattice, else for scattered positions."""
     lattice = find_lattice(surface.position)
     spectra, arrays = (1, 5) if order == 1 else (4, 12)
@@ -99,10 +101,3 @@ def fast_sums(surface: Surface, substrate: Radial, order: int) -> Sums:
         return scattered
     require_memory(32 * math.prod(lattice.shape) * arrays, f"a lattice of {lattice.shape}")
     return LatticeSums(lattice, substrate)
-
-
-def uniform_approach(gap: FloatArray, radius: FloatArray, load: float) -> float:
-    """Return approximately the approach [mm] at which independent asperities carry `load`."""
-    from metafem._kernels.continuation import uniform_approach as kernel
-
-    return float(kernel(np.ascontiguousarray(gap), np.array(radius), load))

@@ -41,7 +41,6 @@ DENSE_LIMIT = 2000
 # Pairs of asperities, times loads, below which a second thread does not pay: about a millisecond.
 PAIRS_PER_THREAD = 200_000
 
-
 # Influences that are kept for the next call, and the largest scene of which one is: seven matrices of
 # 256 sites take 3.5 MiB.
 KEPT_FIELDS, MOST_KEPT = 8, 256
@@ -96,8 +95,8 @@ class Interacting:
     pedestal: bool = False
 
     def __post_init__(self) -> None:
-        whole = isinstance(self.order, int | np.integer) and not isinstance(self.order, bool)
-        if not whole or self.order not in (1, 3):
+        integer = isinstance(self.order, int | np.integer) and not isinstance(self.order, bool)
+        if not integer or self.order not in (1, 3):
             raise InvalidInput(f"order = {self.order!r} does not exist; it must be 1 or 3")
         if isinstance(self.substrate, type) or not isinstance(self.substrate, Substrate):
             raise InvalidInput(
@@ -279,7 +278,7 @@ class Interacting:
             )
 
     def _coupling(self, surface: Surface, bound: Substrate) -> tuple[Coupling, FloatArray]:
-        """Return the influence of the asperities on each other, and their own regular terms (n,)."""
+        """Return the influence of the asperities on each other, and the regular self terms (n,)."""
         # a radial influence depends on the sites alone
         if isinstance(bound, Radial) and isinstance(bound, Hashable) and surface.count <= MOST_KEPT:
             return _kept_coupling(bound, self.order, _Sites(surface.position.tobytes(), surface))
@@ -311,18 +310,18 @@ def _kept_coupling(substrate: Radial, order: int, sites: _Sites) -> tuple[Coupli
 
 
 def _compute_coupling(substrate: Substrate, order: int, surface: Surface) -> tuple[Coupling, FloatArray]:
-    """Compute the influence of the asperities on each other, and their own regular terms (n,)."""
+    """Compute the influence of the asperities on each other, and the regular self terms (n,)."""
     from metafem._kernels.coupling import Coupling
 
     # the matrices, those with their ends exchanged, the Jacobian, and as much while they are made
     require_memory(8 * surface.count**2 * (3 if order == 1 else 14), f"{surface.count} asperities")
     influence = np.array(substrate.influence_matrix(surface), dtype=np.float64, order="C")
-    own = np.diagonal(influence).copy()
+    regular = np.diagonal(influence).copy()
     np.fill_diagonal(influence, 0.0)
     if order == 1:
-        return Coupling(influence, *(np.empty((0, 0)) for _ in range(6))), own
+        return Coupling(influence, *(np.empty((0, 0)) for _ in range(6))), regular
     derivatives = [np.ascontiguousarray(d) for d in substrate.influence_derivatives(surface)]
-    return Coupling(influence, *derivatives, *(np.ascontiguousarray(d.T) for d in derivatives)), own
+    return Coupling(influence, *derivatives, *(np.ascontiguousarray(d.T) for d in derivatives)), regular
 
 
 def _tolerance(surface: Surface) -> float:

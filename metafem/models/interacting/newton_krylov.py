@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,10 @@ from numpy.typing import NDArray
 from metafem._validate import FloatArray
 from metafem.contact import Hertz
 from metafem.models.interacting.coarse import Coarse
+
+if TYPE_CHECKING:
+    from metafem.models.interacting.ewald_sums import ScatteredSums
+    from metafem.models.interacting.fft_sums import LatticeSums
 
 # Largest residual of a converged state with sums that are not exact to rounding, and the residual aimed at.
 TOLERANCE = 1e-9
@@ -31,31 +35,6 @@ TANGENT = 1e-4
 
 # Residual of the sensitivities, relative to the change of area by load that drives them.
 SENSITIVITY = 1e-9
-
-
-class Sums(Protocol):
-    """Products of one surface's influence; see `fft_sums.LatticeSums`."""
-
-    products: int
-
-    @property
-    def note(self) -> str:
-        """Text of the note on the sums."""
-        ...
-
-    def error(self, load: FloatArray) -> float:
-        """Return the error of G p [mm], from a sample where it is not exact."""
-        ...
-
-    def displacement(
-        self, load: FloatArray, size: FloatArray | None = None, *moment: FloatArray
-    ) -> FloatArray:
-        """Return G p + lap v + grad . w without self terms."""
-        ...
-
-    def field(self, load: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return the Laplacian and the slopes of G p."""
-        ...
 
 
 @dataclass
@@ -91,7 +70,7 @@ class ContactEquations:
     The inner solves of Newton's method use the Jacobian of order 1, as order 3 changes it by a percent.
     """
 
-    sums: Sums
+    sums: LatticeSums | ScatteredSums
     order: int
     radius: FloatArray
     self_term: FloatArray
@@ -135,8 +114,8 @@ class ContactEquations:
                 break
             missing = target - float(state.load.sum()) if target > 0.0 else None
             largest = float(state.indentation.max())
-            leave = largest * max(forcing * min(state.residual, 1.0), 0.3 * GOAL)
-            loads, shift, rest = self.solve(state, -state.error, missing, leave)
+            goal = largest * max(forcing * min(state.residual, 1.0), 0.3 * GOAL)
+            loads, shift, rest = self.solve(state, -state.error, missing, goal)
             step = (
                 rest + shift + np.where(state.closed, self.diagonal(state) - self.self_term, 0.0) * loads
             ) / state.bend
@@ -207,7 +186,7 @@ class ContactEquations:
         state: Iterate,
         rhs: FloatArray,
         total: float | None,
-        leave: float,
+        goal: float,
         exact: bool = False,
     ) -> tuple[FloatArray, float, FloatArray]:
         """Solve for the loads of the contacts, with their sum fixed where a total load is given.
@@ -222,19 +201,19 @@ class ContactEquations:
         loads, shift, rest = np.zeros_like(rhs), 0.0, rhs.copy()
         if total is not None:
             uniform = precondition(closed.astype(np.float64))
-            whole = float(uniform.sum())
+            uniform_load = float(uniform.sum())
             if total != 0.0:
-                loads = uniform * (total / whole)
+                loads = uniform * (total / uniform_load)
                 rest -= self.jacobian(state, loads, exact) + np.where(closed, diagonal * loads, 0.0)
         direction, before = np.zeros_like(rhs), 0.0
         for _ in range(MAX_INNER):
             inside = np.where(closed, rest + shift, 0.0)  # without the constant, whose rounding would remain
             ahead = precondition(inside)
             if total is not None:
-                more = -float(ahead.sum()) / whole
+                more = -float(ahead.sum()) / uniform_load
                 shift, ahead = shift + more, ahead + more * uniform
                 inside[closed] += more
-            if float(np.abs(inside).max()) <= leave:
+            if float(np.abs(inside).max()) <= goal:
                 break
             product = float(inside @ ahead)
             direction = ahead + (product / before if before > 0.0 else 0.0) * direction
