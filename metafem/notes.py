@@ -1,4 +1,9 @@
-"""Notes: sentences that accompany a result, as information or as a warning."""
+"""Notes: sentences that accompany a result, as information or as a warning.
+
+Where a number decides the level, it stands beside the text: `BOUND` and `TOO_WIDE` in
+`prediction/validity.py` for what a model neglects, the tolerance of `Automatic`, `MISSED` in
+`inversion/assessment.py` for designs, and `FINEST_SCALE_IN_SD` in `inversion/height_density.py`.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +15,7 @@ from typing import Any, cast
 
 
 class Level(Enum):
-    """Level of a note; its value is the word printed before the text."""
+    """Level of a note; its value is the word in JSON and in data sets."""
 
     INFORMATION = "information"
     WARNING = "warning"

@@ -24,13 +24,16 @@ if TYPE_CHECKING:
     from metafem.prediction import BranchFit
 
 
-@main.command()
+@main.command(short_help="Write and design one of the paper's specifications.")
 @click.argument("name", type=click.Choice(DEMOS))
-@model_option
+@model_option("that of the specification")
 @force_option
 @json_option
 def demo(name: str, model: str | None, force: bool, as_json: bool) -> None:
-    """Write the paper's specification NAME.toml here, and design its surface into the folder NAME."""
+    """Write the paper's specification NAME.toml here, and design its surface into the folder NAME.
+
+    An edited NAME.toml is never replaced.
+    """
     from metafem.files import check_free, demo_text, write_text
 
     path, folder, text = Path(f"{name}.toml"), Path(name), demo_text(name)
@@ -49,10 +52,10 @@ def demo(name: str, model: str | None, force: bool, as_json: bool) -> None:
     _run(path, folder, model, force, as_json)
 
 
-@main.command()
-@click.argument("spec", type=Name())
-@click.option("-o", "--output", type=Name(), required=True, help="Result folder to make.")
-@model_option
+@main.command(short_help="Design a surface from a specification.")
+@click.argument("spec", type=Name(), metavar="SPEC.toml")
+@click.option("-o", "--output", type=Name(), required=True, help="Result folder to create.")
+@model_option("that of the specification")
 @click.option(
     "--chord-error",
     metavar="LENGTH",
@@ -65,7 +68,7 @@ def demo(name: str, model: str | None, force: bool, as_json: bool) -> None:
 def design(
     spec: Path, output: Path, model: str | None, chord_error: str | None, force: bool, as_json: bool
 ) -> None:
-    """Design a surface from the specification SPEC.toml and write all its files.
+    """Design a surface from the specification SPEC.toml and write the result folder.
 
     A specification has the sections target (of kind operating-points, linear, bilinear, sampled, power or
     multilinear), material, lattice and limits. The sections friction, radii, block, layout, model, part and

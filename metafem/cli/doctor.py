@@ -10,13 +10,13 @@ import click
 from metafem.cli.group import NOT_ACHIEVED, json_option, main
 
 
-@main.command()
+@main.command(short_help="Check the installation.")
 @click.option(
     "--clear-cache", is_flag=True, help="Remove compiled kernels and the stored influence of blocks."
 )
 @json_option
 def doctor(clear_cache: bool, as_json: bool) -> None:
-    """Check the installation: versions, caches, compiled kernels, a known contact, a part, a report."""
+    """Check the installation: versions, caches, compiled kernels, a test contact, part and report."""
     if clear_cache:
         _clear_cache(as_json)
         return

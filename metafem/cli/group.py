@@ -88,14 +88,10 @@ class Commands(click.Group):
             raise BadInput("InvalidInput", f"{error.filename!s:.300}: {error.strerror}") from None
 
 
-def model_option(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Add --model to a command."""
-    choice = click.Choice(MODELS)
-    return click.option(
-        "--model",
-        type=choice,
-        help="Model of the law. Default: that of the specification or folder; independent for a table.",
-    )(command)
+def model_option(default: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Return the decorator that adds --model to a command; `default` is its default in words."""
+    text = f"Model of the law, from single contacts to resolved ones. Default: {default}."
+    return click.option("--model", type=click.Choice(MODELS), help=text)
 
 
 json_option = click.option(
@@ -104,7 +100,7 @@ json_option = click.option(
     is_flag=True,
     help="Print only data, as JSON; an error is an object with type and message.",
 )
-force_option = click.option("--force", is_flag=True, help="Replace what metafem wrote there.")
+force_option = click.option("--force", is_flag=True, help="Replace the unchanged files that metafem wrote.")
 
 
 @click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
@@ -112,5 +108,5 @@ force_option = click.option("--force", is_flag=True, help="Replace what metafem 
 def main() -> None:
     """Design surfaces with a friction law of your choice.
 
-    Lengths are in mm, forces in N, moduli in MPa; files say their units.
+    Output is in mm, N and MPa; values in specifications and options are written with their unit.
     """

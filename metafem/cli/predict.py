@@ -24,23 +24,40 @@ if TYPE_CHECKING:
 BLOCK = ("width", "length", "thickness")
 
 
-@main.command()
+@main.command(short_help="Predict the friction law of a folder or a table of heights.")
 @click.argument("source", type=Name())
 @click.option(
-    "--load", multiple=True, help='Load, such as "0.2 N"; may be repeated. Default: a grid of loads.'
+    "--load",
+    metavar="FORCE",
+    multiple=True,
+    help='Load, such as "0.2 N"; may be repeated. Default: a grid of loads.',
 )
-@click.option("--composite-modulus", help='E* for a table of heights, such as "1.36 MPa".')
-@click.option("--young-modulus", help='E for a table of heights, instead of E*, such as "1.02 MPa".')
+@click.option("--composite-modulus", metavar="MODULUS", help='E* for a table of heights, such as "1.36 MPa".')
+@click.option(
+    "--young-modulus", metavar="MODULUS", help='E for a table of heights, instead of E*, such as "1.02 MPa".'
+)
 @click.option("--poisson-ratio", type=float, help="ν for a table of heights; default: 0.5.")
-@click.option("--shear-strength", help='σ for a table of heights, such as "0.404 MPa", for friction forces.')
+@click.option(
+    "--shear-strength",
+    metavar="STRESS",
+    help='σ for a table of heights, such as "0.404 MPa", for friction forces.',
+)
 @click.option(
     "--area-ratio", type=float, help="B: sheared area over initial area, with --shear-strength; default: 1."
 )
-@click.option("--radius", help='Radius of all summits, such as "526 um", for a table without radii.')
-@click.option("--thickness", help='Thickness of the block of a table of heights, such as "7.2 mm".')
-@click.option("--width", help='Width of that block along x, such as "20 mm"; for --model block.')
-@click.option("--length", help='Length of that block along y, such as "20 mm"; for --model block.')
-@model_option
+@click.option(
+    "--radius", metavar="LENGTH", help='Radius of all summits, such as "526 um", for a table without radii.'
+)
+@click.option(
+    "--thickness", metavar="LENGTH", help='Thickness of the block of a table of heights, such as "7.2 mm".'
+)
+@click.option(
+    "--width", metavar="LENGTH", help='Width of that block along x, such as "20 mm"; for --model block.'
+)
+@click.option(
+    "--length", metavar="LENGTH", help='Length of that block along y, such as "20 mm"; for --model block.'
+)
+@model_option("that of the folder; independent for a table")
 @click.option("-o", "--output", type=Name(), help="Also write the law to this CSV file.")
 @force_option
 @json_option

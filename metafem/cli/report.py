@@ -16,7 +16,7 @@ from metafem.cli.progress import progress
 @click.option("--checks", is_flag=True, help="Add the finite-element checks, which take about a minute.")
 @json_option
 def report(folder: Path, checks: bool, as_json: bool) -> None:
-    """Rewrite report.html of a result folder."""
+    """Write or replace report.html of a result folder."""
     import metafem as mf
     from metafem.files import same_design, stored_hardness, write_text
     from metafem.report import page

@@ -10,7 +10,7 @@ import click
 from metafem.cli.group import json_option, main
 
 
-@main.command("spec")
+@main.command("spec", short_help="Print every key of a specification, with examples.")
 @json_option
 def explain(as_json: bool) -> None:
     """Print every section and key of a specification with its meaning and an example."""

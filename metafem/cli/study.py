@@ -18,13 +18,13 @@ if TYPE_CHECKING:
 STUDIES = ("interaction", "fidelity")
 
 
-@main.command()
+@main.command(short_help="Study the design of a result folder.")
 @click.argument("name", type=click.Choice(STUDIES))
 @click.argument("folder", type=Name())
 @force_option
 @json_option
 def study(name: str, folder: Path, force: bool, as_json: bool) -> None:
-    """Study the design of a result folder and write NAME.nc into it.
+    """Study the design of a result folder and write the dataset NAME.nc (NetCDF) into it.
 
     interaction: the change of the law by elastic coupling, for the design and for 1,000 random assignments
     of its heights to sites. fidelity: the law under every model, from independent asperities to the true

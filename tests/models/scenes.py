@@ -4,6 +4,8 @@ import numpy as np
 
 import metafem as mf
 
+PEDESTAL = mf.Interacting(order=3, substrate=mf.BondedLayer(), pedestal=True)
+
 MODELS = [
     mf.Independent(),
     mf.MeanField(),
@@ -11,8 +13,11 @@ MODELS = [
     mf.Interacting(order=3),
     mf.Interacting(order=1, substrate=mf.BondedLayer()),
     mf.Interacting(order=3, substrate=mf.BondedLayer()),
-    mf.Interacting(order=3, substrate=mf.BondedLayer(), pedestal=True),
+    PEDESTAL,
 ]
+
+# Those whose asperities interact.
+COUPLED = [model for model in MODELS if model.couples]
 
 # Six unequal asperities, none at a special place.
 PLACE = np.array([[0.1, 0.2], [1.4, -0.3], [-0.2, 1.9], [1.7, 1.5], [3.3, 0.4], [2.9, 2.6]])

@@ -9,13 +9,12 @@ from numpy.testing import assert_allclose
 import metafem as mf
 from metafem.inversion import DesignStatus
 from metafem.models.boundary_elements.solve import TOLERANCE
-from tests.models.scenes import HEIGHT, MODELS, PLACE, RADIUS, lattice, scene
+from tests.models.scenes import HEIGHT, MODELS, PEDESTAL, PLACE, RADIUS, lattice, scene
 
 CELL = 0.015
 CELLS = mf.BoundaryElements(CELL)
 # The second tolerance makes another choice for most of the scenes here.
 AUTOMATIC = (mf.Automatic(1e-3), mf.Automatic(1e-4), mf.Automatic(substrate=mf.BondedLayer()))
-PEDESTAL = MODELS[-1]
 EVERY = (*MODELS, CELLS, *AUTOMATIC)
 
 

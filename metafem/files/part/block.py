@@ -10,6 +10,7 @@ from metafem._validate import FloatArray, IntArray
 from metafem.errors import MetafemError
 from metafem.files.part.cap import cap_faces, cap_vertices, ring_count
 from metafem.files.part.mesh import Mesh
+from metafem.files.part.mirror import mirrored
 from metafem.surface import Block, Surface
 
 __all__ = ["block_mesh", "mould_mesh", "triangle_count"]
@@ -54,14 +55,14 @@ def block_mesh(surface: Surface, block: Block, chord_error: float) -> Mesh:
 def mould_mesh(part: Mesh, surface: Surface, block: Block, chord_error: float) -> Mesh:
     """Return the negative of a part's mesh: a plate with the block's outline and a cavity for each cap.
 
-    It is seen from its open face, z = 0, with the part face down on it: x is mirrored, x -> -x. The plate
-    below the deepest cavity is as thick as the block.
+    It is seen from its open face, z = 0, as the mirror image of the part. The plate below the deepest cavity is
+    as thick as the block.
     """
     tallest = float(surface.height.max())
     vertices = part.vertices.copy()
     vertices[4:_CORNERS, 2] = block.thickness + tallest
-    # a half turn about y; what was inside is outside
-    mesh = Mesh(vertices * (-1.0, 1.0, -1.0), part.faces[:, ::-1])
+    # summits point down, and what was inside is outside
+    mesh = Mesh(mirrored(vertices) * (1.0, 1.0, -1.0), part.faces[:, ::-1])
     plate = block.width * block.length * (block.thickness + tallest)
     _certify(mesh, "mould", surface, plate, -1.0, chord_error)
     return mesh

@@ -13,6 +13,7 @@ import numpy as np
 
 from metafem._validate import FloatArray
 from metafem.contact.cap_geometry import foot_radius
+from metafem.files.part.mirror import mirrored
 from metafem.surface import Block, Surface
 
 # Scales of ISO 5455, largest first, and the size of the plan view on an A3 sheet [mm].
@@ -55,7 +56,7 @@ def mould_drawing(surface: Surface, asperities: int, block: Block) -> str:
     block : Block
         Block of the part.
     """
-    position = surface.position * (-1.0, 1.0)
+    position = mirrored(surface.position)
     scale = next((s for s in _SCALES if s * max(block.width, block.length) <= _PLAN), _SCALES[-1])
     wide, high = scale * block.width, scale * block.length
     left = _LEFT + 0.5 * max(_NARROWEST - _LEFT - _RIGHT - wide, 0.0)

@@ -12,6 +12,7 @@ import numpy as np
 from metafem._given import ErrorNames, error_names, printable
 from metafem.errors import InvalidInput
 from metafem.files.csv_rows import Table, read_table
+from metafem.files.part.mirror import mirrored
 from metafem.files.units import factor
 from metafem.inversion import Design
 from metafem.prediction import FrictionLaw, tables
@@ -51,17 +52,16 @@ def mould_table(design: Design, part: Surface | None = None) -> str:
 
     Holes are numbered as in ``mould.svg``, sites as in ``heights.csv``. The depth of a hole below the face of
     the mould is the height of its summit, the radius of the tool that of the summit. The mould is seen from
-    its open face, as on the milling machine: x is mirrored, x -> -x, because the part lies face down on it.
+    its open face, as on the milling machine: x is mirrored.
 
     `part` holds the asperities of the design and, after them, those of the alignment; default: none of these.
     """
+    holes = part or design.surface
+    holes = holes.replaced(position=mirrored(holes.position))
     sites = chain(design.sites.tolist(), repeat(""))
     rows = (
-        # 0.0 - x, because -x is -0.0 on the axis
-        (number, "alignment" if site == "" else "asperity", site, 0.0 - x, y, h, r)
-        for number, (site, x, y, h, r) in enumerate(
-            zip(sites, *_columns(part or design.surface), strict=False), 1
-        )
+        (number, "alignment" if site == "" else "asperity", site, *hole)
+        for number, (site, hole) in enumerate(zip(sites, zip(*_columns(holes), strict=True), strict=False), 1)
     )
     return _csv(("number", "kind", "site", "x_mm", "y_mm", "depth_mm", "tool_radius_mm"), rows)
 

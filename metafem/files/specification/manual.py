@@ -11,13 +11,14 @@ if TYPE_CHECKING:
     from pydantic import BaseModel
 
 HEAD = """\
-# Every section and key of a specification for `metafem design`, each with an example value.
+# Every section and key of a specification for `metafem design`, each with an example value. This is a list,
+# not a file to read: a specification has one kind of target, and one of the keys marked either and or.
 # Sections and keys are required unless they are marked optional. Lengths, areas, forces, stresses and
 # angles are written with their unit. `metafem demo linear` writes a whole example file.
 # The misfit of a design is the rms of the relative difference between the law and the target or, if larger,
 # the largest relative error of a fitted slope. For operating points, and for linear and bilinear laws with a
 # load_range, it is the largest relative error. Above 1 % the target is missed. Linear and bilinear laws
-# without a load_range are compared with the law of their height density: above 1 % there is a warning,
+# without a load_range are compared with the law of their height density: above 1 % a note says so,
 # above 10 % the target is missed.
 """
 
@@ -67,7 +68,7 @@ def manual() -> str:
     >>> text = manual()
     >>> print(text[text.index("[checks]") :], end="")
     [checks]                                        # optional: further checks
-    hardness = "10 MPa"                             # optional: H of the softer material, for plasticity
+    hardness = "10 MPa"                             # optional: H of the softer material, for the plasticity index
     """
     from metafem.files.specification.sections import Sections
 

@@ -117,7 +117,7 @@ class LimitsSection(Section):
     height_step: Annotated[
         Length | None,
         says(
-            "distance between levels, which lie at mid-step above the foot; default: any height",
+            "distance between levels, the middles of steps from the lowest height; default: any height",
             "6 um",
         ),
     ] = None
@@ -133,11 +133,9 @@ class LayoutSection(Section):
         int, Field(strict=True, ge=0), says("of the random assignment of heights to sites", 0)
     ] = 0
     follow_law: Annotated[
-        Whether | None, says("assign heights to sites against interaction; default with tilt: true", True)
+        Whether | None, says("reduce the effect of interaction; default: true with tilt, else false", True)
     ] = None
-    tilt: Annotated[Angle | None, says("assign heights to sites against a tilt of this angle", "0.1 deg")] = (
-        None
-    )
+    tilt: Annotated[Angle | None, says("reduce the effect of a tilt of this angle", "0.1 deg")] = None
     tilt_weight: Annotated[
         Number | None, says("weight of the tilt relative to interaction; default: 1", 2.0)
     ] = None
@@ -156,7 +154,7 @@ class LayoutSection(Section):
 class ModelSection(Section):
     """``[model]``."""
 
-    kind: Annotated[str, says(f"of the predicted law: {', '.join(MODELS)}", "layer")] = "independent"
+    kind: Annotated[str, says(f"one of: {', '.join(MODELS)}", "layer")] = "independent"
 
     @field_validator("kind")
     @classmethod
@@ -175,12 +173,13 @@ class PartSection(Section):
 
     alignment_height: Annotated[
         Annotated[float, measured("mm", "400 um"), Field(gt=0.0)] | None,
-        says("of four asperities outside the corners, cut off after the alignment", "400 um"),
+        says("of four alignment asperities outside the corners; cut them off after use", "400 um"),
     ] = None
     chord_error: Annotated[
         Annotated[float, measured("mm", "1 um"), Field(gt=0.0)] | None,
         says(
-            "depth of the triangles below the spheres; default: 4e-4 R, at most 2 million triangles", "1 um"
+            "largest distance of the mesh from the spheres; default: 4e-4 R, at most 2 million triangles",
+            "1 um",
         ),
     ] = None
     formats: Annotated[
@@ -203,7 +202,7 @@ class ChecksSection(Section):
 
     hardness: Annotated[
         Annotated[float, measured("MPa", "10 MPa"), Field(gt=0.0)] | None,
-        says("H of the softer material, for plasticity", "10 MPa"),
+        says("H of the softer material, for the plasticity index", "10 MPa"),
     ] = None
 
 

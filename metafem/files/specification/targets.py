@@ -29,7 +29,8 @@ RANGE = ["0.1 mm^2", "0.4 mm^2"]
 LOAD = '0.144 mm^2" or "0.2 N'
 
 # Meaning of a range of loads for linear and bilinear laws.
-LINE = "P/E* or P, smallest and largest: the target is the line through the origin within 1 %"
+LINE = "P/E* or P, smallest and largest: the target is the line through the origin"
+LINES = "P/E* or P, smallest and largest: the target is two lines, the first through the origin"
 
 
 def _load(given: Any) -> GivenLoad:
@@ -131,7 +132,9 @@ class PowerSection(Section):
     kind: Literal["power"]
     exponent: Annotated[Number, says("of F/(sigma B) = C (P/E*)^exponent", 1.2)]
     load_range: Annotated[list[Load], says("P/E* or P, from and to", RANGE)]
-    prefactor: Annotated[Number | None, says("C, for areas in mm^2; default: free", 7.0)] = None
+    prefactor: Annotated[Number | None, says("C, for areas in mm^2; default: chosen by the design", 7.0)] = (
+        None
+    )
 
     def target(self, material: Material, friction: Friction | None) -> Target:
         """Return the target of these keys."""
@@ -174,15 +177,15 @@ class MultilinearSection(StraightSection):
 
     kind: Literal["multilinear"]
     slopes: Annotated[
-        list[Number] | None, says("either: of F/(sigma B) over P/E*, one a branch", [9.5, 8.0, 7.0])
+        list[Number] | None, says("either: of F/(sigma B) over P/E*, one for each branch", [9.5, 8.0, 7.0])
     ] = None
     friction_coefficients: Annotated[
-        list[Number] | None, says("or: dF/dP, one a branch; needs [friction]", [2.1, 1.8, 1.6])
+        list[Number] | None, says("or: dF/dP, one for each branch; needs [friction]", [2.1, 1.8, 1.6])
     ] = None
     crossover_loads: Annotated[
         list[Crossover],
         says(
-            "P/E* or P of each: one load, or a pair with a free law between them",
+            "P/E* or P of each: one load, or a pair; between them the law is free",
             ["0.07 mm^2", ["0.15 mm^2", "0.18 mm^2"]],
         ),
     ]
@@ -242,7 +245,7 @@ class BilinearSection(StraightSection):
         list[Number] | None, says("or: dF/dP, below and above; needs [friction]", [1.6, 2.7])
     ] = None
     crossover_load: Annotated[Load, says("P/E* or P where they meet", "0.0380 mm^2")]
-    load_range: Annotated[list[Load] | None, says(LINE, ["0.02 mm^2", "0.1 mm^2"])] = None
+    load_range: Annotated[list[Load] | None, says(LINES, ["0.02 mm^2", "0.1 mm^2"])] = None
 
     @model_validator(mode="after")
     def _one_of_two(self) -> BilinearSection:

@@ -62,6 +62,10 @@ def test_a_stored_design_is_what_its_files_state(folder):
         assert_allclose(values, law[title], rtol=PRINTED)
 
 
+# Areas of resolved contacts were once the number of their cells, which jumps: here by up to this fraction.
+COUNTED = 0.02
+
+
 def test_the_law_of_a_stored_design_is_predicted_again(folder):
     """The equations are the same; only the order of sums and the last Newton step may differ.
 
@@ -70,8 +74,9 @@ def test_the_law_of_a_stored_design_is_predicted_again(folder):
     design = mf.load(folder)
     stored = design.law
     law = mf.friction_law(design.surface, stored.model, load=stored.load[::9])
-    for name in ("area", "separation", "approach"):
+    for name in ("separation", "approach"):
         assert_allclose(getattr(law, name), getattr(stored, name)[::9], rtol=1e-12)
+    assert_allclose(law.area, stored.area[::9], rtol=COUNTED if folder.name == "points-resolved" else 1e-12)
     # the inner iteration may stop a step earlier or later, which costs the square of its tolerance
     assert_allclose(law.stiffness, stored.stiffness[::9], rtol=1e-7)
     assert law.status is stored.status

@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 
 import metafem as mf
 from metafem.models.interacting.cap_influence import pedestal_influence
-from tests.models.scenes import HEIGHT, MODELS, PLACE, RADIUS, lattice, said, scene
+from tests.models.scenes import COUPLED, HEIGHT, PLACE, RADIUS, lattice, said, scene
 
 SUBSTRATES = [mf.HalfSpace(), mf.BondedLayer(7.2, 0.5), mf.BondedLayer(1.0, 0.3)]
 
@@ -186,7 +186,7 @@ def test_batch_agrees_with_single_laws():
     surface = lattice(0.1 * np.ones(16))
     heights = 0.1 - 0.08 * np.random.default_rng(0).random((5, 16))
     loads = np.array([0.3, 0.01, 0.1])
-    for model in MODELS[2:]:
+    for model in COUPLED:
         approach, load, area, stiffness = model.curves(surface, heights, loads)
         law = mf.friction_law(surface.replaced(height=heights[3]), model, load=np.sort(loads) * 1.36)
         assert_allclose(area[3][[1, 2, 0]], law.area, rtol=1e-11)
