@@ -68,7 +68,7 @@ def manual() -> str:
     >>> text = manual()
     >>> print(text[text.index("[checks]") :], end="")
     [checks]                                        # optional: further checks
-    hardness = "10 MPa"                             # optional: H of the softer material, for the plasticity index
+    hardness = "10 MPa"                             # optional: hardness of the softer material
     """
     from metafem.files.specification.sections import Sections
 

@@ -202,7 +202,7 @@ class ChecksSection(Section):
 
     hardness: Annotated[
         Annotated[float, measured("MPa", "10 MPa"), Field(gt=0.0)] | None,
-        says("H of the softer material, for the plasticity index", "10 MPa"),
+        says("hardness of the softer material", "10 MPa"),
     ] = None
 
 
