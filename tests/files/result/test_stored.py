@@ -62,8 +62,10 @@ def test_a_stored_design_is_what_its_files_state(folder):
         assert_allclose(values, law[title], rtol=PRINTED)
 
 
-# Areas of resolved contacts were once the number of their cells, which jumps: here by up to this fraction.
-COUNTED = 0.02
+# Laws whose models have changed since: areas of resolved contacts were once the number of their cells, which
+# jumps by up to this fraction; `Automatic` may choose another model within its tolerance.
+# First of the area, then of the other quantities.
+CHANGED = {"points-resolved": (0.02, 1e-12), "multilinear-automatic": (1e-3, 1e-3)}
 
 
 def test_the_law_of_a_stored_design_is_predicted_again(folder):
@@ -74,10 +76,11 @@ def test_the_law_of_a_stored_design_is_predicted_again(folder):
     design = mf.load(folder)
     stored = design.law
     law = mf.friction_law(design.surface, stored.model, load=stored.load[::9])
+    of_area, of_others = CHANGED.get(folder.name, (1e-12, 1e-12))
+    assert_allclose(law.area, stored.area[::9], rtol=of_area)
     for name in ("separation", "approach"):
-        assert_allclose(getattr(law, name), getattr(stored, name)[::9], rtol=1e-12)
-    assert_allclose(law.area, stored.area[::9], rtol=COUNTED if folder.name == "points-resolved" else 1e-12)
+        assert_allclose(getattr(law, name), getattr(stored, name)[::9], rtol=of_others)
     # the inner iteration may stop a step earlier or later, which costs the square of its tolerance
-    assert_allclose(law.stiffness, stored.stiffness[::9], rtol=1e-7)
+    assert_allclose(law.stiffness, stored.stiffness[::9], rtol=max(1e-7, of_others))
     assert law.status is stored.status
     assert law.model == stored.model
