@@ -55,8 +55,8 @@ def block_mesh(surface: Surface, block: Block, chord_error: float) -> Mesh:
 def mould_mesh(part: Mesh, surface: Surface, block: Block, chord_error: float) -> Mesh:
     """Return the negative of a part's mesh: a plate with the block's outline and a cavity for each cap.
 
-    It is seen from its open face, z = 0, as the mirror image of the part. The plate below the deepest cavity is
-    as thick as the block.
+    It is seen from its open face, z = 0, as the mirror image of the part. Below the deepest cavity the
+    plate is as thick as the block.
     """
     tallest = float(surface.height.max())
     vertices = part.vertices.copy()
