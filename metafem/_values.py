@@ -50,6 +50,17 @@ def span(values: NDArray[Any], unit: str) -> str:
     return f"{low} {unit}" if low == high else f"{low} to {high} {unit}"
 
 
+def percent(fraction: float, form: str = ".2g") -> str:
+    """Return a fraction as percent, for texts.
+
+    Examples
+    --------
+    >>> percent(0.01234), percent(-0.5, "+.1f")
+    ('1.2 %', '-50.0 %')
+    """
+    return f"{100.0 * fraction:{form}} %"
+
+
 def _comparable(value: Any) -> Any:
     if isinstance(value, np.ndarray):
         return value.dtype.str, value.shape, value.tobytes()

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from metafem._values import percent
 from metafem.inversion.assessment import (
     MISSED,
     REACHED,
@@ -71,9 +72,9 @@ def _density(problem: Problem, found: Assessment) -> Note:
     name, misfit = problem.target.wording.name(len(found.fits)), found.misfit
     meaning = misfit_meaning(False, True, found.fits, misfit)
     return Note(
-        f"the {meaning} is {100.0 * misfit:.2g} %: the heights follow a density, whose law has the {name} at "
+        f"the {meaning} is {percent(misfit)}: the heights follow a density, whose law has the {name} at "
         "large loads and its own intercept. Give load_range: heights are then found whose friction is within "
-        f"{100.0 * REACHED:g} % of the line through the origin over those loads",
+        f"{percent(REACHED, 'g')} of the line through the origin over those loads",
         Level.INFORMATION if misfit <= MISSED else Level.WARNING,
     )
 
@@ -88,7 +89,7 @@ def _line(problem: Problem, held: bool) -> Note:
     else:
         inside = wording.inside(*found.load_range)
         words = (
-            f"as the only range, {inside} can be met within {100.0 * REACHED:g} % (independent asperities)"
+            f"as the only range, {inside} can be met within {percent(REACHED, 'g')} (independent asperities)"
         )
     ends = wording.loads(*target.load_range)
-    return Note(f"the line is not met within {100.0 * REACHED:g} % from {ends}: {words}")
+    return Note(f"the line is not met within {percent(REACHED, 'g')} from {ends}: {words}")

@@ -27,6 +27,7 @@ from scipy.optimize import brentq
 from metafem import _validate as check
 from metafem._calls import checked_call
 from metafem._validate import FloatArray
+from metafem._values import percent
 from metafem.contact import Hertz
 from metafem.errors import Infeasible, InvalidInput, MetafemWarning
 from metafem.inversion.height_density import FINEST_SCALE_IN_SD, TruncatedExponential, uniform_slope
@@ -157,7 +158,7 @@ def refuse_load(load: float, problem: Problem, wording: Wording) -> None:
 
 def margin_words(margin: float) -> str:
     """Return the margin in words, or nothing if it is 0."""
-    return f" (the model's interaction leaves a margin of {100.0 * margin:.2g} %)" if margin > 0.0 else ""
+    return f" (the model's interaction leaves a margin of {percent(margin)})" if margin > 0.0 else ""
 
 
 @checked_call

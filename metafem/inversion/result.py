@@ -11,7 +11,7 @@ import numpy as np
 
 from metafem import drawing
 from metafem._validate import IntArray
-from metafem._values import Value, span
+from metafem._values import Value, percent, span
 from metafem.errors import InvalidInput
 from metafem.inversion.assessment import DesignStatus, misfit_meaning
 from metafem.inversion.candidate import Branch, Parameter
@@ -131,7 +131,7 @@ class Design(Value):
             [
                 f"Design: {self.target.title}",
                 f"  status      {self.status.value}",
-                f"  misfit      {100.0 * self.misfit:.2g} %, {self.misfit_meaning}",
+                f"  misfit      {percent(self.misfit)}, {self.misfit_meaning}",
                 f"  asperities  {surface.count} on {self.template.count} sites",
                 f"  heights     {span(surface.height, 'mm')}",
                 f"  radius      {span(surface.radius, 'mm')}",

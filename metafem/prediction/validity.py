@@ -16,6 +16,7 @@ from dataclasses import replace
 import numpy as np
 
 from metafem._validate import FloatArray, IntArray
+from metafem._values import percent
 from metafem.contact.cap_geometry import foot_radius
 from metafem.errors import MetafemError, NotConverged
 from metafem.models import Curve, Interacting, Model
@@ -125,9 +126,9 @@ def _change_notes(
         cause = "the size of the contacts, which point loads leave out,"
     else:
         cause = "the block's thickness, which a half-space leaves out,"
-    spread = f"by {100.0 * rms:.2g} % rms and " if load.size > 1 else ""
+    spread = f"by {percent(rms)} rms and " if load.size > 1 else ""
     text = (
-        f"{cause} changes A0 at a given load {spread}by up to {100.0 * change[most]:+.2g} %, at "
+        f"{cause} changes A0 at a given load {spread}by up to {percent(change[most], '+.2g')}, at "
         f"{surface.material.composite_modulus * load[most]:.4g} N (order 3 on the "
         f"{'bonded layer' if layer else 'half-space'})"
     )
@@ -161,7 +162,7 @@ def _width_notes(surface: Surface, model: Model, reference: Interacting, curve: 
         notes.append(
             Note(
                 f"the contacts are too wide for their distances or their layer: the error of order 3 may be "
-                f"{100.0 * error:.2g} % in A0 at {newtons:.4g} N; use the model resolved"
+                f"{percent(error)} in A0 at {newtons:.4g} N; use the model resolved"
             )
         )
     return notes

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from metafem._values import percent
 from metafem.inversion import Design
 from metafem.inversion.candidate import Branch
 from metafem.prediction import BranchFit
@@ -42,7 +43,7 @@ def _row(design: Design, branch: Branch, fit: BranchFit, both: bool) -> tuple[st
         f"{low:.4g} – {high:.4g}",
         f"{wording.coefficient(branch.slope):.4g}",
         f"{wording.coefficient(fit.slope):.4g} ± {wording.coefficient(half):.1g}",
-        f"{100 * (fit.slope / branch.slope - 1):+.2f} %",
+        percent(fit.slope / branch.slope - 1.0, "+.2f"),
         f"{(stress or 1.0) * fit.intercept:.4f}",
         "–" if branch.intercept is None else f"{(stress or 1.0) * branch.intercept:.4f}",
     ]

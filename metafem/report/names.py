@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import fields, is_dataclass
 
+from metafem._values import percent
 from metafem.inversion import Design
 from metafem.models import Model
 
@@ -53,5 +54,5 @@ def misfit_words(design: Design) -> tuple[str, str]:
     >>> misfit_words(mf.design(mf.OperatingPoints([0.01], [0.1]), template))
     ('misfit: largest difference from the target', 'below 1e-9')
     """
-    value = "below 1e-9" if design.misfit <= EXACT else f"{100.0 * design.misfit:.2g} %"
+    value = "below 1e-9" if design.misfit <= EXACT else percent(design.misfit)
     return f"misfit: {design.misfit_meaning}", value

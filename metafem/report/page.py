@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from metafem._values import percent
 from metafem.drawing import svg
 from metafem.errors import MetafemError
 from metafem.inversion import Design
@@ -190,8 +191,8 @@ def _comparisons(comparisons: tuple[Comparison, ...]) -> list[tuple[str, ...]]:
     return [
         (
             comparison.name,
-            f"{100.0 * math.sqrt(float((comparison.difference**2).mean())):.2f} %",
-            f"{100.0 * comparison.difference[np.abs(comparison.difference).argmax()]:+.2f} %",
+            percent(math.sqrt(float((comparison.difference**2).mean())), ".2f"),
+            percent(comparison.difference[np.abs(comparison.difference).argmax()], "+.2f"),
             f"{1e3 * comparison.sinking[-1]:.1f} µm",
         )
         for comparison in comparisons

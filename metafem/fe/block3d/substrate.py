@@ -98,18 +98,11 @@ class Block3D:
         return replace(self, block=block, poisson_ratio=ratio)
 
     def influence_matrix(self, surface: Surface) -> FloatArray:
-        """Displacement at each asperity per load on each other, (n, n) [1/mm].
-
-        The diagonal holds the regular self terms, ``w(x, x)``.
-        """
+        """Displacement at asperity i per load on j, (n, n) [1/mm], with w on the diagonal."""
         return self.solution(surface).matrix.copy()
 
     def influence_derivatives(self, surface: Surface) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Derivatives of the displacement at asperity i per load on j, each (n, n).
-
-        The two components of its in-plane gradient at i [1/mm^2] and its in-plane Laplacian [1/mm^3];
-        diagonals hold the regular self terms.
-        """
+        """Gradient at i [1/mm^2] and Laplacian [1/mm^3] of the displacement per load on j, each (n, n)."""
         found = self.solution(surface)
         return found.gradient_x.copy(), found.gradient_y.copy(), found.laplacian.copy()
 

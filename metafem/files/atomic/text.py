@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from metafem.errors import InvalidInput
 from metafem.files.atomic.claim import SUFFIX, claimed, reason
@@ -12,18 +13,9 @@ from metafem.files.atomic.manifest import MANIFEST, Hashes, digest, manifest_tex
 from metafem.files.atomic.replacement import NEW, refuse_foreign, replace_files
 
 
-def write_text(
-    path: str | Path,
-    text: str,
-    *,
-    force: bool = False,
-    ours: Callable[[bytes], bool] = lambda _: True,
-    still: Callable[[], None] = lambda: None,
-) -> None:
-    """Write a text in UTF-8 by `write_file`."""
-    write_file(
-        path, lambda fresh: fresh.write_bytes(text.encode("utf-8")), force=force, ours=ours, still=still
-    )
+def write_text(path: str | Path, text: str, **options: Any) -> None:
+    """Write a text in UTF-8 by `write_file`, with its options."""
+    write_file(path, lambda fresh: fresh.write_bytes(text.encode("utf-8")), **options)
 
 
 def write_file(
