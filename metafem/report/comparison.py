@@ -19,22 +19,12 @@ MOST_COMPARED = 1500
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """A law and its difference from that of independent asperities at the same loads.
-
-    Attributes
-    ----------
-    name : str
-    law : FrictionLaw
-    difference : ndarray, (k,)
-        Relative difference of A0 [-].
-    sinking : ndarray, (k,)
-        Decrease of the separation [mm].
-    """
+    """A law and its difference from that of independent asperities at the same loads."""
 
     name: str
     law: FrictionLaw
-    difference: FloatArray
-    sinking: FloatArray
+    difference: FloatArray  # (k,), relative difference of A0 [-]
+    sinking: FloatArray  # (k,), decrease of the separation [mm]
 
 
 def compared(design: Design) -> tuple[tuple[Comparison, ...], tuple[Note, ...]]:

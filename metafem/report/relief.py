@@ -32,21 +32,11 @@ SIDE, BASE_TONE, LEFT_TONE, RIGHT_TONE = 0.03, 0.97, 0.72, 0.6
 
 @dataclass(frozen=True, eq=False)
 class Relief:
-    """An image, and its extent in the plane of projection [mm].
+    """An image, and its extent in the plane of projection [mm]."""
 
-    Attributes
-    ----------
-    image : (rows, columns, 4) ndarray
-        Lowest row first; transparent outside the block.
-    extent : (float, float, float, float)
-        Left, right, lower and upper edge [mm].
-    factor : int
-        Exaggeration of the heights.
-    """
-
-    image: FloatArray
-    extent: tuple[float, float, float, float]
-    factor: int
+    image: FloatArray  # (rows, columns, 4), lowest row first; transparent outside the block
+    extent: tuple[float, float, float, float]  # left, right, lower and upper edge [mm]
+    factor: int  # exaggeration of the heights
 
 
 def turned(position: FloatArray) -> tuple[FloatArray, FloatArray]:

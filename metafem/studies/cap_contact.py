@@ -32,25 +32,14 @@ class CapContact:
 
     ``P = P_Hertz (1 + s f(h, s))`` and ``d = d_Hertz (1 + s g(h, s))`` with s = a/foot, the foot
     radius ``sqrt(h (2 R - h))`` of the cap, and polynomials f, g through finite-element solutions.
-
-    Attributes
-    ----------
-    radius : float
-        R [mm].
-    height, share : (low, high)
-        Ranges of the table in h [mm] and s [-].
-    load_excess, indentation_excess : ndarray
-        Coefficients of f and g in scaled h and s, in ascending order.
-    error : float
-        Largest relative error of load or indentation at a test solution that is not in the table.
     """
 
-    radius: float
-    height: tuple[float, float]
-    share: tuple[float, float]
-    load_excess: FloatArray
-    indentation_excess: FloatArray
-    error: float
+    radius: float  # R [mm]
+    height: tuple[float, float]  # range of the table in h [mm]
+    share: tuple[float, float]  # range of the table in s [-]
+    load_excess: FloatArray  # coefficients of f in scaled h and s, in ascending order
+    indentation_excess: FloatArray  # the same of g
+    error: float  # largest relative error of load or indentation at a test solution that is not in the table
 
     def solve(self, height: FloatArray, indentation: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return contact radii [mm] and rescaled loads [mm^2] at indentations d [mm], (n,); 0 if open.
@@ -85,20 +74,13 @@ class CapContact:
 
 @dataclass(frozen=True, eq=False)
 class Caps:
-    """The caps of a surface: a table for each radius of the summits in contact.
-
-    Attributes
-    ----------
-    surface : Surface
-    tables : tuple of CapContact
-        One for each radius.
-    table : ndarray of int, (n,)
-        Index of the table of each asperity; -1 if no asperity of its radius is in contact.
-    """
+    """The caps of a surface: a table for each radius of the summits in contact."""
 
     surface: Surface
-    tables: tuple[CapContact, ...]
-    table: IntArray
+    tables: tuple[CapContact, ...]  # one for each radius
+    table: (
+        IntArray  # (n,), index of the table of each asperity; -1 if no asperity of its radius is in contact
+    )
 
     @property
     def error(self) -> float:

@@ -16,19 +16,11 @@ from metafem.surface import Surface
 
 @dataclass(frozen=True, eq=False)
 class Laws:
-    """The laws of one surface at the same loads.
+    """The laws of one surface at the same loads."""
 
-    Attributes
-    ----------
-    law : dict of str to FrictionLaw
-        The keys are the models' names on the command line; "independent" is the first. Models without a
-        solution at these loads are left out.
-    notes : tuple of Note
-        Models that were left out, and the reasons.
-    """
-
+    # by the models' names on the command line, "independent" first, without models that have no solution
     law: dict[str, FrictionLaw]
-    notes: tuple[Note, ...]
+    notes: tuple[Note, ...]  # models that are left out, and the reasons
 
 
 def laws_on_substrates(surface: Surface, load: FloatArray, *, wait: bool) -> Laws:

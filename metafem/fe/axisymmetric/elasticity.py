@@ -61,22 +61,11 @@ class Polynomials:
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """Displacements and pressures for k right-hand sides.
+    """Displacements and pressures for k right-hand sides."""
 
-    Attributes
-    ----------
-    skeleton : ndarray, (n, k)
-        Coefficients that elements share: radial, downward, pressure.
-    reaction : ndarray, (n, k)
-        Reactions of the fixed unknowns per 2 pi.
-    residual : float
-        Scaled residual of the linear system, recomputed.
-    status : LinearStatus
-    """
-
-    skeleton: FloatArray
-    reaction: FloatArray
-    residual: float
+    skeleton: FloatArray  # (n, k), coefficients that elements share: radial, downward, pressure
+    reaction: FloatArray  # (n, k), reactions of the fixed unknowns per 2 pi
+    residual: float  # scaled residual of the linear system, recomputed
     status: LinearStatus
 
 
@@ -85,18 +74,8 @@ class Body:
 
     ``div(2 mu dev eps - p I) = 0``, ``div u + p/K = 0`` with ``mu = (1 - nu)/2`` and
     ``1/K = 3 (1 - 2 nu)/(1 - nu^2)``: exact for every nu in [0, 0.5], incompressible bodies included.
-    The bubbles of displacement and pressure are eliminated element by element.
-
-    Parameters
-    ----------
-    mesh : MeshQuad
-        Of the reference plane, with named boundaries.
-    geometry : Geometry
-        From the plane to radius and depth.
-    degree : int
-        p of the displacements, at least 4.
-    poisson_ratio : float
-        nu.
+    The bubbles of displacement and pressure are eliminated element by element. The degree is at
+    least 4.
     """
 
     def __init__(self, mesh: MeshQuad, geometry: Geometry, degree: int, poisson_ratio: float) -> None:

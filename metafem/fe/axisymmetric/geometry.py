@@ -84,21 +84,12 @@ class Cap:
     its true radius, and outside the cap the radius. The second is the depth below the surface; lines of
     constant depth are flat at the base of the block. z is zero at the top of the block, -height at the
     summit.
-
-    Parameters
-    ----------
-    radius, height : float
-        Of the sphere and of its cap [mm], height up to the radius.
-    outer : float
-        Radius of the block [mm].
-    thickness : float
-        Of the block [mm].
     """
 
-    radius: float
-    height: float
-    outer: float
-    thickness: float
+    radius: float  # of the sphere [mm]
+    height: float  # of the cap [mm], up to the radius
+    outer: float  # radius of the block [mm]
+    thickness: float  # of the block [mm]
 
     @property
     def foot(self) -> float:

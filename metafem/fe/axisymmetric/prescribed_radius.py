@@ -20,30 +20,17 @@ Profile = Callable[[FloatArray], FloatArray]
 
 @dataclass(frozen=True, eq=False)
 class Pressed:
-    """Solution on one mesh with elements of one degree.
+    """Solution on one mesh with elements of one degree."""
 
-    Attributes
-    ----------
-    load, indentation : float
-        P/E* [mm^2] and indentation [mm].
-    bracket : float
-        Half of the relative difference of loads or indentations by the two criteria; 0 for one criterion.
-    residual, status : float, LinearStatus
-        Of the linear system.
-    body, skeleton : Body, ndarray
-        For the evaluation of fields.
-    extent : float
-        Largest radius of the body [mm].
-    """
-
-    load: float
-    indentation: float
+    load: float  # P/E* [mm^2]
+    indentation: float  # [mm]
+    # half of the relative difference of loads or indentations by the two criteria; 0 for one criterion
     bracket: float
-    residual: float
-    status: LinearStatus
-    body: Body
+    residual: float  # of the linear system
+    status: LinearStatus  # of the linear system
+    body: Body  # for the evaluation of fields, with the skeleton of its solution
     skeleton: FloatArray
-    extent: float
+    extent: float  # largest radius of the body [mm]
 
 
 def spectral(

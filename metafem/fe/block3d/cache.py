@@ -33,32 +33,17 @@ LIBRARIES = ("numpy", "scipy", "scikit-fem")
 
 @dataclass(frozen=True, eq=False)
 class BlockInfluence:
-    """Influence between the sites of a block, with its errors.
+    """Influence between the sites of a block, with its errors."""
 
-    Attributes
-    ----------
-    matrix : (n, n) ndarray
-        Displacement at site i per load P/E* on site j [1/mm], symmetric; regular self terms.
-    gradient_x, gradient_y, laplacian : (n, n) ndarray
-        Its in-plane derivatives at i [1/mm^2, 1/mm^2, 1/mm^3].
-    asymmetry : float
-        Largest difference of mirrored entries before they were averaged [1/mm].
-    error_estimate : float
-        Largest change of an entry from cells 1.6 times as large [1/mm]; bounds the error.
-    residual : float
-        Largest relative residual of the linear solutions.
-    notes : tuple of str
-        What was computed or read, and faults of the disk.
-    """
-
+    # (n, n), displacement at site i per load P/E* on site j [1/mm], symmetric; regular self terms
     matrix: FloatArray
-    gradient_x: FloatArray
+    gradient_x: FloatArray  # (n, n), its derivatives in the plane at i [1/mm^2]
     gradient_y: FloatArray
-    laplacian: FloatArray
-    asymmetry: float
-    error_estimate: float
-    residual: float
-    notes: tuple[str, ...] = ()
+    laplacian: FloatArray  # (n, n) [1/mm^3]
+    asymmetry: float  # largest difference of mirrored entries before they were averaged [1/mm]
+    error_estimate: float  # largest change of an entry from cells 1.6 times as large [1/mm]; bounds the error
+    residual: float  # largest relative residual of the linear solutions
+    notes: tuple[str, ...] = ()  # what was computed or read, and faults of the disk
 
     def __post_init__(self) -> None:
         for name in _ARRAYS:

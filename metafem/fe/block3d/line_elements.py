@@ -22,25 +22,15 @@ STIFFNESS = BilinearForm(lambda u, v, _: u.grad[0] * v.grad[0])
 
 @dataclass(frozen=True, eq=False)
 class LineElements:
-    """Quadratic (displacement) and linear (pressure) elements on one line of vertices.
+    """Quadratic (displacement) and linear (pressure) elements on one line of vertices."""
 
-    Attributes
-    ----------
-    node, vertex : ndarray
-        Ascending positions of the quadratic and of the linear degrees of freedom [mm].
-    product : dict
-        Matrix of ``int D^i v D^j u`` for quadratic v (rows) and u, by (i, j).
-    pressure : dict
-        Matrix of ``int q D^j u`` for linear q (rows) and quadratic u, by j; "mass": of ``int q p``.
-    quadrature : (ndarray, ndarray)
-        Gauss points [mm] and weights [mm].
-    """
-
-    node: FloatArray
-    vertex: FloatArray
+    node: FloatArray  # ascending positions of the quadratic degrees of freedom [mm]
+    vertex: FloatArray  # ascending positions of the linear ones [mm]
+    # matrix of ``int D^i v D^j u`` for quadratic v (rows) and u, by (i, j)
     product: dict[tuple[int, int], Any]
+    # matrix of ``int q D^j u`` for linear q (rows) and quadratic u, by j; "mass": of ``int q p``
     pressure: dict[Any, Any]
-    quadrature: tuple[FloatArray, FloatArray]
+    quadrature: tuple[FloatArray, FloatArray]  # Gauss points [mm] and weights [mm]
     _basis: Any
     _order: Any
 

@@ -37,36 +37,19 @@ class NewtonStatus(Enum):
 
 @dataclass(frozen=True, eq=False)
 class Flattened:
-    """State of a body whose surface is flat up to a material point.
+    """State of a body whose surface is flat up to a material point."""
 
-    Attributes
-    ----------
-    load, indentation, edge : float
-        P/E* [mm^2], indentation [mm], and deformed radius of the contact's edge [mm].
-    energy : float
-        Stored energy over E* [mm^3].
-    shift : float
-        Amplitude of the last term of the radial displacement of points that stick.
-    bracket : float
-        Relative change of the load at the same deformed radius, or of the indentation, if the next node
-        outside were in contact too.
-    fraction : float
-        Fraction of the prescribed displacements; 1 for a complete state.
-    residual : float
-        Largest unbalanced nodal force, relative to the load.
-    unknowns : ndarray
-        Radial and downward displacements, pressures.
-    """
-
-    load: float
-    indentation: float
-    edge: float
-    energy: float
-    shift: float
+    load: float  # P/E* [mm^2]
+    indentation: float  # [mm]
+    edge: float  # deformed radius of the contact's edge [mm]
+    energy: float  # stored energy over E* [mm^3]
+    shift: float  # amplitude of the last term of the radial displacement of points that stick
+    # relative change of the load at the same deformed radius, or of the indentation, if the next node outside
+    # were in contact too
     bracket: float
-    fraction: float
-    residual: float
-    unknowns: FloatArray
+    fraction: float  # fraction of the prescribed displacements; 1 for a complete state
+    residual: float  # largest unbalanced nodal force, relative to the load
+    unknowns: FloatArray  # radial and downward displacements, pressures
 
     @property
     def status(self) -> NewtonStatus:

@@ -15,18 +15,10 @@ _AT_A_TIME = 1 << 16
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """Triangles that bound a solid.
+    """Triangles that bound a solid."""
 
-    Attributes
-    ----------
-    vertices : ndarray, (n, 3)
-        [mm]
-    faces : ndarray of int, (m, 3)
-        Counterclockwise, seen from outside.
-    """
-
-    vertices: FloatArray
-    faces: IntArray
+    vertices: FloatArray  # (n, 3) [mm]
+    faces: IntArray  # (m, 3), counterclockwise, seen from outside
 
     def corners(self) -> Iterator[FloatArray]:
         """Yield the corners of faces, (k, 3 corners, 3) [mm], some at a time."""

@@ -75,27 +75,13 @@ class PartOptions:
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """A part that can be made.
+    """A part that can be made."""
 
-    Attributes
-    ----------
-    surface : Surface
-        Its asperities and, last, its alignment asperities.
-    asperities : int
-        Number of asperities without those for alignment.
-    block : Block
-    chord_error : float
-        [mm]
-    coarsened : bool
-        Whether the chord error was increased for the size of the files.
-    formats : tuple of str
-    """
-
-    surface: Surface
-    asperities: int
+    surface: Surface  # its asperities and, last, its alignment asperities
+    asperities: int  # number of asperities without those for alignment
     block: Block
-    chord_error: float
-    coarsened: bool
+    chord_error: float  # [mm]
+    coarsened: bool  # whether the chord error was increased for the size of the files
     formats: tuple[str, ...]
 
     @cached_property
