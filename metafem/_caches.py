@@ -20,10 +20,7 @@ _BLOCK = re.compile(r"\.?block-.*\.npz")
 def cache_folder() -> Path:
     """Return ``$METAFEM_CACHE_DIR``, or metafem's folder in the user's cache folder.
 
-    Raises
-    ------
-    OSError
-        If the user has no home folder and the variable is not set.
+    Raise OSError if the user has no home folder and the variable is not set.
     """
     stated = os.environ.get(VARIABLE)
     if stated:

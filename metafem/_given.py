@@ -138,14 +138,8 @@ def plain(name: str, value: Any) -> Any:
     """Return a value as plain numbers in the unit that belongs to its name.
 
     A quantity of pint, astropy or a similar library is converted by its own method. A value that has a unit
-    but no such method is refused, and so are masked entries.
-
-    Raises
-    ------
-    InvalidInput
-        For a unit of another dimension, and for a masked entry.
-    TypeError
-        For anything else that is not a number; the message says what it is.
+    but no such method is refused, and so are masked entries and units of another dimension. Anything else
+    that is not a number raises TypeError with what it is.
     """
     if isinstance(value, (int, float)) and not isinstance(value, bool):
         return value

@@ -69,13 +69,7 @@ class Table:
 
 
 def read_table(path: str | Path, example: str) -> Table:
-    """Read a table; `example` is a valid first line.
-
-    Raises
-    ------
-    InvalidInput
-        If the file cannot be read, is empty or has one column.
-    """
+    """Read a table, or raise InvalidInput; `example` is a valid first line."""
     content, name = read_bytes(path, TABLE), file_label(path)
     text = decoded(path, content)
     lines = ["\n" if line.lstrip().startswith("#") else line for line in io.StringIO(text, newline=None)]

@@ -17,13 +17,7 @@ SPECIFICATION, TABLE, RECORD = 2**18, 2**26, 2**29
 
 
 def read_bytes(path: str | Path, most: int, missing: str = "no such file") -> bytes:
-    """Return the content of a regular file of at most `most` bytes.
-
-    Raises
-    ------
-    InvalidInput
-        For anything else: a folder, a device, a pipe, a file that is too large, missing or unreadable.
-    """
+    """Return the content of a regular file of at most `most` bytes, or raise InvalidInput."""
     name = file_label(path)
     try:
         kind = _kind(path)
@@ -65,13 +59,7 @@ def decoded(path: str | Path, raw: bytes) -> str:
 
 
 def read_record(path: str | Path, missing: str = "no such file") -> Any:
-    """Return the content of a JSON file.
-
-    Raises
-    ------
-    InvalidInput
-        If it cannot be read, is not JSON, or has too deeply nested values or too long numbers.
-    """
+    """Return the content of a JSON file, or raise InvalidInput for any other file."""
     text = decoded(path, read_bytes(path, RECORD, missing))
     try:
         return json.loads(text, parse_constant=_refused)

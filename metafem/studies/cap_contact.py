@@ -104,10 +104,7 @@ class Caps:
 def caps_of(surface: Surface, indentation: FloatArray) -> Caps:
     """Compute the caps of each radius by finite elements, up to given indentations (n,) [mm].
 
-    Raises
-    ------
-    InvalidInput
-        If summits of more than four radii are in contact, and for the errors of `cap_contact`.
+    Raise InvalidInput if summits of more than four radii are in contact, and for the errors of `cap_contact`.
     """
     radii = np.unique(surface.radius[indentation > 0.0])
     if len(radii) > MOST_RADII:
@@ -130,12 +127,8 @@ def cap_contact(surface: Surface, indentation: FloatArray) -> CapContact:
     """Compute the caps of a surface by finite elements, up to given indentations (n,) [mm].
 
     Each is a true spherical cap on a bonded cylinder with the block's thickness and base area and a free
-    side, with the material's Poisson's ratio, at small strain.
-
-    Raises
-    ------
-    InvalidInput
-        If the surface has no block, or if the summits in contact have several radii or not 0 < h <= R.
+    side, with the material's Poisson's ratio, at small strain. Raise InvalidInput if the surface has no
+    block, or if the summits in contact have several radii or not 0 < h <= R.
     """
     touching = indentation > 0.0
     block, radius = surface.block, float(surface.radius[touching][0])

@@ -26,14 +26,8 @@ class Laws:
 def laws_on_substrates(surface: Surface, load: FloatArray, *, wait: bool) -> Laws:
     """Predict the law of independent asperities, on the half-space, the bonded layer and the true block.
 
-    Parameters
-    ----------
-    surface : Surface
-        Without a block, the layer and the true block are left out.
-    load : ndarray, (k,)
-        Normal loads [N].
-    wait : bool
-        Whether to compute the true block's influence if it is not on disk.
+    The loads (k,) are in N. Without a block, the layer and the true block are left out; with `wait` the true
+    block's influence is computed if it is not on disk.
     """
     models: dict[str, Model] = {"independent": Independent(), "half-space": Interacting()}
     notes: list[Note] = []

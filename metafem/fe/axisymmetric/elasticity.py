@@ -201,14 +201,7 @@ class Body:
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Displacement (2, n), its gradient (2, 2, n) by (r, z), and pressure (n,) inside elements.
 
-        Parameters
-        ----------
-        skeleton : ndarray, (n,)
-            One column of a solution.
-        element : ndarray, (n,)
-            Elements of the points.
-        place : ndarray, (2, n)
-            Their coordinates in the reference square.
+        `skeleton` is one column of a solution, `place` (2, n) are coordinates in the reference square.
         """
         local = self.displacement.local
         full = self._coefficients(skeleton, element)

@@ -55,14 +55,9 @@ def graded_mesh(
 ) -> MeshQuad:
     """Return a mesh of a body's plane (s, depth), graded to the contact's edge and the cap's foot.
 
-    Parameters
-    ----------
-    contact, outer, thickness : float
-        Plane coordinate of the contact's edge and of the side, and thickness [mm].
-    foot : float, optional
-        Plane coordinate of the cap's foot [mm].
-    contact_edge, foot_edge : float
-        Size of the last elements, relative to the contact's radius and to the foot's.
+    The plane coordinates of the contact's edge, the side and the foot, and the thickness, are in mm. The last
+    elements have the sizes `contact_edge` and `foot_edge`, relative to the contact's radius and to the
+    foot's.
     """
     fine, reach = contact_edge * contact, EDGE_REACH * contact
     across = [_graded(contact, 0.0, fine, reach)[::-1]]

@@ -83,12 +83,8 @@ class Quarter:
     def solve(self, parity: tuple[int, int], source: FloatArray) -> Remainder:
         """Solve for the difference from the half-space under mirrored unit loads.
 
-        Parameters
-        ----------
-        parity : (int, int)
-            Sign of a load's mirror image in x = 0 and in y = 0.
-        source : (m, 2) ndarray
-            Positions of the loads [mm].
+        The parity holds the signs of a load's mirror images in x = 0 and in y = 0; `source` (m, 2) the
+        positions of the loads [mm].
         """
         base, nodal = self._index[..., -1].ravel(), self._index.size
         known = self._known(parity)

@@ -131,20 +131,10 @@ class SoftBody(Body):
     ) -> Flattened:
         """Flatten the surface within the boundary `contact`, without force at its edge.
 
-        Parameters
-        ----------
-        profile : callable
-            Depth below the summit [mm] at the undeformed radii.
-        stuck : pair of callables, optional
-            Radial displacement [mm] of points that stick, and the term of it that the state determines;
-            default: none, the points slip.
-        start : Flattened, optional
-            A complete state on a mesh of the same numbering.
-
-        Raises
-        ------
-        NotConverged
-            If Newton's method fails with the smallest steps; the last state is attached.
+        The profile is the depth below the summit [mm] at the undeformed radii. `stuck` are the radial
+        displacement [mm] of points that stick and the term of it that the state determines; default: the
+        points slip. `start` is a complete state on a mesh of the same numbering. Raise NotConverged, with the
+        last state, if Newton's method fails with the smallest steps.
         """
         plane = self._plane(profile, stuck)
         last = Flattened(0.0, 0.0, 0.0, 0.0, 0.0, math.inf, 0.0, 0.0, np.zeros(self.size))  # at rest

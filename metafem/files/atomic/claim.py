@@ -34,12 +34,8 @@ def claimed(work: Path, goal: Path) -> Iterator[Path]:
     """Make and yield the folder `work`, with an empty folder ``new`` in it; it is removed at the end.
 
     It is beside the goal or in it, and so on the same disk. What killed runs left in its parent is removed
-    first, and their unfinished replacements are undone.
-
-    Raises
-    ------
-    InvalidInput
-        If another process holds it, or it cannot be made; names the goal.
+    first, and their unfinished replacements are undone. Raise InvalidInput, which names the goal, if another
+    process holds it or it cannot be made.
     """
     held: int | None = None
     try:

@@ -24,12 +24,8 @@ NEW, OLD, JOURNAL, UNFINISHED = "new", "old", "journal.json", "journal.part"
 def replace_files(work: Path, folder: Path, ours: Hashes, stale: Collection[str] = ()) -> None:
     """Move the files of `work`/new into the folder, and remove the stale ones that are not among them.
 
-    Only files that still have a hash in `ours` are replaced or removed.
-
-    Raises
-    ------
-    InvalidInput
-        If a file has the name of a new one and is not ours; the folder is as it was.
+    Only files that still have a hash in `ours` are replaced or removed. Raise InvalidInput if a file has the
+    name of a new one and is not ours; the folder is then as it was.
     """
     fresh = {path.name: digest(path) for path in sorted((work / NEW).iterdir())}
     known = {name: ours.get(name, frozenset()) | {fresh.get(name, "")} for name in {*fresh, *stale}}

@@ -33,21 +33,11 @@ def staged(
     It is hidden, locked for other runs of metafem, and removed if the body fails. A new folder appears by one
     rename, which fails if a folder of that name was made in the meantime. An existing folder is refused,
     except with `force` if it is empty or a result folder; then the files in it that metafem wrote, and no
-    others, are replaced by `replace_files`.
+    others, are replaced by `replace_files`. `expected` are the names of the files that the body writes, with
+    their content if it is known: other files of these names are refused before the body runs.
 
-    Parameters
-    ----------
-    folder : str or Path
-    force : bool
-    expected : mapping of str to bytes or None
-        Names of the files that the body writes, with their content if it is known: other files of these
-        names are refused before the body runs.
-
-    Raises
-    ------
-    InvalidInput
-        If the folder exists, holds a changed file, is being written by another run, or cannot be written.
-        No unfinished file is left.
+    Raise InvalidInput if the folder exists, holds a changed file, is being written by another run, or cannot
+    be written; no unfinished file is left.
     """
     target = check_free(folder, force, expected)
     inside = target.is_dir()

@@ -28,24 +28,10 @@ def write_file(
 ) -> None:
     """Write a file by the function `write` under another name, and rename it.
 
-    Parameters
-    ----------
-    path : str or Path
-        In a result folder the file is added to what metafem wrote there.
-    write : callable
-        Function of the path that it writes to.
-    force : bool
-        Whether to replace an existing file: in a result folder one that metafem wrote and that was not
-        changed, elsewhere one whose content `ours` accepts.
-    ours : callable
-        Whether metafem wrote this content; used outside result folders only.
-    still : callable
-        Raises an error if the content is not valid any more; called before the file is renamed.
-
-    Raises
-    ------
-    InvalidInput
-        If the file exists or cannot be written. No unfinished file is left.
+    With `force` an existing file is replaced: in a result folder one that metafem wrote and that was not
+    changed, elsewhere one whose content `ours` accepts as metafem's. `still` raises an error if the content
+    is not valid any more, and is called before the file is renamed. Raise InvalidInput if the file exists or
+    cannot be written; no unfinished file is left.
     """
     target = Path(path).absolute()
     refuse_existing(target, force, ours)

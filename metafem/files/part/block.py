@@ -29,13 +29,8 @@ _SINGLE = float(np.finfo(np.float32).eps)
 def block_mesh(surface: Surface, block: Block, chord_error: float) -> Mesh:
     """Mesh the part: true spherical caps on the block, the base plane at z = 0.
 
-    Parameters
-    ----------
-    surface : Surface
-        Caps that can be made: ``0 < h <= R``, and base circles that neither overlap nor leave the block.
-    block : Block
-    chord_error : float
-        Largest depth of a face below its sphere [mm].
+    The caps have ``0 < h <= R`` and base circles that neither overlap nor leave the block. The chord error is
+    the largest depth of a face below its sphere [mm].
 
     Examples
     --------

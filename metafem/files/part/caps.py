@@ -43,12 +43,8 @@ def with_alignment(surface: Surface, template: Surface, height: float | None) ->
     """Return the asperities of a part and, after them, four alignment asperities of a height [mm], if any.
 
     Their radius is the smallest in use that is not below their height: the part needs no further tool, and
-    no other of its tools makes narrower caps of that height.
-
-    Raises
-    ------
-    InvalidInput
-        If `height` does not exceed the tallest summit, or exceeds the largest radius in use.
+    no other of its tools makes narrower caps of that height. Raise InvalidInput if the height does not exceed
+    the tallest summit, or exceeds the largest radius in use.
     """
     if height is None:
         return surface

@@ -48,13 +48,7 @@ _SAME = 1e-9
 def mould_drawing(surface: Surface, asperities: int, block: Block) -> str:
     """Return the drawing of the holes of a mould, seen from its open face.
 
-    Parameters
-    ----------
-    surface : Surface
-        Caps of the part; those after the first `asperities` are for alignment.
-    asperities : int
-    block : Block
-        Block of the part.
+    The caps of the surface after the first `asperities` are for alignment.
     """
     position = mirrored(surface.position)
     scale = next((s for s in _SCALES if s * max(block.width, block.length) <= _PLAN), _SCALES[-1])
