@@ -122,30 +122,30 @@ def predict(memory, points, width, ahead, target, radius, z):
 
 @compiled
 def tangent(field, order, radius, self_term, state, count, points, memory, scratch):
-    """Fill memory.last_rate = dz/dx and return dP/dx [mm]; dp/dP is kept in scratch.loads."""
+    """Fill memory.last_rate = dz/dx and return dP/dx [mm]; dp/dP is stored in scratch.loads."""
     matrix = refresh(field, order, radius, self_term, state, count, scratch, False)
-    share = scratch.loads
-    whole = compliance = 0.0
+    load_rate = scratch.loads
+    total = compliance = 0.0
     for k in range(count):
         i = state.closed[k]
-        memory.square[i] = share[i] if points > 0 else 0.0
-        whole += memory.square[i]
+        memory.square[i] = load_rate[i] if points > 0 else 0.0
+        total += memory.square[i]
         compliance += 1.0 / abs(scratch.diagonal[i])
-    share[:] = 0.0
-    warm = points > 0 and whole > 0.5
+    load_rate[:] = 0.0
+    warm = points > 0 and total > 0.5
     if warm:
         for k in range(count):
-            share[state.closed[k]] = memory.square[state.closed[k]] / whole
+            load_rate[state.closed[k]] = memory.square[state.closed[k]] / total
     scratch.rhs[:] = 0.0
     shift, good = projected_cg.solve(
         matrix, scratch.diagonal, state.closed, count, True, 1.0, scratch.rhs,
-        TANGENT / compliance, warm, share, scratch.work,
+        TANGENT / compliance, warm, load_rate, scratch.work,
     )  # fmt: skip
     rates(self_term, state, count, shift, scratch, memory.last_rate)
     for i in range(radius.size):
         memory.last_rate[i] /= shift
     form = quadratic_form(
-        field, order, radius, self_term, state, count, share, scratch.work[1], scratch.work[2]
+        field, order, radius, self_term, state, count, load_rate, scratch.work[1], scratch.work[2]
     )
     return 1.0 / form if good and form > 0.0 else math.inf
 
@@ -166,7 +166,7 @@ def curves(field, order, radius, self_term, gap, control, by_load, results, stat
     radius, self_term and gap are (m, n), control (k,) holds increasing loads or approaches.
     """
     n = gap.shape[1]
-    share = np.zeros(n)
+    load_rate = np.zeros(n)
     for row in range(gap.shape[0]):
         points = 0
         x = width = 0.0
@@ -206,11 +206,11 @@ def curves(field, order, radius, self_term, gap, control, by_load, results, stat
             copy(memory.last, memory.before)
             copy(memory.last_rate, memory.before_rate)
             copy(state.z, memory.last)
-            copy(share, scratch.loads)
+            copy(load_rate, scratch.loads)
             results.stiffness[row, j] = tangent(
                 field, order, radius[row], self_term[row], state, count, points, memory, scratch
             )
-            copy(scratch.loads, share)
+            copy(scratch.loads, load_rate)
             width = new - x
             x = new
             points = min(2, points + 1) if width > 0.0 else 1

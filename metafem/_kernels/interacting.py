@@ -122,12 +122,12 @@ def newton(field, order, radius, self_term, gap, approach, target, state, scratc
             residual = max(residual, 1.0)
             break
         rates(self_term, state, count, shift, scratch, scratch.step)
-        x, count, load, new, whole = line_search(
+        x, count, load, new, full = line_search(
             field, order, radius, self_term, gap, x, shift, target, residual, count, state, scratch
         )
         # a matrix is reused if it gains two digits per step
-        always = not whole or new > 1e-2 * residual
-        stalled = new > 0.5 * residual and (new <= TOLERANCE or (free and not whole))
+        always = not full or new > 1e-2 * residual
+        stalled = new > 0.5 * residual and (new <= TOLERANCE or (free and not full))
         residual = new
         if stalled:
             break
@@ -169,7 +169,7 @@ def line_search(
 ):
     """Move z along the step until the energy, or the residual, falls enough; a full step is tried first.
 
-    Return the approach, the number of contacts, the load, the residual, and whether the step is whole. At a
+    Return the approach, the number of contacts, the load, the residual, and whether the step is full. At a
     given load the residual is used, because the path does not satisfy the constraint of the energy.
     """
     free = target > 0.0

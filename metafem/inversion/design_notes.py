@@ -60,10 +60,10 @@ def step_note(limits: Limits, before: float, after: float) -> Note:
     """Return the note that states the misfits before and after the rounding."""
     aside = ": the search over steps found a better law than that over free heights" if after < before else ""
     if after > REACHED >= before:
-        aside = f"; a smaller height_step brings it below {100.0 * REACHED:g} %"
+        aside = f"; a smaller height_step brings it below {percent(REACHED, 'g')}"
     return information(
         f"heights are on steps of {1e3 * (limits.height_step or 0.0):.4g} um: the misfit is "
-        f"{100.0 * after:.3g} %; before rounding to them it was {100.0 * before:.3g} %{aside}"
+        f"{percent(after, '.3g')}; before rounding to them it was {percent(before, '.3g')}{aside}"
     )
 
 

@@ -49,7 +49,7 @@ class CapContact:
         open_ = indentation <= 0.0
         d, h = np.where(open_, 1.0, indentation), height
         foot = foot_radius(h, self.radius)
-        a = np.sqrt(self.radius * d)
+        a = Hertz().contact_radius(d, self.radius)
         for _ in range(NEWTON_STEPS):
             step = 1e-6 * a
             value, ahead = (self._indentation(h, x, foot) for x in (a, a + step))
@@ -140,7 +140,7 @@ def cap_contact(surface: Surface, indentation: FloatArray) -> CapContact:
     if heights.min() <= 0.0 or heights.max() > radius:
         raise InvalidInput("the height of a summit in contact must be above 0 and at most its radius")
     foot = foot_radius(heights, radius)
-    share = np.sqrt(radius * indentation[touching]) / foot
+    share = Hertz().contact_radius(indentation[touching], radius) / foot
     low, high = float(heights.min()), float(heights.max())
     # small contacts obey Hertz's law; starting at a tenth of the range keeps the smallest contact meshable
     ranges = (low, high), (0.1 * float(share.max()), min(float(share.max()), 0.9))

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from metafem import _validate as check
+from metafem.contact import Hertz
 from metafem.contact.cap_geometry import sphere_profile
 from metafem.errors import InvalidInput
 from metafem.fe.axisymmetric.geometry import Cap
@@ -61,5 +62,5 @@ def measure_pedestal(height_ratio: float, contact_ratio: float, poisson_ratio: f
     edge = float(cap.surface(np.array(a))[0])
     mesh = graded_mesh(edge, EXTENT, EXTENT, cap.foot, contact_edge=EDGE)
     pressed = graded(mesh, cap, DEGREE, nu, lambda r: sphere_profile(r, 1.0), a, EXTENT, False)
-    hertz = (0.75 * pressed.load) ** (2.0 / 3.0)
+    hertz = float(Hertz().indentation_at_load(pressed.load, 1.0))
     return float(math.pi * (pressed.indentation - hertz) / pressed.load + SHORTFALL / EXTENT)

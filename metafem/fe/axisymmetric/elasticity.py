@@ -53,9 +53,9 @@ class Polynomials:
         # Bubbles are numbered last, globally and in each element.
         self.skeleton = int(self.dofs.N) - self.inner * mesh.nelements
 
-    def shapes(self, place: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def shapes(self, point: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Values (local, n) and derivatives (local, 2, n) at points (2, n) of the reference square."""
-        pairs = [self.element.lbasis(place, i) for i in range(self.local)]
+        pairs = [self.element.lbasis(point, i) for i in range(self.local)]
         return np.array([value for value, _ in pairs]), np.array([slope for _, slope in pairs])
 
 
@@ -119,15 +119,15 @@ class Body:
         count = self.mesh.nelements
         points = (self.degree + EXTRA_POINTS) ** 2
         step = max(1, GROUP // (points * self.displacement.local))
-        schur, follow = [], []
+        schur, responses = [], []
         for start in range(0, count, step):
             block = self._element_matrices(np.arange(start, min(start + step, count)))
             coupling = block[:, inner[:, None], kept]
-            answer = -np.linalg.solve(block[:, inner[:, None], inner], coupling)
-            schur.append(block[:, kept[:, None], kept] + np.matmul(coupling.transpose(0, 2, 1), answer))
-            follow.append(answer)
+            response = -np.linalg.solve(block[:, inner[:, None], inner], coupling)
+            schur.append(block[:, kept[:, None], kept] + np.matmul(coupling.transpose(0, 2, 1), response))
+            responses.append(response)
         size = 2 * self.displacement.skeleton + self.pressure.skeleton
-        return assembled(self.numbering, np.concatenate(schur), size), np.concatenate(follow)
+        return assembled(self.numbering, np.concatenate(schur), size), np.concatenate(responses)
 
     @property
     def matrix(self) -> csc_matrix:
@@ -165,13 +165,13 @@ class Body:
         """
         x, w = np.polynomial.legendre.leggauss(self.degree + EXTRA_POINTS)
         x, w = 0.5 * (x + 1.0), 0.5 * w
-        place, weight = np.array(np.meshgrid(x, x)).reshape(2, -1), np.outer(w, w).ravel()
-        value, slope = self.displacement.shapes(place)
-        other, _ = self.pressure.shapes(place)
+        point, weight = np.array(np.meshgrid(x, x)).reshape(2, -1), np.outer(w, w).ravel()
+        value, slope = self.displacement.shapes(point)
+        other, _ = self.pressure.shapes(point)
         straight = self.mesh.mapping()
-        plane = straight.F(place, elements)
+        plane = straight.F(point, elements)
         total = np.einsum(
-            "ijeq,jkeq->ikeq", self.geometry.jacobian(plane), straight.DF(place, elements), optimize=True
+            "ijeq,jkeq->ikeq", self.geometry.jacobian(plane), straight.DF(point, elements), optimize=True
         )
         (a, b), (c, d) = total
         determinant = a * d - b * c
@@ -197,21 +197,21 @@ class Body:
         return Solution(skeleton, self.matrix @ skeleton, solved.residual, solved.status)
 
     def fields_at(
-        self, skeleton: FloatArray, element: IntArray, place: FloatArray
+        self, skeleton: FloatArray, element: IntArray, point: FloatArray
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Displacement (2, n), its gradient (2, 2, n) by (r, z), and pressure (n,) inside elements.
 
-        `skeleton` is one column of a solution, `place` (2, n) are coordinates in the reference square.
+        `skeleton` is one column of a solution, `point` (2, n) are coordinates in the reference square.
         """
         local = self.displacement.local
         full = self._coefficients(skeleton, element)
         u = full[:, : 2 * local].reshape(-1, 2, local)
-        value, slope = self.displacement.shapes(place)
-        other, _ = self.pressure.shapes(place)
+        value, slope = self.displacement.shapes(point)
+        other, _ = self.pressure.shapes(point)
         straight = self.mesh.mapping()
-        plane = straight.F(place[:, :, None], element)[..., 0]
+        plane = straight.F(point[:, :, None], element)[..., 0]
         total = np.einsum(
-            "ijn,jkn->ikn", self.geometry.jacobian(plane), straight.DF(place[:, :, None], element)[..., 0]
+            "ijn,jkn->ikn", self.geometry.jacobian(plane), straight.DF(point[:, :, None], element)[..., 0]
         )
         (a, b), (c, d) = total
         inverse = np.array([[d, -b], [-c, a]]) / (a * d - b * c)
@@ -221,7 +221,7 @@ class Body:
             np.einsum("nb,bn->n", full[:, 2 * local :], other),
         )
 
-    def plane_gradient(self, skeleton: FloatArray, element: int, place: FloatArray) -> FloatArray:
+    def plane_gradient(self, skeleton: FloatArray, element: int, point: FloatArray) -> FloatArray:
         """Derivative (2, k) of the downward displacement by the plane's coordinates at one point.
 
         It stays finite where the geometry's Jacobian vanishes. Element sides are parallel to the axes.
@@ -229,8 +229,8 @@ class Body:
         local = self.displacement.local
         which = np.array([element])
         column = [self._coefficients(part, which)[0, local : 2 * local] for part in skeleton.T]
-        _, slope = self.displacement.shapes(place)
-        inverse = np.linalg.inv(self.mesh.mapping().DF(place[:, :, None], which)[:, :, 0, 0])
+        _, slope = self.displacement.shapes(point)
+        inverse = np.linalg.inv(self.mesh.mapping().DF(point[:, :, None], which)[:, :, 0, 0])
         return np.asarray(inverse.T @ (slope[:, :, 0].T @ np.array(column).T))
 
     def _coefficients(self, skeleton: FloatArray, element: IntArray) -> FloatArray:

@@ -43,8 +43,8 @@ def spectral(
     """
     body = Body(mesh, geometry, degree, poisson_ratio)
     solution = _solve(body, profile, walled=False)
-    element, place = locate(body, "free", np.zeros((2, 1)))
-    slope = body.plane_gradient(solution.skeleton, int(element[0]), place)[1]
+    element, point = locate(body, "free", np.zeros((2, 1)))
+    slope = body.plane_gradient(solution.skeleton, int(element[0]), point)[1]
     indentation = -slope[1] / slope[0]
     return _combined(body, solution, indentation, 0.0, extent)
 

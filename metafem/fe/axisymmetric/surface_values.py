@@ -27,8 +27,8 @@ def locate(body: Body, name: str, plane: FloatArray) -> tuple[IntArray, FloatArr
 
 def surface_displacement(body: Body, skeleton: FloatArray, name: str, r: FloatArray) -> FloatArray:
     """Displacement (2, n): radial and downwards, at the radii r on one boundary."""
-    element, place = locate(body, name, body.geometry.surface(r))
-    return body.fields_at(skeleton, element, place)[0]
+    element, point = locate(body, name, body.geometry.surface(r))
+    return body.fields_at(skeleton, element, point)[0]
 
 
 def contact_pressure(body: Body, skeleton: FloatArray, r: FloatArray) -> FloatArray:
@@ -37,8 +37,8 @@ def contact_pressure(body: Body, skeleton: FloatArray, r: FloatArray) -> FloatAr
     ``-(sigma_zz + sigma_rz n_r/n_z)``.
     """
     plane = body.geometry.surface(r)
-    element, place = locate(body, "contact", plane)
-    displacement, gradient, pressure = body.fields_at(skeleton, element, place)
+    element, point = locate(body, "contact", plane)
+    displacement, gradient, pressure = body.fields_at(skeleton, element, point)
     mean = (gradient[0, 0] + gradient[1, 1] + displacement[0] / r) / 3.0
     shear = body.shear_modulus
     down = 2.0 * shear * (gradient[1, 1] - mean) - pressure

@@ -69,16 +69,16 @@ def cached(
     try:
         return _read(path, len(position))
     except FileNotFoundError:
-        found = compute()
+        result = compute()
     except (OSError, ValueError, KeyError, zipfile.BadZipFile) as error:
-        found = _noted(compute(), f"computed again: the stored file could not be read: {error}")
+        result = _noted(compute(), f"computed again: the stored file could not be read: {error}")
     try:
-        _write(path, found)
+        _write(path, result)
     except OSError as error:
         message(f"the solution of the true block is not stored on disk: {error}")
-        return _noted(found, f"not stored on disk: {error}")
+        return _noted(result, f"not stored on disk: {error}")
     message(f"the solution of the true block is stored in {path}")
-    return _noted(found, f"stored in {path}")
+    return _noted(result, f"stored in {path}")
 
 
 def is_cached(shape: tuple[float, ...], position: FloatArray) -> bool:
@@ -122,8 +122,8 @@ def statements(source: str) -> str:
     return ast.dump(tree)
 
 
-def _noted(found: BlockInfluence, note: str) -> BlockInfluence:
-    return replace(found, notes=(*found.notes, note))
+def _noted(result: BlockInfluence, note: str) -> BlockInfluence:
+    return replace(result, notes=(*result.notes, note))
 
 
 def _read(path: Path, n: int) -> BlockInfluence:
@@ -135,7 +135,7 @@ def _read(path: Path, n: int) -> BlockInfluence:
     return BlockInfluence(**values, notes=(*notes.tolist(), f"read from {path}"))
 
 
-def _write(path: Path, found: BlockInfluence) -> None:
+def _write(path: Path, result: BlockInfluence) -> None:
     """Write a temporary file and rename it, so that no incomplete file is ever read."""
     path.parent.mkdir(parents=True, exist_ok=True)
     handle, name = tempfile.mkstemp(dir=path.parent, prefix=".block-", suffix=".npz")
@@ -143,9 +143,9 @@ def _write(path: Path, found: BlockInfluence) -> None:
         with os.fdopen(handle, "wb") as file:
             np.savez(
                 file,
-                influence=np.stack([getattr(found, each) for each in _ARRAYS]),
-                number=np.array([getattr(found, each) for each in _NUMBERS]),
-                notes=np.array(found.notes, dtype=np.str_),
+                influence=np.stack([getattr(result, each) for each in _ARRAYS]),
+                number=np.array([getattr(result, each) for each in _NUMBERS]),
+                notes=np.array(result.notes, dtype=np.str_),
             )
         Path(name).replace(path)
     except BaseException:

@@ -100,7 +100,7 @@ class Quarter:
         value[free] = solved.value
         return Remainder(parity, source, value[:nodal], (self.matrix @ value - load)[base], solved.residual)
 
-    def influence(self, field: Remainder, place: FloatArray) -> FloatArray:
+    def influence(self, field: Remainder, position: FloatArray) -> FloatArray:
         """Normal displacement of the top at positions (n, 2), beyond the half-space's, (n, m) [1/mm].
 
         By Betti's theorem between the field of a load at the position p and that of a source j. With U, T
@@ -109,17 +109,17 @@ class Quarter:
         symmetric and smooth in p, and the order of its error is twice that of w.
         """
         parity, nu = field.parity, self.poisson_ratio
-        result = self._base_displacement(place, parity).T @ field.reaction
+        result = self._base_displacement(position, parity).T @ field.reaction
         stress = self.base.weight[:, None] * self.base.traction(field.source, parity, nu)
-        result += self.base.displacement(place, parity, nu).T @ stress
+        result += self.base.displacement(position, parity, nu).T @ stress
         for side in self.sides:
             whole = side.displacement(field.source, parity, nu) + side.interpolation @ field.displacement
-            result -= side.traction(place, parity, nu).T @ (side.weight[:, None] * whole)
+            result -= side.traction(position, parity, nu).T @ (side.weight[:, None] * whole)
         return result
 
-    def top(self, field: Remainder, place: FloatArray) -> FloatArray:
+    def top(self, field: Remainder, position: FloatArray) -> FloatArray:
         """The same as `influence`, interpolated in the elements; for positions in the quarter."""
-        along = [self.axes[k].at(place[:, k]).toarray() for k in (0, 1)]
+        along = [self.axes[k].at(position[:, k]).toarray() for k in (0, 1)]
         normal = field.displacement[self._index[2, :, :, 0]]
         return np.asarray(np.einsum("nx,ny,xym->nm", *along, normal, optimize=True))
 

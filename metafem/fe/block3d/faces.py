@@ -30,13 +30,13 @@ class Face:
     def of(cls, axes: tuple[LineElements, ...], normal: int) -> Face:
         """Return the face at the far end of axis `normal`."""
         end = [np.array([axis.node[-1]]) for axis in axes]
-        places = [end[k] if k == normal else axis.quadrature[0] for k, axis in enumerate(axes)]
+        positions = [end[k] if k == normal else axis.quadrature[0] for k, axis in enumerate(axes)]
         weights = [np.ones(1) if k == normal else axis.quadrature[1] for k, axis in enumerate(axes)]
-        shapes = [axis.at(place) for axis, place in zip(axes, places, strict=True)]
+        shapes = [axis.at(position) for axis, position in zip(axes, positions, strict=True)]
         scalar = sp.kron(sp.kron(shapes[0], shapes[1]), shapes[2])
         return cls(
             normal,
-            np.stack(np.meshgrid(*places, indexing="ij"), axis=-1).reshape(-1, 3),
+            np.stack(np.meshgrid(*positions, indexing="ij"), axis=-1).reshape(-1, 3),
             np.tile(np.einsum("i,j,k->ijk", *weights).ravel(), 3),
             sp.block_diag([scalar] * 3, format="csr"),
         )
@@ -66,6 +66,6 @@ def mirrored(
     x, y, z = point.T[:, :, None]
     for mirror in product((1, -1), repeat=2):
         sign = math.prod(m for m, p in zip(mirror, parity, strict=True) if p < 0)
-        place = source * mirror
-        total += sign * np.concatenate(field(x - place[:, 0], y - place[:, 1], z))
+        position = source * mirror
+        total += sign * np.concatenate(field(x - position[:, 0], y - position[:, 1], z))
     return total

@@ -91,15 +91,15 @@ class Grading:
     def _meeting(self) -> float:
         """Position at which the two sizes are equal."""
         top = self._start + EDGE_GROWTH * self.length - self.cell
-        place = top / EDGE_GROWTH
-        if place > self.reach:
-            place = (top + OUTER_GROWTH * self.reach) / (OUTER_GROWTH + EDGE_GROWTH)
-        return min(max(place, 0.0), self.length)
+        position = top / EDGE_GROWTH
+        if position > self.reach:
+            position = (top + OUTER_GROWTH * self.reach) / (OUTER_GROWTH + EDGE_GROWTH)
+        return min(max(position, 0.0), self.length)
 
-    def _outer(self, place: float) -> float:
+    def _outer(self, position: float) -> float:
         """Number of cells between 0 and a position before the meeting."""
-        beyond = max(place - self.reach, 0.0)
-        return (place - beyond) / self.cell + math.log1p(OUTER_GROWTH * beyond / self.cell) / OUTER_GROWTH
+        beyond = max(position - self.reach, 0.0)
+        return (position - beyond) / self.cell + math.log1p(OUTER_GROWTH * beyond / self.cell) / OUTER_GROWTH
 
     def _inner(self, distance: float) -> float:
         """Number of cells within a distance from the end."""

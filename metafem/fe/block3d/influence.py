@@ -71,48 +71,48 @@ def _remainder(
     square = block.width == block.length
     if square:  # the mirror image in the diagonal, last
         folded = np.concatenate([folded, folded[:, ::-1]])
-    place, orbit = _distinct(folded, SAME * block.thickness)
-    step = STEP * np.minimum(0.5 * np.array([block.width, block.length]) - place, block.thickness).min(axis=1)
+    site, orbit = _distinct(folded, SAME * block.thickness)
+    step = STEP * np.minimum(0.5 * np.array([block.width, block.length]) - site, block.thickness).min(axis=1)
     own, turned = orbit[: len(position)], orbit[-len(position) :]
     side = np.where(position < 0.0, -1.0, 1.0)
     total, worst = np.zeros((4, len(position), len(position))), 0.0
     # in a square block the problem with x and y exchanged is the same
     solved = [parity for parity in PARITIES if not (square and parity == (-1, 1))]
     for parity in each("load case", solved):
-        found, residual = _parity_remainder(quarter, parity, place, step)
+        result, residual = _parity_remainder(quarter, parity, site, step)
         worst = max(worst, residual)
-        total += _unfolded(found, own, side, parity)
+        total += _unfolded(result, own, side, parity)
         if square and parity == (1, -1):
-            mirrored = found[[0, 2, 1, 3]]
+            mirrored = result[[0, 2, 1, 3]]
             total += _unfolded(mirrored, turned, side, (-1, 1))
     return total, worst
 
 
-def _distinct(place: FloatArray, same: float) -> tuple[FloatArray, IntArray]:
+def _distinct(site: FloatArray, same: float) -> tuple[FloatArray, IntArray]:
     """Return the distinct positions, and the index of each position among them."""
-    _, first, orbit = np.unique(np.rint(place / same), axis=0, return_index=True, return_inverse=True)
-    return place[first], orbit
+    _, first, orbit = np.unique(np.rint(site / same), axis=0, return_index=True, return_inverse=True)
+    return site[first], orbit
 
 
 def _parity_remainder(
-    quarter: Quarter, parity: tuple[int, int], place: FloatArray, step: FloatArray
+    quarter: Quarter, parity: tuple[int, int], site: FloatArray, step: FloatArray
 ) -> tuple[FloatArray, float]:
     """Value, gradient and Laplacian of w under mirrored loads, (4, m, m), and the residual."""
     offset = np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])
-    points = (place + offset[:, None] * step[:, None]).reshape(-1, 2)
-    field = quarter.solve(parity, place)
+    points = (site + offset[:, None] * step[:, None]).reshape(-1, 2)
+    field = quarter.solve(parity, site)
     parts = np.array_split(points, -(-len(points) // MOST_PLACES))
     values = np.concatenate([quarter.influence(field, part) for part in parts])
-    w, east, west, north, south = values.reshape(5, len(place), -1)
+    w, east, west, north, south = values.reshape(5, len(site), -1)
     h = step[:, None]
     slopes = (east - west) / (2.0 * h), (north - south) / (2.0 * h)
     return np.stack([w, *slopes, (east + west + north + south - 4.0 * w) / h**2]), field.residual
 
 
-def _unfolded(found: FloatArray, orbit: IntArray, side: FloatArray, parity: tuple[int, int]) -> FloatArray:
+def _unfolded(result: FloatArray, orbit: IntArray, side: FloatArray, parity: tuple[int, int]) -> FloatArray:
     """Contribution of one parity to the influence between sites, from its values at folded positions."""
     sign = np.prod(np.where(np.array(parity) < 0, side, 1.0), axis=1)
-    part = np.asarray(0.25 * found[:, orbit[:, None], orbit] * sign[:, None] * sign)
+    part = np.asarray(0.25 * result[:, orbit[:, None], orbit] * sign[:, None] * sign)
     part[1] *= side[:, :1]
     part[2] *= side[:, 1:]
     return part

@@ -65,6 +65,6 @@ class LineElements:
             _order=order,
         )
 
-    def at(self, place: FloatArray) -> sp.csr_matrix:
+    def at(self, position: FloatArray) -> sp.csr_matrix:
         """Return the quadratic shape functions at positions, (positions, nodes)."""
-        return self._basis.probes(place[None, :]).tocsr()[:, self._order]
+        return self._basis.probes(position[None, :]).tocsr()[:, self._order]

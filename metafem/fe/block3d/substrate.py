@@ -103,8 +103,8 @@ class Block3D:
 
     def influence_derivatives(self, surface: Surface) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Gradient at i [1/mm^2] and Laplacian [1/mm^3] of the displacement per load on j, each (n, n)."""
-        found = self.solution(surface)
-        return found.gradient_x.copy(), found.gradient_y.copy(), found.laplacian.copy()
+        result = self.solution(surface)
+        return result.gradient_x.copy(), result.gradient_y.copy(), result.laplacian.copy()
 
     def is_kept(self, surface: Surface) -> bool:
         """Whether the influence is on disk; its computation takes half a minute for 64 sites."""
@@ -117,17 +117,17 @@ class Block3D:
         Issues a `MetafemWarning` if the error estimate is large.
         """
         bound = self.for_surface(surface)
-        found = _solution(bound, surface.position.tobytes())
+        result = _solution(bound, surface.position.tobytes())
         assert bound.block is not None
         limit = ERROR_LIMIT / (math.pi * bound.block.thickness)
-        if found.error_estimate > limit:
+        if result.error_estimate > limit:
             warnings.warn(
-                f"the block's influence has an estimated error of {found.error_estimate:.1e} /mm, above "
+                f"the block's influence has an estimated error of {result.error_estimate:.1e} /mm, above "
                 f"{limit:.1e}; loads near a side need smaller cells",
                 MetafemWarning,
                 stacklevel=2,
             )
-        return found
+        return result
 
 
 def _numbers(bound: Block3D, position: FloatArray) -> tuple[tuple[float, ...], FloatArray]:
@@ -145,7 +145,7 @@ def _solution(bound: Block3D, position: bytes) -> BlockInfluence:
     block, ratio = bound.block, bound.poisson_ratio
     assert block is not None
     assert ratio is not None
-    shape, place = _numbers(bound, np.frombuffer(position).reshape(-1, 2))
+    shape, site = _numbers(bound, np.frombuffer(position).reshape(-1, 2))
 
     def compute() -> BlockInfluence:
         # scikit-fem and scipy are loaded only where there is something to solve
@@ -153,11 +153,11 @@ def _solution(bound: Block3D, position: bytes) -> BlockInfluence:
         from metafem.fe.linear_solve import RESIDUAL
 
         with doing("solving the true block, once for these sites"):
-            found = site_influence(block, ratio, place, bound.cell, bound.edge_cell)
-        if found.residual > RESIDUAL:
+            result = site_influence(block, ratio, site, bound.cell, bound.edge_cell)
+        if result.residual > RESIDUAL:
             raise NotConverged(
-                f"the block's linear solution keeps a residual of {found.residual:.1e} with pivoting", found
+                f"the block's linear solution keeps a residual of {result.residual:.1e} with pivoting", result
             )
-        return found
+        return result
 
-    return cached(shape, place, compute)
+    return cached(shape, site, compute)
