@@ -327,3 +327,12 @@ def test_a_kernel_is_called_within_ten_frames(template, monkeypatch, target, lim
         monkeypatch.setattr(module, "curves", counted(module.curves))
     mf.design(target, template, model, limits, radii=radii)
     assert 0 < deepest <= 10
+
+
+@pytest.mark.parametrize(("target", "curves"), [(mf.PowerLaw(1.2, (0.1, 0.4)), 1), (mf.LinearLaw(9.0), 2)])
+def test_a_law_is_computed_once(template, monkeypatch, target, curves):
+    """Without a last load another curve finds the end of the law."""
+    calls, curve = [], mf.Interacting.curve
+    monkeypatch.setattr(mf.Interacting, "curve", lambda *given, **by: calls.append(1) or curve(*given, **by))
+    mf.design(target, template, mf.Interacting(), mf.Limits(0.27))
+    assert len(calls) == curves

@@ -12,7 +12,7 @@ from metafem import _validate as check
 from metafem._calls import checked_call
 from metafem._validate import FloatArray, IntArray
 from metafem._values import Value
-from metafem.inversion.placement.exchange import Forecast, after, drawn, exchanged, swap
+from metafem.inversion.placement.exchange import Forecast, after, swap
 from metafem.inversion.placement.objectives import Objective
 from metafem.inversion.placement.sites import Sites, sites_for
 from metafem.inversion.search.options import DEFAULTS, SearchOptions
@@ -205,24 +205,51 @@ class _Search:
         """Return the forecast linearised at an order."""
         return self.objective.forecast(best.surface, model, self.sites)
 
+    def drawn(self) -> IntArray:
+        """Return the sites whose exchanges are forecast in one step."""
+        most = self.options.forecast_sites
+        if len(self.open_sites) <= most:
+            return self.open_sites
+        return np.asarray(self.rng.choice(self.open_sites, most, replace=False))
+
+    def exchanged(self, best: _Measured, forecast: Forecast, most: int) -> IntArray:
+        """Return the order after at most `most` exchanges, each that of the smallest sum of squares.
+
+        The error of the forecast is taken as constant.
+        """
+        order, residual = best.order.copy(), best.residual
+        for _ in range(most):
+            if residual @ residual <= self.options.forecast_goal**2:
+                break
+            sites = self.drawn()
+            change = forecast.changes(sites)
+            squares = after(residual, change)
+            a, b = np.unravel_index(int(squares.argmin()), squares.shape)
+            if not squares[a, b] < residual @ residual * (1.0 - self.options.exchange_gain):
+                break
+            residual = residual + change[:, a, b]
+            i, j = int(sites[a]), int(sites[b])
+            swap(order, i, j)
+            forecast = forecast.swapped(i, j)
+        return order
+
     def corrected(self, best: _Measured, model: Model) -> _Measured:
         """Make the forecast's exchanges; after an improvement renew it, otherwise make fewer at a time."""
-        trusted = max(self.options.most_exchanges, len(self.open_sites) // 4)
+        most = max(self.options.most_exchanges, len(self.open_sites) // 4)
         forecast = self.forecast(best, model)
         for _ in each("exchange", range(self.options.most_evaluations), at_most=True):
             if _misfit(best) <= self.options.arranged_goal:
                 break
-            missed = best.residual - forecast.residual()
-            order = exchanged(forecast, missed, best.order, self.open_sites, trusted, self.rng, self.options)
+            order = self.exchanged(best, forecast, most)
             if (order == best.order).all():
                 break
             found = self.measured(order)
             if _squares(found) < _squares(best):
                 best, forecast = found, self.forecast(found, model)
-            elif trusted == 1:
+            elif most == 1:
                 break
             else:
-                trusted = max(1, trusted // 3)
+                most = max(1, most // 3)
         return best
 
     def confirmed(self, best: _Measured) -> _Measured:
@@ -230,7 +257,7 @@ class _Search:
         for _ in each("last step", range(self.affordable(self.options.last_steps)), at_most=True):
             if _misfit(best) <= self.options.arranged_goal:
                 break
-            sites = drawn(self.open_sites, self.rng, self.options)
+            sites = self.drawn()
             squares = after(best.residual, self.forecast(best, self.model).changes(sites))
             squares[np.tril_indices(len(sites))] = np.inf
             trials = []

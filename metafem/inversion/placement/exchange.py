@@ -18,7 +18,6 @@ import numpy as np
 
 from metafem._validate import FloatArray, IntArray
 from metafem.contact import Hertz
-from metafem.inversion.search.options import SearchOptions
 
 
 class Forecast(Protocol):
@@ -74,7 +73,7 @@ class Coupled:
     def changes(self, sites: IntArray) -> FloatArray:
         """Return their changes by the exchange of each two of the sites, (q, m, m)."""
         influence = self.influence[np.ix_(sites, sites)]
-        own = np.diagonal(influence)
+        diagonal = np.diagonal(influence)
 
         def difference(values: FloatArray) -> FloatArray:
             """Value at the second site minus that at the first."""
@@ -82,7 +81,7 @@ class Coupled:
             return np.asarray(part[:, None, :] - part[:, :, None])
 
         left, right = difference(self.left), difference(self.right)
-        change = left * right * (2.0 * influence - own[:, None] - own[None, :])
+        change = left * right * (2.0 * influence - diagonal[:, None] - diagonal[None, :])
         change += left * difference(self.fields[1])
         change += right * difference(self.fields[0])
         return np.asarray(-change)
@@ -131,8 +130,8 @@ class Tilted:
         tilted = depth[None, :, :, None] + self.lift[:, sites][:, None, None, :]
         rows = len(self.lift) * len(self.depth)
         value = self._value(tilted, self.radius[sites][:, None]).reshape(rows, len(sites), -1)
-        own = np.diagonal(value, axis1=1, axis2=2)
-        return np.asarray(value + value.transpose(0, 2, 1) - own[:, :, None] - own[:, None, :])
+        diagonal = np.diagonal(value, axis1=1, axis2=2)
+        return np.asarray(value + value.transpose(0, 2, 1) - diagonal[:, :, None] - diagonal[:, None, :])
 
     def _value(self, depth: FloatArray, radius: FloatArray) -> FloatArray:
         deep = np.maximum(depth, 0.0)
@@ -163,50 +162,11 @@ class Joined:
         return np.concatenate([f * part.changes(sites) for f, part in pairs])
 
 
-def exchanged(
-    forecast: Forecast,
-    missed: FloatArray,
-    order: IntArray,
-    open_sites: IntArray,
-    most: int,
-    rng: np.random.Generator,
-    options: SearchOptions,
-) -> IntArray:
-    """Return the order after at most `most` exchanges, each that of the smallest sum of squares.
-
-    forecast: of the asperities in the given order; missed: its error (q,), taken as constant; open_sites: the
-    sites that take part.
-    """
-    order, now = order.copy(), forecast
-    residual = now.residual() + missed
-    for _ in range(most):
-        if residual @ residual <= options.forecast_goal**2:
-            break
-        sites = drawn(open_sites, rng, options)
-        change = now.changes(sites)
-        squares = after(residual, change)
-        a, b = np.unravel_index(int(squares.argmin()), squares.shape)
-        if not squares[a, b] < residual @ residual * (1.0 - options.exchange_gain):
-            break
-        residual = residual + change[:, a, b]
-        i, j = int(sites[a]), int(sites[b])
-        swap(order, i, j)
-        now = now.swapped(i, j)
-    return order
-
-
 def after(residual: FloatArray, change: FloatArray) -> FloatArray:
     """Return the sum of squares after each exchange, (m, m)."""
     flat = change.reshape(len(residual), -1)
     squares = (flat * flat).sum(axis=0) + 2.0 * (residual @ flat) + residual @ residual
     return np.asarray(squares.reshape(change.shape[1:]))
-
-
-def drawn(sites: IntArray, rng: np.random.Generator, options: SearchOptions) -> IntArray:
-    """Return the sites whose exchanges are evaluated."""
-    if len(sites) <= options.forecast_sites:
-        return sites
-    return np.asarray(rng.choice(sites, options.forecast_sites, replace=False))
 
 
 def swap(order: IntArray, i: int, j: int) -> None:
