@@ -180,14 +180,11 @@ def _with_common_radius(problem: Problem, rng: np.random.Generator) -> Design:
     found: dict[float, Design] = {}
     refused: dict[float, Infeasible] = {}
 
-    def with_radius(radius: float, layout: Layout | None) -> Design:
-        part, again = template.replaced(radius=radius), np.random.default_rng(seed)
-        return design(problem.target, part, problem.model, problem.limits, again, layout)
-
-    def attempt(radii: FloatArray) -> None:
+    def attempt(radii: FloatArray, layout: Layout | None = None) -> None:
         for radius in each("radius", radii.tolist()):
+            part, again = template.replaced(radius=radius), np.random.default_rng(seed)
             try:
-                found[radius] = with_radius(radius, None)
+                found[radius] = design(problem.target, part, problem.model, problem.limits, again, layout)
             except Infeasible as reason:
                 refused[radius] = reason
 
@@ -200,16 +197,13 @@ def _with_common_radius(problem: Problem, rng: np.random.Generator) -> Design:
         raise unreachable(refused)
     if choice.tools is None:
         attempt(choice.tried_beside(min(found, key=rank), problem.options.next_radii))
-    best = min(found, key=rank)
-    result = found[best] if problem.layout is None else with_radius(best, problem.layout)
-    tried = np.array(sorted(found))
-    parameters = {
-        **result.parameters,
-        "radius": best,
-        "tried_radii": tried,
-        "radius_misfits": np.array([found[radius].misfit for radius in tried.tolist()]),
-        **_coefficients(problem, tried),
-    }
+    best, tried = min(found, key=rank), np.array(sorted(found))
+    misfits = np.array([found[radius].misfit for radius in tried.tolist()])
+    if problem.layout is not None:
+        attempt(np.array([best]), problem.layout)
+    radii: dict[str, Parameter] = {"radius": best, "tried_radii": tried, "radius_misfits": misfits}
+    result = found[best]
+    parameters = {**result.parameters, **radii, **_coefficients(problem, tried)}
     notes: list[Note] = []
     if refused:
         which = ", ".join(f"{radius:.4g}" for radius in sorted(refused))
@@ -235,12 +229,8 @@ def _coefficients(problem: Problem, radii: FloatArray) -> dict[str, Parameter]:
     """Return bounds of the friction coefficients of linear laws with each radius alone."""
     if problem.template.friction is None:
         return {}
-    bounds = np.array(
-        [
-            achievable_friction_coefficients(problem.template, problem.limits, [radius])
-            for radius in radii.tolist()
-        ]
-    )
+    template, limits = problem.template, problem.limits
+    bounds = np.array([achievable_friction_coefficients(template, limits, [r]) for r in radii.tolist()])
     reach: dict[str, Parameter] = {"lowest_coefficients": bounds[:, 0]}
     if np.isfinite(bounds).all():
         reach["highest_coefficients"] = bounds[:, 1]

@@ -17,7 +17,6 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -92,20 +91,13 @@ def largest_load(radii: Radii, count: int, limits: Limits) -> float:
     return count * float(Hertz().load_at_indentation(depth, radii.high))
 
 
-@dataclass(frozen=True, eq=False)
-class BrokenBound:
-    """The first point beyond a bound, the bound in words and in mm^2, and possible frictions (k,)."""
-
-    index: int
-    words: str
-    bound: float
-    nearest: FloatArray
-
-
 def broken_bound(
     load: FloatArray, friction: FloatArray, radii: Radii, count: int, margin: float
-) -> BrokenBound | None:
-    """Return the bound that points (k,) break by more than a margin (relative), or None."""
+) -> tuple[int, str, float, FloatArray] | None:
+    """Return a bound that points (k,) break by more than a margin (relative), or None.
+
+    The first point beyond it, the bound in words and in mm^2, and frictions (k,) within the bounds.
+    """
     low, high = friction_bounds(load, radii, count)
     exponent, slack = least_exponent(radii), margin + ROUNDING
     least = load**exponent
@@ -130,7 +122,7 @@ def broken_bound(
         if broken.any():
             i = int(broken.argmax())
             clipped = np.clip(scaled, low / least, np.minimum(high, jump) / least)
-            return BrokenBound(i, words, float(bound[i]), np.maximum.accumulate(clipped) * least)
+            return i, words, float(bound[i]), np.maximum.accumulate(clipped) * least
     return None
 
 

@@ -10,11 +10,10 @@ from metafem._validate import FloatArray
 from metafem.inversion.assessment import MISSED, independent_misfit, model_misfit
 from metafem.inversion.candidate import Candidate
 from metafem.inversion.problem import Problem
-from metafem.inversion.search.levenberg_marquardt import Minimum, Residual, descend
+from metafem.inversion.search.levenberg_marquardt import Heights, Minimum, Residual, descend
 from metafem.inversion.search.multistart import search
 from metafem.inversion.search.nearest_law import residual_of_heights
 from metafem.inversion.search.options import SearchOptions
-from metafem.inversion.search.space import Heights
 from metafem.inversion.targets.target_law import TargetLaw
 from metafem.models import Independent
 from metafem.notes import information

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -137,7 +138,7 @@ def arrange(
     for array in (order, sites):
         array.flags.writeable = False
     return Arrangement(
-        best.surface, where.position, order, sites, _misfit(first), _misfit(best), objective, solver
+        best.surface, where.position, order, sites, first.misfit, best.misfit, objective, solver
     )
 
 
@@ -149,13 +150,10 @@ class _Measured:
     surface: Surface
     residual: FloatArray
 
-
-def _squares(found: _Measured) -> float:
-    return float(found.residual @ found.residual)
-
-
-def _misfit(found: _Measured) -> float:
-    return float(np.sqrt(_squares(found)))
+    @property
+    def misfit(self) -> float:
+        """Root of the sum of squares."""
+        return float(np.sqrt(self.residual @ self.residual))
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,10 +175,12 @@ class _Search:
         best = first
         tries = range(max(1, self.affordable(self.options.most_rounds)))
         for k in each("round", tries, at_most=True):
-            if _misfit(best) <= self.options.arranged_goal:
+            if best.misfit <= self.options.arranged_goal:
                 break
             start = first if k < 2 else self.disturbed(best)
-            best = min(best, self.corrected(start, (self.model, Independent())[k % 2]), key=_squares)
+            best = min(
+                best, self.corrected(start, (self.model, Independent())[k % 2]), key=attrgetter("misfit")
+            )
         return self.confirmed(best)
 
     def measured(self, order: IntArray) -> _Measured:
@@ -200,10 +200,6 @@ class _Search:
             i, j = self.rng.choice(self.open_sites, 2)
             swap(order, int(i), int(j))
         return self.measured(order)
-
-    def forecast(self, best: _Measured, model: Model) -> Forecast:
-        """Return the forecast linearised at an order."""
-        return self.objective.forecast(best.surface, model, self.sites)
 
     def drawn(self) -> IntArray:
         """Return the sites whose exchanges are forecast in one step."""
@@ -236,16 +232,16 @@ class _Search:
     def corrected(self, best: _Measured, model: Model) -> _Measured:
         """Make the forecast's exchanges; after an improvement renew it, otherwise make fewer at a time."""
         most = max(self.options.most_exchanges, len(self.open_sites) // 4)
-        forecast = self.forecast(best, model)
+        forecast = self.objective.forecast(best.surface, model, self.sites)
         for _ in each("exchange", range(self.options.most_evaluations), at_most=True):
-            if _misfit(best) <= self.options.arranged_goal:
+            if best.misfit <= self.options.arranged_goal:
                 break
             order = self.exchanged(best, forecast, most)
             if (order == best.order).all():
                 break
             found = self.measured(order)
-            if _squares(found) < _squares(best):
-                best, forecast = found, self.forecast(found, model)
+            if found.misfit < best.misfit:
+                best, forecast = found, self.objective.forecast(found.surface, model, self.sites)
             elif most == 1:
                 break
             else:
@@ -255,10 +251,11 @@ class _Search:
     def confirmed(self, best: _Measured) -> _Measured:
         """Make the exchanges that lower the misfit under the model, the best by the forecast first."""
         for _ in each("last step", range(self.affordable(self.options.last_steps)), at_most=True):
-            if _misfit(best) <= self.options.arranged_goal:
+            if best.misfit <= self.options.arranged_goal:
                 break
             sites = self.drawn()
-            squares = after(best.residual, self.forecast(best, self.model).changes(sites))
+            forecast = self.objective.forecast(best.surface, self.model, self.sites)
+            squares = after(best.residual, forecast.changes(sites))
             squares[np.tril_indices(len(sites))] = np.inf
             trials = []
             for flat in np.argsort(squares, axis=None, kind="stable")[: self.options.evaluated_exchanges]:
@@ -266,7 +263,7 @@ class _Search:
                 order = best.order.copy()
                 swap(order, int(sites[a]), int(sites[b]))
                 trials.append(self.measured(order))
-            found = min([best, *trials], key=_squares)
+            found = min([best, *trials], key=attrgetter("misfit"))
             if found is best:
                 break
             best = found

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from functools import partial
 
 import numpy as np
 from scipy.optimize import brentq
@@ -32,45 +31,52 @@ def initial_heights(
     # for equal contacts P/A0 is proportional to the square root of the indentation
     depth = (load[0] / friction[0] / _pressure(radius[0])) ** 2
     levels, numbers, kinds = [0.0], [friction[0] / (math.pi * radius[0] * depth)], [radius[0]]
-    plane = -depth
+    plane, widest = -depth, float(radius.max())
     for p, f, new in zip(load[1:], friction[1:], radius[1:], strict=True):
-        above, kind = np.array(levels) - plane, np.array(kinds)
-        per_depth = math.pi * kind * np.array(numbers)
-        per_root = Hertz().load_at_indentation(1.0, kind) * np.array(numbers)
-        total = float(per_depth.sum())
-        deepest = (f - float(per_depth @ above)) / total
-        if deepest > 0.0 and _load(deepest, above, per_root) > p:
-            low, pressure = options.shallowest * deepest, _pressure(new)
-            arguments = (above, per_root, total, deepest, pressure, p)
-            depth = low
-            if _excess(low, *arguments) < 0.0:
-                depth = float(brentq(_excess, low, deepest, arguments, xtol=1e-12 * low, rtol=1e-12))
+        earlier = np.array(levels) - plane, np.array(kinds), np.array(numbers)
+        depth, number = _entering(*earlier, p, f, new, widest, options.shallowest)
+        if number > 0.0:
             levels.append(plane)
-            numbers.append((deepest - depth) * total / (math.pi * new * depth))
+            numbers.append(number)
             kinds.append(new)
-        else:
-            depth = _depth_at(partial(_load, above=above, per_root=per_root), p, float(radius.max()))
         plane -= depth
     return _spread(np.array(levels), np.array(numbers), np.array(kinds), plane, count)
 
 
-def _load(depth: float, above: FloatArray, per_root: FloatArray) -> float:
-    """Return the load of the earlier asperities at a depth of the plane below the new level [mm^2]."""
-    return float(per_root @ (above + depth) ** 1.5)
+def _entering(
+    above: FloatArray, kind: FloatArray, number: FloatArray, load: float, friction: float, radius: float,
+    widest: float, shallowest: float,
+) -> tuple[float, float]:  # fmt: skip
+    """Return the depth of the plane below the new level, and the number of asperities that enter there.
+
+    The earlier asperities, `number` of each radius `kind`, are `above` the new level.
+    """
+    per_depth = math.pi * kind * number
+    per_root = Hertz().load_at_indentation(1.0, kind) * number
+    total = float(per_depth.sum())
+    deepest = (friction - float(per_depth @ above)) / total
+
+    def carried(depth: float) -> float:
+        return float(per_root @ (above + depth) ** 1.5)
+
+    if deepest > 0.0 and carried(deepest) > load:
+        pressure, low, area = _pressure(radius), shallowest * deepest, deepest * total
+
+        def excess(depth: float) -> float:  # eq. S1: load, with as many new asperities as the area needs
+            return carried(depth) + (area - depth * total) * pressure * math.sqrt(depth) - load
+
+        depth = _root(excess, low, deepest, low) if excess(low) < 0.0 else low
+        return depth, (deepest - depth) * total / (math.pi * radius * depth)
+    if carried(0.0) >= load:
+        return 0.0, 0.0
+    high = widest
+    while carried(high) < load:
+        high *= 2.0
+    return _root(lambda depth: carried(depth) - load, 0.0, high, high), 0.0
 
 
-def _excess(
-    depth: float,
-    above: FloatArray,
-    per_root: FloatArray,
-    per_depth: float,
-    deepest: float,
-    pressure: float,
-    load: float,
-) -> float:
-    """Return the load, with as many new asperities as the area needs, minus that of the sample (eq. S1)."""
-    area = deepest * per_depth - depth * per_depth
-    return _load(depth, above, per_root) + area * pressure * math.sqrt(depth) - load
+def _root(function: Callable[[float], float], low: float, high: float, scale: float) -> float:
+    return float(brentq(function, low, high, xtol=1e-12 * scale, rtol=1e-12))
 
 
 def slowest_law(load: float, friction: float, radii: Radii, count: int) -> tuple[FloatArray, FloatArray]:
@@ -95,16 +101,6 @@ def _pressure(radius: float) -> float:
     """Return P/E* over A0 of a contact at unit indentation [1/mm^(1/2)]."""
     law = Hertz()
     return float(law.load_at_indentation(1.0, radius) / law.area(law.contact_radius(1.0, radius)))
-
-
-def _depth_at(carried: Callable[[float], float], load: float, radius: float) -> float:
-    """Return the depth at which the asperities carry a load; 0 where they already carry more."""
-    if carried(0.0) >= load:
-        return 0.0
-    high = radius
-    while carried(high) < load:
-        high *= 2.0
-    return float(brentq(lambda depth: carried(depth) - load, 0.0, high, xtol=1e-12 * high, rtol=1e-12))
 
 
 def _spread(

@@ -10,9 +10,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from metafem._validate import FloatArray
-from metafem.inversion.search.levenberg_marquardt import Minimum, Residual, descend
+from metafem.inversion.search.levenberg_marquardt import Minimum, Residual, Space, descend
 from metafem.inversion.search.options import DEFAULTS, SearchOptions
-from metafem.inversion.search.space import Space
 from metafem.progress import each
 
 

@@ -11,10 +11,9 @@ import numpy as np
 from metafem._validate import FloatArray, IntArray
 from metafem.inversion.radii import Radii
 from metafem.inversion.search.initial_guess import initial_heights, slowest_law
-from metafem.inversion.search.levenberg_marquardt import Residual
+from metafem.inversion.search.levenberg_marquardt import Heights, Residual, ends, moved
 from metafem.inversion.search.multistart import search
 from metafem.inversion.search.options import DEFAULTS, SearchOptions
-from metafem.inversion.search.space import Heights, ends, moved
 from metafem.models import Independent
 
 # Relative differences (k,) [-] and their Jacobian (k, n) of a law A0 (k,) [mm^2] with its gradient (k, n).

@@ -63,7 +63,7 @@ def bilinear(target: BilinearLaw, problem: Problem) -> Candidate:
 
 def _linear(target: LinearLaw, mixture: Mixture, limits: Limits) -> Candidate:
     radius, count = mixture.radius, mixture.count
-    nearest = replace(target, slope=_lowest_slope(radius, limits))
+    nearest = replace(target, slope=uniform_slope(radius, limits.span) * (1.0 + INSIDE))
     scale = _scale(target.slope, radius, limits, nearest)
     density = TruncatedExponential(scale, limits.span)
     end = float(density.rescaled_load(0.0, mixture.carrying, radius))
@@ -90,7 +90,7 @@ def _linear(target: LinearLaw, mixture: Mixture, limits: Limits) -> Candidate:
 
 def _bilinear(target: BilinearLaw, mixture: Mixture, limits: Limits) -> Candidate:
     (first, second), radius, count = target.slopes, mixture.radius, mixture.count
-    floor = _lowest_slope(radius, limits)
+    floor = uniform_slope(radius, limits.span) * (1.0 + INSIDE)
     scale = _scale(first, radius, limits, replace(target, slopes=(floor, second)))
     density = _two_branches(target, scale, mixture, limits)
     upper = min(max(round(count * density.upper_mass), 1), count - 1)  # N_1 of regime 1, h > h_c
@@ -155,10 +155,6 @@ def _middles(density: PiecewiseExponential, low: float, high: float, count: int)
     """Middles of `count` intervals of equal mass between two heights, tallest first [mm]."""
     ends = equal_masses(density.scale, low, high, count)
     return np.asarray(0.5 * (ends[1:] + ends[:-1])[::-1])
-
-
-def _lowest_slope(radius: float, limits: Limits) -> float:
-    return uniform_slope(radius, limits.span) * (1.0 + INSIDE)
 
 
 def _scale(slope: float, radius: float, limits: Limits, nearest: LinearLaw | BilinearLaw) -> float:

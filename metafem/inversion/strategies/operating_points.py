@@ -7,7 +7,7 @@ the points and no bound excludes them, heights without levels are searched for.
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,9 +15,8 @@ import numpy as np
 from metafem.errors import Infeasible
 from metafem.inversion.candidate import Candidate, Parameter
 from metafem.inversion.feasibility import broken_bound, largest_load
-from metafem.inversion.search.levenberg_marquardt import descend
+from metafem.inversion.search.levenberg_marquardt import Heights, descend
 from metafem.inversion.search.nearest_law import LawSearch, nearest_law, residual_of_heights
-from metafem.inversion.search.space import Heights
 from metafem.inversion.strategies.level import Level, Step
 from metafem.models import Independent
 from metafem.notes import information
@@ -108,35 +107,35 @@ def _without_levels(
     return best
 
 
+@dataclass
 class _Search:
     """Depth-first search for levels that meet all points; `refused` says why the last one was not met."""
 
-    def __init__(self, target: OperatingPoints, tools: tuple[float, ...], problem: Problem) -> None:
-        self.target, self.tools = target, tools
-        self.count, self.limits = problem.count, problem.limits
-        self.most_tried = problem.options.most_levels
-        self.refused: Infeasible | None = None
-        self.furthest = -1
-        self.limited = False
-        self.tried = 0
+    target: OperatingPoints
+    tools: tuple[float, ...]
+    problem: Problem
+    refused: Infeasible | None = None
+    furthest: int = -1
+    limited: bool = False
+    tried: int = 0
 
     def path(self, done: tuple[Level, ...]) -> tuple[Level, ...] | None:
         """Return levels for all points that begin with those done, or None."""
         i = len(done)
         if i == len(self.target.rescaled_load):
             return done
-        level = done[-1].height - done[-1].depth if done else self.limits.max_height
+        level = done[-1].height - done[-1].depth if done else self.problem.limits.max_height
         step = Step(done, level, self.target.rescaled_load[i], self.target.rescaled_friction[i])
-        left = self.count - sum(part.count for part in done)
+        left = self.problem.count - sum(part.count for part in done)
         used = {part.radius for part in done}
         found = sorted(step.levels(self.tools, left), key=lambda each: (each.radius not in used, each.count))
         if not found:
             self.refuse(i, _unmet(self.target, i, step, self.tools, left), limited=False)
         for next_level in found:
             self.tried += 1
-            if self.tried > self.most_tried:
+            if self.tried > self.problem.options.most_levels:
                 break
-            reason = _too_low(i, next_level, self.limits)
+            reason = _too_low(i, next_level, self.problem.limits)
             if reason is not None:
                 self.refuse(i, reason, limited=True)
             elif path := self.path((*done, next_level)):

@@ -179,12 +179,12 @@ class SampledLaw(Value, Target):
         refuse_load(float(load[-1]), problem, wording)
         broken = broken_bound(load, friction, problem.radii, problem.count, margin)
         if broken is not None:
-            i = broken.index
+            i, words, bound, nearest = broken
             raise Infeasible(
                 f"sample {i + 1} (load {wording.loads(load[i])}, friction {wording.frictions(friction[i])}) "
-                f"is {broken.words}, {wording.frictions(broken.bound)}, for any surface of {problem.radii}"
+                f"is {words}, {wording.frictions(bound)}, for any surface of {problem.radii}"
                 f"{margin_words(margin)}",
-                SampledLaw(load, broken.nearest, self.weight, wording),
+                SampledLaw(load, nearest, self.weight, wording),
             )
 
     candidate = sampled.candidate
