@@ -20,9 +20,9 @@ from metafem.notes import Level, Note, information
 from metafem.substrate import HalfSpace, Radial, Substrate
 from metafem.surface import Surface
 
-# Error of the area of one contact by `BoundaryElements`, in cells, and the fewest cells per radius of the
-# largest contact that are used.
-CELL_ERROR = 7.0
+# Error of the area of one contact by `BoundaryElements`, in cells: 7 and a quarter for safety; and the fewest
+# cells per radius of the largest contact that are used.
+CELL_ERROR = 9.0
 FEWEST_CELLS = 10.0
 
 UNUSED_BLOCK = information("the surface's block is not used: the contacts are coupled through a half-space")
@@ -62,7 +62,7 @@ class Automatic(WithoutGradients):
     >>> surface = Surface.square_lattice(0.1, (8, 8), radius=0.526, material=Material(1.36))
     >>> state = equilibrium(surface, Automatic(1e-3), load=0.5)
     >>> print(state.notes[0])
-    chosen: order 3; its estimated error of A0(P) is 8.8e-06
+    chosen: order 3; its estimated error of A0(P) is 5.3e-06
     """
 
     title: ClassVar[str] = "automatic"

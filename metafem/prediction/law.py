@@ -31,7 +31,10 @@ ARRAYS = ("rescaled_load", "area", "separation", "approach", "rescaled_stiffness
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FrictionLaw(Value):
-    """Friction law of one surface under one model at increasing loads; arrays (k,).
+    """Friction law ``F = sigma B A0(P)`` of one surface under one model at increasing loads; arrays (k,).
+
+    sigma is the shear strength and B the area ratio of `metafem.Friction`. Rescaled, the law is A0 over P/E*.
+    Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234.
 
     Attributes
     ----------

@@ -13,8 +13,9 @@ TOLERANCE = 1e-3
 # Surfaces whose times are compared, and surfaces whose areas are compared with resolved contacts.
 TIMED, COMPARED = 200, 100
 
-# Cells of the reference: the largest contact radius over the first number, halved at most so many times.
-CELLS_PER_RADIUS, HALVINGS = 6, 6
+# Cells of the reference: the largest contact radius over the first number, then smaller by the square root of
+# 2, at most so many times.
+CELLS_PER_RADIUS, MOST_REFINED = 12, 6
 
 # Loads of a law.
 LOADS = 30
@@ -71,15 +72,15 @@ def time_ratios(seed: int) -> tuple[float, float] | None:
 
 def reference(surface: mf.Surface, load: float) -> tuple[float, float]:
     """Return A0 [mm²] extrapolated from the cells, and the larger of its last two relative changes."""
-    largest = mf.equilibrium(surface, mf.Interacting(), load=load).asperity_area.max()
+    largest = mf.equilibrium(surface, load=load).asperity_area.max()
     cell = np.sqrt(largest / np.pi) / CELLS_PER_RADIUS
     areas: list[float] = []
-    for halving in range(HALVINGS + 1):
-        model = mf.BoundaryElements(cell / 2**halving)
+    for refined in range(MOST_REFINED + 1):
+        model = mf.BoundaryElements(cell * 2.0 ** (-0.5 * refined))
         areas.append(mf.equilibrium(surface, model, load=load).area)
         # the error falls as the square of the cell
-        limits = (4.0 * np.array(areas[1:]) - areas[:-1]) / 3.0
+        limits = 2.0 * np.array(areas[1:]) - areas[:-1]
         changes = np.abs(limits[1:] / limits[:-1] - 1.0)
-        if halving > 2 and changes[-2:].max() <= TOLERANCE / 3.0:
+        if refined > 2 and changes[-2:].max() <= TOLERANCE / 3.0:
             break
     return float(limits[-1]), float(changes[-2:].max())

@@ -6,9 +6,8 @@ import numpy as np
 
 import metafem as mf
 
-# Range of the mean distance, and smallest distance of two sites [mm]. Two contacts at the smallest distance
-# merge under large loads.
-SPACING, CLOSEST = (0.6, 1.5), 0.4
+# Ranges of the mean distance and of the smallest distance of two sites [mm]; the nearest contacts merge.
+SPACING, CLOSEST = (0.4, 1.5), (0.1, 0.4)
 
 # Rescaled load P/E* of each asperity [mm²].
 LOAD = (5e-4, 2e-2)
@@ -18,11 +17,12 @@ def random_surface(seed: int) -> tuple[mf.Surface, float]:
     """Return a surface of 3 to 16 asperities and a load [N]."""
     rng = np.random.default_rng(seed)
     count = int(rng.integers(3, 17))
+    closest = rng.uniform(*CLOSEST)
     width = rng.uniform(*SPACING) * np.sqrt(count)
     position = rng.uniform(0.0, width, (1, 2))
     while len(position) < count:
         site = rng.uniform(0.0, width, 2)
-        if np.hypot(*(position - site).T).min() >= CLOSEST:
+        if np.hypot(*(position - site).T).min() >= closest:
             position = np.vstack([position, site])
         else:
             width *= 1.01  # a crowded square grows until the next site fits
