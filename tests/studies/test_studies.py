@@ -49,7 +49,7 @@ def test_random_placements_repeat_and_differ(design, interaction):
 def test_unequal_radii_are_placed_with_their_heights(design, interaction):
     from dataclasses import replace
 
-    # a difference of radii below rounding takes the way of unequal ones
+    # radii that differ by rounding alone are computed as unequal ones
     radius = np.full(design.surface.count, 0.526)
     radius[0] *= 1.0 + 1e-14
     uneven = replace(design, surface=design.surface.replaced(radius=radius))
