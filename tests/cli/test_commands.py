@@ -226,7 +226,7 @@ def test_study_prints_its_table_and_keeps_its_file(run):
     assert run("design", "small.toml", "-o", "small").exit_code == 0
     result = run("study", "interaction", "small")
     assert (result.exit_code, "half-space" in result.output) == (0, True), result.output
-    assert "…" not in result.output
+    assert "…" not in result.stdout  # on the other stream kernels may be compiled
     refused = run("study", "interaction", "small")
     assert (refused.exit_code, "--force" in refused.output) == (2, True)
     data = json.loads(run("study", "interaction", "small", "--force", "--json").stdout)
