@@ -9,6 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+# Micrometres per millimetre.
+MICROMETRES = 1e3
+
 # Up to this number of entries a repr prints them all; above it, their number and range.
 MOST_PRINTED = 6
 

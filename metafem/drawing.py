@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from metafem._values import MICROMETRES
 from metafem.errors import InvalidInput
 
 if TYPE_CHECKING:
@@ -21,8 +22,6 @@ FloatArray = NDArray[np.float64]
 
 # Colours of the target, of the achieved law and of secondary lines.
 TARGET, ACHIEVED, QUIET = "#c8553d", "#1b6f8a", "#8a8f98"
-
-MICROMETRES = 1e3
 
 # Diameter of the largest marker over the mean distance of summits; the same in a legend [points]; the largest
 # number of radii in a legend.

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from metafem._values import percent
+from metafem._values import MICROMETRES, percent
 from metafem.drawing import svg
 from metafem.errors import MetafemError
 from metafem.inversion import Design
@@ -41,33 +41,33 @@ MOST_PRINTED = 24
 
 # Labels, units and factors of the parameters that inversions report.
 PARAMETERS = {
-    "scale": ("scale λ of the height density", "µm", 1e3),
+    "scale": ("scale λ of the height density", "µm", MICROMETRES),
     "weight": ("weight u of the upper branch", "", 1.0),
-    "crossover_height": ("crossover height above the base", "µm", 1e3),
+    "crossover_height": ("crossover height above the base", "µm", MICROMETRES),
     "intercept": ("intercept α of the asymptote", "mm²", 1.0),
     "foot_load": ("rescaled load at which the plane reaches the lowest asperity", "mm²", 1.0),
     "counts": ("numbers of asperities", "", 1.0),
-    "levels": ("levels above the base", "µm", 1e3),
+    "levels": ("levels above the base", "µm", MICROMETRES),
     "prefactor": ("prefactor C of the power law", "mm^(2-2β)", 1.0),
     "intercepts": ("intercepts of the branches", "mm²", 1.0),
-    "adjustment_heights": ("adjustment heights above the base", "µm", 1e3),
+    "adjustment_heights": ("adjustment heights above the base", "µm", MICROMETRES),
     "load_range": ("rescaled loads over which friction is proportional to load", "mm²", 1.0),
-    "span": ("depth of the lowest summit below the tallest", "µm", 1e3),
-    "radius": ("radius", "µm", 1e3),
-    "tried_radii": ("radii tried", "µm", 1e3),
+    "span": ("depth of the lowest summit below the tallest", "µm", MICROMETRES),
+    "radius": ("radius", "µm", MICROMETRES),
+    "tried_radii": ("radii tried", "µm", MICROMETRES),
     "radius_misfits": ("misfits with these radii", "%", 100.0),
     "lowest_coefficients": ("lowest friction coefficients of linear laws with them", "", 1.0),
     "highest_coefficients": ("highest friction coefficients of linear laws with them", "", 1.0),
-    "used_radii": ("radii in use", "µm", 1e3),
+    "used_radii": ("radii in use", "µm", MICROMETRES),
     "radius_counts": ("numbers of asperities with them", "", 1.0),
-    "lowest_radius": ("smallest radius in use", "µm", 1e3),
-    "highest_radius": ("largest radius in use", "µm", 1e3),
-    "level_radii": ("radii of the levels", "µm", 1e3),
-    "adjustment_radii": ("radii of the adjustment asperities", "µm", 1e3),
+    "lowest_radius": ("smallest radius in use", "µm", MICROMETRES),
+    "highest_radius": ("largest radius in use", "µm", MICROMETRES),
+    "level_radii": ("radii of the levels", "µm", MICROMETRES),
+    "adjustment_radii": ("radii of the adjustment asperities", "µm", MICROMETRES),
     "reachable_coefficients": ("achievable friction coefficients of linear laws: from, to", "", 1.0),
     "layout_before": ("misfit with the initial assignment of heights to sites", "%", 100.0),
     "layout_after": ("misfit with the optimised assignment", "%", 100.0),
-    "step_levels": ("levels after quantisation, above the base", "µm", 1e3),
+    "step_levels": ("levels after quantisation, above the base", "µm", MICROMETRES),
     "step_counts": ("numbers of asperities on these levels", "", 1.0),
     "step_loss": ("change of the misfit by quantisation", "%", 100.0),
 }
@@ -143,7 +143,7 @@ def page(design: Design, hardness: float | None = None, *, checks: bool = False)
 
 
 def _tiles(design: Design) -> list[tuple[str, str]]:
-    heights = design.surface.height * 1e3
+    heights = design.surface.height * MICROMETRES
     return [
         misfit_words(design),
         ("sites with an asperity", f"{design.surface.count} of {design.template.count}"),
@@ -155,7 +155,7 @@ def _tiles(design: Design) -> list[tuple[str, str]]:
 def parameter_rows(design: Design) -> list[Row]:
     """Return the parameters of the inversion as labels, values and units."""
     rows = []
-    heights = 1e3 * float(np.abs(design.surface.height).max())
+    heights = MICROMETRES * float(np.abs(design.surface.height).max())
     scales = {"%": 100.0, "mm²": float(design.law.area[-1]), "µm": heights}
     for name, value in design.parameters.items():
         words, unit, factor = PARAMETERS[name]
@@ -179,8 +179,8 @@ def _summits(design: Design) -> dict[str, Any]:
         (
             str(design.sites[i]),
             *(f"{coordinate:.4f}" for coordinate in surface.position[i]),
-            f"{surface.height[i] * 1e3:.2f}",
-            f"{surface.radius[i] * 1e3:.6g}",
+            f"{surface.height[i] * MICROMETRES:.2f}",
+            f"{surface.radius[i] * MICROMETRES:.6g}",
         )[: len(columns)]
         for i in range(min(surface.count, MOST_LISTED))
     ]
@@ -193,7 +193,7 @@ def _comparisons(comparisons: tuple[Comparison, ...]) -> list[tuple[str, ...]]:
             comparison.name,
             percent(math.sqrt(float((comparison.difference**2).mean())), ".2f"),
             percent(comparison.difference[np.abs(comparison.difference).argmax()], "+.2f"),
-            f"{1e3 * comparison.sinking[-1]:.1f} µm",
+            f"{MICROMETRES * comparison.sinking[-1]:.1f} µm",
         )
         for comparison in comparisons
     ]
@@ -201,7 +201,7 @@ def _comparisons(comparisons: tuple[Comparison, ...]) -> list[tuple[str, ...]]:
 
 def _radii(design: Design) -> str:
     """Return the radii of the summits if they are few, or their range."""
-    radii = np.unique(design.surface.radius) * 1e3
+    radii = np.unique(design.surface.radius) * MICROMETRES
     if len(radii) > MOST_NAMED:
         return f"{radii[0]:.4g} – {radii[-1]:.4g}"
     return ", ".join(f"{radius:.6g}" for radius in radii)
@@ -214,8 +214,8 @@ def _inputs(design: Design) -> list[Row]:
         ("Poisson's ratio ν", f"{surface.material.poisson_ratio:g}", ""),
         ("summit radius R", _radii(design), "µm"),
         ("sites for asperities", f"{surface.count}", ""),
-        ("largest height h_m", f"{design.limits.max_height * 1e3:g}", "µm"),
-        ("offset h_0", f"{design.limits.offset * 1e3:g}", "µm"),
+        ("largest height h_m", f"{design.limits.max_height * MICROMETRES:g}", "µm"),
+        ("offset h_0", f"{design.limits.offset * MICROMETRES:g}", "µm"),
     ]
     if surface.friction is not None:
         rows[2:2] = [
@@ -230,7 +230,7 @@ def _inputs(design: Design) -> list[Row]:
         ("height error", design.limits.height_sd),
     ):
         if value is not None:
-            rows.append((name, f"{value * 1e3:g}", "µm"))
+            rows.append((name, f"{value * MICROMETRES:g}", "µm"))
     words = "load at which the plane reaches the base plane"
     try:
         onset = surface.material.composite_modulus * base_contact_load(design.surface, design.law.model)

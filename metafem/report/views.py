@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from metafem import drawing
 from metafem._validate import FloatArray
-from metafem.drawing import MICROMETRES, QUIET, new_figure
+from metafem._values import MICROMETRES
+from metafem.drawing import QUIET, new_figure
 from metafem.inversion import Design
 from metafem.prediction import equilibrium
 from metafem.report.relief import SIDE, projected, relief

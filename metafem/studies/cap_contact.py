@@ -17,7 +17,7 @@ from metafem.surface import Surface
 # Chebyshev nodes in the cap's height and in the ratio of contact radius to foot radius. The deviations of
 # load and indentation from Hertz's law are smooth in both and vanish for small contacts. With 3 x 3 nodes the
 # error is 6e-5 on the source paper's red bilinear surface; `CapContact.error` estimates it.
-HEIGHT_NODES, SHARE_NODES = 3, 3
+HEIGHT_NODES, RATIO_NODES = 3, 3
 
 # Largest number of radii: each needs a table, which takes half a minute.
 MOST_RADII = 4
@@ -36,7 +36,7 @@ class CapContact:
 
     radius: float  # R [mm]
     height: tuple[float, float]  # range of the table in h [mm]
-    share: tuple[float, float]  # range of the table in s [-]
+    ratio: tuple[float, float]  # range of the table in s [-]
     load_excess: FloatArray  # coefficients of f in scaled h and s, in ascending order
     indentation_excess: FloatArray  # the same of g
     error: float  # largest relative error of load or indentation at a test solution that is not in the table
@@ -63,12 +63,12 @@ class CapContact:
         return np.where(open_, 0.0, a), np.where(open_, 0.0, load)
 
     def _indentation(self, h: FloatArray, a: FloatArray, foot: FloatArray) -> FloatArray:
-        share = a / foot
-        return a**2 / self.radius * (1.0 + share * self._excess(self.indentation_excess, h, share))
+        ratio = a / foot
+        return a**2 / self.radius * (1.0 + ratio * self._excess(self.indentation_excess, h, ratio))
 
-    def _excess(self, table: FloatArray, h: FloatArray, share: FloatArray) -> FloatArray:
+    def _excess(self, table: FloatArray, h: FloatArray, ratio: FloatArray) -> FloatArray:
         return np.asarray(
-            np.polynomial.polynomial.polyval2d(_scaled(h, self.height), _scaled(share, self.share), table)
+            np.polynomial.polynomial.polyval2d(_scaled(h, self.height), _scaled(ratio, self.ratio), table)
         )
 
 
@@ -78,9 +78,7 @@ class Caps:
 
     surface: Surface
     tables: tuple[CapContact, ...]  # one for each radius
-    table: (
-        IntArray  # (n,), index of the table of each asperity; -1 if no asperity of its radius is in contact
-    )
+    table: IntArray  # (n,), index of the table of each asperity; -1 if none of its radius is in contact
 
     @property
     def error(self) -> float:
@@ -140,10 +138,10 @@ def cap_contact(surface: Surface, indentation: FloatArray) -> CapContact:
     if heights.min() <= 0.0 or heights.max() > radius:
         raise InvalidInput("the height of a summit in contact must be above 0 and at most its radius")
     foot = foot_radius(heights, radius)
-    share = Hertz().contact_radius(indentation[touching], radius) / foot
+    ratio = Hertz().contact_radius(indentation[touching], radius) / foot
     low, high = float(heights.min()), float(heights.max())
     # small contacts obey Hertz's law; starting at a tenth of the range keeps the smallest contact meshable
-    ranges = (low, high), (0.1 * float(share.max()), min(float(share.max()), 0.9))
+    ranges = (low, high), (0.1 * float(ratio.max()), min(float(ratio.max()), 0.9))
     side = math.sqrt(block.width * block.length / math.pi)
 
     def excess(h: float, s: float) -> tuple[float, float]:
@@ -163,15 +161,15 @@ def cap_contact(surface: Surface, indentation: FloatArray) -> CapContact:
         return (load - 1.0) / s, (contact.indentation * radius / a**2 - 1.0) / s
 
     h_nodes = _nodes(*ranges[0], HEIGHT_NODES if high > low else 1)
-    s_nodes = _nodes(*ranges[1], SHARE_NODES)
+    s_nodes = _nodes(*ranges[1], RATIO_NODES)
     pairs = [(h, s) for h in h_nodes for s in s_nodes]
     pressed = [excess(h, s) for h, s in each("finite elements of a cap", pairs)]
     found = np.array(pressed).reshape(len(h_nodes), len(s_nodes), 2)
     tables = []
     for k in (0, 1):
         by_height = np.vander(_scaled(h_nodes, ranges[0]), increasing=True)
-        by_share = np.vander(_scaled(s_nodes, ranges[1]), increasing=True)
-        tables.append(np.linalg.solve(by_height, found[:, :, k]) @ np.linalg.inv(by_share).T)
+        by_ratio = np.vander(_scaled(s_nodes, ranges[1]), increasing=True)
+        tables.append(np.linalg.solve(by_height, found[:, :, k]) @ np.linalg.inv(by_ratio).T)
     loads, indentations = tables
     bare = CapContact(radius, ranges[0], ranges[1], loads, indentations, math.nan)
     # between the nodes, where both polynomials have nearly their largest error

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from metafem._validate import FloatArray
+from metafem._values import MICROMETRES
 from metafem.errors import InvalidInput
 from metafem.notes import Note, from_lines, information
 
@@ -16,8 +17,6 @@ if TYPE_CHECKING:
 
 # Loads of the columns, as fractions of the largest load.
 SHOWN_LOADS = (0.1, 0.4, 1.0)
-
-MICROMETRES = 1e3
 
 
 @dataclass(frozen=True)

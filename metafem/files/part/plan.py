@@ -9,6 +9,7 @@ from typing import Any
 
 from metafem import _validate as check
 from metafem._given import shown
+from metafem._values import MICROMETRES
 from metafem.errors import InvalidInput
 from metafem.files.part.block import block_mesh, mould_mesh, triangle_count
 from metafem.files.part.caps import refuse_impossible, with_alignment
@@ -35,8 +36,6 @@ MOST = 10_000_000
 
 # Steps in which the default chord error is increased.
 COARSER = 1.1
-
-MICROMETRES = 1e3
 
 
 @dataclass(frozen=True)
