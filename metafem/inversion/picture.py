@@ -9,7 +9,6 @@ import numpy as np
 from metafem._validate import FloatArray
 from metafem.drawing import TARGET
 from metafem.inversion.targets.target_law import TargetLaw
-from metafem.prediction import friction_law
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -25,23 +24,12 @@ def few(law: TargetLaw) -> bool:
     return len(law.load) <= MOST_MARKED
 
 
-def target_law(design: Design) -> FloatArray:
-    """Return the target's friction at the loads of `design.target_law`, (k,) [mm^2].
-
-    Parameters that the target leaves open are fitted to the law of the design.
-    """
-    law = design.target_law
-    if not law.is_open:
-        return law.base
-    load = law.load * design.surface.material.composite_modulus
-    return law.law(friction_law(design.surface, design.law.model, load=load).area)
-
-
 def draw_laws(design: Design, ax: Axes, label: str = "achieved") -> None:
     """Draw the achieved law with its label, and the target or the law of its height density."""
     design.law.plot(ax, label=label)
     if design.density is None:
-        draw_target(design, ax, design.target_law.load, target_law(design))
+        law = design.target_law
+        draw_target(design, ax, law.load, law.law(design.target_area) if law.is_open else law.base)
     else:
         _draw_density(design, ax)
     for branch, _ in design.fits:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
+from functools import cached_property
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from metafem import drawing
-from metafem._validate import IntArray
+from metafem._validate import FloatArray, IntArray
 from metafem._values import Value, percent, span
 from metafem.errors import InvalidInput
 from metafem.inversion.assessment import DesignStatus, misfit_meaning
@@ -149,6 +150,11 @@ class Design(Value):
             return self.target.curve()
         branches = tuple(branch for branch, _ in self.fits)
         return exponential.law_of(self.density, branches, Mixture.of(self.surface.radius))
+
+    @cached_property
+    def target_area(self) -> FloatArray:
+        """A0 under the model at the loads of `target_law`, (k,) [mm^2]; computed when first read."""
+        return self.law.model.curve(self.surface, self.target_law.load).checked().area
 
     @property
     def misfit_meaning(self) -> str:

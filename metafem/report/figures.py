@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike
 from metafem.drawing import ACHIEVED, QUIET, TARGET, new_figure
 from metafem.inversion import Design, feasible_region
 from metafem.inversion.picture import draw_laws, draw_target, few
-from metafem.prediction import friction_law
 from metafem.report.comparison import Comparison
 
 if TYPE_CHECKING:
@@ -46,8 +45,7 @@ def law_figure(design: Design) -> Figure:
 def _draw_difference(design: Design, ax: Axes) -> None:
     """Draw the law's relative difference from what `design.misfit` compares it with."""
     target = design.target_law
-    load = target.load * design.surface.material.composite_modulus
-    difference = target.difference(friction_law(design.surface, design.law.model, load=load).area)
+    difference = target.difference(design.target_area)
     ax.axhline(0.0, color=QUIET, lw=0.8)
     ax.plot(target.load, 100.0 * difference, "o" if few(target) else "-", color=ACHIEVED)
     ax.spines[["top", "right"]].set_visible(False)
@@ -80,7 +78,7 @@ def force_figure(design: Design, friction: Friction) -> Figure:
     right.plot(law.load, law.friction_coefficient, color=ACHIEVED, lw=1.8, label="achieved")
     if design.density is None:
         load = target.load * modulus
-        force = strength * target.law(friction_law(design.surface, law.model, load=load).area)
+        force = strength * target.law(design.target_area)
         draw_target(design, left, load, force)
         draw_target(design, right, load, force / load)
     else:
