@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from metafem._validate import FloatArray
 from metafem.inversion import Design
 from metafem.models import Independent
@@ -36,19 +34,14 @@ def compared(design: Design) -> tuple[tuple[Comparison, ...], tuple[Note, ...]]:
     """
     if design.surface.count > MOST_COMPARED:
         return (), ()
-    found = laws_on_substrates(design.surface, design.law.load, wait=False)
-    independent = found.law["independent"]
-    laws = {law.model.name: law for law in found.law.values() if law.model.couples}
+    predicted, notes = laws_on_substrates(design.surface, design.law.load, wait=False)
+    independent = predicted["independent"]
+    laws = {law.model.name: law for law in predicted.values() if law.model.couples}
     # the law of a design under one of these models is among them
     if design.law.model not in (Independent(), *(law.model for law in laws.values())):
         laws[design.law.model.name] = design.law
     comparisons = tuple(
-        Comparison(
-            name,
-            law,
-            np.asarray(law.area / independent.area - 1.0),
-            independent.separation - law.separation,
-        )
+        Comparison(name, law, law.area / independent.area - 1.0, independent.separation - law.separation)
         for name, law in laws.items()
     )
-    return comparisons, found.notes
+    return comparisons, tuple(notes)

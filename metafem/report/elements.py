@@ -70,14 +70,8 @@ def _cap_figures(design: Design, a: float, tallest: int) -> list[str]:
         raise InvalidInput("the surface has no block")
     radius, height = float(surface.radius[tallest]), float(surface.height[tallest])
     side = math.sqrt(block.width * block.length / math.pi)
-    contact = fe.press(
-        a,
-        radius,
-        surface.material.poisson_ratio,
-        height=height,
-        thickness=block.thickness,
-        block_radius=side,
-    )
+    nu = surface.material.poisson_ratio
+    contact = fe.press(a, radius, nu, height=height, thickness=block.thickness, block_radius=side)
     cap = Cap(radius, height, side, block.thickness)
     mesh = graded_mesh(float(cap.surface(np.array(a))[0]), side, block.thickness, cap.foot)
     return [

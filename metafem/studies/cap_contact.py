@@ -113,10 +113,7 @@ def caps_of(surface: Surface, indentation: FloatArray) -> Caps:
     tables, table = [], np.full(surface.count, -1)
     for k, radius in enumerate(radii):
         own = surface.radius == radius
-        part = surface.replaced(
-            position=surface.position[own], height=surface.height[own], radius=float(radius)
-        )
-        tables.append(cap_contact(part, indentation[own]))
+        tables.append(cap_contact(surface, np.where(own, indentation, 0.0)))
         table[own] = k
     return Caps(surface, tuple(tables), table)
 
@@ -142,21 +139,14 @@ def cap_contact(surface: Surface, indentation: FloatArray) -> CapContact:
     low, high = float(heights.min()), float(heights.max())
     # small contacts obey Hertz's law; starting at a tenth of the range keeps the smallest contact meshable
     ranges = (low, high), (0.1 * float(ratio.max()), min(float(ratio.max()), 0.9))
-    side = math.sqrt(block.width * block.length / math.pi)
+    nu, side = surface.material.poisson_ratio, math.sqrt(block.width * block.length / math.pi)
 
     def excess(h: float, s: float) -> tuple[float, float]:
         from metafem.fe import press
 
         foot = float(foot_radius(h, radius))
         a = s * foot
-        contact = press(
-            a,
-            radius,
-            surface.material.poisson_ratio,
-            height=h,
-            thickness=block.thickness,
-            block_radius=side,
-        )
+        contact = press(a, radius, nu, height=h, thickness=block.thickness, block_radius=side)
         load = contact.rescaled_load / float(Hertz().load(a, radius))
         return (load - 1.0) / s, (contact.indentation * radius / a**2 - 1.0) / s
 

@@ -70,20 +70,17 @@ class Convergence:
 
     Attributes
     ----------
-    parameter : str
-        What is varied.
     value, error : ndarray, (k,)
-        The parameter and the relative errors.
+        Cell or degree of the elements, and the relative errors.
     rate : float
         Slope of log(error) over log(cell), or of log10(error) over the degree.
 
     Examples
     --------
-    >>> Convergence("cell", np.array([0.1, 0.05]), np.array([4e-3, 1e-3]), 2.0).rate
+    >>> Convergence(np.array([0.1, 0.05]), np.array([4e-3, 1e-3]), 2.0).rate
     2.0
     """
 
-    parameter: str
     value: FloatArray
     error: FloatArray
     rate: float
@@ -238,7 +235,7 @@ def spectral_convergence(poisson_ratio: float = 0.5) -> Convergence:
         return abs(0.75 * pressed.load - 1.0)
 
     errors = np.array([error(int(p)) for p in degree])
-    return Convergence("degree", degree, errors, float(np.polyfit(degree, np.log10(errors), 1)[0]))
+    return Convergence(degree, errors, float(np.polyfit(degree, np.log10(errors), 1)[0]))
 
 
 def search_convergence(poisson_ratio: float = 0.5) -> tuple[Convergence, Convergence]:
@@ -252,7 +249,7 @@ def search_convergence(poisson_ratio: float = 0.5) -> tuple[Convergence, Converg
     contacts = [search_contact(1.0, 1.0, poisson_ratio, cell=float(size)) for size in cell]
     load = np.abs([0.75 * contact.rescaled_load - 1.0 for contact in contacts])
     radius = np.abs([contact.contact_radius - 1.0 for contact in contacts])
-    return _order("cell", cell, load), _order("cell", cell, radius)
+    return _order(cell, load), _order(cell, radius)
 
 
 def cap_convergence() -> Convergence:
@@ -266,11 +263,11 @@ def cap_convergence() -> Convergence:
         mesh = graded_mesh(edge, BLOCK_RADIUS, THICKNESS, cap.foot, contact_edge=smallest)
         return graded(mesh, cap, 4, 0.5, lambda r: sphere_profile(r, RADIUS), a, cap.outer, False).bracket
 
-    return _order("last element", size, np.array([bracket(float(s)) for s in size]))
+    return _order(size, np.array([bracket(float(s)) for s in size]))
 
 
-def _order(parameter: str, value: FloatArray, error: FloatArray) -> Convergence:
-    return Convergence(parameter, value, error, float(np.polyfit(np.log(value), np.log(error), 1)[0]))
+def _order(value: FloatArray, error: FloatArray) -> Convergence:
+    return Convergence(value, error, float(np.polyfit(np.log(value), np.log(error), 1)[0]))
 
 
 def _near(name: str, computed: float, expected: float, tolerance: float, source: str) -> Check:

@@ -69,10 +69,10 @@ def fidelity(design: Design, *, elements: bool = True) -> xr.Dataset:
 
     check.instance("design", design, Design, "a metafem.Design")
     surface, load = design.surface, design.law.load
-    laws = laws_on_substrates(surface, load, wait=True)
-    area = {name: law.area for name, law in laws.law.items()}
-    separation = {name: law.separation for name, law in laws.law.items()}
-    notes, error = list(laws.notes), float("nan")
+    laws, notes = laws_on_substrates(surface, load, wait=True)
+    area = {name: law.area for name, law in laws.items()}
+    separation = {name: law.separation for name, law in laws.items()}
+    error = float("nan")
     if elements:
         try:
             # a fifth more than Hertz's indentation: pedestals add this much on the source paper's surfaces

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput, NotConverged
 from metafem.models import Independent, Interacting, Model
@@ -14,20 +12,14 @@ from metafem.substrate import BondedLayer
 from metafem.surface import Surface
 
 
-@dataclass(frozen=True, eq=False)
-class Laws:
-    """The laws of one surface at the same loads."""
+def laws_on_substrates(
+    surface: Surface, load: FloatArray, *, wait: bool
+) -> tuple[dict[str, FrictionLaw], list[Note]]:
+    """Return the laws of independent asperities, and on the half-space, the bonded layer and the true block.
 
-    # by the models' names on the command line, "independent" first, without models that have no solution
-    law: dict[str, FrictionLaw]
-    notes: tuple[Note, ...]  # models that are left out, and the reasons
-
-
-def laws_on_substrates(surface: Surface, load: FloatArray, *, wait: bool) -> Laws:
-    """Predict the law of independent asperities, on the half-space, the bonded layer and the true block.
-
-    The loads (k,) are in N. Without a block, the layer and the true block are left out; with `wait` the true
-    block's influence is computed if it is not on disk.
+    The keys are the models' names on the command line, "independent" first; the loads (k,) are in N. Notes
+    state which models are left out, and why: without a block the layer and the true block, without `wait` a
+    true block whose influence is not on disk, and models without a solution.
     """
     models: dict[str, Model] = {"independent": Independent(), "half-space": Interacting()}
     notes: list[Note] = []
@@ -52,7 +44,7 @@ def laws_on_substrates(surface: Surface, load: FloatArray, *, wait: bool) -> Law
                     f"the {name} is left out: order 3 has no solution up to {load[-1]:.4g} N ({reason})"
                 )
             )
-    return Laws(laws, tuple(notes))
+    return laws, notes
 
 
 def _true_block(surface: Surface, wait: bool) -> tuple[Model | None, str]:
