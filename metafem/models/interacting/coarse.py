@@ -1,4 +1,4 @@
-"""Coarse model of a large scene: initial guess for Newton's method, and preconditioner for long waves."""
+"""Coarse model of a large scene: a preconditioner for long waves."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from metafem._validate import FloatArray
-from metafem.contact import Hertz
 from metafem.substrate import Radial
 
 # Number of cells of the coarse model: dense matrices with that many rows are factorised in milliseconds (400)
@@ -24,11 +23,6 @@ FEWEST = 8
 
 # Points per side of a cell over which the mean influence is taken.
 POINTS = 3
-
-# Newton's method on the coarse model gives only an initial guess.
-START_RESIDUAL = 1e-3
-MAX_STEPS = 40
-MAX_CUTS = 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,50 +55,6 @@ class Coarse:
             return np.asarray(inverse * (vector - phi[self.cell]))
 
         return apply
-
-    def start(
-        self, radius: FloatArray, gap: FloatArray, approach: float, target: float
-    ) -> tuple[FloatArray, float]:
-        """Return nominal indentations and an approach from the equilibrium of the coarse model.
-
-        ``phi = K q(x - phi)`` for the displacements phi of the cells, by damped Newton; with a target
-        load > 0 the approach x is an unknown too, from `approach`, that at which phi is zero.
-        """
-        law, phi, x = Hertz(), np.zeros(self.count), approach
-
-        def state(phi: FloatArray, x: float) -> tuple[FloatArray, FloatArray, FloatArray, float]:
-            z = x - gap - phi[self.cell]
-            contact_radius = law.contact_radius(z, radius)
-            load = self.loads(law.load(contact_radius, radius))
-            error = phi - self.influence @ load
-            missing = (target - float(load.sum())) / target if target > 0.0 else 0.0
-            size = max(float(np.abs(error).max()) / max(float(z.max()), 1e-300), abs(missing))
-            return z, error, self.loads(law.stiffness(contact_radius, radius)), size
-
-        z, error, slope, size = state(phi, x)
-        for _ in range(MAX_STEPS):
-            if size <= START_RESIDUAL:
-                break
-            jacobian = np.eye(self.count) + self.influence * slope
-            drive = -np.column_stack([error, -self.influence @ slope])
-            still, moved = np.linalg.solve(jacobian, drive).T
-            shift = 0.0
-            if target > 0.0:
-                load = float((self.loads(law.load_at_indentation(z, radius))).sum())
-                stiff = float(slope @ (1.0 - moved))
-                if stiff <= 0.0:
-                    break
-                shift = (target - load + float(slope @ still)) / stiff
-            step = still + shift * moved
-            length = 1.0
-            for _ in range(MAX_CUTS):
-                trial = state(phi + length * step, x + length * shift)
-                if trial[3] < size:
-                    break
-                length *= 0.5
-            phi, x = phi + length * step, x + length * shift
-            z, error, slope, size = trial
-        return z, x
 
 
 def coarsen(position: FloatArray, substrate: Radial) -> Coarse:

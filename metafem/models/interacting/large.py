@@ -61,7 +61,7 @@ class LargeScene:
                 target = float(value) if by_load else 0.0
                 if rate is None:
                     x = float(uniform_approach(gap, self.radius, target) if by_load else value)
-                    z, x = self.coarse.start(self.radius, gap, x, target)
+                    z = x - gap
                 else:
                     ahead = (
                         (target - results.load[j - 1]) / results.stiffness[j - 1] if by_load else value - x

@@ -183,7 +183,7 @@ def test_coarse_influence_is_the_mean_over_its_cells():
     share = np.zeros((coarse.count, 400))
     share[coarse.cell, np.arange(400)] = 1.0
     mean = share @ influence @ share.T / np.outer(share.sum(1), share.sum(1))
-    # cells hold unequal parts of the lattice: only the mean matters for a start
+    # cells hold unequal parts of the lattice: only the mean matters for a preconditioner
     assert np.abs(coarse.influence - mean).mean() < 0.15 * mean.mean()
 
 
