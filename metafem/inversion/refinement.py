@@ -7,8 +7,9 @@ from dataclasses import replace
 import numpy as np
 
 from metafem._validate import FloatArray
-from metafem.inversion.assessment import MISSED, independent_misfit, model_misfit
+from metafem.inversion.assessment import EXACT, MISSED, independent_misfit, model_misfit
 from metafem.inversion.candidate import Candidate
+from metafem.inversion.limits import Limits
 from metafem.inversion.problem import Problem
 from metafem.inversion.search.levenberg_marquardt import Heights, Minimum, Residual, descend
 from metafem.inversion.search.multistart import search
@@ -28,50 +29,77 @@ def refined(problem: Problem, candidate: Candidate, rng: np.random.Generator) ->
     density miss its law. For a model without gradients the heights are refined under its `gradient_model`,
     and the last steps use its gradients with the law of the model itself.
     """
-    model, limits, options, law = problem.model, problem.limits, problem.options, candidate.target_law
+    model, limits, options = problem.model, problem.limits, problem.options
     if candidate.stepped or not (model.couples or candidate.density is not None):
         return candidate
     unrefined = np.inf if model.couples else independent_misfit(candidate)
     if unrefined <= MISSED:
         return candidate
     with doing("refining the heights under the model"):
-        solver, start = model.gradient_model, _filled(candidate, problem)
-        surface, added = start.surface(problem.template), len(start.height) - len(candidate.height)
-
-        def residual(height: FloatArray) -> tuple[FloatArray, FloatArray]:
-            found = solver.sensitivity(surface, law.load, height)
-            return law.residual(found.curve.area, found.gradient)
-
-        def residual_of_model(height: FloatArray) -> tuple[FloatArray, FloatArray]:
-            area = model.curve(surface.replaced(height=height), law.load).area
-            return law.residual(area, solver.sensitivity(surface, law.load, height).gradient)
-
-        space = Heights(limits.span)
-        if candidate.exact:
-            found = _through_points(residual, start.height, space, options)
-        else:
-            starts = [start.height]
-            area = solver.sensitivity(surface, law.load).curve.area
-            if law.misfit(area) > options.close:
-                # heights whose sites were chosen for this model should change as little as possible
-                at = 0 if problem.layout is None else 1
-                starts.insert(at, _with_divided_target(surface, area, law, space, rng, options))
-            found = search(
-                residual, starts, space, options.refined_goal, options.refined_restarts, rng, options
-            )
-        if solver != model:
-            goal = options.point_goal if candidate.exact else options.refined_goal
-            found = descend(residual_of_model, found.unknowns, space, goal, options=options)
-        height = limits.offset + limits.max_height - (found.unknowns.max() - found.unknowns)
-        result = start.with_heights(np.maximum(height, limits.foot))
+        solver, space = model.gradient_model, Heights(limits.span)
+        best, start = Minimum(candidate.height, np.inf), candidate
+        for trial in (_filled(candidate, problem), candidate):
+            residual, residual_of_model = _residuals(problem, trial)
+            if trial.exact:
+                goal = options.point_goal
+                found = _through_points(residual, trial.height, space, options)
+            else:
+                goal, guesses = options.refined_goal, _initial_guesses(problem, trial, rng)
+                found = search(residual, guesses, space, goal, options.refined_restarts, rng, options)
+            if solver != model:
+                found = descend(residual_of_model, found.unknowns, space, goal, options=options)
+            best, start = (found, trial) if found.misfit < best.misfit else (best, start)
+            if best.misfit <= EXACT or len(trial.height) == len(candidate.height):
+                break
+        result = start.with_heights(_below_limit(best.unknowns, limits))
         if not model.couples and model_misfit(result, result.surface(problem.template), model) >= unrefined:
             return candidate
     change = 1e3 * float(np.abs(result.height - start.height).max())
+    added = len(start.height) - len(candidate.height)
+    if change == 0.0 and not added:
+        return candidate
     cause = "the interaction of the asperities" if model.couples else "the scatter of so few asperities"
     more = f", and {added} asperities were added to raise the friction" if added else ""
     under = "" if solver == model else f"; the gradients were those of the model {solver.name}"
     note = information(f"heights were moved by at most {change:.3g} um for {cause}{more}{under}")
     return replace(result, notes=(*candidate.notes, note))
+
+
+def _residuals(problem: Problem, start: Candidate) -> tuple[Residual, Residual]:
+    """Return the residual of heights on the sites of a candidate, under the gradient model and the model."""
+    model, limits, law = problem.model, problem.limits, start.target_law
+    solver, surface = model.gradient_model, start.surface(problem.template)
+
+    def residual(height: FloatArray) -> tuple[FloatArray, FloatArray]:
+        found = solver.sensitivity(surface, law.load, _below_limit(height, limits))
+        return law.residual(found.curve.area, found.gradient)
+
+    def residual_of_model(height: FloatArray) -> tuple[FloatArray, FloatArray]:
+        height = _below_limit(height, limits)
+        area = model.curve(surface.replaced(height=height), law.load).area
+        return law.residual(area, solver.sensitivity(surface, law.load, height).gradient)
+
+    return residual, residual_of_model
+
+
+def _initial_guesses(problem: Problem, start: Candidate, rng: np.random.Generator) -> list[FloatArray]:
+    """Return the heights of a candidate and, where their law is far from the target, corrected ones."""
+    law, options, surface = start.target_law, problem.options, start.surface(problem.template)
+    area = problem.model.gradient_model.sensitivity(surface, law.load).curve.area
+    if law.misfit(area) <= options.close:
+        return [start.height]
+    space = Heights(problem.limits.span)
+    corrected = _with_divided_target(surface, area, law, space, rng, options)
+    # heights whose sites were chosen for this model should change as little as possible
+    return [corrected, start.height] if problem.layout is None else [start.height, corrected]
+
+
+def _below_limit(height: FloatArray, limits: Limits) -> FloatArray:
+    """Return heights shifted together so that the tallest is at the limit.
+
+    The shift changes the law only of models that include the compliance of the caps.
+    """
+    return np.asarray(np.maximum(limits.offset + limits.max_height - (height.max() - height), limits.foot))
 
 
 def _with_divided_target(
@@ -101,7 +129,8 @@ def _filled(candidate: Candidate, problem: Problem) -> Candidate:
     """Return the candidate with summits on all sites, new ones just below the lowest level.
 
     Interaction lowers the friction at every point. Without added summits only an earlier contact of the
-    levels could raise it. The added summits have the radius of the lowest summit.
+    levels could raise it, but where none is needed they can lead the descent astray. The added summits have
+    the radius of the lowest summit.
     """
     if candidate.lowest_level is None:
         return candidate
