@@ -93,21 +93,9 @@ def interaction(design: Design, *, placements: int = 1000, rng: Any = 0) -> xr.D
     return xr.Dataset(
         {
             "area_change": (axes, np.array(change), _units("1", "change of A0 by interaction")),
-            "sinking": (
-                axes,
-                np.array(sinking),
-                _units("mm", "increase of the approach over independent asperities"),
-            ),
-            "centred_change": (
-                ("substrate", "load"),
-                np.array(centre),
-                _units("1", "change of A0, tallest in the centre"),
-            ),
-            "placement_rms": (
-                ("substrate", "placement"),
-                np.array(spread),
-                _units("1", "rms change of A0 of random assignments"),
-            ),
+            "sinking": (axes, np.array(sinking), _units("mm", "increase of the approach by interaction")),
+            "centred_change": (axes[::2], np.array(centre), _units("1", "change, tallest in the centre")),
+            "placement_rms": (("substrate", "placement"), np.array(spread), _units("1", "rms change of A0")),
         },
         {
             "substrate": list(substrates),

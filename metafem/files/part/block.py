@@ -13,8 +13,6 @@ from metafem.files.part.mesh import Mesh
 from metafem.files.part.mirror import mirrored
 from metafem.surface import Block, Surface
 
-__all__ = ["block_mesh", "mould_mesh", "triangle_count"]
-
 # Sides and bottom of the block: its corners 0 to 3 at the top, 4 to 7 below them, counterclockwise.
 _BOX = np.array(
     [face for i, j in ((0, 1), (1, 2), (2, 3), (3, 0)) for face in ((i, 4 + i, j), (j, 4 + i, 4 + j))]

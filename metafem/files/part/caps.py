@@ -10,8 +10,6 @@ from metafem.contact.cap_geometry import foot_radius
 from metafem.errors import InvalidInput
 from metafem.surface import Block, Surface
 
-__all__ = ["alignment_positions", "refuse_impossible", "with_alignment"]
-
 
 def alignment_positions(template: Surface) -> FloatArray:
     """Return the positions of four alignment asperities, (4, 2) [mm].

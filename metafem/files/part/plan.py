@@ -19,8 +19,6 @@ from metafem.notes import Note, information
 from metafem.progress import doing, message
 from metafem.surface import Block, Surface
 
-__all__ = ["FORMATS", "Part", "PartOptions", "part_notes", "planned"]
-
 FORMATS = tuple(WRITERS)
 
 # Default chord error in smallest radii: 0.2 um on the source paper's summits of 526 um, a quarter of the

@@ -29,8 +29,6 @@ from metafem.files.specification.target_table import RESULT_FILES
 from metafem.inversion import Design
 from metafem.progress import doing
 
-__all__ = ["load", "save", "write_all"]
-
 NO_PAGES: Mapping[str, str] = MappingProxyType({})
 
 

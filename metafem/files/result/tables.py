@@ -18,8 +18,6 @@ from metafem.inversion import Design
 from metafem.prediction import FrictionLaw, tables
 from metafem.surface import Block, Friction, Material, Surface
 
-__all__ = ["heights_table", "is_law_table", "law_table", "mould_table", "read_surface"]
-
 COLUMNS = ("x", "y", "height", "radius")
 
 # Column of a table of metafem that is not needed to read it.

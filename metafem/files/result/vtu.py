@@ -9,8 +9,6 @@ import numpy as np
 from metafem.inversion import Design
 from metafem.prediction import equilibrium
 
-__all__ = ["write_surface"]
-
 
 def write_surface(design: Design, path: str | Path) -> None:
     """Write the summits as points with their contacts at the law's largest load, in VTU format.
