@@ -63,9 +63,8 @@ def assess(problem: Problem, candidate: Candidate, surface: Surface) -> Assessme
         grid = default_loads(surface, problem.model)
     else:
         grid = LAW_END * last * np.arange(1, LAW_POINTS + 1) / LAW_POINTS
-    load, (on_grid, at_target, *on_branches) = _united(
-        [grid, target_law.load, *(branch.load for branch in branches)]
-    )
+    lists = [grid, target_law.load, *(branch.load for branch in branches)]
+    load, (on_grid, at_target, *on_branches) = _united(lists)
     curve = problem.model.curve(surface, load)
     law = law_of_curve(surface, problem.model, curve.part(on_grid), grid)
     area = curve.checked().area
@@ -84,9 +83,8 @@ def assess(problem: Problem, candidate: Candidate, surface: Surface) -> Assessme
 
 def misfit_of(candidate: Candidate, area: Callable[[FloatArray], FloatArray]) -> float:
     """Return the misfit of a candidate from its law A0 as a function of rescaled loads (k,) [mm^2]."""
-    load, (at_target, *on_branches) = _united(
-        [candidate.target_law.load, *(branch.load for branch in candidate.branches)]
-    )
+    lists = [candidate.target_law.load, *(branch.load for branch in candidate.branches)]
+    load, (at_target, *on_branches) = _united(lists)
     found = area(load)
     slopes = [float(np.polyfit(load[rows], found[rows], 1)[0]) for rows in on_branches]
     return _misfit(candidate, found[at_target], slopes)

@@ -66,31 +66,21 @@ class Candidate:
     moved: bool = False
     unrounded: float | None = None
 
-    @property
-    def exact(self) -> bool:
-        """Whether points are to be met exactly."""
-        return self.lowest_level is not None
-
     def surface(self, template: Surface) -> Surface:
         """Return the surface of the heights on their sites of a template."""
-        return template.replaced(
-            position=template.position[self.sites], height=self.height, radius=self.radius
-        )
+        position = template.position[self.sites]
+        return template.replaced(position=position, height=self.height, radius=self.radius)
 
     def placed(self, sites: IntArray, foot: float) -> Candidate:
         """Return the heights on sites in any order (n,), none below the foot [mm] by rounding."""
         order = np.argsort(sites)
-        return replace(
-            self,
-            sites=sites[order],
-            height=np.maximum(self.height[order], foot),
-            radius=self.radius[order],
-        )
+        height = np.maximum(self.height[order], foot)
+        return replace(self, sites=sites[order], height=height, radius=self.radius[order])
 
     def with_heights(self, height: FloatArray) -> Candidate:
         """Return the candidate with heights moved on their sites; levels are then no longer parameters."""
         parameters = dict(self.parameters)
-        if self.exact:
+        if self.lowest_level is not None:
             rest = {name: value for name, value in parameters.items() if name not in LEVELS}
             parameters = {"span": 0.0, **rest}
         if "span" in parameters:

@@ -27,7 +27,6 @@ from metafem.inversion.strategies.mixture import unreachable
 from metafem.inversion.targets.target import Target
 from metafem.models import Model
 from metafem.notes import Note, information, when_read
-from metafem.prediction import FrictionLaw
 from metafem.progress import doing, each
 from metafem.surface import Surface
 
@@ -152,15 +151,10 @@ def design(
         limits=problem.limits,
         fits=found.fits,
         density=candidate.density,
-        notes=when_read(_with_those_of_the_law, notes, found.law),
+        notes=when_read(lambda: tuple(dict.fromkeys((*notes, *found.law.notes)))),
         radii=None if radii is None else problem.radii.given_as,
         layout=layout,
     )
-
-
-def _with_those_of_the_law(notes: tuple[Note, ...], law: FrictionLaw) -> tuple[Note, ...]:
-    """Return a design's notes and those of its law, each once."""
-    return tuple(dict.fromkeys((*notes, *law.notes)))
 
 
 def _refuse_infeasible(problem: Problem) -> None:

@@ -103,7 +103,9 @@ def broken_bound(
     least = load**exponent
     scaled = friction / least
     top = np.maximum.accumulate(scaled)
-    jump = _largest_jump(load, friction, radii, count)
+    # A0^3 - K p^2 cannot rise along a law: its steepest slope is 2/3 K p/A0^2, with K of N equal contacts
+    rise = 9.0 / 16.0 * math.pi**3 * count * radii.high**2 * load**2
+    jump = np.cbrt(np.minimum.accumulate(np.insert(friction**3 - rise, 0, 0.0))[:-1] + rise)
     power = "(2/3)" if radii.single else f"{exponent:.4g}"
     for broken, words, bound in (
         (friction < low * (1.0 - slack), "below that of a single asperity", low),
@@ -124,17 +126,6 @@ def broken_bound(
             clipped = np.clip(scaled, low / least, np.minimum(high, jump) / least)
             return i, words, float(bound[i]), np.maximum.accumulate(clipped) * least
     return None
-
-
-def _largest_jump(load: FloatArray, friction: FloatArray, radii: Radii, count: int) -> FloatArray:
-    """Return the largest friction that is possible after the smaller loads, (k,) [mm^2].
-
-    The steepest slope is ``dA0/dp = 2/3 K p/A0^2``, so that ``A0^3 - K p^2`` cannot rise along a law; K is
-    that of N equal contacts.
-    """
-    rise = 9.0 / 16.0 * math.pi**3 * count * radii.high**2 * load**2
-    lowest = np.minimum.accumulate(np.insert(friction**3 - rise, 0, 0.0))[:-1]
-    return np.cbrt(lowest + rise)
 
 
 def refuse_load(load: float, problem: Problem, wording: Wording) -> None:

@@ -66,10 +66,9 @@ class Limits:
                 f"max_height = {formatted('max_height', top)}"
             )
         if self.height_step is not None:
-            finest = (top - low) / MOST_LEVELS
-            values["height_step"] = check.number(
-                "height_step", self.height_step, at_least=finest, at_most=top - low
-            )
+            finest, most = (top - low) / MOST_LEVELS, top - low
+            step = check.number("height_step", self.height_step, at_least=finest, at_most=most)
+            values["height_step"] = step
         if self.height_sd is not None:
             values["height_sd"] = check.number("height_sd", self.height_sd, at_least=0.0)
         for name, value in values.items():

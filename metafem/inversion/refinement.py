@@ -40,7 +40,7 @@ def refined(problem: Problem, candidate: Candidate, rng: np.random.Generator) ->
         best, start = Minimum(candidate.height, np.inf), candidate
         for trial in (_filled(candidate, problem), candidate):
             residual, residual_of_model = _residuals(problem, trial)
-            if trial.exact:
+            if trial.lowest_level is not None:
                 goal = options.point_goal
                 found = _through_points(residual, trial.height, space, options)
             else:

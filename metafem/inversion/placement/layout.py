@@ -104,11 +104,9 @@ def arranged(problem: Problem, candidate: Candidate, rng: np.random.Generator) -
         candidate,
         height=found.surface.height,
         radius=found.surface.radius,
-        parameters={
-            **candidate.parameters, "layout_before": found.before, "layout_after": found.after
-        },
+        parameters={**candidate.parameters, "layout_before": found.before, "layout_after": found.after},
         notes=(*candidate.notes, information(note)),
-    )  # fmt: skip
+    )
 
 
 def aims_of(

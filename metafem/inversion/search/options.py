@@ -13,8 +13,7 @@ class SearchOptions:
     """
 
     # -- Levenberg–Marquardt descents --
-    # Damping relative to the mean square of the Jacobian: initial value, bounds, and the factor of the step
-    # size rule.
+    # Damping relative to the mean square of the Jacobian: first value, bounds, factor of the step size rule.
     start_damping: float = 1e-2
     least_damping: float = 1e-12
     most_damping: float = 1e4
@@ -33,8 +32,8 @@ class SearchOptions:
     goal: float = 6e-4
     # Below this multiple of the goal, random changes reach the goal sooner than other initial guesses.
     near: float = 2.0
-    # Random changes: sizes relative to the mean spacing of the heights, fractions of the heights that are
-    # moved, probabilities that asperities are added or that one is removed, and the most that are added.
+    # Random changes: sizes relative to the mean spacing of the heights, fractions of the heights that move,
+    # probabilities that asperities are added or that one is removed, and the most that are added.
     change_sizes: tuple[float, ...] = (0.3, 1.0, 3.0)
     change_fractions: tuple[float, ...] = (0.2, 0.5, 1.0)
     adding: float = 0.5
@@ -75,12 +74,9 @@ class SearchOptions:
     # Most levels that are tried, about 0.2 ms each.
     most_levels: int = 5_000
     # Where no levels meet the points: misfits at which the random search ends and a descent to rounding
-    # begins, and the restarts of the search. A descent can end at a kink; the next misfit gives another
-    # initial guess.
+    # begins. A descent can end at a kink; the next misfit gives another initial guess.
     free_goals: tuple[float, ...] = (1e-2, 1e-3, 1e-4, 1e-5, 1e-11)
-    free_restarts: int = 30
-    # Largest misfit of heights without levels that is accepted and stated: far below the effect of height
-    # errors.
+    # Largest misfit of heights without levels that is accepted: far below the effect of height errors.
     accepted: float = 1e-3
 
     # -- load range of a line --
@@ -115,14 +111,12 @@ class SearchOptions:
     added_depth: float = 0.01
 
     # -- height steps --
-    # Fractions of a step by which all heights are shifted before rounding: a common shift does not change a
-    # law.
+    # Fractions of a step by which all heights are shifted before rounding, which does not change a law.
     shifts: tuple[float, ...] = (0.0, 0.25, -0.25, 0.5, -0.5)
     # Number of single changes that are combined into pairs, and of changes evaluated under the model.
     paired_steps: int = 64
     evaluated_steps: int = 24
-    # Most changes, and most asperities with which changes are tried: with more, the rounding errors average
-    # out.
+    # Most changes, and most asperities with which changes are tried: of more, rounding errors average out.
     most_step_changes: int = 60
     most_stepped: int = 512
     # For a law that is compared by its largest difference, the sum of this power of the differences is

@@ -40,7 +40,9 @@ def candidate(target: OperatingPoints, problem: Problem, rng: np.random.Generato
     if paths:
         fewest = min(paths, key=lambda levels: sum(level.count for level in levels))
         return _with_levels(target, fewest, problem)
-    if not last.limited and not _is_impossible(target, problem):
+    highest, given = largest_load(radii, problem.count, problem.limits), target.rescaled_friction
+    broken = broken_bound(target.rescaled_load, given, radii, problem.count, 0.0)
+    if not last.limited and target.last_load <= highest and broken is None:
         # the extreme radii leave more room for the refinement
         for choice in dict.fromkeys((radii.extremes, radii)):
             if found := _without_levels(target, choice, problem, rng):
@@ -48,14 +50,6 @@ def candidate(target: OperatingPoints, problem: Problem, rng: np.random.Generato
     raise (
         last.refused if last.refused is not None else Infeasible("no heights that meet the points were found")
     )
-
-
-def _is_impossible(target: OperatingPoints, problem: Problem) -> bool:
-    """Return whether the points break a bound of every surface."""
-    load, radii, count = target.rescaled_load, problem.radii, problem.count
-    if target.last_load > largest_load(radii, count, problem.limits):
-        return True
-    return broken_bound(load, target.rescaled_friction, radii, count, 0.0) is not None
 
 
 def _with_levels(target: OperatingPoints, path: tuple[Level, ...], problem: Problem) -> Candidate:
@@ -85,7 +79,7 @@ def _without_levels(
     top, load = limits.offset + limits.max_height, law.load
     best: Candidate | None = None
     misfit = options.accepted
-    restarts = options.free_restarts if radii.single else options.free_restarts // options.mixed_restarts
+    restarts = options.restarts if radii.single else options.restarts // options.mixed_restarts
     for goal in options.free_goals:
         task = LawSearch(
             load, law.residual, [law.base], problem.count, limits.span, restarts, rng, goal, options

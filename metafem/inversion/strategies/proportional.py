@@ -111,16 +111,7 @@ def _steepest(radii: Radii, count: int, slack: float) -> float:
     return 2.0 / 3.0 * count * (single_friction(radii.high) * (1.0 + slack)) ** 3
 
 
-def _over(target: Any, low: float, high: float) -> Any:
-    """Return the target over the overlap of its range, if any, and another one; None without overlap."""
-    inside = low * (1.0 + INSIDE), high * (1.0 - INSIDE)
-    given = target.load_range or inside
-    ends = max(inside[0], given[0]), min(inside[1], given[1])
-    crossover = target.lines[-1][1] or math.sqrt(ends[0] * ends[1])
-    return replace(target, load_range=ends) if ends[0] < crossover < ends[1] else None
-
-
-def reached_line(target: StraightLaw, problem: Problem) -> StraightLaw | None:
+def reached_line(target: Any, problem: Problem) -> StraightLaw | None:
     """Return the line over the widest part of its range that independent asperities reach.
 
     The range is narrowed towards the crossover load; for one line, towards its start or its end, whichever
@@ -128,10 +119,13 @@ def reached_line(target: StraightLaw, problem: Problem) -> StraightLaw | None:
     """
     start, end = line_range(target, problem.radii, problem.count)
     most = largest_load(problem.radii, problem.count, problem.limits)
-    whole = _over(target, problem.options.range_start * start, min(end, most))
-    if whole is None:
-        return None
+    low, high = problem.options.range_start * start * (1.0 + INSIDE), min(end, most) * (1.0 - INSIDE)
+    if target.load_range is not None:
+        low, high = max(low, target.load_range[0]), min(high, target.load_range[1])
     crossover = target.lines[-1][1]
+    if not low < (crossover or math.sqrt(low * high)) < high:
+        return None
+    whole = replace(target, load_range=(low, high))
     centres = (crossover,) if crossover else whole.load_range
     fraction, best = max(
         (_narrowed(whole, centre, problem) for centre in centres), key=lambda found: found[0]

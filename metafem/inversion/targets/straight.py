@@ -67,6 +67,16 @@ class StraightLaw(Target):
         load = np.unique(np.concatenate([np.geomspace(*ends, each) for _, ends in self.branches]))
         return TargetLaw.fixed(load, self.line(load), pointwise=True)
 
+    def with_density(self, problem: Problem) -> Candidate:
+        """Return heights of the exponential density whose law has these slopes."""
+        raise NotImplementedError
+
+    def candidate(self, problem: Problem, rng: np.random.Generator) -> Candidate:
+        """Return heights of a density, or with a load range of the lines themselves."""
+        if self.load_range is None:
+            return self.with_density(problem)
+        return sampled.candidate(self, problem, rng)
+
     def refuse(self, problem: Problem, margin: float) -> None:
         """Raise Infeasible for a load range that breaks a bound by more than a margin (relative)."""
         if self.load_range is not None:
@@ -153,11 +163,7 @@ class LinearLaw(StraightLaw):
         """Slope of the line through the origin, and the load 0 from which it holds."""
         return ((self.slope, 0.0),)
 
-    def candidate(self, problem: Problem, rng: np.random.Generator) -> Candidate:
-        """Return heights of an exponential density, or with a load range of the line itself."""
-        if self.load_range is None:
-            return exponential.linear(self, problem)
-        return sampled.candidate(self, problem, rng)
+    with_density = exponential.linear
 
 
 @checked_class
@@ -253,8 +259,4 @@ class BilinearLaw(StraightLaw):
         """Slope of each line, and the load from which it holds [mm^2]."""
         return (self.slopes[0], 0.0), (self.slopes[1], self.crossover_load)
 
-    def candidate(self, problem: Problem, rng: np.random.Generator) -> Candidate:
-        """Return heights of a density of two exponentials, or with a load range of the lines themselves."""
-        if self.load_range is None:
-            return exponential.bilinear(self, problem)
-        return sampled.candidate(self, problem, rng)
+    with_density = exponential.bilinear
