@@ -19,7 +19,6 @@ from metafem.inversion.targets.target_law import TargetLaw
 from metafem.models import Independent
 from metafem.notes import information
 from metafem.progress import doing, each
-from metafem.surface import Surface
 
 
 def refined(problem: Problem, candidate: Candidate, rng: np.random.Generator) -> Candidate:
@@ -83,15 +82,25 @@ def _residuals(problem: Problem, start: Candidate) -> tuple[Residual, Residual]:
 
 
 def _initial_guesses(problem: Problem, start: Candidate, rng: np.random.Generator) -> list[FloatArray]:
-    """Return the heights of a candidate and, where their law is far from the target, corrected ones."""
+    """Return the heights of a candidate and, where their law is far from the target, corrected ones.
+
+    The independent law of the corrected heights is the target divided by A0(model)/A0(independent). That
+    ratio is a smooth function of the load and depends little on small changes of the heights.
+    """
     law, options, surface = start.target_law, problem.options, start.surface(problem.template)
     area = problem.model.gradient_model.sensitivity(surface, law.load).curve.area
     if law.misfit(area) <= options.close:
         return [start.height]
-    space = Heights(problem.limits.span)
-    corrected = _with_divided_target(surface, area, law, space, rng, options)
+    ratio = area / Independent().curve(surface, law.load).area
+    powers = np.vander(np.log(law.load / law.load[-1]), options.ratio_degree + 1)
+    smooth = powers @ np.linalg.lstsq(powers, ratio, rcond=None)[0]
+    divided = TargetLaw.fixed(law.load, law.law(area) / smooth, law.weight)
+    residual = residual_of_heights(surface.radius, law.load, divided.residual)
+    space, restarts = Heights(problem.limits.span), options.ratio_restarts
+    corrected = search(residual, [surface.height], space, options.goal, restarts, rng, options)
     # heights whose sites were chosen for this model should change as little as possible
-    return [corrected, start.height] if problem.layout is None else [start.height, corrected]
+    guesses = [corrected.unknowns, start.height]
+    return guesses if problem.layout is None else guesses[::-1]
 
 
 def _below_limit(height: FloatArray, limits: Limits) -> FloatArray:
@@ -100,29 +109,6 @@ def _below_limit(height: FloatArray, limits: Limits) -> FloatArray:
     The shift changes the law only of models that include the compliance of the caps.
     """
     return np.asarray(np.maximum(limits.offset + limits.max_height - (height.max() - height), limits.foot))
-
-
-def _with_divided_target(
-    surface: Surface,
-    area: FloatArray,
-    law: TargetLaw,
-    space: Heights,
-    rng: np.random.Generator,
-    options: SearchOptions,
-) -> FloatArray:
-    """Return heights whose independent law is the target divided by A0(model)/A0(independent).
-
-    That ratio is a smooth function of the load and depends little on small changes of the heights. `area` is
-    A0(model) (k,) at the loads of the target law.
-    """
-    ratio = area / Independent().sensitivity(surface, law.load).curve.area
-    powers = np.vander(np.log(law.load / law.load[-1]), options.ratio_degree + 1)
-    smooth = powers @ np.linalg.lstsq(powers, ratio, rcond=None)[0]
-    divided = TargetLaw.fixed(law.load, law.law(area) / smooth, law.weight)
-    residual = residual_of_heights(surface.radius, law.load, divided.residual)
-    return search(
-        residual, [surface.height], space, options.goal, options.ratio_restarts, rng, options
-    ).unknowns
 
 
 def _filled(candidate: Candidate, problem: Problem) -> Candidate:
