@@ -7,8 +7,6 @@ from dataclasses import dataclass
 from metafem import _validate as check
 from metafem._calls import checked_class
 
-__all__ = ["Block", "Friction", "Material"]
-
 
 @checked_class
 @dataclass(frozen=True)

@@ -48,10 +48,8 @@ def elements_section(design: Design) -> dict[str, Any]:
     last = Independent().curve(surface, design.law.rescaled_load[-1:]).last
     tallest = int(surface.height.argmax())
     a, radius = math.sqrt(float(last.area[tallest]) / math.pi), float(surface.radius[tallest])
-    nu = surface.material.poisson_ratio
-    figures = [
-        svg(hertz_figure(fe.press(a, radius, nu), radius), "Pressure and displacement against Hertz's")
-    ]
+    contact = fe.press(a, radius, surface.material.poisson_ratio)
+    figures = [svg(hertz_figure(contact, radius), "Pressure and displacement against Hertz's")]
     reason = ""
     try:
         figures += _cap_figures(design, a, tallest)

@@ -117,7 +117,6 @@ def _fidelity(study: Dataset) -> Table:
 
 
 def _interaction(study: Dataset) -> Table:
-    top = float(study["load"][-1])
     columns = (
         "substrate",
         "order",
@@ -149,7 +148,7 @@ def _interaction(study: Dataset) -> Table:
                 )
             )
     return (
-        f"Change of A0 by elastic interaction; decrease of the separation at {top:.3g} N",
+        f"Change of A0 by elastic interaction; decrease of the separation at {float(study['load'][-1]):.3g} N",
         columns,
         tuple(rows),
     )
