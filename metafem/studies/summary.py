@@ -148,7 +148,7 @@ def _interaction(study: Dataset) -> Table:
                 )
             )
     return (
-        f"Change of A0 by elastic interaction; decrease of the separation at {float(study['load'][-1]):.3g} N",
+        f"Change of A0 by interaction; decrease of the separation at {float(study['load'][-1]):.3g} N",
         columns,
         tuple(rows),
     )
