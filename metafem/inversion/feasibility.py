@@ -243,9 +243,8 @@ def achievable_friction_coefficients(
     if template.friction is None:
         raise InvalidInput("template has no friction; a friction coefficient needs metafem.Friction")
     choice = Radii.given(radii, template)
-    per_slope = (
-        template.friction.shear_strength * template.friction.area_ratio / template.material.composite_modulus
-    )
+    stress = template.friction.shear_strength * template.friction.area_ratio
+    per_slope = stress / template.material.composite_modulus
     low = uniform_slope(choice.low, limits.span)
     high = math.inf
     if limits.height_sd:

@@ -136,10 +136,8 @@ class PiecewiseExponential:
 
         delta = np.asarray(separation, dtype=np.float64)
         if not ((delta >= 0.0) & (delta <= self.max_height)).all():
-            raise InvalidInput(
-                f"separation = {separation!r:.60} must lie within the density, from 0 to "
-                f"{self.max_height:g} mm"
-            )
+            ends = f"from 0 to {self.max_height:g} mm"
+            raise InvalidInput(f"separation = {separation!r:.60} must lie within the density, {ends}")
         lam, q = self.scale, power
         total = np.zeros_like(delta)
         for piece in self.pieces:

@@ -128,20 +128,19 @@ class Design(Value):
 
     def __repr__(self) -> str:
         surface, law = self.surface, self.law
-        return "\n".join(
-            [
-                f"Design: {self.target.title}",
-                f"  status      {self.status.value}",
-                f"  misfit      {percent(self.misfit)}, {self.misfit_meaning}",
-                f"  asperities  {surface.count} on {self.template.count} sites",
-                f"  heights     {span(surface.height, 'mm')}",
-                f"  radius      {span(surface.radius, 'mm')}",
-                f"  model       {law.model!r}",
-                f"  law         {len(law.load)} loads {span(law.load, 'N')}, area {span(law.area, 'mm^2')}",
-                f"  parameters  {', '.join(self.parameters)}",
-                f"  notes       {counted(dict.fromkeys((*self.notes, *law.notes)))}",
-            ]
-        )
+        lines = [
+            f"Design: {self.target.title}",
+            f"  status      {self.status.value}",
+            f"  misfit      {percent(self.misfit)}, {self.misfit_meaning}",
+            f"  asperities  {surface.count} on {self.template.count} sites",
+            f"  heights     {span(surface.height, 'mm')}",
+            f"  radius      {span(surface.radius, 'mm')}",
+            f"  model       {law.model!r}",
+            f"  law         {len(law.load)} loads {span(law.load, 'N')}, area {span(law.area, 'mm^2')}",
+            f"  parameters  {', '.join(self.parameters)}",
+            f"  notes       {counted(dict.fromkeys((*self.notes, *law.notes)))}",
+        ]
+        return "\n".join(lines)
 
     @property
     def target_law(self) -> TargetLaw:

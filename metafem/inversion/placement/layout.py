@@ -115,21 +115,17 @@ def aims_of(
     """Return the aims of a layout, each in words and as an objective with its weight."""
     aims: list[tuple[str, Objective, float]] = []
     if model.couples:  # with a tilt too: otherwise the refinement would undo the layout
-        aims.append(("the deviation from the law", _law(surface, law), 1.0))
+        some, area = _some(len(law.load), LAW_LOADS), Independent().curve(surface, law.load).area
+        friction = law.law(area)[some]
+        # a poor fit can decrease with the load; the law of independent asperities always increases
+        rises = friction[0] > 0.0 and (np.diff(friction) > 0.0).all()
+        follow = FollowLaw(law.load[some], friction if rises else area[some])
+        aims.append(("the deviation from the law", follow, 1.0))
     if layout.tilt is not None:
         words = f"the change by a tilt of {math.degrees(layout.tilt):.3g} deg"
         load = law.load[_some(len(law.load), TILT_LOADS)]
         aims.append((words, InsensitiveToTilt(load, layout.tilt), layout.tilt_weight))
     return aims
-
-
-def _law(surface: Surface, law: TargetLaw) -> FollowLaw:
-    """Return the target law at some of its loads, its open parameters fitted to independent asperities."""
-    area = Independent().curve(surface, law.load).area
-    friction, some = law.law(area), _some(len(law.load), LAW_LOADS)
-    # a poor fit can decrease with the load; the law of independent asperities always increases
-    rises = friction[some][0] > 0.0 and (np.diff(friction[some]) > 0.0).all()
-    return FollowLaw(law.load[some], friction[some] if rises else area[some])
 
 
 def _some(count: int, most: int) -> IntArray:

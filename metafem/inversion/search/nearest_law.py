@@ -73,16 +73,12 @@ def _heights_task(task: LawSearch, radius: float) -> tuple[Residual, list[FloatA
     for law in task.guesses:
         radii = np.full(len(law), radius)
         height, _ = initial_heights(task.load, law, radii, task.count, task.options)
-        starts += _with_fewer(height, task.span, task.options)
+        inside = int((height >= height[0] - task.span).sum())
+        fractions = task.options.low_fractions
+        # where heights are deeper than the span, also with fewer of those too low
+        numbers = dict.fromkeys(inside + round(part * (len(height) - inside)) for part in fractions)
+        starts += [height[:number] for number in numbers]
     return residual, starts, Heights(task.span, task.count)
-
-
-def _with_fewer(height: FloatArray, span: float, options: SearchOptions) -> list[FloatArray]:
-    """Return heights, tallest first; where they are deeper than a span, also with fewer of those too low."""
-    inside = int((height >= height[0] - span).sum())
-    low = len(height) - inside
-    numbers = dict.fromkeys(inside + round(share * low) for share in options.low_fractions)
-    return [height[:number] for number in numbers]
 
 
 def nearest_law(task: LawSearch, radii: Radii) -> NearestLaw:

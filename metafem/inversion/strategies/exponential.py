@@ -95,9 +95,8 @@ def _bilinear(target: BilinearLaw, mixture: Mixture, limits: Limits) -> Candidat
     density = _two_branches(target, scale, mixture, limits)
     upper = min(max(round(count * density.upper_mass), 1), count - 1)  # N_1 of regime 1, h > h_c
     middle, top = density.crossover_height, limits.span
-    height = np.concatenate(
-        [_middles(density, middle, top, upper), _middles(density, 0.0, middle, count - upper)]
-    )
+    parts = _middles(density, middle, top, upper), _middles(density, 0.0, middle, count - upper)
+    height = np.concatenate(parts)
     crossover, end = target.crossover_load, float(density.rescaled_load(0.0, mixture.carrying, radius))
     parameters: dict[str, Parameter] = {
         "scale": scale,
@@ -254,7 +253,6 @@ def _notes(scale: float, mixture: Mixture, limits: Limits, wording: Wording) -> 
     return (
         Note(
             f"the scale {scale:.4g} mm is below {FINEST_SCALE_IN_SD:g} times height_sd, {finest:.4g} mm: "
-            f"height errors will change the law; {wording.slopes(steepest)} and below are free of "
-            "that"
+            f"height errors will change the law; they will not for {wording.slopes(steepest)} and below"
         ),
     )

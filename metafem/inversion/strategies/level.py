@@ -59,8 +59,7 @@ class Step:
         kinds = [kind for level in done for kind in level.kinds]
         top, self.radius, self.number = np.array(kinds).reshape(-1, 3).T
         self.above = top - height
-        # eq. S1, area: sum R_i d_i still missing as the plane meets the level [mm^2], and its derivative by
-        # the depth
+        # eq. S1, area: sum R_i d_i missing as the plane meets the level [mm^2]; its derivative by the depth
         self.missing = friction / math.pi - float(self.number @ (self.radius * self.above))
         self.growth = float(self.number @ self.radius)
         self.fewest = 0 if done else 1
