@@ -41,6 +41,9 @@ if TYPE_CHECKING:
 # A value this close to a bound counts as the bound: rounding must not refuse values taken from a surface.
 ROUNDING = 1e-9
 
+# The nearest target that can be reached is inside its bound by this relative distance.
+INSIDE = 1e-6
+
 # Exponent of a fixed number of equal contacts, the least for any surface of one radius.
 EQUAL_EXPONENT = 2.0 / 3.0
 

@@ -21,6 +21,7 @@ from metafem.errors import InvalidInput
 
 __all__ = [
     "FINEST_SCALE_IN_SD",
+    "TIGHTEST",
     "PiecewiseExponential",
     "TruncatedExponential",
     "TwoBranchExponential",
@@ -33,6 +34,9 @@ __all__ = [
 # With a scale below this many standard deviations of the heights as made, the density is no longer
 # exponential: rule of thumb of Aymard et al., doi:10.1126/science.adk4234.
 FINEST_SCALE_IN_SD = 10.0
+
+# The tightest relative tolerance that brentq accepts.
+TIGHTEST = 4.0 * np.finfo(float).eps
 
 
 def slope_excess(x: ArrayLike) -> FloatArray:
@@ -76,9 +80,8 @@ def scale_from_slope(slope: float, radius: float, max_height: float) -> float:
     excess = (slope - bound) / bound
     # k(x) <= 1 makes the ratio exceed sqrt(x) (1 - e^-x)/Gamma(5/2): the root lies below `upper`.
     upper = 2.0 * (math.gamma(2.5) * (1.0 + excess)) ** 2
-    # the tightest relative tolerance that brentq accepts; the excess is nearly x/10, so x tends to 10 excess
-    tightest = 4.0 * np.finfo(float).eps
-    x = brentq(lambda x: float(slope_excess(x)) - excess, 0.0, upper, xtol=tightest * excess, rtol=tightest)
+    # the excess is nearly x/10, so x tends to 10 excess
+    x = brentq(lambda x: float(slope_excess(x)) - excess, 0.0, upper, xtol=TIGHTEST * excess, rtol=TIGHTEST)
     return max_height / float(x)  # eq. S3 solved for lambda
 
 

@@ -14,8 +14,10 @@ from metafem._validate import FloatArray, IntArray
 from metafem.contact import Hertz
 from metafem.errors import Infeasible
 from metafem.inversion.candidate import Branch, Candidate, Parameter
+from metafem.inversion.feasibility import INSIDE
 from metafem.inversion.height_density import (
     FINEST_SCALE_IN_SD,
+    TIGHTEST,
     PiecewiseExponential,
     TruncatedExponential,
     TwoBranchExponential,
@@ -37,18 +39,12 @@ if TYPE_CHECKING:
 # asymptote. Over this range the paper's surfaces have the paper's target slopes and scatter.
 BRANCH_START = 0.25
 
-# The tightest relative tolerance that brentq accepts.
-TIGHTEST = 4.0 * np.finfo(float).eps
-
-# The nearest reachable law is inside its bound by this relative distance.
-INSIDE = 1e-6
-
 # Largest slope, relative to that of the uniform density. The scale falls as the inverse square of the slope;
 # here it is as small as the rounding error of the largest height.
 STEEPEST = 1e7
 
 # Number of separations, from the top of a density to its foot, at which its law is the target of a search.
-LAW_POINTS = 61
+SEPARATIONS = 61
 
 
 def linear(target: LinearLaw, problem: Problem) -> Candidate:
@@ -122,7 +118,7 @@ def _bilinear(target: BilinearLaw, mixture: Mixture, limits: Limits) -> Candidat
 
 def law_of(density: PiecewiseExponential, branches: tuple[Branch, ...], mixture: Mixture) -> TargetLaw:
     """Return the density's law over all branches, at even steps of the separation."""
-    separation = density.max_height * (1.0 - np.arange(LAW_POINTS) / (LAW_POINTS - 1))
+    separation = density.max_height * (1.0 - np.arange(SEPARATIONS) / (SEPARATIONS - 1))
     load = density.rescaled_load(separation, mixture.carrying, mixture.radius)
     inside = load >= branches[0].load_range[0]
     area = density.area(separation[inside], mixture.carrying, mixture.radius)

@@ -17,10 +17,8 @@ from scipy.optimize import brentq
 
 from metafem._validate import FloatArray
 from metafem.contact import Hertz
+from metafem.inversion.height_density import TIGHTEST
 from metafem.models import Independent
-
-# The tightest tolerance that brentq accepts, so that the points are met to rounding.
-TIGHTEST = 4.0 * np.finfo(float).eps
 
 # A friction this close to a bound counts as the bound: rounding must not add an asperity.
 ROUNDING = 1e-12

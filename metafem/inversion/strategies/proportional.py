@@ -19,6 +19,7 @@ import numpy as np
 from metafem.errors import Infeasible, InvalidInput
 from metafem.inversion.assessment import REACHED, independent_misfit
 from metafem.inversion.feasibility import (
+    INSIDE,
     ROUNDING,
     largest_load,
     least_exponent,
@@ -34,9 +35,6 @@ if TYPE_CHECKING:
     from metafem.inversion.radii import Radii, RadiusRange
     from metafem.inversion.targets.straight import BilinearLaw, LinearLaw, StraightLaw
     from metafem.surface import Surface
-
-# The nearest reachable line is inside its bound by this relative distance.
-INSIDE = 1e-6
 
 
 def refuse_line(target: StraightLaw, problem: Problem, margin: float) -> None:
