@@ -11,6 +11,7 @@ import numpy as np
 
 from metafem.errors import InvalidInput
 
+# Threads of a solution, also for the transforms; the stated times are for two cores.
 THREADS = 2
 
 # Assumed memory where the system does not report it: that of a common laptop [bytes].

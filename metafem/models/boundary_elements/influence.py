@@ -10,11 +10,9 @@ import numpy as np
 from scipy import fft
 
 from metafem._validate import FloatArray
+from metafem.models._resources import THREADS
 from metafem.models.boundary_elements.far_field import FarField
 from metafem.models.boundary_elements.patches import Patch
-
-# Threads for the transforms of the patches; the quoted timings are for two cores.
-THREADS = 2
 
 # Aliases per side in the symbol of the preconditioner: the terms decrease with the cube of their number.
 ALIASES = 3

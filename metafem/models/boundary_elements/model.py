@@ -23,9 +23,6 @@ from metafem.progress import each
 from metafem.substrate import HalfSpace, Radial
 from metafem.surface import Surface
 
-# The patches of a surface without contact.
-NONE = np.zeros((0, 2))
-
 
 @checked_class
 @dataclass(frozen=True)
@@ -132,7 +129,7 @@ class BoundaryElements(WithoutGradients):
     def _open(self, surface: Surface, approach: float) -> RescaledState:
         """Return the state without contact."""
         zero, gap = np.zeros(surface.count), approach - surface.gap
-        field = ContactField(self.cell, NONE, NONE.astype(np.int64), *(NONE[:, 0] for _ in range(3)))
+        field = ContactField(self.cell, np.zeros((0, 2)), np.zeros((0, 2), np.int64), *(zero[:0],) * 3)
         return RescaledState(zero, zero, gap, float((surface.height - gap).min()), self, field=field)
 
     def _last(self, scene: Scene, solution: Solution) -> RescaledState:

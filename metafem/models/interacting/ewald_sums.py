@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from metafem._validate import FloatArray
-from metafem.models.interacting.fft_sums import WORKERS
+from metafem.models._resources import THREADS
 from metafem.substrate import Radial
 
 # Pairs are summed up to REACH s, where erfc = 3e-11.
@@ -220,7 +220,7 @@ class ScatteredSums:
         r = np.hypot(axes[0][:, None], axes[1])
         with np.errstate(invalid="ignore"):
             point = np.where(r > 0.0, erf(r / self.split) / (math.pi * r), 2.0 / (self.split * math.pi**1.5))
-        spectrum = np.asarray(rfft2(point + self.substrate.regular(r), workers=WORKERS).real)
+        spectrum = np.asarray(rfft2(point + self.substrate.regular(r), workers=THREADS).real)
         for k in self._waves:
             spectrum *= np.where(np.abs(k) <= 0.5 * math.pi, 1.0 / _window_transform(k) ** 2, 0.0)
         return spectrum
@@ -252,7 +252,7 @@ class ScatteredSums:
 
         grid = np.zeros(self._padded)
         mesh.spread(self._grid_position, np.ascontiguousarray(vector), grid)
-        return np.asarray(rfft2(grid, workers=WORKERS, overwrite_x=True))
+        return np.asarray(rfft2(grid, workers=THREADS, overwrite_x=True))
 
     def _backward(self, spectrum: NDArray[np.complex128]) -> FloatArray:
         from scipy.fft import irfft2
@@ -260,7 +260,7 @@ class ScatteredSums:
         from metafem._kernels import mesh
 
         result = np.empty(len(self._position))
-        mesh.gather(self._grid_position, irfft2(spectrum, self._padded, workers=WORKERS), result)
+        mesh.gather(self._grid_position, irfft2(spectrum, self._padded, workers=THREADS), result)
         return result
 
 

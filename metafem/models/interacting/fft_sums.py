@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from metafem._validate import FloatArray
+from metafem.models._resources import THREADS
 from metafem.substrate import Radial
 
 # Positions may differ from the lattice by this fraction of the pitch, and by the rounding of their values.
@@ -17,9 +18,6 @@ LATTICE_TOLERANCE = 1e-9
 
 # Largest fraction of missing sites; with more, the sums for scattered positions are used.
 FEWEST_SITES = 0.25
-
-# Threads of scipy's transforms.
-WORKERS = 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,13 +125,13 @@ class LatticeSums:
         from scipy.fft import rfft2
 
         self.products += 1
-        return np.asarray(rfft2(self._grid(vector), self._padded, workers=WORKERS))
+        return np.asarray(rfft2(self._grid(vector), self._padded, workers=THREADS))
 
     def _backward(self, spectrum: NDArray[np.complex128]) -> FloatArray:
         from scipy.fft import irfft2
 
         rows, columns = self.lattice.shape
-        field = irfft2(spectrum, self._padded, workers=WORKERS)
+        field = irfft2(spectrum, self._padded, workers=THREADS)
         return np.asarray(field[:rows, :columns].ravel()[self._index])
 
     def _offsets(self, shape: tuple[int, ...]) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -151,7 +149,7 @@ class LatticeSums:
 
         value = self.substrate.influence(self._offsets(self._padded)[2])
         value[0, 0] = 0.0
-        return np.asarray(rfft2(value, workers=WORKERS))
+        return np.asarray(rfft2(value, workers=THREADS))
 
     @cached_property
     def _derivatives(self) -> tuple[NDArray[np.complex128], ...]:
@@ -163,4 +161,4 @@ class LatticeSums:
         first /= r
         laplacian = second + first
         laplacian[0, 0] = 2.0 * self.substrate.self_curvature
-        return tuple(rfft2(kernel, workers=WORKERS) for kernel in (laplacian, -first * x, -first * y))
+        return tuple(rfft2(kernel, workers=THREADS) for kernel in (laplacian, -first * x, -first * y))
