@@ -170,13 +170,6 @@ class TruncatedExponential(PiecewiseExponential):
 
     With x = h_m/lambda, on [0, h_m].
 
-    Parameters
-    ----------
-    scale : float
-        lambda [mm], positive.
-    max_height : float
-        h_m [mm], positive.
-
     Examples
     --------
     >>> density = TruncatedExponential(0.040, 0.120)
@@ -184,8 +177,8 @@ class TruncatedExponential(PiecewiseExponential):
     (6.875, 0.2617)
     """
 
-    scale: float
-    max_height: float
+    scale: float  # lambda [mm], positive
+    max_height: float  # h_m [mm], positive
 
     def __post_init__(self) -> None:
         check.number("scale", self.scale, above=0.0)
@@ -221,18 +214,6 @@ class TwoBranchExponential(PiecewiseExponential):
     ``alpha_1 exp(-h/lambda)`` on [0, h_c] and ``alpha_2 exp(-h/lambda)`` on [h_c, h_m], with
     ``alpha_2 = u / (lambda (1 - exp(-h_m/lambda)))`` and alpha_1 from the unit mass.
 
-    Parameters
-    ----------
-    scale : float
-        lambda [mm], positive.
-    max_height : float
-        h_m [mm], positive.
-    crossover_height : float
-        h_c [mm], above 0 and below h_m.
-    weight : float
-        u [-], positive, and so small that the mass of the upper branch is at most 1; u = 1 is the
-        truncated exponential.
-
     Examples
     --------
     >>> density = TwoBranchExponential(0.0357, 0.120, 0.0153, 0.149)
@@ -240,9 +221,11 @@ class TwoBranchExponential(PiecewiseExponential):
     1.0
     """
 
-    scale: float
-    max_height: float
-    crossover_height: float
+    scale: float  # lambda [mm], positive
+    max_height: float  # h_m [mm], positive
+    crossover_height: float  # h_c [mm], above 0 and below h_m
+    # u [-], positive, and so small that the mass of the upper branch is at most 1; u = 1 is the truncated
+    # exponential
     weight: float
 
     def __post_init__(self) -> None:

@@ -34,33 +34,16 @@ class Status(Enum):
 
 @dataclass(frozen=True, eq=False)
 class RescaledState:
-    """The asperities of one equilibrium.
+    """The asperities of one equilibrium."""
 
-    Attributes
-    ----------
-    load : ndarray, (n,)
-        Rescaled load of each asperity, P_i/E* [mm^2].
-    area : ndarray, (n,)
-        Contact area of each asperity [mm^2].
-    indentation : ndarray, (n,)
-        Indentation of each asperity [mm]; for an open one its gap, negative.
-    base_gap : float
-        Smallest distance between the plane and the base plane beside a summit [mm], see `ContactState`.
-    model : Model
-        The model that was solved.
-    notes : tuple of Note
-        Approximations of this state.
-    field : ContactField or None
-        Fields on cells, with the pressure over E* [-].
-    """
-
-    load: FloatArray
-    area: FloatArray
-    indentation: FloatArray
+    load: FloatArray  # (n,), rescaled load of each asperity, P_i/E* [mm^2]
+    area: FloatArray  # (n,), contact area of each asperity [mm^2]
+    indentation: FloatArray  # (n,), indentation of each asperity [mm]; for an open one its gap, negative
+    # smallest distance between the plane and the base plane beside a summit [mm], see `ContactState`
     base_gap: float
-    model: Model
-    notes: tuple[Note, ...] = ()
-    field: ContactField | None = None
+    model: Model  # the model that was solved
+    notes: tuple[Note, ...] = ()  # approximations of this state
+    field: ContactField | None = None  # fields on cells, with the pressure over E* [-]
 
 
 @dataclass(frozen=True, eq=False)

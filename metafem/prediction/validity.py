@@ -176,12 +176,8 @@ def _last_force(surface: Surface, curve: Curve) -> float:
 def base_contact_load(surface: Surface, model: Model) -> float:
     """Return the rescaled load [mm^2] at which the plane reaches the sunken base beside a summit.
 
-    The base gap of `ContactState` is zero there. For resolved contacts order 3 is used.
-
-    Raises
-    ------
-    NotConverged, InvalidInput
-        Where the model has no solution under such a load.
+    The base gap of `ContactState` is zero there. For resolved contacts order 3 is used. Raise NotConverged or
+    InvalidInput where the model has no solution under such a load.
     """
     from scipy.optimize import brentq
 

@@ -93,24 +93,13 @@ class Tilted:
 
     The change of load at fixed separation is compensated along the law:
     ``dA = sum_i pi R_i d_i - dA0/dP sum_i 4/3 sqrt(R_i) d_i^(3/2)`` with the indentations d_i after the tilt.
-
-    Attributes
-    ----------
-    depth : ndarray, (k, m)
-        Indentations of the asperities before the tilt [mm], negative where open.
-    radius : ndarray, (m,)
-        R of the asperities [mm].
-    lift : ndarray, (t, m)
-        Rise of each site by each tilt [mm].
-    scale, rate : ndarray, (k,)
-        Factor [1/mm^2] and dA0/d(P/E*) [-].
     """
 
-    depth: FloatArray
-    radius: FloatArray
-    lift: FloatArray
-    scale: FloatArray
-    rate: FloatArray
+    depth: FloatArray  # (k, m), indentations of the asperities before the tilt [mm], negative where open
+    radius: FloatArray  # (m,) R of the asperities [mm]
+    lift: FloatArray  # (t, m), rise of each site by each tilt [mm]
+    scale: FloatArray  # (k,), factor of the changes [1/mm^2]
+    rate: FloatArray  # (k,), dA0/d(P/E*) [-]
 
     def swapped(self, i: int, j: int) -> Tilted:
         """Return the forecast with the asperities of two sites exchanged."""

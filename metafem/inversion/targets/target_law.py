@@ -19,26 +19,13 @@ FAR = 0.1
 
 @dataclass(frozen=True, eq=False)
 class TargetLaw:
-    """A target law ``base + free @ c`` at loads (k,), with open parameters c (q,), and weights.
+    """A target law ``base + free @ c`` at loads (k,), with open parameters c (q,), and weights."""
 
-    Attributes
-    ----------
-    load : ndarray, (k,)
-        P/E* [mm^2], increasing.
-    base : ndarray, (k,)
-        Fixed part of F/(sigma B) [mm^2].
-    free : ndarray, (k, q)
-        Factors of the open parameters.
-    weight : ndarray, (k,)
-        Weights of the squared relative differences, of mean 1.
-    pointwise : bool
-        Whether the misfit is the largest difference (True) or their root mean square (False).
-    """
-
-    load: FloatArray
-    base: FloatArray
-    free: FloatArray
-    weight: FloatArray
+    load: FloatArray  # (k,) P/E* [mm^2], increasing
+    base: FloatArray  # (k,), fixed part of F/(sigma B) [mm^2]
+    free: FloatArray  # (k, q), factors of the open parameters
+    weight: FloatArray  # (k,), weights of the squared relative differences, of mean 1
+    # whether the misfit is the largest difference (True) or their root mean square (False)
     pointwise: bool = False
 
     @classmethod

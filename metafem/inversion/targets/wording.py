@@ -24,21 +24,15 @@ BOUND_DIGITS = 4
 class Wording:
     """Units of a target's values: rescaled loads, frictions and slopes, or newtons and coefficients.
 
-    Parameters
-    ----------
-    composite_modulus : float, optional
-        E* [MPa]; with it loads are stated in newtons.
-    shear_stress : float, optional
-        sigma B, the friction force per initial real contact area [MPa]; with it friction is stated in
-        newtons. With both, slopes are stated as friction coefficients ``mu = sigma B / E* m``.
-
     Examples
     --------
     >>> Wording().slopes(6.87), Wording(1.36, 0.3043).slopes(6.25698)
     ('slope 6.87', 'friction coefficient 1.4')
     """
 
-    composite_modulus: float | None = None
+    composite_modulus: float | None = None  # E* [MPa]; with it loads are stated in newtons
+    # sigma B, the friction force per initial real contact area [MPa]; with it friction is stated in newtons.
+    # With both, slopes are stated as friction coefficients ``mu = sigma B / E* m``
     shear_stress: float | None = None
 
     def __post_init__(self) -> None:
