@@ -112,13 +112,7 @@ def label(name: str) -> str:
 
 
 def shown(value: Any, most: int = 60) -> str:
-    """Return any value on one line, for an error.
-
-    Examples
-    --------
-    >>> shown("two\\nlines"), shown(10**5000)
-    ("'two\\\\nlines'", 'an int')
-    """
+    """Return any value on one line, for an error."""
     if isinstance(value, (str, bytes)):
         value = value[: 2 * most]
     try:

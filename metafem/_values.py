@@ -42,25 +42,13 @@ class Value:
 
 
 def span(values: NDArray[Any], unit: str) -> str:
-    """Return the range of an array with a unit, or its value where all entries are equal.
-
-    Examples
-    --------
-    >>> span(np.array([0.12, 0.084]), "mm"), span(np.array([0.5, 0.5]), "mm")
-    ('0.084 to 0.12 mm', '0.5 mm')
-    """
+    """Return the range of an array with a unit, or its value where all entries are equal."""
     low, high = f"{values.min():.4g}", f"{values.max():.4g}"
     return f"{low} {unit}" if low == high else f"{low} to {high} {unit}"
 
 
 def percent(fraction: float, form: str = ".2g") -> str:
-    """Return a fraction as percent, for texts.
-
-    Examples
-    --------
-    >>> percent(0.01234), percent(-0.5, "+.1f")
-    ('1.2 %', '-50.0 %')
-    """
+    """Return a fraction as percent, for texts."""
     return f"{100.0 * fraction:{form}} %"
 
 

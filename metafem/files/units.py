@@ -125,13 +125,7 @@ def option_names(options: Mapping[str, str | None]) -> ErrorNames:
 
 
 def written_units(table: Mapping[str, Any]) -> dict[str, tuple[str, float]]:
-    """Return the written unit of each quantity of a file's sections, and its size in the package's unit.
-
-    Examples
-    --------
-    >>> written_units({"limits": {"max_height": "120 um"}})
-    {'limits.max_height': ('um', 0.001)}
-    """
+    """Return the written unit of each quantity of a file's sections, and its size in the package's unit."""
     found = {}
     for section, keys in table.items():
         for key, value in keys.items() if isinstance(keys, dict) else ():

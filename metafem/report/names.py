@@ -13,14 +13,7 @@ EXACT = 1e-9
 
 
 def in_python(value: object) -> str:
-    """Return a model as Python code, without arguments at their defaults.
-
-    Examples
-    --------
-    >>> from metafem import BondedLayer, Interacting
-    >>> in_python(Interacting(order=3, substrate=BondedLayer()))
-    'Interacting(substrate=BondedLayer())'
-    """
+    """Return a model as Python code, without arguments at their defaults."""
     if not is_dataclass(value):
         return repr(value)
     given = []

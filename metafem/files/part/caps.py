@@ -16,13 +16,6 @@ def alignment_positions(template: Surface) -> FloatArray:
 
     One lattice pitch outside the corners of the template, along x and along y; the pitch is the
     smallest distance between two of its sites.
-
-    Examples
-    --------
-    >>> import metafem as mf
-    >>> template = mf.Surface.square_lattice(0.1, (8, 8), 1.5, radius=0.5, material=mf.Material(1.36))
-    >>> alignment_positions(template)[-1]
-    array([6.75, 6.75])
     """
     from scipy.spatial import KDTree
 

@@ -107,11 +107,6 @@ def to_record(value: Any) -> Any:
 
     A dataclass becomes ``{"type": its name, field: ...}``, an array ``{"float64": [...]}`` or
     ``{"int64": [...]}``, an enum ``{"type": ..., "name": ..., "message": ...}``, a tuple a list.
-
-    Examples
-    --------
-    >>> to_record(HalfSpace()), to_record(Block(20.0, 20.0, 7.2))
-    ({'type': 'HalfSpace'}, {'type': 'Block', 'width': 20.0, 'length': 20.0, 'thickness': 7.2})
     """
     if isinstance(value, Enum) and type(value).__name__ in ENUMS:
         return {"type": type(value).__name__, "name": value.name, "message": value.value}
@@ -136,11 +131,6 @@ def from_record(record: Any, name: str = "record") -> Any:
 
     Members are compared with the annotations of their class and checked by its constructor; errors name the
     record `name` and a member of it ``name.member``.
-
-    Examples
-    --------
-    >>> from_record({"type": "LinearLaw", "slope": 6.87})
-    LinearLaw(slope=6.87, load_range=None)
     """
     if isinstance(record, list):
         return tuple(from_record(member, f"{name}[{i}]") for i, member in enumerate(record))

@@ -12,13 +12,7 @@ DEMOS = ("operating-points", "linear", "bilinear")
 
 
 def demo_text(name: str) -> str:
-    """Return the text of a specification to start from: operating-points, linear or bilinear.
-
-    Examples
-    --------
-    >>> "[target]" in demo_text("linear")
-    True
-    """
+    """Return the text of a specification to start from: operating-points, linear or bilinear."""
     if name not in DEMOS:
         raise InvalidInput(f'demo "{printable(name, 60)}" is unknown{suggestion(name, DEMOS)}')
     return (

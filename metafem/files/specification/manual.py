@@ -43,13 +43,7 @@ class Key:
 
 
 def all_keys() -> tuple[Key, ...]:
-    """Return every key of a specification.
-
-    Examples
-    --------
-    >>> next(key.example for key in all_keys() if key.name == "max_height")
-    '120 um'
-    """
+    """Return every key of a specification."""
     from metafem.files.specification.sections import Sections
 
     return tuple(
@@ -88,13 +82,7 @@ def manual() -> str:
 
 
 def as_toml(value: Any) -> str:
-    """Return an example as it is written in a file.
-
-    Examples
-    --------
-    >>> as_toml(["300 um", "526 um"]), as_toml(True)
-    ('["300 um", "526 um"]', 'true')
-    """
+    """Return an example as it is written in a file."""
     return json.dumps(value)
 
 
