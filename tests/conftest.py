@@ -15,6 +15,18 @@ from metafem import cli
 settings.register_profile("metafem", deadline=None, derandomize=True, max_examples=40)
 settings.load_profile("metafem")
 
+# Examples that solve finite elements for longer than a few seconds.
+SLOW_EXAMPLES = ("hertz_check", "cap_check", "cell_check", "FiniteContact")
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items):
+    """Mark the examples that take long as slow."""
+    for item in items:
+        if isinstance(item, pytest.DoctestItem) and item.name.endswith(SLOW_EXAMPLES):
+            item.add_marker("slow")
+
+
 MATERIAL = mf.Material(composite_modulus=1.36, poisson_ratio=0.5)
 RADIUS = 0.526
 
