@@ -1,10 +1,12 @@
 """Each claim of the validation holds, and each check names a source."""
 
 import re
+from pathlib import Path
 
 import pytest
 
-from validation.__main__ import claims, evaluate, is_slow
+from validation.__main__ import MARKS, claims, evaluate, is_slow
+from validation.page import readme_table
 
 NAMES = [pytest.param(name, marks=pytest.mark.slow) if is_slow(name) else name for name in claims()]
 
@@ -25,6 +27,13 @@ def test_each_check_names_its_source(name):
     for check in evaluate(name).checks:
         assert check.source.strip(), check.name
         assert not VAGUE.search(check.source), check
+
+
+@pytest.mark.slow
+def test_the_table_of_the_readme_is_the_one_that_is_computed():
+    readme = (Path(__file__).parents[2] / "README.md").read_text("utf-8")
+    results = {name: evaluate(name) for name in claims()}
+    assert f"{MARKS[0]}\n{readme_table(results)}\n{MARKS[1]}" in readme
 
 
 def test_a_claim_that_raises_is_a_failed_check(monkeypatch):
