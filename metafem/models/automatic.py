@@ -23,6 +23,9 @@ from metafem.surface import Surface
 # Error of the area of one contact by `BoundaryElements`, in cells: 7 and a quarter for safety; and the fewest
 # cells per radius of the largest contact that are used.
 CELL_ERROR = 9.0
+
+# The same error where contacts merge or nearly touch, with narrow gaps between them: measured up to 11.
+MERGING_ERROR = 30.0
 FEWEST_CELLS = 10.0
 
 UNUSED_BLOCK = information("the surface's block is not used: the contacts are coupled through a half-space")
@@ -91,7 +94,7 @@ class Automatic(WithoutGradients):
         reason = "order 3 has no solution" if curve is None else "contacts overlap"
         if math.isfinite(error):
             reason = f"the estimated error of A0(P) by order 3 is {error:.1e}"
-        curve = self._resolved(surface, *controlled(load, approach), self.substrate, reason)
+        curve = self._resolved(surface, *controlled(load, approach), self.substrate, error, reason)
         return curve.with_notes((*curve.notes, *unused))
 
     def _order_3(
@@ -107,7 +110,13 @@ class Automatic(WithoutGradients):
         return curve, truncation(surface, curve.last.area, self.substrate)
 
     def _resolved(
-        self, surface: Surface, values: FloatArray, by_load: bool, substrate: Radial, reason: str
+        self,
+        surface: Surface,
+        values: FloatArray,
+        by_load: bool,
+        substrate: Radial,
+        error: float,
+        reason: str,
     ) -> Curve:
         """Return resolved contacts at the last values, and order 3 below the first that needs them."""
 
@@ -129,16 +138,19 @@ class Automatic(WithoutGradients):
                 parts.append(light.with_notes((information(text), *light.notes)))
             else:
                 low = 0
-        model = BoundaryElements(self._cell(surface, *control(slice(low, low + 1))), substrate)
+        model = BoundaryElements(self._cell(surface, *control(slice(low, low + 1)), error), substrate)
         load, approach = control(slice(low, None))
         heavy = model.curve(surface, load, approach=approach)
         note = information(f"chosen: resolved contacts with cells of {model.cell:.3g} mm; {reason}")
         parts.append(heavy.with_notes((note, *heavy.notes)))
         return Curve.joined(parts)
 
-    def _cell(self, surface: Surface, load: FloatArray | None, approach: FloatArray | None) -> float:
+    def _cell(
+        self, surface: Surface, load: FloatArray | None, approach: FloatArray | None, error: float
+    ) -> float:
         """Return the side of the cells [mm] for which the error of A0 is within the tolerance.
 
+        error: the estimate for order 3, infinite where contacts merge or nearly touch.
         The contacts are taken from order 1, or from independent asperities where it has no solution.
         """
         point = Interacting(order=1, substrate=self.substrate)
@@ -147,6 +159,6 @@ class Automatic(WithoutGradients):
         except MetafemError:
             last = Independent().curve(surface, load, approach=approach).last
         count = int((last.area > 0.0).sum())
-        # count contacts, each with an error of CELL_ERROR cells
-        cell = math.sqrt(self.tolerance * float(last.area.sum()) / (CELL_ERROR * count))
+        cells = CELL_ERROR if math.isfinite(error) else MERGING_ERROR
+        cell = math.sqrt(self.tolerance * float(last.area.sum()) / (cells * count))
         return min(cell, math.sqrt(float(last.area.max()) / math.pi) / FEWEST_CELLS)
