@@ -235,7 +235,7 @@ def _two_branches(
             f"{wording.slope_bound(high, up=False)}",
             replace(target, slopes=(first, inside)),
         )
-    depth = brentq(
+    depth = brentq(  # eq. S8 for h_c: m_2 is the second slope
         lambda depth: second_slope(depth) - second, shallowest, deepest, xtol=TIGHTEST * top, rtol=TIGHTEST
     )
     return density(float(depth))
