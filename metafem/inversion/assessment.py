@@ -66,7 +66,8 @@ def assess(problem: Problem, candidate: Candidate, surface: Surface) -> Assessme
     lists = [grid, target_law.load, *(branch.load for branch in branches)]
     load, (on_grid, at_target, *on_branches) = _united(lists)
     curve = problem.model.curve(surface, load)
-    law = law_of_curve(surface, problem.model, curve.part(on_grid), grid)
+    shown = curve.part(on_grid, lambda: problem.model.curve(surface, grid[-1:]).last)
+    law = law_of_curve(surface, problem.model, shown, grid)
     area = curve.checked().area
     fits = tuple(
         (branch, fit_branch(load[rows], area[rows], branch.load_range, surface.material, surface.friction))

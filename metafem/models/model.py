@@ -87,9 +87,11 @@ class Curve:
     compute_last: Callable[[], RescaledState]
     notes: tuple[Note, ...] = ()
 
-    def part(self, rows: IntArray) -> Curve:
-        """Return the curve at some of its loads; its last state remains that of the whole curve."""
-        return replace(self, **{name: getattr(self, name)[rows] for name in ARRAYS})
+    def part(self, rows: IntArray, compute_last: Callable[[], RescaledState]) -> Curve:
+        """Return the curve at some of its loads; `compute_last` is for a last load that is another one."""
+        whole = rows[-1] == len(self.load) - 1
+        arrays = {name: getattr(self, name)[rows] for name in ARRAYS}
+        return replace(self, **arrays, compute_last=(lambda: self.last) if whole else compute_last)
 
     @staticmethod
     def joined(parts: list[Curve]) -> Curve:

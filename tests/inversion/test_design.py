@@ -336,3 +336,14 @@ def test_a_law_is_computed_once(template, monkeypatch, target, curves):
     monkeypatch.setattr(mf.Interacting, "curve", lambda *given, **by: calls.append(1) or curve(*given, **by))
     mf.design(target, template, mf.Interacting(), mf.Limits(0.27))
     assert len(calls) == curves
+
+
+@pytest.mark.parametrize("max_height", [0.12, 0.2])
+def test_the_notes_of_a_law_are_those_of_its_own_loads(max_height):
+    """Here the law ends before the branches of the target, at whose loads it is computed too."""
+    template = mf.Surface.square_lattice(max_height, radius=0.526, material=mf.Material(1.36))
+    model = mf.Interacting()
+    design = mf.design(mf.LinearLaw(6.87), template, model)
+    assert design.law.rescaled_load[-1] < design.fits[0][0].load_range[1]
+    again = mf.friction_law(design.surface, model, load=design.law.load)
+    assert said(design.law) == said(again)
