@@ -220,8 +220,11 @@ class Scene:
         for region, p in zip(patches, pressure, strict=True):
             rim = p > 0.0
             rim[1:-1, 1:-1] = False
-            reached = np.unique(region.owner[rim])
-            result[reached] = GROWTH * half_width[reached] + MARGIN_CELLS
+            cells, owner = np.argwhere(rim) + region.corner, region.owner[rim]
+            reach = np.abs(cells - self.summits.position[owner]).max(axis=1)
+            for i in np.unique(owner):
+                # a summit within the cells of others has reached as far as its contact
+                result[i] = GROWTH * max(half_width[i], reach[owner == i].max()) + MARGIN_CELLS
         load = self.cell**2 * contacts.load
         d = minimum.multiplier * self.cell - self.surface.gap - self.coupling @ load
         return np.where((half_width == 0.0) & (d > 0.0), self._reach(d, 1.0), result)
