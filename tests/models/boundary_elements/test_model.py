@@ -353,7 +353,7 @@ def test_areas_of_deformed_contacts_are_within_seven_cells_each(count, area):
 def test_a_summit_in_the_contact_of_another_gets_cells_up_to_the_end_of_its_own():
     """The lower summit seems out of contact at first, and its part of the contact ends at the cells' edge."""
     pair = mf.Surface([[0.0, 0.0], [0.1, 0.0]], [0.10, 0.12], 0.526, mf.Material(1.36))
-    state = mf.equilibrium(pair, mf.BoundaryElements(0.005), load=0.2)
+    state = mf.equilibrium(pair, mf.BoundaryElements(0.004), load=0.2)
     assert state.status is mf.Status.CONVERGED
     coarse = mf.equilibrium(pair, mf.BoundaryElements(0.01), load=0.2)
     assert state.area == pytest.approx(coarse.area, rel=5e-3)
