@@ -15,6 +15,14 @@ from metafem.cli.signals import stopped_by_signals
 from metafem.files import Specification, demo_text
 
 
+@pytest.fixture(autouse=True)
+def listening():
+    """Shells start jobs in the background with Ctrl-C ignored."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
 @pytest.fixture
 def run(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
