@@ -113,6 +113,7 @@ def test_a_mixture_reaches_between_the_tools(template):
     np.testing.assert_allclose(reach, [low[0], high[1]])
 
 
+@pytest.mark.slow
 def test_proportional_laws_and_branches_take_tools(template):
     wide = mf.achievable_load_range(mf.LinearLaw(12.0), template, LIMITS, TOOLS)
     narrow = mf.achievable_load_range(mf.LinearLaw(12.0), template, LIMITS, TOOLS[:1])

@@ -216,7 +216,8 @@ def test_random_scenes_converge(count, seed, approach, spread, decades, model):
 POINT = mf.OperatingPoints([0.022], [0.165])
 
 
-@pytest.mark.parametrize("model", EVERY)
+# The law of a design has a hundred loads.
+@pytest.mark.parametrize("model", [*MODELS, pytest.param(CELLS, marks=pytest.mark.slow), *AUTOMATIC])
 def test_a_design_under_every_model_meets_its_target(model):
     template = scene(PLACE[:2], 0.12 * np.ones(2), 0.526)
     design = mf.design(POINT, template, model, mf.Limits(0.12))

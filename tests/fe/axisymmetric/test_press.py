@@ -96,6 +96,7 @@ def test_pressure_on_the_cap_carries_the_load():
     assert total == pytest.approx(contact.rescaled_load, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_graded_mesh_gives_hertz_on_a_deep_block():
     contact = mf.fe.press(1e-5, 1.0, thickness=1.0)
     load, indentation = exact.hertz(1e-5, 1.0)

@@ -41,6 +41,7 @@ def flattened(place, degree, refinement=0):
     return body, body.flatten(sphere)
 
 
+@pytest.mark.slow
 def test_small_strain_limit():
     a = 0.002 * R
     contact = press.press_sequence(np.array([a]), CAP, False, (0, 0))[0]
@@ -63,6 +64,7 @@ def test_lengths_of_any_unit():
     assert big.indentation == pytest.approx(1e6 * one.indentation, rel=1e-7)
 
 
+@pytest.mark.slow
 def test_hertz_lies_between_finite_and_small_strain():
     a = 0.5 * R
     assert over_hertz(coarse(False)[-1]) < 1.0 < over_hertz(mf.fe.press(a, **BODY))
