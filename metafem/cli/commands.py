@@ -1,6 +1,7 @@
 """All commands of the group."""
 
-from metafem.cli import demo_and_design, doctor, predict, report, spec, study
+from metafem.cli import demo_and_design, doctor, predict, report, spec
 from metafem.cli.group import main
+from metafem.cli.study import group as study
 
 __all__ = ["demo_and_design", "doctor", "main", "predict", "report", "spec", "study"]

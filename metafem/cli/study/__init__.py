@@ -1,0 +1,1 @@
+"""`metafem study`: one command for each study."""
