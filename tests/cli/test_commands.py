@@ -72,11 +72,20 @@ def test_radii_and_layout_of_a_specification_are_designed(run):
     assert "misfit with the optimised assignment" in Path("tools/report.html").read_text("utf-8")
 
 
-@pytest.mark.parametrize("command", [(), *((name,) for name in cli.main.commands)])
+@pytest.mark.parametrize(
+    "command",
+    [
+        (),
+        *((name,) for name in cli.main.commands),
+        *(("study", name) for name in cli.main.commands["study"].commands),
+    ],
+)
 def test_every_command_has_help(run, command):
     result = run(*command, "--help")
     assert result.exit_code == 0
     assert "Usage:" in result.output
+    if len(command) == 2:
+        assert "Example: metafem study " in result.output
 
 
 @pytest.mark.parametrize(
@@ -200,6 +209,9 @@ def test_predict_reads_a_folder_and_a_table(run, demo):
         (("predict", "."), "no such file; name a result folder"),
         (("report", "."), "no such file; name a result folder"),
         (("study", "fidelity", "."), "no such file; name a result folder"),
+        (("study", "interaction", ".", "--placements", "0"), "--placements"),
+        (("study", "interaction", ".", "--seed", "-1"), "--seed"),
+        (("study", "magic", "."), "No such command 'magic'"),
         (("design", "none.toml", "-o", "x"), "none.toml"),
         (("design", "none.toml", "-o", "no/where"), "no is not a folder"),
         (("demo", "cubic"), "is not one of"),
@@ -224,7 +236,7 @@ def test_study_prints_its_table_and_keeps_its_file(run):
     text = demo_text("linear").replace("[8, 8]", "[3, 3]").replace('height_step = "6 um"', "")
     Path("small.toml").write_text(text, "utf-8")
     assert run("design", "small.toml", "-o", "small").exit_code == 0
-    result = run("study", "interaction", "small")
+    result = run("study", "interaction", "small", "--placements", 20)
     assert (result.exit_code, "half-space" in result.output) == (0, True), result.output
     assert "…" not in result.stdout  # on the other stream kernels may be compiled
     refused = run("study", "interaction", "small")

@@ -1,35 +1,41 @@
-"""`metafem study`."""
+"""The group of all studies, and what their commands share."""
 
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from metafem.cli.group import Name, force_option, json_option, main
+from metafem.cli.group import Name, main
 from metafem.cli.progress import progress
 from metafem.cli.terminal import print_notes, print_table, terminal
 
 if TYPE_CHECKING:
     from xarray import Dataset
 
-STUDIES = ("interaction", "fidelity")
+    from metafem.inversion import Design
+
+folder_argument = click.argument("folder", type=Name(), metavar="DIR")
+seed_option = click.option(
+    "--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Seed of the random numbers."
+)
 
 
-@main.command(short_help="Study the design of a result folder.")
-@click.argument("name", type=click.Choice(STUDIES))
-@click.argument("folder", type=Name())
-@force_option
-@json_option
-def study(name: str, folder: Path, force: bool, as_json: bool) -> None:
-    """Study the design of a result folder and write the dataset NAME.nc (NetCDF) into it.
+@main.group(short_help="Study the design of a result folder.")
+def study() -> None:
+    """Study the design of the result folder DIR and write the dataset NAME.nc (NetCDF) into it.
 
-    interaction: the change of the law by elastic coupling, for the design and for 1,000 random assignments
-    of its heights to sites. fidelity: the law under every model, from independent asperities to the true
-    block and finite elements; this takes a minute or two the first time.
+    `metafem study NAME --help` lists the options of a study.
     """
+
+
+def studied(
+    name: str, folder: Path, force: bool, as_json: bool, compute: Callable[[Design], Dataset]
+) -> None:
+    """Compute a study of the design of a result folder, write it into the folder and print it."""
     import metafem as mf
     from metafem.files import same_design, study_data, study_path, write_study
 
@@ -37,7 +43,7 @@ def study(name: str, folder: Path, force: bool, as_json: bool) -> None:
     still = same_design(folder)
     design = mf.load(folder)
     with progress():
-        dataset = getattr(mf.studies, name)(design)
+        dataset = compute(design)
     write_study(dataset, path, force=force, still=still)
     if as_json:
         click.echo(json.dumps({"file": str(path), **study_data(dataset)}))
