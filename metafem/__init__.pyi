@@ -45,6 +45,7 @@ from .models import Status as Status
 from .notes import Note as Note
 from .prediction import ContactState as ContactState
 from .prediction import FrictionLaw as FrictionLaw
+from .prediction import Tolerances as Tolerances
 from .prediction import equilibrium as equilibrium
 from .prediction import friction_law as friction_law
 from .substrate import BondedLayer as BondedLayer

@@ -132,8 +132,6 @@ class Independent(Uncoupled):
         >>> area.shape, bool((area[0] == area[1]).all())
         ((2, 2), True)
         """
-        from metafem._kernels import independent as kernel
-
         heights = check.lists("height", height, None)
         radii = check.lists("radius", radius, None).reshape(np.shape(radius))
         if radii.shape not in ((), heights.shape[1:], heights.shape):
@@ -144,17 +142,39 @@ class Independent(Uncoupled):
         if not (radii > 0.0).all():
             raise InvalidInput(f"radius = {radius!r:.80} must be finite and greater than 0")
         loads = check.loads("rescaled_load", rescaled_load)
-        gap, root = _sorted_by_gap(heights, radii)
         order = np.argsort(loads, kind="stable")
-        rising, results = loads[order], kernel.empty_results(len(gap), len(loads))
-
-        def run(rows: slice) -> None:
-            kernel.curves(gap[rows], root[rows], rising, *(part[rows] for part in results))
-
-        run_rows(run, len(gap), len(gap) * len(loads), POINTS_PER_THREAD)
+        results = _solve(heights, radii, loads[order])
         back = np.argsort(order, kind="stable")
         approach, carried, area, slope = (part[:, back] for part in results)
         return approach, carried, area, slope
+
+    def areas(
+        self,
+        surface: Surface,
+        load: FloatArray,
+        height: FloatArray,
+        radius: FloatArray | None = None,
+        position: FloatArray | None = None,
+    ) -> FloatArray:
+        """A0 [mm^2] at increasing rescaled loads (k,) for many surfaces, (m, k); it ignores positions.
+
+        height, radius: (m, n) [mm]; None is that of the surface.
+        """
+        return _solve(height, surface.radius if radius is None else radius, load)[2]
+
+
+def _solve(height: FloatArray, radius: FloatArray, load: FloatArray) -> tuple[FloatArray, ...]:
+    """Return approach, load, area and stiffness (m, k) of heights (m, n) at increasing loads (k,)."""
+    from metafem._kernels import independent as kernel
+
+    gap, root = _sorted_by_gap(height, radius)
+    results = kernel.empty_results(len(gap), len(load))
+
+    def run(rows: slice) -> None:
+        kernel.curves(gap[rows], root[rows], load, *(part[rows] for part in results))
+
+    run_rows(run, len(gap), len(gap) * len(load), POINTS_PER_THREAD)
+    return results
 
 
 def _sorted_by_gap(height: FloatArray, radius: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -69,6 +69,17 @@ class MeanField(Uncoupled):
         found = Independent().sensitivity(surface, load, height)
         return replace(found, curve=self._sunk(surface, found.curve))
 
+    def areas(
+        self,
+        surface: Surface,
+        load: FloatArray,
+        height: FloatArray,
+        radius: FloatArray | None = None,
+        position: FloatArray | None = None,
+    ) -> FloatArray:
+        """A0 [mm^2] at increasing rescaled loads (k,) for many surfaces, (m, k), that of `Independent`."""
+        return Independent().areas(surface, load, height, radius)
+
     def _sunk(self, surface: Surface, curve: Curve) -> Curve:
         """Return the curve of independent asperities on the base that sinks."""
         compliance = _compliance(surface)

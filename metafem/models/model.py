@@ -186,6 +186,41 @@ class Model(Protocol):
         """Equilibria at increasing rescaled loads P/E* [mm^2] or approaches [mm], (k,)."""
         ...
 
+    def areas(
+        self,
+        surface: Surface,
+        load: FloatArray,
+        height: FloatArray,
+        radius: FloatArray | None = None,
+        position: FloatArray | None = None,
+    ) -> FloatArray:
+        """A0 [mm^2] at increasing rescaled loads (k,) for many surfaces, (m, k); nan if not converged.
+
+        height, radius: (m, n) [mm]; position: (m, n, 2) [mm]; None is that of the surface.
+        """
+        ...
+
+
+def areas_one_by_one(
+    model: Model,
+    surface: Surface,
+    load: FloatArray,
+    height: FloatArray,
+    radius: FloatArray | None,
+    position: FloatArray | None,
+) -> FloatArray:
+    """`Model.areas` by one curve for each list of heights."""
+    found = np.full((len(height), len(load)), np.nan)
+    for row in range(len(height)):
+        changes = {"height": height, "radius": radius, "position": position}
+        changed = surface.replaced(**{name: v[row] for name, v in changes.items() if v is not None})
+        try:
+            curve = model.curve(changed, load)
+        except NotConverged:
+            continue
+        found[row] = np.where(curve.solved, curve.area, np.nan)
+    return found
+
 
 @dataclass(frozen=True, eq=False)
 class Sensitivity:

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING, ClassVar, Self
+from typing import TYPE_CHECKING, ClassVar, Self, cast
 
+from metafem._validate import FloatArray
+from metafem.models.model import Model, areas_one_by_one
 from metafem.substrate import HalfSpace, Substrate
+from metafem.surface import Surface
 
 if TYPE_CHECKING:
     from metafem.models.interacting.model import Interacting
@@ -53,3 +56,14 @@ class WithoutGradients:
     def reference(self) -> Interacting:
         """`Interacting` of order 3 on the same substrate."""
         return self.gradient_model
+
+    def areas(
+        self,
+        surface: Surface,
+        load: FloatArray,
+        height: FloatArray,
+        radius: FloatArray | None = None,
+        position: FloatArray | None = None,
+    ) -> FloatArray:
+        """A0 [mm^2] at increasing rescaled loads (k,) for many surfaces, (m, k); see `Model.areas`."""
+        return areas_one_by_one(cast(Model, self), surface, load, height, radius, position)

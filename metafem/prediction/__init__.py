@@ -5,11 +5,14 @@ from metafem.prediction.contact_state import ContactState
 from metafem.prediction.equilibrium import equilibrium
 from metafem.prediction.friction_law import default_loads, friction_law, law_of_curve
 from metafem.prediction.law import FrictionLaw
+from metafem.prediction.perturbation import Perturbed, Tolerances
 
 __all__ = [
     "BranchFit",
     "ContactState",
     "FrictionLaw",
+    "Perturbed",
+    "Tolerances",
     "default_loads",
     "equilibrium",
     "fit_branch",

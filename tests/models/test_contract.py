@@ -94,6 +94,24 @@ def test_curve_agrees_with_single_equilibria(model):
             assert law.stiffness[k] == pytest.approx(state.stiffness, rel=1e-6)
 
 
+@pytest.mark.parametrize("varied", ["height", "radius", "position"])
+def test_areas_of_many_surfaces_are_those_of_their_curves(model, varied):
+    surface, load = scene(), np.array([0.002, 0.05, 0.1])
+    rng = np.random.default_rng(0)
+    height = surface.height + 0.003 * rng.standard_normal((2, surface.count))
+    radius = surface.radius + 0.01 * rng.standard_normal((2, surface.count)) if varied == "radius" else None
+    moved = surface.position + 0.05 * rng.standard_normal((2, surface.count, 2))
+    position = moved if varied == "position" else None
+    areas = model.areas(surface, load, height, radius, position)
+    for row in range(2):
+        alone = surface.replaced(
+            height=height[row],
+            radius=surface.radius if radius is None else radius[row],
+            position=surface.position if position is None else position[row],
+        )
+        assert_allclose(areas[row], model.curve(alone, load).area, rtol=1e-12)
+
+
 def test_permutation_changes_nothing(model):
     order = np.array([3, 0, 5, 1, 4, 2])
     state = mf.equilibrium(scene(), model, load=0.1)

@@ -22,7 +22,7 @@ from metafem.models.interacting.large import NOT_RECORDED, LargeScene
 from metafem.models.interacting.newton_krylov import TOLERANCE as FAST_TOLERANCE
 from metafem.models.interacting.newton_krylov import Iterate
 from metafem.models.interacting.sensitivity import area_gradients
-from metafem.models.model import Curve, RescaledState, Sensitivity, controlled
+from metafem.models.model import Curve, RescaledState, Sensitivity, areas_one_by_one, controlled
 from metafem.notes import Note, information
 from metafem.substrate import HalfSpace, Radial, Substrate
 from metafem.surface import Surface
@@ -204,6 +204,25 @@ class Interacting:
             gradient *= 1.0 - rate * Hertz().load_at_indentation(indentation, surface.radius)
         return Sensitivity(self._curve(surface, solution), gradient, indentation)
 
+    def areas(
+        self,
+        surface: Surface,
+        load: FloatArray,
+        height: FloatArray,
+        radius: FloatArray | None = None,
+        position: FloatArray | None = None,
+    ) -> FloatArray:
+        """A0 [mm^2] at increasing rescaled loads (k,) for many surfaces, (m, k); nan if not converged.
+
+        height, radius: (m, n) [mm]; position: (m, n, 2) [mm]; None is that of the surface. Where positions
+        vary, and radii beyond the size of the dense solver, the surfaces are solved one by one.
+        """
+        if position is not None or (radius is not None and surface.count > DENSE_LIMIT):
+            return areas_one_by_one(self, surface, load, height, radius, position)
+        results = self._solve(surface, height, load, True, radius=radius).results
+        self._refuse_thin_layer(surface, results)
+        return np.where(results.residual <= _tolerance(surface), results.area, np.nan)
+
     def _curve(self, surface: Surface, solution: _Solution) -> Curve:
         approach, load, area, stiffness, residual = (part[0] for part in solution.results[:5])
         last = partial(self._last, surface, solution)
@@ -227,8 +246,9 @@ class Interacting:
         by_load: bool,
         indentation: FloatArray = NOT_RECORDED,
         gradient: FloatArray = NOT_RECORDED,
+        radius: FloatArray | None = None,
     ) -> _Solution:
-        """Solve heights (m, n) at increasing loads or approaches (k,).
+        """Solve heights (m, n) at increasing loads or approaches (k,), with radii (m, n) or the surface's.
 
         Nominal indentations and dA0/dh of the last heights, without the change of the pedestals, are
         filled where there is room for them, (k, n) [mm].
@@ -238,7 +258,7 @@ class Interacting:
         gap = height.max(axis=1, keepdims=True) - height
         self_term = np.zeros(height.shape)
         if self.pedestal:
-            self_term += pedestal_influence(height, surface.radius)[0]
+            self_term += pedestal_influence(height, surface.radius if radius is None else radius)[0]
         results = kernel.empty_results(len(height), len(control))
         bound = self.substrate.for_surface(surface)
         if surface.count > DENSE_LIMIT and isinstance(bound, Radial):
@@ -249,7 +269,7 @@ class Interacting:
             return _Solution(results, height[-1], last, (information(large.sums.note),))
         coupling, regular = self._coupling(surface, bound)
         self_term += regular
-        radius = np.array(np.broadcast_to(surface.radius, gap.shape), order="C")
+        radius = np.array(np.broadcast_to(surface.radius if radius is None else radius, gap.shape), order="C")
         control = np.ascontiguousarray(control)
         states = {}
 

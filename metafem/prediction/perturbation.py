@@ -1,0 +1,181 @@
+"""Errors of the made surface and of its alignment, and draws of them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from metafem import _validate as check
+from metafem._calls import checked_class
+from metafem._given import formatted
+from metafem._validate import FloatArray
+from metafem.errors import InvalidInput
+from metafem.surface import STEEPEST, Surface
+
+# A radius is at least this number of standard deviations away from zero. The inverse normal distribution of
+# the smallest number in (0, 1) that is drawn, 2^-54, is -8.2.
+WIDEST_RADIUS = 10.0
+
+
+class Perturbed(NamedTuple):
+    """Draws of a surface: lists of heights, and of radii and positions where they vary, else None.
+
+    Attributes
+    ----------
+    height : ndarray, (m, n)
+        Heights [mm].
+    radius : ndarray, (m, n), or None
+        Radii [mm].
+    position : ndarray, (m, n, 2), or None
+        Positions [mm].
+    """
+
+    height: FloatArray
+    radius: FloatArray | None
+    position: FloatArray | None
+
+
+@checked_class
+@dataclass(frozen=True)
+class Tolerances:
+    """Errors of a made surface and of its alignment; all are independent of each other.
+
+    The heights, the radii and both coordinates of each site have Gaussian errors. The tilts about both axes
+    are uniform in ``[-angle, angle]`` and change the heights by ``x tan(angle_x) + y tan(angle_y)``, with
+    the origin of the coordinates at rest. Source of the errors: Aymard et al., Science 383, 200 (2024),
+    doi:10.1126/science.adk4234, supplementary text, Figs. S2 and S3.
+
+    Parameters
+    ----------
+    height_sd : float
+        Standard deviation of the heights [mm], not negative; default: 0.
+    angle : float
+        Largest tilt about either axis [rad], from 0 to pi/4; default: 0.
+    radius_sd : float
+        Standard deviation of the radii [mm], not negative, at most a tenth of the smallest radius of the
+        surface; default: 0.
+    position_sd : float
+        Standard deviation of x and of y of each site [mm], not negative; default: 0.
+
+    Raises
+    ------
+    InvalidInput
+        If a value is outside its range.
+
+    Examples
+    --------
+    >>> import metafem as mf
+    >>> surface = mf.Surface([[0, 0], [1.5, 0]], [0.1, 0.12], 0.526, mf.Material(1.36))
+    >>> tolerances = Tolerances(height_sd=0.003, angle=0.001)
+    >>> tolerances.dimensions(surface)
+    4
+    >>> tolerances.perturbed(surface, np.array([[0.5, 0.5, 1.0, 0.5]])).height.round(4)
+    array([[0.1   , 0.1215]])
+    """
+
+    height_sd: float = 0.0
+    angle: float = 0.0
+    radius_sd: float = 0.0
+    position_sd: float = 0.0
+
+    def __post_init__(self) -> None:
+        check.member(self, "height_sd", at_least=0.0)
+        check.member(self, "angle", at_least=0.0, at_most=STEEPEST)
+        check.member(self, "radius_sd", at_least=0.0)
+        check.member(self, "position_sd", at_least=0.0)
+
+    def scaled(self, factor: float) -> Tolerances:
+        """Return the tolerances with all four values multiplied by a factor that is not negative."""
+        names = ("height_sd", "angle", "radius_sd", "position_sd")
+        return replace(self, **{name: factor * getattr(self, name) for name in names})
+
+    def dimensions(self, surface: Surface) -> int:
+        """Return how many independent numbers one draw of a surface needs.
+
+        One for each height, two for the tilt, one for each radius and two for each position; those whose
+        deviation is 0 need none.
+        """
+        n = surface.count
+        return sum(
+            number
+            for number, value in (
+                (n, self.height_sd),
+                (2, self.angle),
+                (n, self.radius_sd),
+                (2 * n, self.position_sd),
+            )
+            if value > 0.0
+        )
+
+    def perturbed(self, surface: Surface, unit: FloatArray) -> Perturbed:
+        """Return surfaces from points that are uniform in the unit cube.
+
+        Parameters
+        ----------
+        surface : Surface
+            The nominal surface.
+        unit : ndarray, (m, dimensions)
+            Points in (0, 1), random or of a Sobol sequence, in the order heights, tilts, radii, positions.
+
+        Returns
+        -------
+        Perturbed
+        """
+        from scipy.special import ndtri
+
+        n, used = surface.count, 0
+        if unit.ndim != 2 or unit.shape[1] != self.dimensions(surface):
+            raise InvalidInput(f"unit has shape {unit.shape}; it must be (m, {self.dimensions(surface)})")
+        smallest = float(surface.radius.min())
+        if WIDEST_RADIUS * self.radius_sd > smallest:
+            raise InvalidInput(
+                f"radius_sd = {formatted('radius_sd', self.radius_sd)} must be at most a tenth of the "
+                f"smallest radius, {formatted('radius', smallest)}"
+            )
+
+        def columns(number: int) -> FloatArray:
+            nonlocal used
+            used += number
+            return unit[:, used - number : used]
+
+        height = np.broadcast_to(surface.height, (len(unit), n))
+        radius = position = slope = None
+        if self.height_sd > 0.0:
+            height = height + self.height_sd * ndtri(columns(n))
+        if self.angle > 0.0:
+            slope = np.tan(self.angle * (2.0 * columns(2) - 1.0))
+        if self.radius_sd > 0.0:
+            radius = surface.radius + self.radius_sd * ndtri(columns(n))
+        if self.position_sd > 0.0:
+            moved = self.position_sd * ndtri(columns(2 * n))
+            position = surface.position + moved.reshape(-1, n, 2)
+        if slope is not None:
+            x, y = np.moveaxis(surface.position if position is None else position, -1, 0)
+            height = height + slope[:, :1] * x + slope[:, 1:] * y
+        return Perturbed(height, radius, position)
+
+    def linear_covariance(self, surface: Surface, gradient: FloatArray) -> FloatArray:
+        """Return the covariance of linear functions of the heights over all draws.
+
+        ``g C g'`` with the covariance C of the heights: height_sd^2 on the diagonal, and ``t x_i.x_j`` by
+        the tilt, with ``t = tan(angle)/angle - 1`` the variance of the tangent of a tilt. The mean of the
+        change of every linear function is zero.
+
+        Parameters
+        ----------
+        surface : Surface
+            The nominal surface.
+        gradient : ndarray, (k, n)
+            Derivatives of k functions by the heights, such as those of A0 at k loads [mm].
+
+        Returns
+        -------
+        ndarray, (k, k)
+        """
+        tilt = math.tan(self.angle) / self.angle - 1.0 if self.angle > 0.0 else 0.0
+        moment = gradient @ surface.position
+        alone = self.height_sd**2 + 2.0 * tilt * self.position_sd**2
+        return np.asarray(alone * (gradient @ gradient.T) + tilt * (moment @ moment.T))

@@ -1,0 +1,95 @@
+"""Tolerances and their draws."""
+
+import math
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+
+import metafem as mf
+
+SURFACE = mf.Surface([[0, 0], [1.5, 0], [0, 2.0]], [0.1, 0.12, 0.15], [0.5, 0.6, 0.7], mf.Material(1.36))
+EVERY = mf.Tolerances(height_sd=0.003, angle=0.4, radius_sd=0.01, position_sd=0.02)
+
+
+def drawn(tolerances, count=20_000):
+    return tolerances.perturbed(
+        SURFACE, np.random.default_rng(0).random((count, tolerances.dimensions(SURFACE)))
+    )
+
+
+@pytest.mark.parametrize(
+    ("tolerances", "dimensions"),
+    [
+        (mf.Tolerances(), 0),
+        (mf.Tolerances(height_sd=0.003), 3),
+        (mf.Tolerances(angle=0.1), 2),
+        (mf.Tolerances(radius_sd=0.01, position_sd=0.02), 9),
+        (EVERY, 14),
+    ],
+)
+def test_each_error_has_its_own_numbers(tolerances, dimensions):
+    assert tolerances.dimensions(SURFACE) == dimensions
+
+
+def test_without_errors_a_draw_is_the_surface():
+    height, radius, position = mf.Tolerances().perturbed(SURFACE, np.empty((2, 0)))
+    assert_array_equal(height, [SURFACE.height] * 2)
+    assert radius is None
+    assert position is None
+
+
+def test_draws_have_the_stated_moments():
+    """Five standard errors of means and standard deviations."""
+    count = 20_000
+    height, radius, position = drawn(mf.Tolerances(height_sd=0.003, radius_sd=0.01, position_sd=0.02), count)
+    parts = (
+        (height, SURFACE.height, 0.003),
+        (radius, SURFACE.radius, 0.01),
+        (position, SURFACE.position, 0.02),
+    )
+    for values, mean, sd in parts:
+        assert_allclose(values.mean(axis=0), mean, atol=5 * sd / math.sqrt(count))
+        assert_allclose(values.std(axis=0), sd, rtol=5 / math.sqrt(2 * count))
+    both = np.hstack([height, radius, position.reshape(count, -1)])
+    correlation = np.corrcoef(both.T) - np.eye(both.shape[1])
+    assert np.abs(correlation).max() < 5 / math.sqrt(count)
+
+
+def test_a_tilt_is_that_of_the_surface():
+    tolerances = mf.Tolerances(angle=0.02)
+    height = tolerances.perturbed(SURFACE, np.array([[0.75, 0.25]])).height[0]
+    assert_allclose(height, SURFACE.tilted(0.01, -0.01).height, rtol=1e-14)
+
+
+def test_the_covariance_of_linear_functions_is_that_of_draws():
+    gradient = np.random.default_rng(1).standard_normal((2, SURFACE.count))
+    for tolerances in (EVERY, mf.Tolerances(height_sd=0.003), mf.Tolerances(angle=0.5)):
+        values = (drawn(tolerances, 100_000).height - SURFACE.height) @ gradient.T
+        found = tolerances.linear_covariance(SURFACE, gradient)
+        scale = np.sqrt(np.outer(np.diag(found), np.diag(found)))
+        assert_allclose(np.cov(values.T) / scale, found / scale, atol=0.02)
+
+
+def test_scaled_tolerances():
+    assert EVERY.scaled(0.5) == mf.Tolerances(0.0015, 0.2, 0.005, 0.01)
+    assert mf.Tolerances().scaled(3.0) == mf.Tolerances()
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda: mf.Tolerances(height_sd=-0.001), r"height_sd = -0.001 must be at least 0"),
+        (lambda: mf.Tolerances(angle=0.8), r"angle = 0.8 must be at most 0.785"),
+        (lambda: mf.Tolerances(radius_sd=float("nan")), "radius_sd = nan must be finite"),
+        (lambda: mf.Tolerances(sd=0.1), "Tolerances has no argument sd"),
+        (
+            lambda: drawn(mf.Tolerances(radius_sd=0.06)),
+            "radius_sd = 0.06 must be at most a tenth of the sm",
+        ),
+        (lambda: EVERY.perturbed(SURFACE, np.ones((2, 3))), r"unit has shape \(2, 3\)"),
+    ],
+)
+def test_what_cannot_be_drawn_is_refused(call, words):
+    with pytest.raises(mf.InvalidInput, match=words):
+        call()
