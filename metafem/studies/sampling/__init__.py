@@ -1,0 +1,1 @@
+"""Random numbers of the studies, and what is estimated from them."""
