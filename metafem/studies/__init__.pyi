@@ -6,5 +6,6 @@ from .element_checks import hertz_check as hertz_check
 from .element_checks import layer_check as layer_check
 from .fidelity import fidelity as fidelity
 from .interaction import interaction as interaction
+from .misalignment import misalignment as misalignment
 from .summary import Summary as Summary
 from .summary import summary as summary

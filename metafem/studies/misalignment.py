@@ -1,0 +1,306 @@
+"""The effect of a tilt between the plane and the surface on the friction law."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from metafem import _validate as check
+from metafem._calls import checked_call
+from metafem._given import shown
+from metafem._validate import FloatArray, IntArray
+from metafem.errors import InvalidInput, NotConverged
+from metafem.models import Independent, Model
+from metafem.models.model import checked_model
+from metafem.progress import each
+from metafem.surface import STEEPEST, Surface
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+# Equal steps up to the largest angle, as in the source paper: 2,001 angles with both signs.
+STEPS = 1000
+
+# Shuffled placements of one batch: 2,001 angles and 20 loads of 64 independent asperities take a quarter of a
+# second.
+AT_ONCE = 10
+
+# Heights that are solved at once: 32 MiB.
+MOST_HEIGHTS = 2**22
+
+# Slopes along x and along y over the tangent of the angle.
+DIRECTIONS = {"both": (1.0, 1.0), "x": (1.0, 0.0), "y": (0.0, 1.0)}
+
+# Neighbouring angles on each side whose errors count, too.
+NEIGHBOURS = 2
+
+# Quantiles over the shuffled placements.
+QUANTILES = (0.05, 0.5, 0.95)
+
+
+@dataclass(frozen=True, eq=False)
+class Slope:
+    """Loads of a fit, and weights with which the areas at these loads make its slope."""
+
+    load: FloatArray  # (k,) [mm^2]
+    weight: FloatArray  # (k,) [1/mm^2]
+
+    @staticmethod
+    def of(surface: Surface, load_range: tuple[float, float] | None) -> Slope:
+        """Return the fit between two loads; default: 25 to 100 % of the load at the lowest summit."""
+        if load_range is None:
+            if np.ptp(surface.height) == 0.0:
+                raise InvalidInput("load_range must be given: all summits have one height")
+            foot = float(Independent().curve(surface, approach=np.array([surface.gap.max()])).load[0])
+            load_range = 0.25 * foot, foot
+        load = np.linspace(*check.interval("load_range", load_range), 20)
+        off = load - load.mean()
+        return Slope(load, off / (off @ off))
+
+
+@checked_call
+def misalignment(
+    surface: Surface,
+    angle: ArrayLike,
+    model: Model | None = None,
+    *,
+    axes: Literal["both", "x", "y"] = "both",
+    shuffles: int = 0,
+    load_range: tuple[float, float] | None = None,
+    rng: Any = 0,
+) -> xr.Dataset:
+    """Return how much the slope of the law varies while the plane is not parallel to the surface.
+
+    A tilt changes the heights to ``h_i + x_i tan(angle_x) + y_i tan(angle_y)``, see `Surface.tilted`. The
+    mean and the standard deviation at an angle are those over all angles between minus this angle and this
+    angle, uniformly distributed, with a law that changes linearly between neighbouring angles. With many
+    equal steps they are the mean and the standard deviation over all angles of the interval, as in Aymard et
+    al., Science 383, 200 (2024), doi:10.1126/science.adk4234, Fig. S2 and supplementary text "Effect of a
+    misalignment on the friction law".
+
+    Parameters
+    ----------
+    surface : Surface
+    angle : float or array_like, (k,)
+        Largest angle [rad], which is reached in 1,000 equal steps, or increasing angles; positive and at most
+        pi/4. Each is used with both signs, and the angle 0 in addition.
+    model : Model, optional
+        Default: `Independent()`.
+    axes : "both", "x" or "y"
+        Whether the surface is inclined by the angle along x and along y together, as in the source, along
+        x alone (`angle_x` of `Surface.tilted`), or along y alone; default: "both".
+    shuffles : int
+        Number of random assignments of the asperities to the sites, which are studied too; default: 0.
+    load_range : (float, float), optional
+        Rescaled loads P/E* between which a line is fitted [mm^2]. The source does not print its own. Default:
+        25 to 100 % of the load at which the plane reaches the lowest summit.
+    rng : int or numpy.random.Generator
+        Seed or generator of the shuffled placements; default: 0.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``slope_mean`` and ``slope_sd`` [-] over ``placement`` ("as made", "shuffle 1", ...) and ``angle``
+        [rad], and ``area_mean`` and ``area_sd`` [mm^2], as made, over ``angle`` and ``rescaled_load`` [mm^2].
+        Their ``..._error`` is the difference from the result with half as many angles, the largest at the
+        angle and its neighbours. With at least two shuffled placements, ``slope_sd_quantile`` over
+        ``quantile`` (0.05, 0.5 and 0.95) and ``angle`` describes them; its error is the sampling error.
+        ``nominal_slope`` and ``nominal_area`` are those without a tilt. ``failed`` is the number of laws
+        without a solution; they are interpolated from those at the neighbouring angles.
+
+    Raises
+    ------
+    InvalidInput
+        For angles that are not positive, do not increase or exceed pi/4.
+    NotConverged
+        If fewer than two angles of a placement have a solution.
+
+    Examples
+    --------
+    >>> import metafem as mf
+    >>> surface = mf.Surface.square_lattice(
+    ...     [[0.1, 0.12], [0.11, 0.13]], (2, 2), radius=0.526, material=mf.Material(1.36)
+    ... )
+    >>> found = misalignment(surface, [0.0005, 0.001], shuffles=3)
+    >>> dict(found.slope_sd.sizes), found.slope_sd[0].round(3).values
+    ({'placement': 4, 'angle': 2}, array([0.025, 0.065]))
+    """
+    check.instance("surface", surface, Surface, "a metafem.Surface")
+    if axes not in DIRECTIONS:
+        raise InvalidInput(f"axes = {shown(axes)} must be one of {', '.join(map(repr, DIRECTIONS))}")
+    positive = _angles(angle)
+    signed = np.concatenate([-positive[::-1], [0.0], positive])
+    fit = Slope.of(surface, load_range)
+    task = Tilts(
+        surface,
+        checked_model(Independent() if model is None else model),
+        np.outer(np.tan(signed), DIRECTIONS[axes]),
+        signed,
+        fit,
+        check.integer("shuffles", shuffles, at_least=0),
+        int(check.generator(rng).integers(2**63)),
+    )
+    batches = [task(batch) for batch in each("tilting the surface, batch", range(task.batches))]
+    area = batches[0]["area"][0]
+    slopes = np.concatenate([batch["slope"] for batch in batches])
+    failed = int(sum(batch["failed"].sum() for batch in batches))
+    return _dataset(task, slopes, area, failed)
+
+
+def _angles(angle: ArrayLike) -> FloatArray:
+    """Return increasing positive angles (k,) [rad]."""
+    if check.scalar(angle):
+        largest = check.number("angle", angle, above=0.0, at_most=STEEPEST)
+        return largest * np.arange(1, STEPS + 1) / STEPS
+    angles = check.increasing("angle", check.array("angle", angle, shape=(None,)))
+    check.number(f"angle[{len(angles) - 1}]", float(angles[-1]), at_most=STEEPEST)
+    return angles
+
+
+@dataclass(frozen=True, eq=False)
+class Tilts:
+    """Laws of a surface at all angles, as made (batch 0) and for shuffled placements (further batches)."""
+
+    surface: Surface
+    model: Model
+    tilt: FloatArray  # (a, 2), slopes along x and along y [-]
+    angle: FloatArray  # (a,) [rad]
+    fit: Slope
+    shuffles: int
+    entropy: int
+
+    @property
+    def batches(self) -> int:
+        """Number of batches."""
+        return 1 + -(-self.shuffles // AT_ONCE)
+
+    def __call__(self, batch: int) -> dict[str, FloatArray]:
+        """Return the slopes (p, a) of the placements of a batch, and the areas of batch 0, (1, a, k)."""
+        n = self.surface.count
+        orders = [np.arange(n)]
+        if batch > 0:
+            count = min(AT_ONCE, self.shuffles - (batch - 1) * AT_ONCE)
+            random = np.random.default_rng(np.random.SeedSequence(self.entropy, spawn_key=(batch,)))
+            orders = [random.permutation(n) for _ in range(count)]
+        found = [self._law(order) for order in orders]
+        areas = np.array([area for area, _ in found])
+        return {
+            "slope": areas @ self.fit.weight,
+            "area": areas if batch == 0 else areas[:0],
+            "failed": np.array([failed for _, failed in found]),
+        }
+
+    def _law(self, order: IntArray) -> tuple[FloatArray, int]:
+        """Return A0 (a, k) with interpolated values where there is no solution, and the number of these."""
+        area = self._areas(order)
+        solved = np.isfinite(area).all(axis=1)
+        if solved.sum() < 2:
+            raise NotConverged("fewer than two angles of a placement have a solution")
+        if not solved.all():
+            for column in area.T:
+                column[~solved] = np.interp(self.angle[~solved], self.angle[solved], column[solved])
+        return area, int((~solved).sum())
+
+    def _areas(self, order: IntArray) -> FloatArray:
+        surface = self.surface
+        rise = self.tilt @ surface.position.T
+        radius = None if np.ptp(surface.radius) == 0.0 else surface.radius[order]
+        rows = max(1, MOST_HEIGHTS // surface.count)
+        parts = []
+        for start in range(0, len(rise), rows):
+            height = surface.height[order] + rise[start : start + rows]
+            radii = None if radius is None else np.broadcast_to(radius, height.shape)
+            parts.append(self.model.areas(surface, self.fit.load, height, radii))
+        return np.concatenate(parts)
+
+
+def _dataset(task: Tilts, slopes: FloatArray, area: FloatArray, failed: int) -> xr.Dataset:
+    """Return the dataset of slopes (p, a) and of the areas as made (a, k)."""
+    import xarray as xr
+
+    middle = len(task.angle) // 2
+    mean, sd = _within(task.angle, slopes)
+    area_mean, area_sd = ((value.T, error.T) for value, error in _within(task.angle, area.T))
+    over, over_area = ("placement", "angle"), ("angle", "rescaled_load")
+    variables: dict[str, Any] = {}
+    for name, dims, units, what, (value, error) in (
+        ("slope_mean", over, "1", "mean slope", mean),
+        ("slope_sd", over, "1", "standard deviation of the slope", sd),
+        ("area_mean", over_area, "mm2", "mean of A0", area_mean),
+        ("area_sd", over_area, "mm2", "standard deviation of A0", area_sd),
+    ):
+        variables[name] = (dims, value, _units(units, what))
+        variables[f"{name}_error"] = (dims, error, _units(units, f"{what}: change with half as many angles"))
+    coordinates: dict[str, Any] = {
+        "placement": ["as made", *(f"shuffle {k}" for k in range(1, len(slopes)))],
+        "angle": ("angle", task.angle[middle + 1 :], _units("rad", "largest angle")),
+        "rescaled_load": ("rescaled_load", task.fit.load, _units("mm2", "load over E*")),
+    }
+    if len(slopes) > 2:
+        value, error = _quantiles(sd[0][1:])
+        what = "quantile of the standard deviation of the slope over shuffled placements"
+        variables["slope_sd_quantile"] = (("quantile", "angle"), value, _units("1", what))
+        variables["slope_sd_quantile_error"] = (("quantile", "angle"), error, _units("1", f"{what}: error"))
+        coordinates["quantile"] = list(QUANTILES)
+    variables["nominal_slope"] = ((), slopes[0, middle], _units("1", "slope without a tilt"))
+    variables["nominal_area"] = ("rescaled_load", area[middle], _units("mm2", "A0 without a tilt"))
+    variables["failed"] = ((), failed, _units("1", "laws without a solution"))
+    return xr.Dataset(variables, coordinates, {"study": "misalignment", "notes": ""})
+
+
+def _within(angle: FloatArray, value: FloatArray) -> tuple[tuple[FloatArray, FloatArray], ...]:
+    """Return mean and standard deviation over [-angle, angle], each with its error, (..., k).
+
+    angle: (2 k + 1,), increasing, from minus the largest to the largest, with 0. value: (..., 2 k + 1).
+    The error is the change with every second angle, counted from each end.
+    """
+    middle = len(angle) // 2
+    fine = _uniform(angle, value)
+    coarse = tuple(np.empty_like(part) for part in fine)
+    for odd in (0, 1):
+        # every second angle, among them 0 (odd = 0) or not
+        some = slice((middle - odd) % 2, None, 2)
+        for whole, part in zip(coarse, _uniform(angle[some], value[..., some]), strict=True):
+            whole[..., 1 - odd :: 2] = part
+    return tuple((one, _largest_nearby(np.abs(one - other))) for one, other in zip(fine, coarse, strict=True))
+
+
+def _largest_nearby(change: FloatArray) -> FloatArray:
+    """Return the largest value at an angle and its neighbours: a change may cross zero at a single angle."""
+    padded = np.pad(change, [(0, 0)] * (change.ndim - 1) + [(NEIGHBOURS, NEIGHBOURS)], mode="edge")
+    nearby = np.lib.stride_tricks.sliding_window_view(padded, 2 * NEIGHBOURS + 1, axis=-1)
+    return np.asarray(nearby.max(axis=-1))
+
+
+def _uniform(angle: FloatArray, value: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return mean and standard deviation over [-angle, angle] of values that are linear between angles."""
+    centre = value[..., [len(angle) // 2]]  # the digits of small deviations
+    left, right = value[..., :-1] - centre, value[..., 1:] - centre
+    width = np.diff(angle)
+    kept = len(angle) // 2
+    moments = []
+    for integral in (width * (left + right) / 2.0, width * (left**2 + left * right + right**2) / 3.0):
+        both = (integral + integral[..., ::-1])[..., -kept:]
+        if len(width) % 2:
+            both[..., 0] /= 2.0  # the interval across 0 is its own mirror image
+        moments.append(np.cumsum(both, axis=-1) / (2.0 * angle[-kept:]))
+    mean, square = moments
+    return mean + centre, np.sqrt(np.maximum(square - mean**2, 0.0))
+
+
+def _quantiles(value: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the quantiles of samples (m, ...) and their sampling errors.
+
+    The error is half the distance of the quantiles at q - s and q + s with ``s = sqrt(q (1 - q) / m)``.
+    """
+    q = np.array(QUANTILES)
+    s = np.sqrt(q * (1.0 - q) / len(value))
+    low, high = (np.quantile(value, np.clip(q + sign * s, 0.0, 1.0), axis=0) for sign in (-1.0, 1.0))
+    return np.quantile(value, q, axis=0), (high - low) / 2.0
+
+
+def _units(units: str, long_name: str) -> dict[str, str]:
+    return {"units": units, "long_name": long_name}
