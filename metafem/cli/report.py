@@ -16,13 +16,14 @@ from metafem.cli.progress import progress
 @click.option("--checks", is_flag=True, help="Add the finite-element checks, which take about a minute.")
 @json_option
 def report(folder: Path, checks: bool, as_json: bool) -> None:
-    """Write or replace report.html of a result folder."""
+    """Write or replace report.html of a result folder, with the answers of the studies in the folder."""
     import metafem as mf
-    from metafem.files import same_design, stored_hardness, write_text
+    from metafem.files import same_design, stored_hardness, stored_studies, write_text
     from metafem.report import page
 
     with progress():
         path, still = folder / "report.html", same_design(folder)
-        text = page(mf.load(folder), stored_hardness(folder), checks=checks)
+        studies = stored_studies(folder)
+        text = page(mf.load(folder), stored_hardness(folder), checks=checks, studies=studies)
         write_text(path, text, force=True, still=still)
     click.echo(json.dumps({"report": str(path)}) if as_json else f"wrote {path}")

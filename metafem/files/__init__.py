@@ -4,7 +4,7 @@ from metafem.files.atomic.staged import check_free
 from metafem.files.atomic.text import refuse_existing, write_text
 from metafem.files.part.plan import PartOptions, part_notes, planned
 from metafem.files.result.folder import load, result_folder, same_design, save, stored_hardness, write_all
-from metafem.files.result.study import study_data, study_path, write_study
+from metafem.files.result.study import stored_studies, study_data, study_path, write_study
 from metafem.files.result.tables import is_law_table, law_table, read_surface
 from metafem.files.specification.demos import demo_text
 from metafem.files.specification.manual import all_keys, manual
@@ -36,6 +36,7 @@ __all__ = [
     "same_design",
     "save",
     "stored_hardness",
+    "stored_studies",
     "study_data",
     "study_path",
     "write_all",

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from importlib import resources
-from typing import Any
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,13 +18,19 @@ from metafem.prediction.validity import base_contact_load
 from metafem.progress import doing
 from metafem.report.comparison import MOST_COMPARED, Comparison, compared
 from metafem.report.elements import elements_section
+from metafem.report.exactness import exactness_section
 from metafem.report.figures import comparison_figure, force_figure, law_figure, sensitivity_figure
 from metafem.report.fits import fit_table
 from metafem.report.names import in_python, misfit_words
 from metafem.report.notes import all_notes
 from metafem.report.views import MOST_SHAPED, contact_figure, height_figure, several_radii, shape_figure
 
+if TYPE_CHECKING:
+    from xarray import Dataset
+
 Row = tuple[str, str, str]
+
+NO_STUDIES: Mapping[str, Dataset] = MappingProxyType({})
 
 # Largest number of different radii that are listed one by one.
 MOST_NAMED = 5
@@ -74,7 +82,13 @@ PARAMETERS = {
 
 
 @doing("drawing the report")
-def page(design: Design, hardness: float | None = None, *, checks: bool = False) -> str:
+def page(
+    design: Design,
+    hardness: float | None = None,
+    *,
+    checks: bool = False,
+    studies: Mapping[str, Dataset] = NO_STUDIES,
+) -> str:
     """Return the report of a design as one self-contained HTML text.
 
     Parameters
@@ -84,6 +98,8 @@ def page(design: Design, hardness: float | None = None, *, checks: bool = False)
         H [MPa], for the plasticity index; default: None, it is not evaluated.
     checks : bool
         Whether to add the finite-element checks, which take about a minute; default: False.
+    studies : mapping of str to xarray.Dataset
+        Studies of this design by their names, whose answers and figures are shown; default: none.
 
     Returns
     -------
@@ -129,6 +145,7 @@ def page(design: Design, hardness: float | None = None, *, checks: bool = False)
         else "",
         comparisons=_comparisons(comparisons),
         left_out=left_out,
+        exactness=exactness_section(studies),
         elements=elements_section(design) if checks else None,
         parameters=parameter_rows(design),
         fit_columns=fit_columns,

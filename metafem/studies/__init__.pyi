@@ -7,5 +7,5 @@ from .element_checks import layer_check as layer_check
 from .fidelity import fidelity as fidelity
 from .interaction import interaction as interaction
 from .misalignment import misalignment as misalignment
-from .summary import Summary as Summary
-from .summary import summary as summary
+from .summaries import Summary as Summary
+from .summaries import summary as summary

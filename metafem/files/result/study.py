@@ -7,11 +7,14 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from metafem._given import printable
 from metafem.errors import InvalidInput
 from metafem.files.atomic.manifest import is_result_folder
 from metafem.files.atomic.text import refuse_existing, write_file
-from metafem.files.reading import read_record
+from metafem.files.reading import file_label, read_record
+from metafem.files.specification.target_table import STUDIES
 from metafem.notes import from_lines
+from metafem.progress import doing
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -36,6 +39,26 @@ def write_study(
     `still` is that of `write_file`: no study is written if the design was replaced in the meantime.
     """
     write_file(path, lambda fresh: study.to_netcdf(fresh, engine="h5netcdf"), force=force, still=still)
+
+
+@doing("reading the studies")
+def stored_studies(folder: str | Path) -> dict[str, Dataset]:
+    """Return the studies of a result folder by their names; raises InvalidInput for a damaged file."""
+    import xarray as xr
+
+    found = {}
+    for name in STUDIES:
+        path = Path(folder) / f"{name}.nc"
+        if not path.exists():
+            continue
+        try:
+            with xr.open_dataset(path, engine="h5netcdf") as stored:
+                found[name] = stored.load()
+        except (OSError, ValueError, KeyError) as error:
+            raise InvalidInput(f"{file_label(path)} is damaged: {printable(str(error))}") from None
+        if found[name].attrs.get("study") != name:
+            raise InvalidInput(f"{file_label(path)} is not a study {name!r} of metafem")
+    return found
 
 
 def study_data(study: Dataset) -> dict[str, Any]:

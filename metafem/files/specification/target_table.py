@@ -30,8 +30,11 @@ RESULT_FILES = frozenset(
     }
 )
 
-# The same with the studies.
-RESERVED = RESULT_FILES | {"fidelity.nc", "interaction.nc"}
+# Studies of a design, each in its file NAME.nc of the folder.
+STUDIES = ("interaction", "fidelity", "manufacturing", "misalignment", "uncertainty", "combined")
+
+# All files of a result folder.
+RESERVED = RESULT_FILES | {f"{name}.nc" for name in STUDIES}
 
 
 # The key of a file with its value, one of TOML's four kinds of strings.

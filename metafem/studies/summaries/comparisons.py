@@ -9,7 +9,7 @@ import numpy as np
 from metafem._validate import FloatArray
 from metafem._values import MICROMETRES
 from metafem.notes import information
-from metafem.studies.summary.table import Summary, stored_notes
+from metafem.studies.summaries.table import Summary, stored_notes
 
 if TYPE_CHECKING:
     from xarray import Dataset

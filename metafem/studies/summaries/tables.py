@@ -6,8 +6,9 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 from metafem.errors import InvalidInput
-from metafem.studies.summary.comparisons import fidelity_summary, interaction_summary
-from metafem.studies.summary.table import Summary
+from metafem.studies.summaries.comparisons import fidelity_summary, interaction_summary
+from metafem.studies.summaries.table import Summary
+from metafem.studies.summaries.tolerances import manufacturing_summary
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -47,4 +48,5 @@ def summary(study: Dataset) -> Summary:
 SUMMARIES: Mapping[str, Callable[[Dataset], Summary]] = {
     "fidelity": fidelity_summary,
     "interaction": interaction_summary,
+    "manufacturing": manufacturing_summary,
 }
