@@ -22,7 +22,7 @@ QUESTIONS: Mapping[str, tuple[str, str, Callable[[Labelled], Figure]]] = {
     ),
 }
 
-# Figs. S2 and S3 of the source paper (doi:10.1126/science.adk4234) show slopes without the loads of their fit.
+# Figs. S2 and S3 of the paper (doi:10.1126/science.adk4234) show slopes without the loads of their fit.
 SOURCE = "This range is metafem's choice; the source paper does not print its own."
 
 

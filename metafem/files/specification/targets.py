@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, model_validator
 
 from metafem import _validate as check
 from metafem.errors import InvalidInput
+from metafem.files.loads import GivenLoad, given_load, rescaled_range
 from metafem.files.specification.fields import Area, Force, Number, Section, says
-from metafem.files.units import converted
 from metafem.inversion import (
     BilinearLaw,
     LinearLaw,
@@ -25,42 +25,17 @@ from metafem.surface import Friction, Material
 LOADS, FRICTIONS = ["0.144 mm^2", "0.336 mm^2"], ["0.84 mm^2", "1.68 mm^2"]
 RANGE = ["0.1 mm^2", "0.4 mm^2"]
 
-# Example in errors about loads that may be rescaled or in newtons.
-LOAD = '0.144 mm^2" or "0.2 N'
-
 # Meaning of a range of loads for linear and bilinear laws.
 LINE = "P/E* or P, smallest and largest: the target is the line through the origin"
 LINES = "P/E* or P, smallest and largest: the target is two lines, the first through the origin"
 
 
-def _load(given: Any) -> GivenLoad:
-    """Read a load in newtons or a rescaled one."""
-    try:
-        return GivenLoad(converted(given, "mm^2", LOAD), "mm^2")
-    except InvalidInput as reason:
-        try:
-            return GivenLoad(converted(given, "N", LOAD), "N")
-        except InvalidInput:
-            raise reason from None
-
-
 def _crossover(given: Any) -> list[GivenLoad]:
     """Read a load, or a pair of them."""
-    return [_load(load) for load in given] if isinstance(given, list) else [_load(given)]
+    return [given_load(load) for load in given] if isinstance(given, list) else [given_load(given)]
 
 
-class GivenLoad(NamedTuple):
-    """A load as the file has it, in mm^2 or N."""
-
-    value: float
-    unit: str
-
-    def rescaled(self, material: Material) -> float:
-        """Return P/E* [mm^2]."""
-        return self.value / material.composite_modulus if self.unit == "N" else self.value
-
-
-Load = Annotated[Any, BeforeValidator(_load)]
+Load = Annotated[Any, BeforeValidator(given_load)]
 
 # Read as a whole, so that an error names the entry and not each alternative.
 Crossover = Annotated[Any, BeforeValidator(_crossover)]
@@ -139,7 +114,9 @@ class PowerSection(Section):
     def target(self, material: Material, friction: Friction | None) -> Target:
         """Return the target of these keys."""
         told_in = Wording(material.composite_modulus if self.load_range[0].unit == "N" else None)
-        return PowerLaw(self.exponent, _range(self.load_range, material) or [], self.prefactor, told_in)
+        return PowerLaw(
+            self.exponent, rescaled_range(self.load_range, material) or [], self.prefactor, told_in
+        )
 
 
 class StraightSection(Section):
@@ -160,16 +137,6 @@ def _either(section: Section, slope: str, coefficient: str) -> None:
     """Refuse both and neither of two keys."""
     if (getattr(section, slope) is None) == (getattr(section, coefficient) is None):
         raise InvalidInput(f"needs either {slope} or {coefficient}")
-
-
-def _range(given: list[GivenLoad] | None, material: Material) -> list[float] | None:
-    """Return a range of rescaled loads; checked as it was written, for the errors."""
-    if given is None:
-        return None
-    if len({load.unit for load in given}) > 1:
-        raise InvalidInput("load_range mixes mm^2 and N; give both loads in one unit")
-    check.interval("load_range", [load.value for load in given])
-    return [load.rescaled(material) for load in given]
 
 
 class MultilinearSection(StraightSection):
@@ -204,7 +171,7 @@ class MultilinearSection(StraightSection):
             if len(loads) > 1:
                 check.interval(f"crossover_loads[{i}]", [load.value for load in given])
             crossovers.append(loads if len(loads) > 1 else loads[0])
-        ends = _range(self.load_range, material) or []
+        ends = rescaled_range(self.load_range, material) or []
         if self.friction_coefficients is None:
             given = [*self.load_range, *(load for pair in self.crossover_loads for load in pair)]
             return MultilinearLaw(self.slopes or [], crossovers, ends, self.told_in(material, given))
@@ -227,7 +194,7 @@ class LinearSection(StraightSection):
 
     def target(self, material: Material, friction: Friction | None) -> Target:
         """Return the target of these keys."""
-        ends = _range(self.load_range, material)
+        ends = rescaled_range(self.load_range, material)
         if self.friction_coefficient is None:
             return LinearLaw(self.slope or 0.0, ends, self.told_in(material, self.load_range or []))
         pair = self.pair(material, friction, "friction_coefficient")
@@ -254,7 +221,7 @@ class BilinearSection(StraightSection):
 
     def target(self, material: Material, friction: Friction | None) -> Target:
         """Return the target of these keys."""
-        ends, crossover = _range(self.load_range, material), self.crossover_load.rescaled(material)
+        ends, crossover = rescaled_range(self.load_range, material), self.crossover_load.rescaled(material)
         if self.friction_coefficients is None:
             told_in = self.told_in(material, [self.crossover_load, *(self.load_range or [])])
             return BilinearLaw(self.slopes or [], crossover, ends, told_in)
