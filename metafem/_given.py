@@ -79,7 +79,7 @@ class ErrorNames:
         if self.lines and bracket:
             line = self.lines[int(index.rstrip("]").partition(",")[0])]
             return f"{self.file}, line {line}: {self.names.get(base, base)}"
-        return self.names.get(name, name)
+        return self.names.get(base, base) + bracket + index
 
 
 _NAMES: ContextVar[ErrorNames] = ContextVar("_NAMES", default=ErrorNames())  # noqa: B039 - frozen

@@ -2,6 +2,7 @@
 
 from metafem.files.atomic.staged import check_free
 from metafem.files.atomic.text import refuse_existing, write_text
+from metafem.files.loads import load_range
 from metafem.files.part.plan import PartOptions, part_notes, planned
 from metafem.files.result.folder import load, result_folder, same_design, save, stored_hardness, write_all
 from metafem.files.result.study import stored_studies, study_data, study_path, write_study
@@ -22,6 +23,7 @@ __all__ = [
     "is_law_table",
     "law_table",
     "load",
+    "load_range",
     "manual",
     "model_named",
     "option_names",

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from metafem.drawing import svg
-from metafem.report.study_figures import Labelled, manufacturing_figure
+from metafem.report.study_figures import Labelled, misalignment_figure
 from metafem.studies.summaries import summary
 
 if TYPE_CHECKING:
@@ -15,14 +15,14 @@ if TYPE_CHECKING:
 
 # What each study answers, the title of its figure, and the figure.
 QUESTIONS: Mapping[str, tuple[str, str, Callable[[Labelled], Figure]]] = {
-    "manufacturing": (
-        "How exact must the heights be?",
-        "Slope against the errors of the heights",
-        manufacturing_figure,
+    "misalignment": (
+        "How level must the plane be?",
+        "Scatter of the slope against the tilt of the plane",
+        misalignment_figure,
     ),
 }
 
-# Figs. S2 and S3 of the paper (doi:10.1126/science.adk4234) show slopes without the loads of their fit.
+# Figs. S2 and S3 of the source (doi:10.1126/science.adk4234) show slopes without the loads of their fits.
 SOURCE = "This range is metafem's choice; the source paper does not print its own."
 
 
@@ -46,8 +46,7 @@ def exactness_section(studies: Mapping[str, Dataset]) -> dict[str, Any]:
 
 def _fitted(studies: Mapping[str, Dataset]) -> str:
     """Return over which loads the slopes are fitted."""
-    ranges = {
-        tuple(study.attrs["load_range"].tolist()) for study in studies.values() if "load_range" in study.attrs
-    }
+    stated = [study.attrs["load_range"] for study in studies.values() if "load_range" in study.attrs]
+    ranges = {tuple(map(float, each)) for each in stated}
     words = " and ".join(f"{low:.4g} to {high:.4g} mm²" for low, high in sorted(ranges))
     return f"Slopes are fitted over the rescaled loads P/E* = {words}. {SOURCE}" if words else ""

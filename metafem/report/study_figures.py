@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from itertools import cycle
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from metafem._values import MICROMETRES
 from metafem.drawing import ACHIEVED, QUIET, TARGET, new_figure
 
@@ -18,6 +20,9 @@ MARGINS = (0.9, 0.2, 0.6, 0.2)
 
 # Studies by their label in the figure, such as the name of the surface; one without a label is "".
 Labelled = Mapping[str, "Dataset"]
+
+# Shuffled placements that are drawn, as many as in Fig. S2 can be told apart.
+MOST_SHUFFLES = 20
 
 COLOURS = (ACHIEVED, TARGET)
 
@@ -37,13 +42,32 @@ def manufacturing_figure(studies: Labelled) -> Figure:
         )  # fmt: skip
     ax.set_xlabel("standard deviation of the heights  SD(dh) [µm]")
     ax.set_ylabel("mean slope over nominal\nwith bars of ± SD")
-    return _finished(figure, studies)
+    return _finished(figure)
 
 
-def _finished(figure: Figure, studies: Labelled) -> Figure:
-    """Remove the frames; add a legend if the studies have labels."""
+def misalignment_figure(studies: Labelled) -> Figure:
+    """SD of the slope over the nominal one against the largest angle, as made and shuffled, as Fig. S2."""
+    figure = new_figure(7.0, 3.2, MARGINS)
+    ax = figure.add_subplot()
+    for (label, study), colour in zip(studies.items(), cycle(COLOURS), strict=False):
+        angle = np.append(0.0, np.degrees(study["angle"].values))
+        scatter = 100.0 * study["slope_sd"].values / float(study["nominal_slope"])
+        made, *shuffled = np.pad(scatter, ((0, 0), (1, 0)))
+        ax.plot(angle, made, color=colour, lw=1.8, label=f"{label} as made".strip())
+        for i, each in enumerate(shuffled[:MOST_SHUFFLES]):
+            name = f"{label} shuffled".strip() if i == 0 else None
+            ax.plot(angle, each, "--", color=colour, lw=0.6, alpha=0.6, label=name)
+    ax.set_xlabel("largest angle  |φ| [°]")
+    ax.set_ylabel("SD of the slope over nominal [%]")
+    ax.set_xlim(left=0.0)
+    ax.set_ylim(bottom=0.0)
+    return _finished(figure)
+
+
+def _finished(figure: Figure) -> Figure:
+    """Remove the frames; add a legend where lines have labels."""
     for ax in figure.axes:
         ax.spines[["top", "right"]].set_visible(False)
-    if any(studies):
-        figure.axes[0].legend(frameon=False)
+        if ax.get_legend_handles_labels()[1]:
+            ax.legend(frameon=False)
     return figure

@@ -247,6 +247,48 @@ def test_study_prints_its_table_and_keeps_its_file(run):
         assert kept.sinking.attrs["units"] == "mm"
 
 
+def test_a_study_of_tilts_is_answered_in_the_report(run, demo):
+    demo("linear")
+    arguments = ("study", "misalignment", "linear", "--angle", "0.05deg,0.1deg", "--shuffles", 3)
+    result = run(*arguments)
+    assert result.exit_code == 0, result.output
+    (answer,) = [line for line in result.stdout.splitlines() if line.startswith("Tilts within")]
+    assert run("report", "linear").exit_code == 0
+    assert answer in Path("linear/report.html").read_text("utf-8")
+    data = json.loads(
+        run(*arguments, "--model", "layer", "--load-range", "0.2N", "0.5N", "--force", "--json").stdout
+    )
+    assert data["data"]["slope_sd"]["values"][0][0] > 0.0
+    assert mf.load("linear").law.model == mf.Independent()
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (("--angle", "50deg"), "--angle = 50 deg must be at most 45 deg"),
+        (("--angle", "0.1"), '--angle = "0.1" needs a unit'),
+        (("--angle", "0.1deg,0.05deg"), "--angle"),
+        (("--axes", "z"), "--axes"),
+        (("--load-range", "0.5N", "0.2N"), "--load-range"),
+        (("--load-range", "0.5N", "0.6mm^2"), "--load-range"),
+        (("--load-range", "0.5N"), "--load-range"),
+        (("--model", "magic"), "--model"),
+    ],
+)
+def test_bad_options_of_a_study_are_named(run, demo, options, words):
+    demo("linear")
+    result = run("study", "misalignment", "linear", *options)
+    assert (result.exit_code, words in result.output) == (2, True), result.output
+    assert not Path("linear/misalignment.nc").exists()
+
+
+def test_a_damaged_study_is_refused_by_the_report(run, demo):
+    demo("linear")
+    Path("linear/misalignment.nc").write_text("no NetCDF", "utf-8")
+    result = run("report", "linear")
+    assert (result.exit_code, "misalignment.nc is damaged" in result.output) == (2, True), result.output
+
+
 def test_doctor_finds_no_fault_in_this_installation(run, monkeypatch):
     # tests may run on a checkout beside the one installed
     monkeypatch.setattr("metafem.cli.examination._package", lambda: ("this one", True))

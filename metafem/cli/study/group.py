@@ -2,60 +2,78 @@
 
 from __future__ import annotations
 
+import functools
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from metafem.cli.group import Name, main
+from metafem.cli.group import Name, force_option, json_option, main
 from metafem.cli.progress import progress
 from metafem.cli.terminal import print_notes, print_table, terminal
 
 if TYPE_CHECKING:
     from xarray import Dataset
 
-    from metafem.inversion import Design
-
-folder_argument = click.argument("folder", type=Name(), metavar="DIR")
-seed_option = click.option(
-    "--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Seed of the random numbers."
-)
-
 
 @main.group(short_help="Study the design of a result folder.")
 def study() -> None:
     """Study the design of the result folder DIR and write the dataset NAME.nc (NetCDF) into it.
 
-    `metafem study NAME --help` lists the options of a study.
+    `metafem study NAME --help` lists the options of a study. `metafem report DIR` adds what the studies of
+    the folder answer to its report.
     """
 
 
-def studied(
-    name: str, folder: Path, force: bool, as_json: bool, compute: Callable[[Design], Dataset]
-) -> None:
-    """Compute a study of the design of a result folder, write it into the folder and print it."""
-    import metafem as mf
-    from metafem.files import same_design, study_data, study_path, write_study
+def of_design(compute: Callable[..., Dataset]) -> Callable[..., None]:
+    """Return the command of a study, from the function that computes it for a design and the options.
 
-    path = study_path(folder, name, force)
-    still = same_design(folder)
-    design = mf.load(folder)
-    with progress():
-        dataset = compute(design)
-    write_study(dataset, path, force=force, still=still)
-    if as_json:
-        click.echo(json.dumps({"file": str(path), **study_data(dataset)}))
-    else:
-        _print_study(dataset, path)
+    The command is called as the study. It writes the dataset into the folder and prints its summary.
+    """
+    name = compute.__name__
+
+    @click.argument("folder", type=Name(), metavar="DIR")
+    @force_option
+    @json_option
+    @functools.wraps(compute)
+    def command(folder: Path, force: bool, as_json: bool, **options: Any) -> None:
+        import metafem as mf
+        from metafem._given import error_names
+        from metafem.files import option_names, same_design, study_data, study_path, write_study
+
+        path = study_path(folder, name, force)
+        still = same_design(folder)
+        design = mf.load(folder)
+        with progress(), error_names(option_names(_first_texts(options))):
+            dataset = compute(design, **options)
+        write_study(dataset, path, force=force, still=still)
+        if as_json:
+            click.echo(json.dumps({"file": str(path), **study_data(dataset)}))
+        else:
+            _print_study(dataset, path)
+
+    return command
+
+
+def _first_texts(options: Mapping[str, Any]) -> dict[str, str]:
+    """Return the options that are texts; of those with several the first, whose unit errors repeat."""
+    texts = {}
+    for name, value in options.items():
+        first = next(iter(value), None) if isinstance(value, tuple) else value
+        if isinstance(first, str):
+            texts[name] = first.partition(",")[0]
+    return texts
 
 
 def _print_study(dataset: Dataset, path: Path) -> None:
     from metafem.studies import summary
 
-    table = summary(dataset)
+    found = summary(dataset)
     console = terminal()
-    print_table(console, table.columns, table.rows, table.title)
-    print_notes(console, table.notes)
+    print_table(console, found.columns, found.rows, found.title)
+    print_notes(console, found.notes)
+    if found.answer:
+        console.print(found.answer, highlight=False, markup=False)
     console.print(f"wrote {path}", highlight=False, markup=False)

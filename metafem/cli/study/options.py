@@ -1,18 +1,20 @@
-"""Options that several studies share, and their values as the Python functions take them."""
+"""Options that several studies share, and the arguments that they stand for."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from metafem.cli.group import model_option
+
 if TYPE_CHECKING:
-    pass
+    from metafem.inversion import Design
 
-Decorator = Callable[[Callable[..., Any]], Callable[..., Any]]
+Options = Callable[[Callable[..., Any]], Callable[..., Any]]
 
-# Each error of a made surface: unit, example, help.
+# The errors of a made surface: unit, example and meaning of each.
 ERRORS: Mapping[str, tuple[str, str, str]] = {
     "height_sd": ("mm", "3um", "Standard deviation of the heights"),
     "angle": ("rad", "0.05deg", "Largest tilt about either axis"),
@@ -20,21 +22,9 @@ ERRORS: Mapping[str, tuple[str, str, str]] = {
     "position_sd": ("mm", "5um", "Standard deviation of x and of y of each site"),
 }
 
-seed_option = click.option(
-    "--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Seed of the random numbers."
-)
 
-load_range_option = click.option(
-    "--load-range",
-    nargs=2,
-    metavar="FROM TO",
-    help="Loads over which the slope is fitted, P/E* in mm^2 or P in N, such as 0.05mm^2 0.2mm^2. "
-    "Default: 25 to 100 % of the load at which the plane reaches the lowest asperity.",
-)
-
-
-def together(*options: Decorator) -> Decorator:
-    """Return one decorator that adds several options in this order."""
+def with_options(*options: Options) -> Options:
+    """Return a decorator that adds several options, which `--help` lists in this order."""
 
     def add(command: Callable[..., Any]) -> Callable[..., Any]:
         for option in reversed(options):
@@ -42,3 +32,55 @@ def together(*options: Decorator) -> Decorator:
         return command
 
     return add
+
+
+def error_option(name: str) -> Options:
+    """Return the option of an error of the made surface."""
+    _, example, meaning = ERRORS[name]
+    return click.option(
+        option_name(name), metavar="QUANTITY", help=f"{meaning}, such as {example}. Default: 0."
+    )
+
+
+def option_name(name: str) -> str:
+    """Return the option of an argument."""
+    return f"--{name.replace('_', '-')}"
+
+
+def error(name: str, text: str | None) -> float:
+    """Return an error of the made surface in mm or radians, 0 if the option is not given."""
+    from metafem.files import quantity
+
+    unit, example, _ = ERRORS[name]
+    return 0.0 if text is None else quantity(option_name(name), text, unit, example)
+
+
+def errors(name: str, texts: Sequence[str]) -> list[float]:
+    """Return those of an option that is repeated, or that holds several separated by commas."""
+    return [error(name, part) for text in texts for part in text.split(",")]
+
+
+seed_option = click.option(
+    "--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Seed of the random numbers."
+)
+
+law_options = with_options(
+    model_option("that of the folder"),
+    click.option(
+        "--load-range",
+        nargs=2,
+        metavar="FROM TO",
+        help="Loads between which the slope is fitted, P/E* or P, such as 0.05mm^2 0.2mm^2. Default: 25 to "
+        "100 % of the load at which the plane reaches the lowest asperity.",
+    ),
+)
+
+
+def law_arguments(design: Design, options: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the arguments of the options of the law."""
+    from metafem.files import load_range, model_named, refuse_missing_block
+
+    model = model_named(options["model"]) if options["model"] else design.law.model
+    refuse_missing_block(model, design.surface, "design the folder again with a section [block]")
+    loads = load_range("--load-range", options["load_range"] or (), design.surface.material)
+    return {"model": model, "load_range": loads}

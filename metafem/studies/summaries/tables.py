@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from metafem.errors import InvalidInput
 from metafem.studies.summaries.comparisons import fidelity_summary, interaction_summary
 from metafem.studies.summaries.table import Summary
-from metafem.studies.summaries.tolerances import manufacturing_summary
+from metafem.studies.summaries.tolerances import manufacturing_summary, misalignment_summary
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -49,4 +49,5 @@ SUMMARIES: Mapping[str, Callable[[Dataset], Summary]] = {
     "fidelity": fidelity_summary,
     "interaction": interaction_summary,
     "manufacturing": manufacturing_summary,
+    "misalignment": misalignment_summary,
 }

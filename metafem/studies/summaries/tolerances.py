@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from typing import TYPE_CHECKING
 
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
 # The scatter of the slope that a part may have, as a fraction: a law within it counts as reached.
 ALLOWED = REACHED
 
-# Largest number of rows of a table; of more levels or angles every n-th is shown.
+# Largest number of rows of a table; of more levels or angles some are left out.
 MOST_ROWS = 12
 
 
@@ -53,9 +54,48 @@ def manufacturing_summary(study: Dataset) -> Summary:
     return Summary(title, columns, rows, stored_notes(study), answer)
 
 
+def misalignment_summary(study: Dataset) -> Summary:
+    """Return the scatter of the slope under tilts of the plane."""
+    angle, nominal = study["angle"].values, float(study["nominal_slope"])
+    scatter = study["slope_sd"].values / nominal
+    columns: tuple[str, ...] = ("largest angle [°]", "mean slope", "SD of the slope [%]")
+    rows: list[tuple[str, ...]] = [
+        (
+            f"{math.degrees(angle[i]):.3g}",
+            f"{float(study['slope_mean'][0, i]):.4f}",
+            f"{100.0 * scatter[0, i]:.3f}",
+        )
+        for i in shown(len(angle))
+    ]
+    shuffled = len(scatter) - 1
+    if "slope_sd_quantile" in study:
+        quantile = 100.0 * study["slope_sd_quantile"].values / nominal
+        columns += tuple(f"{100.0 * q:.0f} % of the shuffled [%]" for q in study["quantile"].values)
+        rows = [
+            (*row, *(f"{value:.3f}" for value in quantile[:, i]))
+            for row, i in zip(rows, shown(len(angle)), strict=True)
+        ]
+    largest, end = reach(angle, scatter[0]), percent(scatter[0, -1])
+    last = f"{math.degrees(angle[-1]):.3g}°"
+    if math.isinf(largest):
+        answer = f"Tilts within ±{last}, the largest studied, scatter the slope by {end} (SD)"
+    else:
+        answer = (
+            f"Tilts within ±{math.degrees(largest):.2g}° keep the scatter of the slope (SD) below "
+            f"{percent(ALLOWED)}; within ±{last} it is {end}"
+        )
+    if shuffled:
+        middle = percent(float(np.median(scatter[1:, -1])))
+        answer += f", and {middle} in the median of {shuffled} random assignments of the heights to sites"
+    title = f"Slope of the law under tilts; {nominal:.4f} without a tilt"
+    return Summary(title, columns, tuple(rows), stored_notes(study), f"{answer}.")
+
+
 def shown(count: int) -> list[int]:
-    """Return the rows to print: all, or every n-th with the last one."""
-    return list(range(count))[:: -max(1, math.ceil(count / MOST_ROWS))][::-1]
+    """Return the rows to print: the last one, and before it every n-th, with n = 1, 2, 5, 10, 20, ..."""
+    steps = (digit * 10**power for power in itertools.count() for digit in (1, 2, 5))
+    step = next(step for step in steps if count <= MOST_ROWS * step)
+    return list(range(count))[::-step][::-1]
 
 
 def reach(value: FloatArray, scatter: FloatArray) -> float:

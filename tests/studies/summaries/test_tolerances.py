@@ -15,7 +15,7 @@ def test_the_scatter_is_interpolated_from_zero():
     assert reach(value, np.array([0.001, 0.002, 0.01])) == math.inf
 
 
-@pytest.mark.parametrize(("count", "step"), [(1, 1), (12, 1), (13, 2), (31, 3)])
+@pytest.mark.parametrize(("count", "step"), [(1, 1), (12, 1), (13, 2), (31, 5), (1000, 100)])
 def test_a_table_has_at_most_twelve_rows_and_the_last(count, step):
     rows = shown(count)
     assert (rows[-1], len(rows) <= 12, set(np.diff(rows)) <= {step}) == (count - 1, True, True)

@@ -1,0 +1,70 @@
+"""`metafem study misalignment`."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from metafem.cli.study.group import of_design, study
+from metafem.cli.study.options import (
+    errors,
+    law_arguments,
+    law_options,
+    seed_option,
+)
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+
+    from metafem.inversion import Design
+
+# The largest angle of Fig. S2.
+ANGLE = "0.1deg"
+
+
+@study.command(short_help="How level the plane must be.")
+@click.option(
+    "--angle",
+    multiple=True,
+    metavar="ANGLES",
+    help="Largest angle, which is reached in 1,000 steps, or several, such as 0.005deg,0.1deg; may be "
+    f"repeated. Default: {ANGLE}.",
+)
+@click.option(
+    "--axes",
+    type=click.Choice(("both", "x", "y")),
+    default="both",
+    show_default=True,
+    help="Whether the surface is inclined along x and y together, or along one of them.",
+)
+@click.option(
+    "--shuffles",
+    type=click.IntRange(min=0),
+    default=20,
+    show_default=True,
+    help="Number of random assignments of the heights to sites to compare with.",
+)
+@law_options
+@seed_option
+@of_design
+def misalignment(design: Design, **options: Any) -> Dataset:
+    """Study the law of a surface that is tilted against the plane.
+
+    The scatter (standard deviation) of the slope is that over all angles between minus and plus the largest.
+    It depends on the assignment of the heights to sites, so random assignments are studied too. The result is
+    the file DIR/misalignment.nc.
+
+    Example: metafem study misalignment linear --angle 0.05deg --shuffles 100
+    """
+    import metafem as mf
+
+    angles = errors("angle", options["angle"] or (ANGLE,))
+    return mf.studies.misalignment(
+        design.surface,
+        angles[0] if len(angles) == 1 else angles,
+        axes=options["axes"],
+        shuffles=options["shuffles"],
+        **law_arguments(design, options),
+        rng=options["seed"],
+    )

@@ -1,0 +1,43 @@
+"""The report's section on how exact the part must be."""
+
+import pytest
+
+import metafem as mf
+from metafem.report.exactness import QUESTIONS, SOURCE, exactness_section
+from metafem.report.page import page
+
+
+@pytest.fixture
+def studies(template):
+    design = mf.design(mf.LinearLaw(6.87), template)
+    return {"misalignment": mf.studies.misalignment(design.surface, [0.0005, 0.001], shuffles=3)}
+
+
+def test_answers_have_a_sentence_a_figure_and_a_table(studies):
+    section = exactness_section(studies)
+    assert [each["question"] for each in section["answers"]] == [QUESTIONS[name][0] for name in studies]
+    for answer in section["answers"]:
+        assert answer["answer"].endswith(".")
+        assert answer["figure"].startswith("<svg")
+        assert {len(row) for row in answer["rows"]} == {len(answer["columns"])}
+
+
+def test_missing_studies_name_their_commands():
+    section = exactness_section({})
+    assert section["missing"] == [(QUESTIONS[name][0], f"metafem study {name} DIR") for name in QUESTIONS]
+    assert (section["answers"], section["fitted"]) == ([], "")
+
+
+def test_the_range_of_the_slopes_is_stated(studies):
+    study = studies["misalignment"].assign_attrs(load_range=[0.05, 0.2])
+    fitted = exactness_section({"misalignment": study})["fitted"]
+    assert fitted == f"Slopes are fitted over the rescaled loads P/E* = 0.05 to 0.2 mm². {SOURCE}"
+
+
+def test_the_page_shows_the_answers(template, studies):
+    design = mf.design(mf.LinearLaw(6.87), template)
+    text = page(design, studies=studies)
+    assert "How exact must the part be" in text
+    assert "keep the scatter of the slope" in text or "scatter the slope by" in text
+    assert "metafem study misalignment DIR" not in text
+    assert "metafem study misalignment DIR" in page(design)
