@@ -24,10 +24,12 @@ class _Step:
     number: int = 0
     of: int = 0
     at_most: bool = False
+    detail: str = ""
 
     def __str__(self) -> str:
         most = "at most " if self.at_most else ""
-        return f"{self.name} {self.number} of {most}{self.of}" if self.of else self.name
+        counted = f" {self.number} of {most}{self.of}" if self.of else ""
+        return f"{self.name}{counted}{self.detail and ', '}{self.detail}"
 
 
 @dataclass(eq=False)
@@ -106,8 +108,13 @@ def doing(name: str) -> Iterator[None]:
         listener.at(depth)
 
 
-def each(name: str, items: Sequence[Item], *, at_most: bool = False) -> Iterator[Item]:
-    """Yield items and report each as a step of that name; `at_most` if the loop may end early."""
+def each(
+    name: str, items: Sequence[Item], *, at_most: bool = False, detail: Callable[[], str] = str
+) -> Iterator[Item]:
+    """Yield items and report each as a step of that name; `at_most` if the loop may end early.
+
+    `detail` returns what is added to the name of each step, such as the time left.
+    """
     listener = _LISTENER.get()
     if listener is None:
         yield from items
@@ -115,7 +122,7 @@ def each(name: str, items: Sequence[Item], *, at_most: bool = False) -> Iterator
     depth = len(listener.steps)
     try:
         for number, item in enumerate(items, 1):
-            listener.at(depth, _Step(name, number, len(items), at_most))
+            listener.at(depth, _Step(name, number, len(items), at_most, detail()))
             yield item
     finally:
         listener.at(depth)

@@ -35,12 +35,14 @@ MOST_VERSIONS = 8
 DIGEST = 32
 
 
-def compiled(function):
+def compiled(function, *, any_order=False):
     """Compile a kernel for each signature of its calls, once for this installation.
 
-    Literal arguments of calls between kernels, such as False, do not cause a compilation of their own.
+    any_order: sums may be added in any order, which vector instructions need; the last bits then depend on
+    the processor. Literal arguments of calls between kernels, such as False, do not cause a compilation of
+    their own.
     """
-    dispatcher: Any = njit(nogil=True)(function)
+    dispatcher: Any = njit(nogil=True, fastmath={"reassoc"} if any_order else False)(function)
     dispatcher._cache = _Kept(function)
     template = dispatcher.get_call_template
     dispatcher.get_call_template = lambda arguments, named: template(

@@ -7,6 +7,7 @@ With the approach x, d_i = x - gap_i and P/E* = sum 4/3 sqrt(R_i) d_i^(3/2) is c
 from __future__ import annotations
 
 import math
+from functools import partial
 
 import numpy as np
 
@@ -21,6 +22,9 @@ MAX_STEPS = 200
 # The first refinement reduces the error of the load to rounding.
 MAX_REFINEMENTS = 3
 ROUNDING = 4.0 * np.finfo(np.float64).eps
+
+# Relative error of the load before the last step of `areas`, whose own error is the square.
+SETTLED = 1e-12
 
 
 @compiled
@@ -122,6 +126,47 @@ def curve_at_approach(gap, root_radius, approach, load, area, slope):
     """Fill load, area and slope (k,) of one surface at given approaches (k,)."""
     for j in range(approach.size):
         load[j], area[j], slope[j] = sums(gap, root_radius, 0.0, approach[j])
+
+
+@partial(compiled, any_order=True)
+def quick_sums(gap, root_radius, count, base, depth):
+    """Return P/E* [mm^2], its slope [mm], A0 [mm^2] and its slope [mm]; the first `count` may touch."""
+    load = slope = area = rate = 0.0
+    for i in range(count):
+        d = max(depth + (base - gap[i]), 0.0)
+        s = root_radius[i] * math.sqrt(d)
+        load += s * d
+        slope += s
+        area += s * s
+        rate += root_radius[i] * root_radius[i] if d > 0.0 else 0.0
+    return hertz.LOAD * load, hertz.STIFFNESS * slope, math.pi * area, math.pi * rate
+
+
+@compiled
+def areas(gap, root_radius, load, area):
+    """Fill the areas (m, k) of `curves` alone, in a quarter of its time."""
+    for i in range(gap.shape[0]):
+        x = slope = 0.0
+        for j in range(load.size):
+            area[i, j] = 0.0
+            if load[j] <= 0.0:
+                continue
+            # from above, as in approach_at_load: the tallest asperity alone, or the tangent
+            above = hertz.indentation_at_load(root_radius[i, 0] ** 2, load[j])
+            x = min(above, x + (load[j] - load[j - 1]) / slope) if slope > 0.0 else above
+            count = np.searchsorted(gap[i], x)  # no other one can touch at a smaller approach
+            for _ in range(MAX_STEPS):
+                carried, slope, _, _ = quick_sums(gap[i], root_radius[i], count, 0.0, x)
+                if carried <= load[j] * (1.0 + SETTLED):
+                    break
+                x -= (carried - load[j]) / slope
+            last = np.searchsorted(gap[i, :count], x)
+            # the unknown of `refine`; between new contacts the area is linear in it
+            base = gap[i, last - 1]
+            carried, slope, total, rate = quick_sums(gap[i], root_radius[i], last, base, x - base)
+            step = (load[j] - carried) / slope
+            x += step
+            area[i, j] = total + rate * step
 
 
 def empty_results(rows: int, columns: int) -> tuple[np.ndarray, ...]:

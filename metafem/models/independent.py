@@ -132,6 +132,8 @@ class Independent(Uncoupled):
         >>> area.shape, bool((area[0] == area[1]).all())
         ((2, 2), True)
         """
+        from metafem._kernels import independent as kernel
+
         heights = check.lists("height", height, None)
         radii = check.lists("radius", radius, None).reshape(np.shape(radius))
         if radii.shape not in ((), heights.shape[1:], heights.shape):
@@ -142,8 +144,14 @@ class Independent(Uncoupled):
         if not (radii > 0.0).all():
             raise InvalidInput(f"radius = {radius!r:.80} must be finite and greater than 0")
         loads = check.loads("rescaled_load", rescaled_load)
+        gap, root = _sorted_by_gap(heights, radii)
         order = np.argsort(loads, kind="stable")
-        results = _solve(heights, radii, loads[order])
+        rising, results = loads[order], kernel.empty_results(len(gap), len(loads))
+
+        def run(rows: slice) -> None:
+            kernel.curves(gap[rows], root[rows], rising, *(part[rows] for part in results))
+
+        run_rows(run, len(gap), len(gap) * len(loads), POINTS_PER_THREAD)
         back = np.argsort(order, kind="stable")
         approach, carried, area, slope = (part[:, back] for part in results)
         return approach, carried, area, slope
@@ -160,21 +168,16 @@ class Independent(Uncoupled):
 
         height, radius: (m, n) [mm]; None is that of the surface.
         """
-        return _solve(height, surface.radius if radius is None else radius, load)[2]
+        from metafem._kernels import independent as kernel
 
+        gap, root = _sorted_by_gap(height, surface.radius if radius is None else radius)
+        area, load = np.empty((len(gap), len(load))), np.array(load)
 
-def _solve(height: FloatArray, radius: FloatArray, load: FloatArray) -> tuple[FloatArray, ...]:
-    """Return approach, load, area and stiffness (m, k) of heights (m, n) at increasing loads (k,)."""
-    from metafem._kernels import independent as kernel
+        def run(rows: slice) -> None:
+            kernel.areas(gap[rows], root[rows], load, area[rows])
 
-    gap, root = _sorted_by_gap(height, radius)
-    results = kernel.empty_results(len(gap), len(load))
-
-    def run(rows: slice) -> None:
-        kernel.curves(gap[rows], root[rows], load, *(part[rows] for part in results))
-
-    run_rows(run, len(gap), len(gap) * len(load), POINTS_PER_THREAD)
-    return results
+        run_rows(run, len(gap), area.size, POINTS_PER_THREAD)
+        return area
 
 
 def _sorted_by_gap(height: FloatArray, radius: FloatArray) -> tuple[FloatArray, FloatArray]:

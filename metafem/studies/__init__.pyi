@@ -6,6 +6,8 @@ from .element_checks import hertz_check as hertz_check
 from .element_checks import layer_check as layer_check
 from .fidelity import fidelity as fidelity
 from .interaction import interaction as interaction
+from .manufacturing import manufacturing as manufacturing
 from .misalignment import misalignment as misalignment
+from .sampling.batches import Execution as Execution
 from .summaries import Summary as Summary
 from .summaries import summary as summary

@@ -1,0 +1,158 @@
+"""The effect of errors of the made surface on its friction law."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from metafem import _validate as check
+from metafem._calls import checked_call
+from metafem.errors import InvalidInput
+from metafem.models import Independent, Model
+from metafem.models.model import checked_model
+from metafem.notes import Note, information
+from metafem.prediction import Tolerances
+from metafem.progress import doing
+from metafem.studies.sampling.batches import Execution
+from metafem.studies.sampling.dataset import dataset
+from metafem.studies.sampling.draws import ROUND_POINTS, SlopeDraws, run
+from metafem.studies.sampling.moments import moments, quantiles
+from metafem.studies.sampling.points import batch_size, entropy
+from metafem.studies.sampling.slope import Slope
+from metafem.surface import Surface
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+QUANTILES = (0.05, 0.5, 0.95)
+
+
+@doing("drawing made surfaces")
+@checked_call
+def manufacturing(
+    surface: Surface,
+    height_sd: ArrayLike,
+    *,
+    draws: int = 10_000,
+    model: Model | None = None,
+    load_range: Any = None,
+    radius_sd: float = 0.0,
+    position_sd: float = 0.0,
+    rng: Any = 0,
+    error: float | None = None,
+    plain: bool = False,
+    execution: Execution | None = None,
+) -> xr.Dataset:
+    """Mean and scatter of the friction law of surfaces whose heights, radii and positions have errors.
+
+    Each draw adds independent Gaussian errors to the surface, and its law is solved by the model. The slope
+    m is that of the straight line fitted to A0(P) over 20 equally spaced loads of a range. Aymard et al.,
+    Science 383, 200 (2024), doi:10.1126/science.adk4234, Fig. S3.
+
+    The draws are Sobol points, in batches that are scrambled independently. The linear response
+    ``dm = sum_i dm/dh_i dh_i``, whose moments are known, serves as control variate of the mean and of the
+    second moment. Both need fewer draws for the same sampling error; `saving` states the factor.
+
+    Parameters
+    ----------
+    surface : Surface
+    height_sd : float or array_like
+        Standard deviations of the heights [mm], one or many, not negative. All use the same random numbers.
+    draws : int
+        Number of draws at each value, at least 2, rounded up to whole batches; default: 10,000.
+    model : Model, optional
+        Default: independent asperities.
+    load_range : (float, float), optional
+        Range of the rescaled load of the fit [mm^2]. Default: 25 to 100 % of the load at which the plane
+        reaches the lowest summit, under independent asperities. The paper does not print its range.
+    radius_sd, position_sd : float
+        Standard deviations of the radii, and of x and y of the sites [mm]; default: 0.
+    rng : int or numpy.random.Generator
+        Seed or generator; default: 0.
+    error : float, optional
+        Wanted relative sampling error of `slope_sd` [-], in place of `draws`: draws are added until it is
+        reached at each value of `height_sd`, at most a million.
+    plain : bool
+        Use plain random numbers without control variates, for comparison; default: False.
+    execution : metafem.studies.Execution, optional
+        Processes or cluster, and folder of a run that can be resumed; default: this process.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``slope_mean`` and ``slope_sd`` [-] over ``height_sd`` [mm]; ``area_mean`` and ``area_sd`` [mm^2] over
+        ``height_sd`` and ``rescaled_load`` [mm^2]; ``slope_quantile`` at ``quantile`` .05, .5 and .95; each
+        with its standard sampling error ``NAME_error``. ``nominal_slope`` and ``nominal_area`` are those
+        without errors, ``draws`` the draws with a solution, ``failed`` those without. ``saving`` is the
+        number of plain draws of equal error over the draws used, for the ``moment`` "mean" and "sd" of the
+        slope. ``slope_quantile_error`` is that of plain draws.
+
+    Raises
+    ------
+    InvalidInput
+        For negative deviations, fewer than two draws, and a surface whose summits have one height without a
+        load range.
+    NotConverged
+        If the model has no solution for the surface itself.
+
+    Examples
+    --------
+    >>> import metafem as mf
+    >>> height = [0.10, 0.12, 0.13, 0.15]
+    >>> surface = mf.Surface.square_lattice(height, (2, 2), radius=0.526, material=mf.Material(1.36))
+    >>> study = manufacturing(surface, [0.0, 0.001], draws=200)
+    >>> study.slope_sd.values.round(3)
+    array([0.   , 0.041])
+    """
+    check.instance("surface", surface, Surface, "a metafem.Surface")
+    used = Independent() if model is None else checked_model(model)
+    deviations = np.atleast_1d(check.array("height_sd", np.atleast_1d(height_sd), shape=(None,)))
+    tolerances = [Tolerances(float(sd), 0.0, radius_sd, position_sd) for sd in deviations]
+    number = check.integer("draws", draws, at_least=2)
+    if error is not None:
+        error = check.number("error", error, above=0.0)
+        if plain:
+            raise InvalidInput("error cannot be given with plain=True; state the number of draws")
+    seed, slope = entropy(rng), Slope.of(surface, load_range)
+    size = batch_size(number) if error is None else ROUND_POINTS
+    task = SlopeDraws.of(surface, used, slope, tolerances, seed=seed, draws=number, size=size, plain=plain)
+    sums, inputs = run("manufacturing", task, error=error, execution=execution)
+    found, levels = moments(sums, plain=plain), quantiles(sums, np.array(QUANTILES))
+    nominal, areas = task.nominal[0], task.nominal[1:]
+    notes = []
+    if sums.failed.any():
+        notes.append(Note(f"{sums.failed.sum()} draws have no solution under this model and are left out"))
+    if error is not None and (found.sd.error[:, 0] > error * found.sd.value[:, 0]).any():
+        notes.append(
+            Note(f"the relative error {error:g} of slope_sd is not reached within {sums.count.max()} draws")
+        )
+    low, high = slope.load_range
+    notes.append(information(f"the slope is fitted over P/E* = {low:.4g} to {high:.4g} mm^2"))
+    sd, load, both = ("height_sd",), "rescaled_load", ("height_sd", "rescaled_load")
+    variables = {
+        "slope_mean": (sd, nominal * (1.0 + found.mean.value[:, 0])),
+        "slope_mean_error": (sd, nominal * found.mean.error[:, 0]),
+        "slope_sd": (sd, nominal * found.sd.value[:, 0]),
+        "slope_sd_error": (sd, nominal * found.sd.error[:, 0]),
+        "area_mean": (both, areas * (1.0 + found.mean.value[:, 1:])),
+        "area_mean_error": (both, areas * found.mean.error[:, 1:]),
+        "area_sd": (both, areas * found.sd.value[:, 1:]),
+        "area_sd_error": (both, areas * found.sd.error[:, 1:]),
+        "slope_quantile": (("height_sd", "quantile"), nominal * (1.0 + levels.value)),
+        "slope_quantile_error": (("height_sd", "quantile"), nominal * levels.error),
+        "saving": (
+            ("height_sd", "moment"),
+            np.column_stack([found.saving_of_mean[:, 0], found.saving_of_sd[:, 0]]),
+        ),
+        "nominal_slope": ((), nominal),
+        "nominal_area": ((load,), areas),
+        "failed": (sd, sums.failed),
+        "draws": (sd, sums.count),
+    }
+    coordinates = {"height_sd": deviations, load: slope.load, "quantile": QUANTILES, "moment": ["mean", "sd"]}
+    return dataset(
+        "manufacturing", variables, coordinates, model=used, load_range=slope.load_range, seed=seed,
+        draws=int(sums.count.max()), inputs=inputs, notes=notes,
+    )  # fmt: skip

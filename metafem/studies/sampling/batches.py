@@ -1,0 +1,109 @@
+"""Runs of many independent batches, whose numbers do not depend on where they are computed."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, nullcontext
+from dataclasses import dataclass
+from pathlib import Path
+
+from metafem import _validate as check
+from metafem._calls import checked_class
+from metafem.errors import InvalidInput
+from metafem.progress import each, message
+from metafem.studies.sampling.schedulers import Result, Run, Task, cluster, here, processes
+from metafem.studies.sampling.store import Store
+
+
+@checked_class
+@dataclass(frozen=True)
+class Execution:
+    """Where the draws of a study are computed, and where finished batches of them are kept.
+
+    No number depends on it: the random numbers of a batch follow from the seed and its own number.
+
+    Parameters
+    ----------
+    workers : int
+        Number of processes on this machine, at least 1; default: 1, this process.
+    scheduler : str, optional
+        Address of a Dask scheduler, such as ``"tcp://10.0.0.1:8786"``, in place of processes; needs the
+        extra ``cluster``.
+    folder : str or Path, optional
+        A new or empty folder in which finished batches are kept. The same call with the same folder goes on
+        where a stopped run ended; a folder with another run is refused. Default: nothing is kept.
+
+    Raises
+    ------
+    InvalidInput
+        For fewer than one worker, and for workers together with a scheduler. When a study runs: for a
+        scheduler that does not answer within 10 s, and a folder that cannot be used.
+
+    Examples
+    --------
+    >>> Execution(workers=2)
+    Execution(workers=2, scheduler=None, folder=None)
+    """
+
+    workers: int = 1
+    scheduler: str | None = None
+    folder: str | Path | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "workers", check.integer("workers", self.workers, at_least=1))
+        if self.scheduler is not None:
+            check.instance("scheduler", self.scheduler, str, "an address such as tcp://10.0.0.1:8786")
+            if self.workers > 1:
+                raise InvalidInput(
+                    f"workers = {self.workers} cannot be given with a scheduler, which has its own workers"
+                )
+        if self.folder is not None:
+            check.instance("folder", self.folder, (str, Path), "the name of a folder")  # type: ignore[arg-type]
+
+
+@contextmanager
+def opened(execution: Execution | None, study: str, inputs: str) -> Iterator[Run]:
+    """Open a run; its value computes batches of a task and yields their results in the order of the numbers.
+
+    inputs: hash of all that the results depend on. Ctrl-C says where the finished batches are.
+    """
+    chosen = Execution() if execution is None else execution
+    check.instance("execution", chosen, Execution, "a metafem.studies.Execution")
+    store = None if chosen.folder is None else Store.opened(Path(chosen.folder), study, inputs)
+    local = nullcontext(here if chosen.workers == 1 else processes(chosen.workers))
+    try:
+        with cluster(chosen.scheduler) if chosen.scheduler else local as compute:
+            yield lambda task, numbers: _kept(store, compute, study, task, numbers)
+    except (KeyboardInterrupt, SystemExit) as stop:
+        if store is not None:
+            text = f"finished batches are kept in {store.folder}; the same call with this folder goes on"
+            stop.add_note(text)
+            message(text)
+        raise
+
+
+def _kept(
+    store: Store | None, compute: Run, study: str, task: Task, numbers: Sequence[int]
+) -> Iterator[Result]:
+    """Yield results in order: those that are kept are read, the others are computed and kept."""
+    kept = set() if store is None else set(filter(store.holds, numbers))
+    unkept = [number for number in numbers if number not in kept]
+    fresh, start, done = compute(task, unkept), time.monotonic(), 0
+
+    def rate() -> str:
+        """Return the batches per second of this run, and the time left."""
+        if not done:
+            return ""
+        taken = (time.monotonic() - start) / done
+        return f"{1.0 / taken:.3g} per second, {(len(unkept) - done) * taken:.0f} s left"
+
+    for number in each(f"{study}: batch", numbers, detail=rate):
+        if number in kept and store is not None:
+            yield store.read(number) or task(number)
+            continue
+        result = next(fresh)
+        done += 1
+        if store is not None:
+            store.write(number, result)
+        yield result

@@ -1,0 +1,123 @@
+"""Draws of made surfaces: sums of their slopes and areas, batch by batch, until the errors are small."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from metafem._validate import FloatArray
+from metafem.models import Model
+from metafem.prediction import Tolerances
+from metafem.studies.sampling.batches import Execution, opened
+from metafem.studies.sampling.moments import Sums, moments
+from metafem.studies.sampling.points import FEWEST_BATCHES, unit_points
+from metafem.studies.sampling.slope import Slope
+from metafem.studies.sampling.store import inputs_hash
+from metafem.surface import Surface
+
+# Points of a batch where the number of draws follows from the wanted error: a round of 16 is then short.
+ROUND_POINTS = 64
+
+# Batches that are added before the errors are looked at again, and most draws of a level.
+ROUND_BATCHES, MOST_DRAWS = 8, 10**6
+
+
+@dataclass(frozen=True, eq=False)
+class SlopeDraws:
+    """The batches of a study of one surface at levels (l,) of its tolerances.
+
+    All levels use the same points (common random numbers). The quantities (q,) are the slope and the areas
+    at its loads, each over its nominal value.
+    """
+
+    surface: Surface
+    model: Model
+    slope: Slope
+    tolerances: tuple[Tolerances, ...]
+    active: tuple[bool, ...]  # levels that are drawn; the others have no draws
+    nominal: FloatArray  # (q,)
+    response: FloatArray  # (q, n), derivatives of the quantities by the heights, over the nominal values
+    scale: FloatArray  # (l, q), standard deviations of the linear responses
+    seed: int
+    size: int
+    draws: int  # the last batch of plain draws may be smaller
+    plain: bool
+
+    @staticmethod
+    def of(
+        surface: Surface,
+        model: Model,
+        slope: Slope,
+        tolerances: Sequence[Tolerances],
+        *,
+        seed: int,
+        draws: int,
+        size: int,
+        plain: bool = False,
+    ) -> SlopeDraws:
+        """Return the batches; NotConverged is raised if the model has no solution for the surface itself."""
+        curve = model.curve(surface, slope.load).checked()
+        nominal = np.concatenate([[slope.weight @ curve.area], curve.area])
+        gradient = model.gradient_model.sensitivity(surface, slope.load).gradient
+        response = np.vstack([slope.weight @ gradient, gradient]) / nominal[:, None]
+        scale = [np.sqrt(np.diag(each.linear_covariance(surface, response))) for each in tolerances]
+        active = (True,) * len(tolerances)
+        return SlopeDraws(
+            surface, model, slope, tuple(tolerances), active, nominal, response, np.array(scale),
+            seed, size, draws, plain,
+        )  # fmt: skip
+
+    def __call__(self, batch: int) -> dict[str, np.ndarray]:
+        """Return the sums of one batch, stacked over the levels."""
+        size = min(self.size, self.draws - batch * self.size) if self.plain else self.size
+        dimensions = [each.dimensions(self.surface) for each in self.tolerances]
+        points = unit_points(self.seed, batch, size, max(dimensions), plain=self.plain)
+        levels = []
+        for level, tolerances in enumerate(self.tolerances):
+            # heights come first and are left out where they have no errors
+            unit = points[:, points.shape[1] - dimensions[level] :]
+            difference, response = np.zeros((2, size if self.active[level] else 0, len(self.nominal)))
+            if self.active[level] and dimensions[level] > 0:
+                height, radius, position = tolerances.perturbed(self.surface, unit)
+                areas = self.model.areas(self.surface, self.slope.load, height, radius, position)
+                # no products of matrices: their last bits depend on the number of threads
+                slopes = np.einsum("mk,k->m", areas, self.slope.weight)
+                difference = np.column_stack([slopes, areas]) / self.nominal - 1.0
+                response = np.einsum("mn,qn->mq", height - self.surface.height, self.response)
+                response /= np.where(self.scale[level] > 0.0, self.scale[level], 1.0)
+            levels.append(Sums.of(difference, response))
+        return {name: np.array([sums[name] for sums in levels]) for name in levels[0]}
+
+
+def run(
+    study: str,
+    task: SlopeDraws,
+    *,
+    error: float | None = None,
+    execution: Execution | None = None,
+) -> tuple[Sums, str]:
+    """Return the sums over all batches, and the hash of the inputs.
+
+    With `error` batches are added in fixed rounds, at the levels whose slope's standard deviation has a
+    larger relative error.
+    """
+    own = (task.surface, task.model, task.slope.load_range, task.tolerances, task.seed, task.size, task.draws)
+    inputs = inputs_hash((study, *own, task.plain, error))
+    total = None
+    with opened(execution, study, inputs) as compute:
+        first, last = 0, -(-task.draws // task.size) if error is None else FEWEST_BATCHES
+        while True:
+            for batch in compute(task, range(first, last)):
+                sums = Sums.of_batch(batch)
+                total = sums if total is None else total.plus(sums)
+            assert total is not None
+            if error is None:
+                return total, inputs
+            found = moments(total).sd
+            wanting = found.error[:, 0] > error * found.value[:, 0]
+            if not wanting.any() or last * task.size >= MOST_DRAWS:
+                return total, inputs
+            task = replace(task, active=tuple(wanting.tolist()))
+            first, last = last, last + ROUND_BATCHES

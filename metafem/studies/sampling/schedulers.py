@@ -1,0 +1,99 @@
+"""Where batches are computed: in this process, in several, or on a Dask cluster."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from typing import Any
+
+import numpy as np
+
+from metafem.errors import InvalidInput, MetafemError
+
+Result = dict[str, np.ndarray]
+Task = Callable[[int], Result]
+
+# Computes batches, and yields their results in the order of the numbers.
+Run = Callable[[Task, Sequence[int]], Iterator[Result]]
+
+# A batch that ends its worker this often is given up.
+MOST_DEATHS = 3
+
+# Batches that a cluster holds at a time; their results are small.
+AHEAD = 256
+
+# Seconds within which a scheduler must answer.
+PATIENCE = 8
+
+
+def here(task: Task, numbers: Sequence[int]) -> Iterator[Result]:
+    """Compute batches in this process."""
+    yield from map(task, numbers)
+
+
+def processes(workers: int) -> Run:
+    """Return a run in several processes of this machine; the batches of a dead one are computed again."""
+
+    def run(task: Task, numbers: Sequence[int]) -> Iterator[Result]:
+        from joblib import Parallel, delayed
+        from joblib.externals.loky.process_executor import TerminatedWorkerError
+
+        left, deaths = deque(numbers), 0
+        while left:
+            pool = Parallel(n_jobs=workers, return_as="generator", batch_size=1, pre_dispatch="2 * n_jobs")
+            results = pool(delayed(task)(number) for number in tuple(left))
+            try:
+                for result in results:
+                    left.popleft()
+                    deaths = 0
+                    yield result
+            except TerminatedWorkerError as error:
+                deaths += 1
+                if deaths == MOST_DEATHS:
+                    raise MetafemError(
+                        f"batch {left[0]} or one beside it ended its process {deaths} times, for example for "
+                        f"lack of memory: {error}"
+                    ) from None
+            finally:
+                results.close()
+
+    return run
+
+
+@contextmanager
+def cluster(address: str) -> Iterator[Run]:
+    """Connect with a Dask scheduler; it computes the batches of dead workers again."""
+    try:
+        from distributed import Client, KilledWorker
+    except ImportError:
+        raise InvalidInput(
+            f"scheduler = {address!r} needs the extra cluster: pip install 'metafem[cluster]'"
+        ) from None
+    instead = "leave scheduler out and use workers=2 on this machine"
+    try:
+        client: Any = Client(address, timeout=PATIENCE, set_as_default=False)  # type: ignore[no-untyped-call]
+    except (OSError, ValueError, TypeError) as error:
+        raise InvalidInput(
+            f"scheduler = {address!r} does not answer ({error or type(error).__name__}): start it with "
+            f"`dask scheduler`, or {instead}"
+        ) from None
+    try:
+        if not client.nthreads():
+            raise InvalidInput(f"scheduler = {address!r} has no workers: start `dask worker`, or {instead}")
+
+        def run(task: Task, numbers: Sequence[int]) -> Iterator[Result]:
+            waiting: deque[Any] = deque()
+            unsent = deque(numbers)
+            while unsent or waiting:
+                while unsent and len(waiting) < AHEAD:
+                    waiting.append(client.submit(task, unsent.popleft(), pure=False))
+                try:
+                    yield waiting.popleft().result()
+                except KilledWorker as error:
+                    raise MetafemError(f"a batch ended several workers of {address}: {error}") from None
+
+        yield run
+    finally:
+        with suppress(Exception):  # the scheduler may be gone
+            client.close()

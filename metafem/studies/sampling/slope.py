@@ -1,0 +1,61 @@
+"""The slope of a friction law over a range of loads, as a linear function of its areas."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from metafem import _validate as check
+from metafem._validate import FloatArray
+from metafem.errors import InvalidInput
+from metafem.models import Independent
+from metafem.surface import Surface
+
+# Number of loads of a fit. With 20 the slopes of the source paper's Fig. 4 differ by 0.1 %, and their scatter
+# by 3 %, from those of infinitely many.
+LOADS = 20
+
+# Default range as shares of the load at which the plane reaches the lowest summit. The paper does not print
+# its range; over this one the slopes and scatters of its Fig. S3 are reproduced.
+LOWEST, HIGHEST = 0.25, 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class Slope:
+    """The slope of the straight line fitted to A0 over equally spaced loads, ``weight . A0``.
+
+    Attributes
+    ----------
+    load : ndarray, (k,)
+        Rescaled loads P/E* [mm^2].
+    weight : ndarray, (k,)
+        Weights of the areas, ``(P - mean P) / sum (P - mean P)^2`` [1/mm^2].
+    load_range : (float, float)
+        First and last load [mm^2].
+    """
+
+    load: FloatArray
+    weight: FloatArray
+    load_range: tuple[float, float]
+
+    @staticmethod
+    def of(surface: Surface, load_range: Any = None) -> Slope:
+        """Return the slope of a surface's law over a range of rescaled loads [mm^2].
+
+        Default: 25 to 100 % of the load at which the plane reaches the lowest summit, under independent
+        asperities. Raise InvalidInput if the range is not increasing, or if it is not given and all summits
+        have one height.
+        """
+        if load_range is None:
+            depth = float(np.ptp(surface.height))
+            if depth == 0.0:
+                raise InvalidInput("load_range must be given: all summits have one height")
+            foot = float(Independent().curve(surface, approach=np.array([depth])).load[0])
+            low, high = LOWEST * foot, HIGHEST * foot
+        else:
+            low, high = check.interval("load_range", load_range)
+        load = np.linspace(low, high, LOADS)
+        deviation = load - load.mean()
+        return Slope(load, deviation / (deviation @ deviation), (low, high))

@@ -1,0 +1,146 @@
+"""Finished batches of a run, kept in a folder under the hash of all that their numbers depend on."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import zipfile
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass, fields, is_dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from metafem.errors import InvalidInput
+from metafem.progress import message
+
+Result = dict[str, np.ndarray]
+
+# The file that names the run of a folder.
+RECORD = "run.json"
+
+
+def own_version() -> str:
+    """Return the version of metafem."""
+    from importlib.metadata import PackageNotFoundError, version
+
+    try:
+        return version("metafem")
+    except PackageNotFoundError:  # run from its sources
+        return "not installed"
+
+
+def inputs_hash(value: Any) -> str:
+    """Return a hash of values, arrays and dataclasses that is the same in every process.
+
+    Examples
+    --------
+    >>> inputs_hash((1, "a", np.zeros(2))) == inputs_hash((1, "a", np.zeros(2)))
+    True
+    """
+    total = hashlib.sha256()
+    _add(total, value)
+    return total.hexdigest()[:32]
+
+
+def _add(total: Any, value: Any) -> None:
+    """Add a value to a hash."""
+    total.update(f"<{type(value).__module__}.{type(value).__qualname__}>".encode())
+    if isinstance(value, np.ndarray):
+        total.update(f"{value.dtype.str}{value.shape}".encode() + value.tobytes())
+    elif is_dataclass(value):
+        for field in fields(value):
+            _add(total, (field.name, getattr(value, field.name)))
+    elif isinstance(value, Mapping):
+        _add(total, sorted(value.items()))
+    elif isinstance(value, (tuple, list)):
+        total.update(str(len(value)).encode())
+        for member in value:
+            _add(total, member)
+    else:  # numbers and texts, and models of a user, whose repr states their values
+        total.update(repr(value).encode())
+
+
+@dataclass(eq=False)
+class Store:
+    """The folder of a run."""
+
+    folder: Path
+    full: bool = False
+
+    @staticmethod
+    def opened(folder: Path, study: str, inputs: str) -> Store:
+        """Return the store of a run in a new, an empty or its own folder; others are refused."""
+        record = {"study": study, "inputs": inputs, "metafem": own_version()}
+        path = folder / RECORD
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            if path.exists():
+                found = json.loads(path.read_text(encoding="utf-8"))
+                if found != record:
+                    raise InvalidInput(_other_run(folder, found, record))
+            elif any(folder.iterdir()):
+                raise InvalidInput(f"folder = {folder} holds other files; choose an empty or a new folder")
+            else:
+                _write(path, lambda file: file.write(json.dumps(record, indent=1).encode()))
+        except (OSError, ValueError) as error:
+            if isinstance(error, InvalidInput):
+                raise
+            raise InvalidInput(f"folder = {folder} cannot be used: {error}") from None
+        return Store(folder)
+
+    def holds(self, batch: int) -> bool:
+        """Whether a batch is finished."""
+        return self._path(batch).is_file()
+
+    def read(self, batch: int) -> Result | None:
+        """Return a finished batch, or None if it cannot be read."""
+        try:
+            with np.load(self._path(batch), allow_pickle=False) as kept:
+                return dict(kept)
+        except (OSError, ValueError, EOFError, zipfile.BadZipFile):
+            return None
+
+    def write(self, batch: int, result: Result) -> None:
+        """Keep a batch. When the disk is full, those before stay and no further ones are kept."""
+        if self.full:
+            return
+        arrays: dict[str, Any] = dict(result)
+        try:
+            _write(self._path(batch), lambda file: np.savez_compressed(file, **arrays))
+        except OSError as error:
+            self.full = True
+            message(f"batches are no longer kept in {self.folder}: {error.strerror or error}")
+
+    def _path(self, batch: int) -> Path:
+        return self.folder / f"batch-{batch:08d}.npz"
+
+
+def _write(path: Path, write: Any) -> None:
+    """Write a file under another name and rename it, so that it is complete or absent."""
+    fresh = path.with_name(f".{path.name}-{os.getpid()}")
+    try:
+        with fresh.open("wb") as file:
+            write(file)
+            file.flush()
+            os.fsync(file.fileno())
+        fresh.replace(path)
+    except BaseException:
+        with suppress(OSError):
+            fresh.unlink()
+        raise
+
+
+def _other_run(folder: Path, found: Any, record: Mapping[str, str]) -> str:
+    """Say in what the run of a folder differs."""
+    kept = found if isinstance(found, dict) else {}
+    names = [name for name in ("study", "metafem", "inputs") if kept.get(name) != record[name]]
+    what = {
+        "study": f"of the study {kept.get('study')}",
+        "metafem": f"of metafem {kept.get('metafem')}",
+        "inputs": "with other inputs",
+    }
+    return f"folder = {folder} holds another run, {what[names[0]]}; choose another folder"

@@ -1,0 +1,33 @@
+"""The slope of a law over a range of loads."""
+
+import numpy as np
+import pytest
+
+import metafem as mf
+from metafem.studies.sampling.slope import Slope
+
+
+def test_the_slope_is_that_of_a_fitted_line(rough):
+    slope = Slope.of(rough, (0.02, 0.3))
+    area = mf.Independent().curve(rough, slope.load).area
+    assert slope.weight @ area == pytest.approx(np.polyfit(slope.load, area, 1)[0], rel=1e-12)
+    assert slope.load_range == (0.02, 0.3)
+
+
+def test_the_default_range_ends_where_the_plane_reaches_the_lowest_summit(rough):
+    low, high = Slope.of(rough).load_range
+    assert low == pytest.approx(0.25 * high)
+    assert mf.Independent().curve(rough, np.array([high])).approach[0] == pytest.approx(np.ptp(rough.height))
+
+
+@pytest.mark.parametrize(
+    ("load_range", "words"),
+    [
+        (None, "load_range must be given: all summits have one height"),
+        ((0.3, 0.1), "load_range.* does not exceed"),
+        ((0.1, 0.2, 0.3), "load_range has shape"),
+    ],
+)
+def test_a_range_that_is_none_is_refused(template, load_range, words):
+    with pytest.raises(mf.InvalidInput, match=words):
+        Slope.of(template, load_range)
