@@ -6,6 +6,8 @@ from concurrent.futures import ProcessPoolExecutor
 
 import click
 import numpy as np
+from scipy.stats import linregress
+from scipy.stats import t as student
 
 import metafem as mf
 from validation.scenes.random_surfaces import random_surface
@@ -16,9 +18,10 @@ TOLERANCE = 1e-3
 # Surfaces whose times are compared, and surfaces whose areas are compared with resolved contacts.
 TIMED, COMPARED = 200, 100
 
-# Cells of the reference: the largest contact radius over the first number, then smaller by the square root of
-# 2, at most so many times.
-CELLS_PER_RADIUS, MOST_REFINED = 12, 6
+# Cells of the reference: the largest contact radius over the first number, then smaller by the fourth root of
+# 2 each, at least and at most so many sizes; and the probability that the area is within its uncertainty.
+CELLS_PER_RADIUS, FEWEST, MOST = 24, 7, 13
+CONFIDENCE = 0.95
 
 # Loads of a law.
 LOADS = 30
@@ -35,20 +38,27 @@ def rows() -> list[Row]:
     ]
 
 
-def long_rows(count: int = COMPARED, start: int = 0) -> list[Row]:
+def long_rows(count: int = COMPARED) -> list[Row]:
     """Compare the areas of surfaces with resolved contacts that are extrapolated to vanishing cells."""
     with ProcessPoolExecutor() as processes:
-        found = np.array(list(processes.map(error_and_uncertainty, range(start, start + count))))
-    error, uncertainty = found.T
+        return summary(list(processes.map(error_and_uncertainty, range(count))))
+
+
+def summary(found: list[tuple[float, float]], start: int = 0) -> list[Row]:
+    """Summarise errors and uncertainties of consecutive surfaces, from seed `start` on."""
+    error, uncertainty = np.array(found).T
     certain = uncertainty <= TOLERANCE / 3.0
     largest = int(np.where(certain, error, -1.0).argmax())
     what = f"{certain.sum()} surfaces of 3 to 16 asperities"
     return [
         Row(f"{what}: largest error of A0, seed {start + largest}", TOLERANCE, float(error[largest]), ""),
         Row(f"{what}: errors above the tolerance", 0, float((error[certain] > TOLERANCE).sum()), ""),
-        Row(f"{count} surfaces: not converged", 0, float(np.isnan(error).sum()), ""),
+        Row(f"{len(found)} surfaces: not converged", 0, float(np.isnan(error).sum()), ""),
         Row(
-            f"{count} surfaces: uncertain references", count, float((uncertainty > TOLERANCE / 3.0).sum()), ""
+            f"{len(found)} surfaces: uncertain references",
+            0,
+            float((uncertainty > TOLERANCE / 3.0).sum()),
+            "",
         ),
     ]
 
@@ -79,27 +89,43 @@ def time_ratios(seed: int) -> tuple[float, float] | None:
 
 
 def reference(surface: mf.Surface, load: float) -> tuple[float, float]:
-    """Return A0 [mm²] extrapolated from the cells, and the larger of its last two relative changes."""
+    """Return A0 [mm²] extrapolated from resolved contacts to vanishing cells, and its relative uncertainty.
+
+    The mean error of the areas is proportional to the square of the cell. About it they scatter by some
+    cells, as each cell at the edge of a contact is either open or closed. So A0 is fitted over the square of
+    the cell by least squares, with errors proportional to that square. The cells become smaller until the
+    confidence interval of the fit is within a third of the tolerance.
+    """
     largest = mf.equilibrium(surface, load=load).asperity_area.max()
-    cell = np.sqrt(largest / np.pi) / CELLS_PER_RADIUS
+    sizes = np.sqrt(largest / np.pi) / CELLS_PER_RADIUS * 2.0 ** (-0.25 * np.arange(MOST))
     areas: list[float] = []
-    for refined in range(MOST_REFINED + 1):
-        model = mf.BoundaryElements(cell * 2.0 ** (-0.5 * refined))
-        areas.append(mf.equilibrium(surface, model, load=load).area)
-        # the error falls as the square of the cell
-        limits = 2.0 * np.array(areas[1:]) - areas[:-1]
-        changes = np.abs(limits[1:] / limits[:-1] - 1.0)
-        if refined > 2 and changes[-2:].max() <= TOLERANCE / 3.0:
-            break
-    return float(limits[-1]), float(changes[-2:].max())
+    for cell in sizes:
+        areas.append(mf.equilibrium(surface, mf.BoundaryElements(cell), load=load).area)
+        used = len(areas)
+        if used >= FEWEST:
+            # A0/cell² = slope/cell² + constant, with errors of one size
+            fit = linregress(sizes[:used] ** -2.0, areas * sizes[:used] ** -2.0)
+            half_width = student.ppf(0.5 + 0.5 * CONFIDENCE, used - 2) * fit.stderr
+            if half_width <= TOLERANCE / 3.0 * fit.slope:
+                break
+    return float(fit.slope), float(half_width / fit.slope)
 
 
 @click.command()
 @click.argument("count", type=int)
 @click.option("--start", default=0, help="First seed.")
-def main(count: int, start: int) -> None:
-    """Compare COUNT surfaces with resolved contacts, on all cores; a thousand take about an hour on two."""
-    for row in long_rows(count, start):
+@click.option("--processes", type=int, help="Default: one for each core.")
+def main(count: int, start: int, processes: int | None) -> None:
+    """Compare COUNT surfaces with resolved contacts; a thousand take about an hour of one core.
+
+    Prints seed, relative error and uncertainty of the reference of each surface, then the summary.
+    """
+    found: list[tuple[float, float]] = []
+    with ProcessPoolExecutor(processes) as pool:
+        for pair in pool.map(error_and_uncertainty, range(start, start + count)):
+            click.echo(f"{start + len(found)} {pair[0]:.3g} {pair[1]:.3g}")
+            found.append(pair)
+    for row in summary(found, start):
         click.echo(f"{row.what}: {row.measured:.3g}, at most {row.required:g}")
 
 
