@@ -1,7 +1,9 @@
 """Settings, scenes and results that tests share."""
 
 import json
+from collections import Counter
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,16 +17,22 @@ from metafem import cli
 settings.register_profile("metafem", deadline=None, derandomize=True, max_examples=40)
 settings.load_profile("metafem")
 
+# One process compiles the kernels of interacting asperities in the first file. The second needs none of them.
+FIRST = ("models/test_contract.py", "fe/block3d/test_block3d.py")
+
 # Examples that solve finite elements for longer than a few seconds.
 SLOW_EXAMPLES = ("hertz_check", "cap_check", "cell_check", "FiniteContact")
 
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items):
-    """Mark the examples that take long as slow."""
+    """Mark the examples that take long as slow, and sort the files: large ones first, to end together."""
     for item in items:
         if isinstance(item, pytest.DoctestItem) and item.name.endswith(SLOW_EXAMPLES):
             item.add_marker("slow")
+    count = Counter(item.path for item in items)
+    first = [Path(__file__).parent / name for name in FIRST]
+    items.sort(key=lambda i: (first.index(i.path) if i.path in first else len(first), -count[i.path]))
 
 
 MATERIAL = mf.Material(composite_modulus=1.36, poisson_ratio=0.5)

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from metafem._kernels import projected_cg
-from metafem._kernels.compiled import compiled
+from metafem._kernels.compiled import compiled, inlined, inner
 from metafem._kernels.contact import hertz
 from metafem._kernels.coupling import State, copy, empty_state, quadratic_form
 from metafem._kernels.interacting import TOLERANCE, Scratch, empty_scratch, rates, refresh, settle
@@ -84,7 +84,7 @@ def uniform_approach(gap, radius, load):
     return x
 
 
-@compiled
+@inner
 def extrapolate(memory, points, width, ahead, radius, z):
     """Fill z at a distance `ahead` beyond the last equilibrium; return the load and its slope there."""
     cubic = points > 1 and ahead <= REACH * width
@@ -100,7 +100,7 @@ def extrapolate(memory, points, width, ahead, radius, z):
     return load, slope
 
 
-@compiled
+@inner
 def predict(memory, points, width, ahead, target, radius, z):
     """Fill z for an approach `ahead` of the last, or for a target load > 0; return the distance."""
     if points > 1:
@@ -120,7 +120,7 @@ def predict(memory, points, width, ahead, target, radius, z):
     return ahead
 
 
-@compiled
+@inlined
 def tangent(field, order, radius, self_term, state, count, points, memory, scratch):
     """Fill memory.last_rate = dz/dx and return dP/dx [mm]; dp/dP is stored in scratch.loads."""
     matrix = refresh(field, order, radius, self_term, state, count, scratch, False)
@@ -150,7 +150,7 @@ def tangent(field, order, radius, self_term, state, count, points, memory, scrat
     return 1.0 / form if good and form > 0.0 else math.inf
 
 
-@compiled
+@inlined
 def independent_start(gap, radius, control, by_load, z):
     """Fill z with that of independent asperities, and return its approach."""
     start = uniform_approach(gap, radius, control) if by_load else control
@@ -216,7 +216,7 @@ def curves(field, order, radius, self_term, gap, control, by_load, results, stat
             points = min(2, points + 1) if width > 0.0 else 1
 
 
-@compiled
+@inner
 def areas(state, count):
     """Return the area of all contacts [mm^2], and the radius of the largest [mm]."""
     area = largest = 0.0

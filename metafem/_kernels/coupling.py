@@ -20,7 +20,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from metafem._kernels.compiled import compiled
+from metafem._kernels.compiled import compiled, inner
 from metafem._kernels.contact import hertz
 from metafem._kernels.vectors import add
 
@@ -73,7 +73,7 @@ def copy(source, target):
         target[i] = source[i]
 
 
-@compiled
+@inner
 def add_rows(matrix, closed, count, weight, out):
     """Add sum_j weight[j] matrix[j] over the closed j to `out`."""
     n = out.size
@@ -146,7 +146,7 @@ def respond(field, order, radius, self_term, state):
     return count
 
 
-@compiled
+@inner
 def assemble(field, radius, state, count, matrix):
     """Fill the rows of contacts of dF/dp, without the diagonal of Hertz and `self_term`.
 
@@ -173,7 +173,7 @@ def assemble(field, radius, state, count, matrix):
             )
 
 
-@compiled
+@inner
 def quadratic_form(field, order, radius, self_term, state, count, y, out, rate):
     """Return y.(d2W/dp2) y with every term; y vanishes on open asperities. out, rate: scratch."""
     closed = state.closed
@@ -205,7 +205,7 @@ def quadratic_form(field, order, radius, self_term, state, count, y, out, rate):
     return total
 
 
-@compiled
+@inner
 def energy(order, radius, gap, approach, state, count):
     """Return the complementary energy W [mm^3] of the state."""
     total = 0.0
@@ -219,7 +219,7 @@ def energy(order, radius, gap, approach, state, count):
     return total
 
 
-@compiled
+@inner
 def measure(order, radius, gap, approach, target, state, count):
     """Return the residual of the equations, and the load.
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from metafem._kernels import projected_cg
-from metafem._kernels.compiled import compiled
+from metafem._kernels.compiled import inlined, inner
 from metafem._kernels.contact import hertz
 from metafem._kernels.coupling import assemble, copy, energy, measure, respond
 
@@ -58,7 +58,7 @@ def empty_scratch(count: int, order: int) -> Scratch:
     return Scratch(np.zeros((size, size)), np.zeros(count, np.bool_), projected_cg.empty_work(count), *rows)
 
 
-@compiled
+@inner
 def refresh(field, order, radius, self_term, state, count, scratch, always):
     """Fill the diagonal, and the matrix if needed; return the matrix."""
     for k in range(count):
@@ -75,7 +75,7 @@ def refresh(field, order, radius, self_term, state, count, scratch, always):
     return scratch.matrix
 
 
-@compiled
+@inner
 def rates(self_term, state, count, shift, scratch, out):
     """Fill the change of z on all rows for the last solution of loads and approach."""
     for i in range(out.size):
@@ -85,7 +85,7 @@ def rates(self_term, state, count, shift, scratch, out):
         out[i] = (out[i] + (scratch.diagonal[i] - self_term[i]) * scratch.loads[i]) / state.bend[i]
 
 
-@compiled
+@inner
 def newton(field, order, radius, self_term, gap, approach, target, state, scratch):
     """Solve from state.z and the approach; a target load > 0 makes the approach an unknown.
 
@@ -138,7 +138,7 @@ def newton(field, order, radius, self_term, gap, approach, target, state, scratc
     return x, count, load, residual
 
 
-@compiled
+@inlined
 def downhill(self_term, matrix, state, count, leave, scratch):
     """Solve for a step at a given approach with softer contacts, such that the matrix is positive."""
     raised = 1.0
@@ -163,7 +163,7 @@ def downhill(self_term, matrix, state, count, leave, scratch):
     return shift, good
 
 
-@compiled
+@inlined
 def line_search(
     field, order, radius, self_term, gap, approach, shift, target, residual, count, state, scratch
 ):
@@ -197,7 +197,7 @@ def line_search(
     return x, count, load, new, length == 1.0
 
 
-@compiled
+@inlined
 def settle(field, order, radius, self_term, gap, approach, target, state, scratch):
     """Solve by Newton's method at a given load or, if the target is 0, at the approach.
 

@@ -70,7 +70,8 @@ class Independent(Uncoupled):
 
         gap, root = _sorted_by_gap(height[None, :], radius)
         results = kernel.empty_results(1, len(load))
-        kernel.curves(gap, root, load, *results)
+        # a read-only array would compile the kernel again
+        kernel.curves(gap, root, np.array(load), *results)
         approach, carried, area, slope = (part[0] for part in results)
         error = np.abs(carried - load) / np.where(load > 0.0, load, 1.0)
         base, depth = kernel.refine(gap[0], root[0], load[-1], approach[-1])

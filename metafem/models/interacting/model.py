@@ -270,7 +270,7 @@ class Interacting:
         coupling, regular = self._coupling(surface, bound)
         self_term += regular
         radius = np.array(np.broadcast_to(surface.radius if radius is None else radius, gap.shape), order="C")
-        control = np.ascontiguousarray(control)
+        control = np.array(control)  # a read-only array would compile the kernel again
         states = {}
 
         def run(rows: slice) -> None:

@@ -27,6 +27,7 @@ def area_gradients(
 ) -> FloatArray:
     """Return dA0/dh at fixed load [mm], (k, n), for equilibria of nominal indentations z (k, n)."""
     gradients = np.zeros_like(indentation)
+    radius = np.array(radius)  # a read-only array would compile the kernel again
     state = empty_state(len(radius))
     influences = _influences(field, order)
     for row, z in enumerate(indentation):
