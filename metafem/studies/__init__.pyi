@@ -11,3 +11,4 @@ from .misalignment import misalignment as misalignment
 from .sampling.batches import Execution as Execution
 from .summaries import Summary as Summary
 from .summaries import summary as summary
+from .uncertainty import uncertainty as uncertainty

@@ -15,7 +15,14 @@ from metafem._validate import FloatArray, IntArray
 from metafem.errors import InvalidInput, NotConverged
 from metafem.models import Independent, Model
 from metafem.models.model import checked_model
-from metafem.progress import each
+from metafem.notes import Note, information
+from metafem.progress import doing
+from metafem.studies.sampling.batches import Execution, opened
+from metafem.studies.sampling.dataset import dataset
+from metafem.studies.sampling.moments import Estimate
+from metafem.studies.sampling.points import entropy
+from metafem.studies.sampling.slope import Slope
+from metafem.studies.sampling.store import inputs_hash
 from metafem.surface import STEEPEST, Surface
 
 if TYPE_CHECKING:
@@ -41,36 +48,18 @@ NEIGHBOURS = 2
 QUANTILES = (0.05, 0.5, 0.95)
 
 
-@dataclass(frozen=True, eq=False)
-class Slope:
-    """Loads of a fit, and weights with which the areas at these loads make its slope."""
-
-    load: FloatArray  # (k,) [mm^2]
-    weight: FloatArray  # (k,) [1/mm^2]
-
-    @staticmethod
-    def of(surface: Surface, load_range: tuple[float, float] | None) -> Slope:
-        """Return the fit between two loads; default: 25 to 100 % of the load at the lowest summit."""
-        if load_range is None:
-            if np.ptp(surface.height) == 0.0:
-                raise InvalidInput("load_range must be given: all summits have one height")
-            foot = float(Independent().curve(surface, approach=np.array([surface.gap.max()])).load[0])
-            load_range = 0.25 * foot, foot
-        load = np.linspace(*check.interval("load_range", load_range), 20)
-        off = load - load.mean()
-        return Slope(load, off / (off @ off))
-
-
+@doing("tilting the surface")
 @checked_call
 def misalignment(
     surface: Surface,
     angle: ArrayLike,
-    model: Model | None = None,
     *,
+    model: Model | None = None,
     axes: Literal["both", "x", "y"] = "both",
     shuffles: int = 0,
     load_range: tuple[float, float] | None = None,
     rng: Any = 0,
+    execution: Execution | None = None,
 ) -> xr.Dataset:
     """Return how much the slope of the law varies while the plane is not parallel to the surface.
 
@@ -99,6 +88,8 @@ def misalignment(
         25 to 100 % of the load at which the plane reaches the lowest summit.
     rng : int or numpy.random.Generator
         Seed or generator of the shuffled placements; default: 0.
+    execution : metafem.studies.Execution, optional
+        Processes or cluster, and folder of a run that can be resumed; default: this process.
 
     Returns
     -------
@@ -141,13 +132,14 @@ def misalignment(
         signed,
         fit,
         check.integer("shuffles", shuffles, at_least=0),
-        int(check.generator(rng).integers(2**63)),
+        entropy(rng),
     )
-    batches = [task(batch) for batch in each("tilting the surface, batch", range(task.batches))]
-    area = batches[0]["area"][0]
+    inputs = inputs_hash(task)
+    with opened(execution, "misalignment", inputs) as compute:
+        batches = list(compute(task, range(task.batches)))
     slopes = np.concatenate([batch["slope"] for batch in batches])
     failed = int(sum(batch["failed"].sum() for batch in batches))
-    return _dataset(task, slopes, area, failed)
+    return _dataset(task, slopes, batches[0]["area"][0], failed, inputs)
 
 
 def _angles(angle: ArrayLike) -> FloatArray:
@@ -170,7 +162,7 @@ class Tilts:
     angle: FloatArray  # (a,) [rad]
     fit: Slope
     shuffles: int
-    entropy: int
+    seed: int
 
     @property
     def batches(self) -> int:
@@ -183,12 +175,13 @@ class Tilts:
         orders = [np.arange(n)]
         if batch > 0:
             count = min(AT_ONCE, self.shuffles - (batch - 1) * AT_ONCE)
-            random = np.random.default_rng(np.random.SeedSequence(self.entropy, spawn_key=(batch,)))
+            random = np.random.default_rng(np.random.SeedSequence(self.seed, spawn_key=(batch,)))
             orders = [random.permutation(n) for _ in range(count)]
         found = [self._law(order) for order in orders]
         areas = np.array([area for area, _ in found])
         return {
-            "slope": areas @ self.fit.weight,
+            # no product of matrices: its last bits depend on the number of threads
+            "slope": np.einsum("pak,k->pa", areas, self.fit.weight),
             "area": areas if batch == 0 else areas[:0],
             "failed": np.array([failed for _, failed in found]),
         }
@@ -217,41 +210,42 @@ class Tilts:
         return np.concatenate(parts)
 
 
-def _dataset(task: Tilts, slopes: FloatArray, area: FloatArray, failed: int) -> xr.Dataset:
+def _dataset(task: Tilts, slopes: FloatArray, area: FloatArray, failed: int, inputs: str) -> xr.Dataset:
     """Return the dataset of slopes (p, a) and of the areas as made (a, k)."""
-    import xarray as xr
-
     middle = len(task.angle) // 2
-    mean, sd = _within(task.angle, slopes)
-    area_mean, area_sd = ((value.T, error.T) for value, error in _within(task.angle, area.T))
-    over, over_area = ("placement", "angle"), ("angle", "rescaled_load")
-    variables: dict[str, Any] = {}
-    for name, dims, units, what, (value, error) in (
-        ("slope_mean", over, "1", "mean slope", mean),
-        ("slope_sd", over, "1", "standard deviation of the slope", sd),
-        ("area_mean", over_area, "mm2", "mean of A0", area_mean),
-        ("area_sd", over_area, "mm2", "standard deviation of A0", area_sd),
-    ):
-        variables[name] = (dims, value, _units(units, what))
-        variables[f"{name}_error"] = (dims, error, _units(units, f"{what}: change with half as many angles"))
+    by_slope, by_area = _within(task.angle, slopes), _within(task.angle, area.T)
+    variables: dict[str, tuple[tuple[str, ...], Any]] = {}
+    for k, moment in enumerate(("mean", "sd")):
+        for name, found in (
+            (f"slope_{moment}", by_slope[k].value),
+            (f"slope_{moment}_error", by_slope[k].error),
+        ):
+            variables[name] = ("placement", "angle"), found
+        for name, found in ((f"area_{moment}", by_area[k].value), (f"area_{moment}_error", by_area[k].error)):
+            variables[name] = ("angle", "rescaled_load"), found.T
     coordinates: dict[str, Any] = {
         "placement": ["as made", *(f"shuffle {k}" for k in range(1, len(slopes)))],
-        "angle": ("angle", task.angle[middle + 1 :], _units("rad", "largest angle")),
-        "rescaled_load": ("rescaled_load", task.fit.load, _units("mm2", "load over E*")),
+        "angle": task.angle[middle + 1 :],
+        "rescaled_load": task.fit.load,
     }
     if len(slopes) > 2:
-        value, error = _quantiles(sd[0][1:])
-        what = "quantile of the standard deviation of the slope over shuffled placements"
-        variables["slope_sd_quantile"] = (("quantile", "angle"), value, _units("1", what))
-        variables["slope_sd_quantile_error"] = (("quantile", "angle"), error, _units("1", f"{what}: error"))
+        quantile = _quantiles(by_slope[1].value[1:])
+        variables["slope_sd_quantile"] = ("quantile", "angle"), quantile.value
+        variables["slope_sd_quantile_error"] = ("quantile", "angle"), quantile.error
         coordinates["quantile"] = list(QUANTILES)
-    variables["nominal_slope"] = ((), slopes[0, middle], _units("1", "slope without a tilt"))
-    variables["nominal_area"] = ("rescaled_load", area[middle], _units("mm2", "A0 without a tilt"))
-    variables["failed"] = ((), failed, _units("1", "laws without a solution"))
-    return xr.Dataset(variables, coordinates, {"study": "misalignment", "notes": ""})
+    variables["nominal_slope"] = (), slopes[0, middle]
+    variables["nominal_area"] = ("rescaled_load",), area[middle]
+    variables["failed"] = (), failed
+    notes = [information("the errors of means and deviations are their changes with half as many angles")]
+    if failed:
+        notes.append(Note(f"{failed} laws have no solution; they are interpolated from neighbouring angles"))
+    return dataset(
+        "misalignment", variables, coordinates, model=task.model, load_range=task.fit.load_range,
+        seed=task.seed, draws=slopes.size, inputs=inputs, notes=notes,
+    )  # fmt: skip
 
 
-def _within(angle: FloatArray, value: FloatArray) -> tuple[tuple[FloatArray, FloatArray], ...]:
+def _within(angle: FloatArray, value: FloatArray) -> tuple[Estimate, Estimate]:
     """Return mean and standard deviation over [-angle, angle], each with its error, (..., k).
 
     angle: (2 k + 1,), increasing, from minus the largest to the largest, with 0. value: (..., 2 k + 1).
@@ -265,7 +259,10 @@ def _within(angle: FloatArray, value: FloatArray) -> tuple[tuple[FloatArray, Flo
         some = slice((middle - odd) % 2, None, 2)
         for whole, part in zip(coarse, _uniform(angle[some], value[..., some]), strict=True):
             whole[..., 1 - odd :: 2] = part
-    return tuple((one, _largest_nearby(np.abs(one - other))) for one, other in zip(fine, coarse, strict=True))
+    mean, sd = (
+        Estimate(one, _largest_nearby(np.abs(one - other))) for one, other in zip(fine, coarse, strict=True)
+    )
+    return mean, sd
 
 
 def _largest_nearby(change: FloatArray) -> FloatArray:
@@ -291,7 +288,7 @@ def _uniform(angle: FloatArray, value: FloatArray) -> tuple[FloatArray, FloatArr
     return mean + centre, np.sqrt(np.maximum(square - mean**2, 0.0))
 
 
-def _quantiles(value: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _quantiles(value: FloatArray) -> Estimate:
     """Return the quantiles of samples (m, ...) and their sampling errors.
 
     The error is half the distance of the quantiles at q - s and q + s with ``s = sqrt(q (1 - q) / m)``.
@@ -299,8 +296,4 @@ def _quantiles(value: FloatArray) -> tuple[FloatArray, FloatArray]:
     q = np.array(QUANTILES)
     s = np.sqrt(q * (1.0 - q) / len(value))
     low, high = (np.quantile(value, np.clip(q + sign * s, 0.0, 1.0), axis=0) for sign in (-1.0, 1.0))
-    return np.quantile(value, q, axis=0), (high - low) / 2.0
-
-
-def _units(units: str, long_name: str) -> dict[str, str]:
-    return {"units": units, "long_name": long_name}
+    return Estimate(np.quantile(value, q, axis=0), (high - low) / 2.0)

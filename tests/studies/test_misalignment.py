@@ -28,7 +28,7 @@ def slope(surface, model, load):
 def test_moments_are_those_of_the_laws_of_tilted_surfaces(surface, model, axes, x, y):
     steps = np.linspace(-0.001, 0.001, 5)
     laws = [slope(surface.tilted(x * angle, y * angle), model, RANGE) for angle in steps]
-    found = mf.studies.misalignment(surface, steps[3:], model, axes=axes, load_range=RANGE)
+    found = mf.studies.misalignment(surface, steps[3:], model=model, axes=axes, load_range=RANGE)
     assert found.nominal_slope == pytest.approx(laws[2][0], rel=1e-10)
     np.testing.assert_allclose(found.nominal_area, laws[2][1], rtol=1e-10)
     # the law is linear between the angles; a hundred thousand values on each side make the integrals

@@ -14,38 +14,55 @@ from metafem.studies.sampling.store import own_version
 if TYPE_CHECKING:
     import xarray as xr
 
-# Units and long names of variables and coordinates.
+# Units and names of what the studies describe, and of their other variables and coordinates.
 QUANTITIES: Mapping[str, tuple[str, str]] = {
-    "slope_mean": ("1", "mean slope of the law"),
-    "slope_sd": ("1", "standard deviation of the slope"),
-    "slope_quantile": ("1", "quantile of the slope"),
-    "area_mean": ("mm2", "mean real contact area"),
-    "area_sd": ("mm2", "standard deviation of the real contact area"),
-    "nominal_slope": ("1", "slope without errors"),
-    "nominal_area": ("mm2", "real contact area without errors"),
+    "slope": ("1", "slope of the law"),
+    "area": ("mm2", "real contact area"),
+    "friction_force": ("N", "friction force"),
+    "rescaled_load": ("mm2", "load over E*"),
+    "rescaled_friction": ("mm2", "friction force over shear strength and area ratio"),
+    "deviation": ("mm2", "rescaled friction less the predicted real contact area"),
     "failed": ("1", "number of draws without a solution"),
     "draws": ("1", "number of draws with a solution"),
     "saving": ("1", "plain draws of equal error over draws used"),
     "height_sd": ("mm", "standard deviation of the heights"),
     "angle": ("rad", "largest tilt"),
-    "rescaled_load": ("mm2", "load over E*"),
     "quantile": ("1", "probability below the quantile"),
 }
 
+# What is estimated of a quantity, by the end of the variable's name.
+STATISTICS: Mapping[str, str] = {
+    "mean": "mean",
+    "sd": "standard deviation",
+    "quantile": "quantile",
+    "first_order": "share of the variance that the parameter explains alone",
+    "total": "share of the variance that remains if all other parameters are known",
+    "error": "standard sampling error",
+}
+
+# Statistics that are shares of the variance, whatever the quantity.
+SHARES = ("first_order", "total")
+
 
 def described(name: str) -> dict[str, str]:
-    """Return the units and the long name of a variable; ``NAME_error`` is the sampling error of NAME.
+    """Return the units and the long name of a variable, such as ``area_sd_error`` or ``nominal_slope``.
 
     Examples
     --------
     >>> described("area_mean_error")
-    {'units': 'mm2', 'long_name': 'mean real contact area, standard sampling error'}
+    {'units': 'mm2', 'long_name': 'real contact area, mean, standard sampling error'}
     """
-    base = name.removesuffix("_error")
-    if base not in QUANTITIES:
-        return {}
-    units, words = QUANTITIES[base]
-    return {"units": units, "long_name": words if base == name else f"{words}, standard sampling error"}
+    words: list[str] = []
+    base, share = name.removeprefix("nominal_"), False
+    while base not in QUANTITIES:
+        end = next((end for end in STATISTICS if base.endswith(f"_{end}")), None)
+        if end is None:
+            return {}
+        base, share = base.removesuffix(f"_{end}"), share or end in SHARES
+        words.insert(0, STATISTICS[end])
+    units, quantity = QUANTITIES[base]
+    words += ["without errors"] * name.startswith("nominal_")
+    return {"units": "1" if share else units, "long_name": ", ".join([quantity, *words])}
 
 
 def dataset(
@@ -54,7 +71,7 @@ def dataset(
     coordinates: Mapping[str, Any],
     *,
     model: Model,
-    load_range: tuple[float, float],
+    load_range: tuple[float, float] | None,
     seed: int,
     draws: int,
     inputs: str,
@@ -74,7 +91,7 @@ def dataset(
         "study": study,
         "notes": to_lines(list(notes)),
         "model": repr(model),
-        "load_range": list(load_range),
+        "load_range": [] if load_range is None else list(load_range),
         "seed": str(seed),
         "draws": draws,
         "inputs": inputs,

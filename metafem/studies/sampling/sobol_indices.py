@@ -8,28 +8,11 @@ from typing import NamedTuple
 import numpy as np
 
 from metafem._validate import FloatArray
-
-# Number of independent batches. With fewer, Student's factor of the 68 % intervals exceeds 1.04.
-BATCHES = 16
+from metafem.studies.sampling.moments import Estimate
+from metafem.studies.sampling.points import FEWEST_BATCHES, unit_points
 
 # Largest number of points of one batch: with six inputs and 40 outputs their values take 5 MiB.
 MOST_POINTS = 1024
-
-# Bits of a coordinate of a Sobol point; the default of scipy.
-BITS = 30
-
-
-class Estimate(NamedTuple):
-    """An estimated array, and half the length of the 68 % intervals of its entries.
-
-    Attributes
-    ----------
-    value, error : ndarray
-        Both of one shape.
-    """
-
-    value: FloatArray
-    error: FloatArray
 
 
 class SobolIndices(NamedTuple):
@@ -76,25 +59,20 @@ def plan(draws: int, groups: int) -> Plan:
     """
     each = 2 + 2 * groups
     points = 2
-    while points < MOST_POINTS and BATCHES * points * each < draws:
+    while points < MOST_POINTS and FEWEST_BATCHES * points * each < draws:
         points *= 2
-    batches = max(BATCHES, -(-draws // (points * each)))
+    batches = max(FEWEST_BATCHES, -(-draws // (points * each)))
     return Plan(batches, points, batches * points * each)
 
 
-def exchanged(
-    seed: np.random.SeedSequence, groups: Sequence[Sequence[int]], dimensions: int, points: int
-) -> FloatArray:
-    """Return the points of one batch in the unit cube, (2 + 2 g, points, dimensions).
+def exchanged(seed: int, batch: int, groups: Sequence[Sequence[int]], points: int) -> FloatArray:
+    """Return the points of one batch in the unit cube, (2 + 2 g, points, d).
 
     The first two are halves A and B of the points of one scrambled Sobol sequence. Then follow, for each
     group of columns, A with the group's columns of B, and B with those of A.
     """
-    from scipy.stats.qmc import Sobol
-
-    sequence = Sobol(2 * dimensions, bits=BITS, rng=np.random.default_rng(seed))
-    # the middles of the intervals that the bits resolve: neither 0 nor 1
-    a, b = np.split(sequence.random(points) + 0.5 ** (BITS + 1), 2, axis=1)
+    dimensions = sum(map(len, groups))
+    a, b = np.split(unit_points(seed, batch, points, 2 * dimensions), 2, axis=1)
     parts = [a, b]
     for group in groups:
         columns = list(group)
@@ -128,7 +106,8 @@ def estimated(means: FloatArray, centre: FloatArray) -> SobolIndices:
     """Return the estimates of the means of independent batches, (m, 2 + 3 g, k).
 
     Each is a function of the means over all batches. The jackknife over the batches removes the first order
-    of its bias and gives its error, with Student's factor of m - 1 degrees of freedom.
+    of its bias and gives its error, with the factor of Student's distribution of m - 1 degrees of freedom, so
+    that intervals of one error on each side hold the value with the probability of 68 %.
     """
     groups = (means.shape[1] - 2) // 3
 
@@ -164,7 +143,7 @@ def sobol_indices(
     function: Callable[[FloatArray], FloatArray],
     groups: Sequence[Sequence[int]],
     draws: int,
-    seed: np.random.SeedSequence,
+    seed: int,
 ) -> SobolIndices:
     """Estimate mean, deviation and Sobol indices of a function of independent inputs.
 
@@ -180,8 +159,7 @@ def sobol_indices(
         Columns of the inputs of each group; each column is in one group.
     draws : int
         Smallest number of evaluations.
-    seed : SeedSequence
-        Batch b uses its child with the spawn key b.
+    seed : int
 
     Returns
     -------
@@ -189,15 +167,13 @@ def sobol_indices(
 
     Examples
     --------
-    >>> found = sobol_indices(lambda x: x @ [[3.0], [1.0]], [[0], [1]], 1000, np.random.SeedSequence(0))
+    >>> found = sobol_indices(lambda x: x @ [[3.0], [1.0]], [[0], [1]], 1000, 0)
     >>> found.first_order.value.round(2).ravel(), found.mean.value.round(3)
     (array([0.89, 0.11]), array([1.999]))
     """
     batches, points, _ = plan(draws, len(groups))
-    dimensions = sum(map(len, groups))
-    centre = function(np.full(dimensions, 0.5))
-    means = []
-    for batch in range(batches):
-        child = np.random.SeedSequence(seed.entropy, spawn_key=(*seed.spawn_key, batch))
-        means.append(batch_means(function(exchanged(child, groups, dimensions, points)), centre))
+    centre = function(np.full(sum(map(len, groups)), 0.5))
+    means = [
+        batch_means(function(exchanged(seed, batch, groups, points)), centre) for batch in range(batches)
+    ]
     return estimated(np.array(means), centre)

@@ -1,0 +1,219 @@
+"""Error bars of the friction law from the errors of its parameters, and the share of each."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from metafem import _validate as check
+from metafem._calls import checked_call
+from metafem._validate import FloatArray
+from metafem.errors import InvalidInput
+from metafem.models import Independent, Model
+from metafem.models.model import checked_model
+from metafem.notes import Note, information
+from metafem.prediction.friction_law import default_loads
+from metafem.progress import doing
+from metafem.studies.sampling.batches import Execution, opened
+from metafem.studies.sampling.dataset import dataset
+from metafem.studies.sampling.inputs import Inputs
+from metafem.studies.sampling.law_draws import LawDraws
+from metafem.studies.sampling.points import entropy
+from metafem.studies.sampling.slope import Slope
+from metafem.studies.sampling.sobol_indices import SobolIndices, estimated, plan
+from metafem.studies.sampling.store import inputs_hash
+from metafem.surface import Surface
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+# First and largest number of draws where it follows from the wanted error.
+FIRST_DRAWS, MOST_DRAWS = 5_000, 10**6
+
+
+@doing("drawing parameters")
+@checked_call
+def uncertainty(
+    surface: Surface,
+    parameters: Mapping[str, ArrayLike] | Sequence[str],
+    *,
+    covariance: ArrayLike | None = None,
+    draws: int = 10_000,
+    model: Model | None = None,
+    load: ArrayLike | None = None,
+    friction_force: ArrayLike | None = None,
+    load_range: tuple[float, float] | None = None,
+    rng: Any = 0,
+    error: float | None = None,
+    execution: Execution | None = None,
+) -> xr.Dataset:
+    """Error bars of the rescaled law from Gaussian errors of its parameters, and the share of each parameter.
+
+    Of a prediction, ``A0 = F/(sigma B)`` is computed at the load P/E* with drawn values of R, E* and P, and
+    ``F = sigma B A0`` with drawn sigma and B in addition. Of measured pairs, P/E* and F/(sigma B) follow from
+    drawn values of P, F, E*, sigma and B, and their ``deviation`` F/(sigma B) - A0(P/E*) from the prediction
+    from these and R. Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234, supplementary text
+    "Uncertainties", error bars of Figs. 3 to 5.
+
+    The areas at the drawn loads and radii are interpolated between laws of the model at three radii. For
+    independent asperities the dependence on the radius is exact.
+
+    Parameters
+    ----------
+    surface : Surface
+        With the mean values of R, E*, sigma and B.
+    parameters : mapping of str to float, or sequence of str
+        Standard deviations of ``radius`` [mm] (all radii change by the same factor; of the mean radius),
+        ``composite_modulus`` [MPa], ``load`` [N], ``shear_strength`` [MPa] and ``area_ratio`` [-], and of
+        ``friction_force`` [N] for measured pairs; or the names of the rows of `covariance`. Those of the
+        forces may be arrays (k,). Parameters that are not named have no error.
+    covariance : array_like, (p, p), optional
+        Covariance matrix of the named parameters, in these units.
+    draws : int
+        Number of evaluations, at least 2, rounded up to whole batches; default: 10,000.
+    model : Model, optional
+        Default: `Independent()`.
+    load : array_like, (k,), optional
+        Normal loads P [N], positive. Default: the 100 loads of `friction_law`.
+    friction_force : array_like, (k,), optional
+        Friction forces F [N], positive, measured at the loads `load`; default: the law is predicted.
+    load_range : (float, float), optional
+        Rescaled loads P/E* between which a line is fitted [mm^2]. Default: 25 to 100 % of the load at which
+        the plane reaches the lowest summit.
+    rng : int or numpy.random.Generator
+        Seed or generator; default: 0.
+    error : float, optional
+        Wanted relative sampling error of ``area_sd`` [-], in place of `draws`: draws are added until all
+        loads reach it, at most about a million.
+    execution : metafem.studies.Execution, optional
+        Processes or cluster, and folder of a run that can be resumed; default: this process.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``area_mean`` and ``area_sd`` [mm^2] over ``rescaled_load`` [mm^2], the error bars of the law;
+        ``slope_mean`` and ``slope_sd`` [-], of the slope against the nominal P/E*, without the error of the
+        load. If the surface has a Friction, ``friction_force_mean`` and ``friction_force_sd`` [N]. For
+        measured pairs instead ``rescaled_load_...``, ``rescaled_friction_...`` and ``deviation_...``
+        [mm^2]. ``NAME_first_order`` and ``NAME_total`` over ``parameter`` are the Sobol indices of each:
+        the shares of the variance that a parameter explains alone, and that remains if all others are
+        known. Correlated parameters are one entry. Each has its standard sampling error ``..._error``.
+        ``saving`` is the number of plain draws with the error of ``area_sd`` over that of the draws used,
+        if A0 has a normal distribution.
+
+    Raises
+    ------
+    InvalidInput
+        For unknown names, negative deviations, deviations above a seventh of a positive parameter, a matrix
+        that is not symmetric and positive semidefinite, fewer than two draws, and friction forces or their
+        parameters for a surface without a Friction.
+    NotConverged
+        If the model has no solution at a load or radius that is needed.
+
+    Examples
+    --------
+    >>> import metafem as mf
+    >>> surface = mf.Surface.square_lattice([0.1, 0.12], (1, 2), radius=0.526, material=mf.Material(1.36))
+    >>> found = uncertainty(surface, {"radius": 0.005, "composite_modulus": 0.04}, load=[0.03])
+    >>> found.area_sd.round(4).values, found.area_total[:, 0].round(2).values
+    (array([0.0035]), array([0.09, 0.91]))
+    """
+    check.instance("surface", surface, Surface, "a metafem.Surface")
+    used = checked_model(Independent() if model is None else model)
+    number = check.integer("draws", draws, at_least=2)
+    wanted = None if error is None else check.number("error", error, above=0.0)
+    modulus = surface.material.composite_modulus
+    if load is None:
+        if friction_force is not None:
+            raise InvalidInput("friction_force must be given with the load of each measured pair")
+        loads = modulus * default_loads(surface, used)
+    else:
+        loads = check.array("load", load, shape=(None,), positive=True)
+    forces = None
+    if friction_force is not None:
+        forces = check.array("friction_force", friction_force, shape=(len(loads),), positive=True)
+        if surface.friction is None:
+            raise InvalidInput("friction_force needs a surface with a Friction")
+    means = _means(surface, loads, forces)
+    needs = "a surface with a Friction" if surface.friction is None else "measured friction forces"
+    missing = {
+        name: needs for name in ("shear_strength", "area_ratio", "friction_force") if name not in means
+    }
+    inputs = Inputs.of(parameters, covariance, means, missing)
+    notes: list[Note] = []
+    fit = None
+    if load_range is None and np.ptp(surface.height) == 0.0:
+        notes.append(information("no slope: all summits have one height, and no load_range is given"))
+    else:
+        fit = Slope.of(surface, load_range)
+    groups = len(inputs.groups)
+    size = plan(number if wanted is None else FIRST_DRAWS, groups)
+    task = LawDraws.of(surface, used, inputs, fit, loads, forces, size.points, entropy(rng))
+    key = inputs_hash((task, used, size, wanted))
+    first = 0
+    with opened(execution, "uncertainty", key) as compute:
+        while True:
+            batches = compute(replace(task, points=size.points), range(first, first + size.batches))
+            found = estimated(np.array([batch["means"] for batch in batches]), task.nominal)
+            area = slice(0, len(loads))
+            enough = wanted is None or (found.sd.error[area] <= wanted * found.sd.value[area]).all()
+            if enough or size.draws >= MOST_DRAWS:
+                break
+            # afresh: one net of twice as many points is more accurate than two
+            first, size = first + size.batches, plan(2 * size.draws, groups)
+    if not enough:
+        notes.append(Note(f"the sampling error of area_sd exceeds {wanted:g} after {size.draws} draws"))
+    return _dataset(task, found, used, size.draws, key, notes)
+
+
+def _means(surface: Surface, load: FloatArray, force: FloatArray | None) -> dict[str, float | FloatArray]:
+    """Return the values of all parameters that can have an error."""
+    material, friction = surface.material, surface.friction
+    mean: dict[str, float | FloatArray] = {
+        "radius": float(surface.radius.mean()),
+        "composite_modulus": material.composite_modulus,
+        "load": load,
+    }
+    if friction is not None:
+        mean |= {"shear_strength": friction.shear_strength, "area_ratio": friction.area_ratio}
+    if force is not None:
+        mean["friction_force"] = force
+    return mean
+
+
+def _dataset(
+    task: LawDraws, found: SobolIndices, model: Model, draws: int, key: str, notes: list[Note]
+) -> xr.Dataset:
+    """Return the dataset of the estimates of all outputs."""
+    k = len(task.load)
+    variables: dict[str, tuple[tuple[str, ...], Any]] = {}
+    for i, name in enumerate(task.outputs):
+        # the slope is the last output, and a single number
+        part, over = (-1, ()) if name == "slope" else (slice(i * k, (i + 1) * k), ("rescaled_load",))
+        for moment, estimate in (("mean", found.mean), ("sd", found.sd)):
+            variables[f"{name}_{moment}"] = over, estimate.value[part]
+            variables[f"{name}_{moment}_error"] = over, estimate.error[part]
+        for index, estimate in (("first_order", found.first_order), ("total", found.total)):
+            variables[f"{name}_{index}"] = ("parameter", *over), estimate.value[:, part]
+            variables[f"{name}_{index}_error"] = ("parameter", *over), estimate.error[:, part]
+        variables[f"nominal_{name}"] = over, task.nominal[part]
+    variables.pop("nominal_rescaled_load", None)  # the coordinate
+    sd, error = found.sd.value[:k], found.sd.error[:k]
+    plain = sd**2 / (2.0 * draws)  # of the standard deviation of a normal distribution
+    variables["saving"] = ("rescaled_load",), np.divide(plain, error**2, np.ones(k), where=error > 0.0)
+    rescaled = task.load / task.surface.material.composite_modulus
+    return dataset(
+        "uncertainty",
+        variables,
+        {"rescaled_load": rescaled, "parameter": task.inputs.labels},
+        model=model,
+        load_range=task.fit.load_range if task.fit is not None else None,
+        seed=task.seed,
+        draws=draws,
+        inputs=key,
+        notes=notes,
+    )

@@ -1,0 +1,47 @@
+"""The interpolated area against that of the models."""
+
+import numpy as np
+import pytest
+
+import metafem as mf
+from metafem.studies.sampling.response import Response
+
+
+@pytest.fixture(scope="module")
+def surface():
+    height = 0.1 + np.random.default_rng(3).exponential(0.02, 16)
+    block = mf.Block(10.0, 10.0, 7.2)
+    return mf.Surface.square_lattice(height, (4, 4), radius=0.526, material=mf.Material(1.36), block=block)
+
+
+@pytest.mark.parametrize(
+    # the largest errors occur at the entry of a contact between two loads of the table
+    ("model", "largest", "usual"),
+    [(mf.Independent(), 1e-4, 1e-7), (mf.Interacting(substrate=mf.BondedLayer()), 5e-3, 1e-6)],
+)
+def test_the_area_is_that_of_the_model(surface, model, largest, usual):
+    response = Response.of(surface, model, 0.3, 0.01)
+    load = np.linspace(0.01, 0.28, 40)
+    for factor in (0.975, 1.0, 1.015):
+        area = model.areas(surface, load, surface.height[None], factor * surface.radius[None])[0]
+        error = np.abs(response.area(load, np.full(40, factor)) / area - 1.0)
+        assert error.max() <= largest
+        assert np.median(error) <= usual
+
+
+def test_there_is_no_area_without_load(surface):
+    response = Response.of(surface, mf.Independent(), 0.3, 0.0)
+    np.testing.assert_array_equal(response.area(np.array([-0.1, 0.0]), np.ones(2)), 0.0)
+
+
+def test_the_area_continues_beyond_the_table(surface):
+    response = Response.of(surface, mf.Independent(), 0.3, 0.0)
+    load = np.array([0.301])
+    exact = mf.Independent().areas(surface, load, surface.height[None])[0]
+    np.testing.assert_allclose(response.area(load, np.ones(1)), exact, rtol=1e-6)
+
+
+def test_a_load_without_solution_is_named(surface, monkeypatch):
+    monkeypatch.setattr(mf.MeanField, "areas", lambda *given: np.full((1, 400), np.nan))
+    with pytest.raises(mf.NotConverged, match="no solution at the rescaled load"):
+        Response.of(surface, mf.MeanField(), 0.3, 0.01)

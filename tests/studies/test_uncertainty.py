@@ -1,0 +1,161 @@
+"""Error bars against draws of laws, closed forms of small errors, and the shares of each parameter."""
+
+import numpy as np
+import pytest
+
+import metafem as mf
+
+SD = {"radius": 0.005, "composite_modulus": 0.04, "load": 0.005, "shear_strength": 0.006, "area_ratio": 0.01}
+LOAD = np.array([0.05, 0.12, 0.2])
+
+
+@pytest.fixture(scope="module")
+def surface():
+    height = 0.1 + np.random.default_rng(3).exponential(0.02, 16)
+    return mf.Surface.square_lattice(
+        height, (4, 4), radius=0.526, material=mf.Material(1.36), friction=mf.Friction(0.404, 0.85),
+        block=mf.Block(10.0, 10.0, 7.2),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("model", [mf.Independent(), mf.Interacting(substrate=mf.BondedLayer())])
+def test_moments_are_those_of_drawn_laws(surface, model):
+    """Laws of 400 draws, each of a surface with its own material and radius."""
+    found = mf.studies.uncertainty(surface, SD, model=model, load=LOAD)
+    rng = np.random.default_rng(0)
+    areas, forces, slopes = [], [], []
+    for radius, modulus, load, strength, ratio in rng.standard_normal((400, 5)) * list(SD.values()):
+        drawn = surface.replaced(
+            radius=0.526 + radius,
+            material=mf.Material(1.36 + modulus),
+            friction=mf.Friction(0.404 + strength, 0.85 + ratio),
+        )
+        law = mf.friction_law(drawn, model, load=LOAD + load)
+        areas.append(law.area)
+        forces.append(law.friction_force)
+        rescaled = np.linspace(*found.attrs["load_range"], 20)
+        slopes.append(np.polyfit(rescaled, mf.friction_law(drawn, model, load=1.36 * rescaled).area, 1)[0])
+    for name, values in (("area", areas), ("friction_force", forces), ("slope", slopes)):
+        mean, sd = np.mean(values, axis=0), np.std(values, axis=0, ddof=1)
+        # four standard errors of the draws, of which those of the study are a tenth
+        assert (np.abs(found[f"{name}_mean"] - mean) <= 4.0 * sd / np.sqrt(400)).all()
+        assert (np.abs(found[f"{name}_sd"] / sd - 1.0) <= 4.0 / np.sqrt(800)).all()
+        assert (found[f"{name}_sd_error"] <= 0.006 * found[f"{name}_sd"]).all()
+
+
+def test_small_errors_propagate_linearly(surface):
+    small = {name: 1e-3 * sd for name, sd in SD.items()}
+    found = mf.studies.uncertainty(surface, small, load=LOAD, draws=40_000)
+    law = mf.friction_law(surface, load=LOAD)
+
+    def change(name, **changes):
+        return (mf.friction_law(surface.replaced(**changes), load=LOAD).area - law.area) / law.area
+
+    step = 1e-6
+    relative = {
+        "radius": small["radius"] * change("radius", radius=0.526 + step) / step,
+        "composite_modulus": small["composite_modulus"]
+        * change("", material=mf.Material(1.36 + step))
+        / step,
+        "load": small["load"] * (mf.friction_law(surface, load=LOAD + step).area / law.area - 1.0) / step,
+        "shear_strength": np.full(3, small["shear_strength"] / 0.404),
+        "area_ratio": np.full(3, small["area_ratio"] / 0.85),
+    }
+    variance = np.array([relative[name] ** 2 for name in SD])
+    for name, of, nominal in (
+        ("area", variance[:3], law.area), ("friction_force", variance, law.friction_force),
+    ):  # fmt: skip
+        sd = nominal * np.sqrt(of.sum(axis=0))
+        assert (np.abs(found[f"{name}_sd"] - sd) <= 4.0 * found[f"{name}_sd_error"]).all()
+        for index in ("first_order", "total"):
+            share = found[f"{name}_{index}"].values
+            error = 4.0 * found[f"{name}_{index}_error"].values + 1e-4
+            assert (np.abs(share[: len(of)] - of / of.sum(axis=0)) <= error[: len(of)]).all()
+            assert not share[len(of) :].any()
+    assert (found.saving > 1.0).all()
+    assert not found.slope_total.sel(parameter="load").any()
+
+
+def test_measured_pairs_have_errors_in_both_directions(surface):
+    force = np.array([0.15, 0.3, 0.5])
+    sd = {**SD, "friction_force": 0.001 + 0.01 * force}
+    found = mf.studies.uncertainty(surface, sd, load=LOAD, friction_force=force, draws=40_000)
+    np.testing.assert_allclose(found.rescaled_load, LOAD / 1.36)
+    # products and quotients of independent Gaussian variables to the first order; the second is below 1 %
+    load = LOAD / 1.36 * np.hypot(0.005 / LOAD, 0.04 / 1.36)
+    ratio = [sd["friction_force"] / force, np.full(3, 0.006 / 0.404), np.full(3, 0.01 / 0.85)]
+    friction = force / (0.404 * 0.85) * np.sqrt(np.square(ratio).sum(axis=0))
+    np.testing.assert_allclose(found.rescaled_load_sd, load, rtol=0.01)
+    np.testing.assert_allclose(found.rescaled_friction_sd, friction, rtol=0.01)
+    np.testing.assert_allclose(found.nominal_deviation, found.nominal_rescaled_friction - found.nominal_area)
+    both = np.hypot(found.rescaled_friction_sd, found.area_sd)
+    np.testing.assert_allclose(found.deviation_sd, both, rtol=0.01)
+    np.testing.assert_allclose(found.deviation_first_order.sum("parameter"), 1.0, atol=0.01)
+    assert list(found.parameter.values) == [*SD, "friction_force"]
+    assert "friction_force_sd" not in found
+
+
+def test_correlated_parameters_are_one_entry(surface):
+    covariance = np.diag([0.005**2, 0.04**2, 0.005**2])
+    names = ["radius", "composite_modulus", "load"]
+    alone = mf.studies.uncertainty(surface, names, covariance=covariance, load=LOAD)
+    assert alone.equals(mf.studies.uncertainty(surface, {name: SD[name] for name in names}, load=LOAD))
+    covariance[0, 1] = covariance[1, 0] = 0.9 * 0.005 * 0.04
+    found = mf.studies.uncertainty(surface, names, covariance=covariance, load=LOAD)
+    assert list(found.parameter.values) == ["radius + composite_modulus", "load"]
+    # A0 grows with the radius and falls with the modulus
+    assert (found.area_sd < alone.area_sd - alone.area_sd_error).all()
+
+
+def test_results_repeat_and_belong_to_the_seed(surface, tmp_path):
+    found = mf.studies.uncertainty(surface, SD, load=LOAD, draws=500)
+    kept = mf.studies.Execution(folder=tmp_path / "run")
+    assert found.identical(mf.studies.uncertainty(surface, SD, load=LOAD, draws=500, execution=kept))
+    assert found.identical(mf.studies.uncertainty(surface, SD, load=LOAD, draws=500, execution=kept))
+    assert not found.equals(mf.studies.uncertainty(surface, SD, load=LOAD, draws=500, rng=1))
+
+
+def test_draws_are_added_until_the_error_is_reached(surface):
+    found = mf.studies.uncertainty(surface, SD, load=LOAD, error=2e-3)
+    assert (found.area_sd_error <= 2e-3 * found.area_sd).all()
+    assert found.attrs["draws"] > 10_000
+    assert found.attrs["notes"] == ""
+    few = mf.studies.uncertainty(surface, SD, load=LOAD, error=0.05)
+    assert few.attrs["draws"] < 10_000
+
+
+def test_summits_of_one_height_have_no_slope(surface):
+    flat = surface.replaced(height=np.full(16, 0.1))
+    found = mf.studies.uncertainty(flat, SD, draws=100)
+    assert "slope_sd" not in found
+    assert "no slope: all summits have one height" in found.attrs["notes"]
+    assert "slope_sd" in mf.studies.uncertainty(flat, SD, draws=100, load_range=(0.01, 0.1))
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"draws": 1}, "draws = 1 must be a whole number of at least 2"),
+        ({"error": 0.0}, "error = 0 must be greater than 0"),
+        ({"load": [0.1, -0.1]}, r"load\[1\] = -0.1 must be greater than 0"),
+        ({"friction_force": [0.1]}, "friction_force must be given with the load"),
+        ({"load": [0.1], "friction_force": [0.1, 0.2]}, r"friction_force has shape \(2,\)"),
+        ({"parameters": {"height": 0.1}}, "no parameter 'height'; there are radius, composite_modulus"),
+        ({"parameters": {"friction_force": 0.1}}, r"parameters\.friction_force needs measured friction"),
+        ({"parameters": {"radius": -0.1}}, r"parameters\.radius = -0.1 must be at least 0"),
+        ({"parameters": None}, "parameters = None must map names to standard deviations"),
+        ({"model": "layer"}, "model = 'layer' must be a model"),
+    ],
+)  # fmt: skip
+def test_wrong_arguments_are_named(surface, changes, message):
+    with pytest.raises(mf.InvalidInput, match=message):
+        mf.studies.uncertainty(**{"surface": surface, "parameters": SD, **changes})
+
+
+def test_forces_need_a_friction(surface):
+    bare = surface.replaced(friction=None)
+    with pytest.raises(mf.InvalidInput, match=r"parameters\.shear_strength needs a surface with a Friction"):
+        mf.studies.uncertainty(bare, SD)
+    with pytest.raises(mf.InvalidInput, match="friction_force needs a surface with a Friction"):
+        mf.studies.uncertainty(bare, {"radius": 0.005}, load=[0.1], friction_force=[0.1])
+    assert "friction_force_sd" not in mf.studies.uncertainty(bare, {"radius": 0.005}, draws=100)
