@@ -1,4 +1,4 @@
-"""The cache on disk: compiled kernels and the influence of blocks."""
+"""The cache on disk: compiled kernels, the influence of blocks and the batches of stopped studies."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from pathlib import Path
 VARIABLE = "METAFEM_CACHE_DIR"
 
 # Names of the files that metafem writes there; other files are never removed.
-_KERNELS = re.compile(r"[0-9a-f]{32}")
+_KERNELS = _STUDY = re.compile(r"[0-9a-f]{32}")
 _BLOCK = re.compile(r"\.?block-.*\.npz")
 
 
@@ -46,6 +46,16 @@ def kept_kernels() -> list[Path]:
 def kept_blocks() -> list[Path]:
     """Return the files with the influence of a block."""
     return sorted(_children(cache_folder(), _BLOCK))
+
+
+def study_folder() -> Path:
+    """Return the folder with one folder of finished batches for each stopped study."""
+    return cache_folder() / "studies"
+
+
+def kept_studies() -> list[Path]:
+    """Return the folders with the finished batches of stopped studies."""
+    return sorted(_children(study_folder(), _STUDY))
 
 
 def size(paths: list[Path]) -> int:

@@ -12,7 +12,9 @@ from metafem.cli.group import NOT_ACHIEVED, json_option, main
 
 @main.command(short_help="Check the installation.")
 @click.option(
-    "--clear-cache", is_flag=True, help="Remove compiled kernels and the stored influence of blocks."
+    "--clear-cache",
+    is_flag=True,
+    help="Remove compiled kernels, the stored influence of blocks and stopped studies.",
 )
 @json_option
 def doctor(clear_cache: bool, as_json: bool) -> None:
@@ -38,17 +40,19 @@ def _clear_cache(as_json: bool) -> None:
 
     try:
         folder = _caches.cache_folder()
-        kernels, blocks = _caches.remove(_caches.kept_kernels()), _caches.remove(_caches.kept_blocks())
-        left = _caches.size([*_caches.kept_kernels(), *_caches.kept_blocks()])
+        kept = (_caches.kept_kernels, _caches.kept_blocks, _caches.kept_studies)
+        kernels, blocks, studies = (_caches.remove(each()) for each in kept)
+        left = _caches.size([path for each in kept for path in each()])
     except OSError as error:
         raise click.ClickException(f"the cache cannot be cleared: {error}") from None
     if as_json:
-        data = {"folder": str(folder), "kernels_bytes": kernels, "blocks_bytes": blocks, "left_bytes": left}
-        click.echo(json.dumps(data))
+        sizes = {"kernels": kernels, "blocks": blocks, "studies": studies, "left": left}
+        data = {f"{name}_bytes": number for name, number in sizes.items()}
+        click.echo(json.dumps({"folder": str(folder), **data}))
     else:
         click.echo(
             f"removed from {folder}: compiled kernels, {megabytes(kernels)}; "
-            f"influence of blocks, {megabytes(blocks)}"
+            f"influence of blocks, {megabytes(blocks)}; stopped studies, {megabytes(studies)}"
         )
     if left:
         raise click.ClickException(f"{megabytes(left)} in {folder} could not be removed")

@@ -100,8 +100,12 @@ def _cache() -> tuple[str, bool]:
         return (
             f"{error}; each command compiles its kernels again; set {_caches.VARIABLE} to a writable folder"
         ), False
-    kernels, blocks = _caches.size(_caches.kept_kernels()), _caches.size(_caches.kept_blocks())
-    return (f"{folder}; compiled kernels {megabytes(kernels)}, influence of blocks {megabytes(blocks)}"), True
+    kernels, blocks, studies = (
+        megabytes(_caches.size(kept()))
+        for kept in (_caches.kept_kernels, _caches.kept_blocks, _caches.kept_studies)
+    )
+    found = f"{folder}; compiled kernels {kernels}, influence of blocks {blocks}, stopped studies {studies}"
+    return found, True
 
 
 def _contact() -> tuple[str, bool]:

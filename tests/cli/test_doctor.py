@@ -67,7 +67,7 @@ def test_a_package_that_is_not_installed_is_reported(monkeypatch):
 def test_caches_are_listed_with_their_size(folder):
     found, well = examination._cache()
     assert well
-    assert found == f"{folder}; compiled kernels 0.0 MB, influence of blocks 0.0 MB"
+    assert found == f"{folder}; compiled kernels 0.0 MB, influence of blocks 0.0 MB, stopped studies 0.0 MB"
 
 
 def test_a_cache_that_cannot_be_written_is_reported(tmp_path, monkeypatch):
@@ -82,18 +82,22 @@ def test_clearing_reports_how_much_was_freed(folder):
     (folder / "kernels" / ("a" * 32)).mkdir(parents=True)
     (folder / "kernels" / ("a" * 32) / "kernel").write_bytes(b"x" * 250_000)
     (folder / "block-1.npz").write_bytes(b"x" * 100_000)
+    (folder / "studies" / ("b" * 32)).mkdir(parents=True)
+    (folder / "studies" / ("b" * 32) / "batch-00000000.npz").write_bytes(b"x" * 300_000)
     (folder / "mine").touch()
     result = CliRunner().invoke(main, ["doctor", "--clear-cache"])
     assert result.exit_code == 0
     assert result.stdout == (
-        f"removed from {folder}: compiled kernels, 0.2 MB; influence of blocks, 0.1 MB\n"
+        f"removed from {folder}: compiled kernels, 0.2 MB; influence of blocks, 0.1 MB; "
+        "stopped studies, 0.3 MB\n"
     )
-    assert sorted(path.name for path in folder.iterdir()) == ["kernels", "mine"]
+    assert sorted(path.name for path in folder.rglob("*")) == ["kernels", "mine", "studies"]
     result = CliRunner().invoke(main, ["doctor", "--clear-cache", "--json"])
     assert json.loads(result.stdout) == {
         "folder": str(folder),
         "kernels_bytes": 0,
         "blocks_bytes": 0,
+        "studies_bytes": 0,
         "left_bytes": 0,
     }
 
