@@ -1,4 +1,4 @@
-"""Progress of a command: step, fraction done, elapsed time and time left."""
+"""Progress of a command: step, fraction done and elapsed time."""
 
 from __future__ import annotations
 
@@ -69,12 +69,9 @@ def _status(console: Console) -> Iterator[OnStep]:
     from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
     columns = (SpinnerColumn(), TextColumn("{task.description}", markup=False), TimeElapsedColumn())
-    pace = Pace()
     with Progress(*columns, console=console, transient=True) as bar:
         task = bar.add_task("starting")
-        yield lambda step, done: bar.update(
-            task, description=worded(step, done, pace.left(done, time.monotonic()))
-        )
+        yield lambda step, done: bar.update(task, description=worded(step, done))
 
 
 @contextmanager
@@ -104,11 +101,11 @@ class Lines:
 
     def __init__(self, start: float) -> None:
         self.start, self.next = start, start + FIRST_LINE
-        self.text, self.pace = "", Pace()
+        self.text = ""
 
     def step(self, step: str, done: float | None) -> None:
         """Store the running step."""
-        self.text = worded(step, done, self.pace.left(done, time.monotonic()))
+        self.text = worded(step, done)
 
     def due(self, now: float) -> str | None:
         """Return the line that is due at a time, or None."""
@@ -118,34 +115,6 @@ class Lines:
         return f"{self.text} ({now - self.start:.0f} s)"
 
 
-class Pace:
-    """How fast the fraction done grows."""
-
-    def __init__(self) -> None:
-        self.start: tuple[float, float] | None = None
-        self.last = 0.0
-
-    def left(self, done: float | None, now: float) -> float | None:
-        """Return the time left [s] at a time [s], or None if it is not known."""
-        if done is None or done < self.last:  # other work has begun
-            self.start = None
-        self.last = done or 0.0
-        if done is None:
-            return None
-        if self.start is None:
-            self.start = (done, now)
-        before, began = self.start
-        return (1.0 - done) * (now - began) / (done - before) if done > before else None
-
-
-def worded(step: str, done: float | None, left: float | None = None) -> str:
-    """Return a step with the fraction done and, if it is long, the time left [s]."""
-    if done is None:
-        return step
-    rest = "" if left is None or left < FIRST_LINE else f", {duration(left)} left"
-    return f"{step}, {100.0 * done:.0f} %{rest}"
-
-
-def duration(seconds: float) -> str:
-    """Return a time in words, in minutes from two on."""
-    return f"{seconds:.0f} s" if seconds < 120.0 else f"{seconds / 60.0:.0f} min"
+def worded(step: str, done: float | None) -> str:
+    """Return a step with the fraction done."""
+    return step if done is None else f"{step}, {100.0 * done:.0f} %"

@@ -2,11 +2,10 @@
 
 import time
 
-import pytest
 from rich.console import Console
 
 from metafem.cli import progress as module
-from metafem.cli.progress import FIRST_LINE, NEXT_LINE, Lines, Pace, progress, worded
+from metafem.cli.progress import FIRST_LINE, NEXT_LINE, Lines, progress
 from metafem.progress import doing, each, message
 
 
@@ -19,19 +18,6 @@ def test_short_work_prints_no_lines_and_long_work_few():
     assert lines.due(100.0 + FIRST_LINE + 0.9 * NEXT_LINE) is None
     later = FIRST_LINE + NEXT_LINE
     assert lines.due(100.0 + later) == f"solving, part 2 of 2, 50 % ({later:.0f} s)"
-
-
-def test_the_time_left_follows_from_how_fast_the_work_proceeds():
-    pace = Pace()
-    assert [pace.left(*at) for at in ((0.0, 5.0), (0.25, 15.0), (0.5, 20.0))] == [None, 30.0, 15.0]
-    # a second loop, and a step whose end is not known
-    assert [pace.left(*at) for at in ((0.1, 21.0), (0.6, 26.0), (None, 30.0), (0.7, 31.0))] == [
-        *(None, pytest.approx(4.0)),
-        *(None, None),
-    ]
-    assert worded("draws, batch 3 of 8", 0.25, 30.0) == "draws, batch 3 of 8, 25 %, 30 s left"
-    assert worded("draws, batch 3 of 8", 0.25, 150.0) == "draws, batch 3 of 8, 25 %, 2 min left"
-    assert worded("quick", 0.5, 0.1) == "quick, 50 %"
 
 
 def test_without_a_terminal_facts_are_lines_on_stderr(capsys):
