@@ -77,8 +77,8 @@ class Commands(click.Group):
         try:
             return super().invoke(ctx)
         except InvalidInput as error:
-            # errors name the argument of the Python function
-            message = str(error).replace("force=True", "--force")
+            # errors name the arguments of the Python function
+            message = str(error).replace("force=True", "--force").replace("workers=2", "--workers 2")
             raise BadInput("InvalidInput", message) from None
         except MetafemError as error:
             raise NotAchieved(type(error).__name__, str(error)) from None

@@ -10,7 +10,7 @@ import numpy as np
 
 from metafem import _validate as check
 from metafem._calls import checked_class
-from metafem._given import formatted
+from metafem._given import formatted, label
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.surface import STEEPEST, Surface
@@ -132,8 +132,8 @@ class Tolerances:
         smallest = float(surface.radius.min())
         if WIDEST_RADIUS * self.radius_sd > smallest:
             raise InvalidInput(
-                f"radius_sd = {formatted('radius_sd', self.radius_sd)} must be at most a tenth of the "
-                f"smallest radius, {formatted('radius', smallest)}"
+                f"{label('radius_sd')} = {formatted('radius_sd', self.radius_sd)} must be at most a tenth of "
+                f"the smallest radius, {formatted('radius', smallest)}"
             )
 
         def columns(number: int) -> FloatArray:

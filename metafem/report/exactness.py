@@ -3,44 +3,57 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from metafem.drawing import svg
-from metafem.report.study_figures import Labelled, misalignment_figure
+from metafem.report.study_figures import manufacturing_figure, misalignment_figure
 from metafem.studies.summaries import summary
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from xarray import Dataset
 
-# What each study answers, the title of its figure, and the figure.
-QUESTIONS: Mapping[str, tuple[str, str, Callable[[Labelled], Figure]]] = {
-    "misalignment": (
+
+class Question(NamedTuple):
+    """A question, the command whose study answers it, and the figure of the study with its title."""
+
+    text: str
+    command: str
+    title: str
+    figure: Callable[[Dataset], Figure]
+
+
+QUESTIONS: Mapping[str, Question] = {
+    "manufacturing": Question(
+        "How exact must the heights be?",
+        "metafem study manufacturing DIR",
+        "Slope against the errors of the heights",
+        lambda study: manufacturing_figure({"": study}),
+    ),
+    "misalignment": Question(
         "How level must the plane be?",
+        "metafem study misalignment DIR",
         "Scatter of the slope against the tilt of the plane",
-        misalignment_figure,
+        lambda study: misalignment_figure({"": study}),
     ),
 }
 
 # Figs. S2 and S3 of the source (doi:10.1126/science.adk4234) show slopes without the loads of their fits.
-SOURCE = "This range is metafem's choice; the source paper does not print its own."
+SOURCE = (
+    "The default, 25 to 100 % of the load at which the plane reaches the lowest asperity, is the choice of "
+    "metafem; the source paper does not print its range."
+)
 
 
 def exactness_section(studies: Mapping[str, Dataset]) -> dict[str, Any]:
     """Return the answers of the studies, with tables and figures, and the commands of the missing ones."""
     answers, missing = [], []
-    for name, (question, title, figure) in QUESTIONS.items():
-        if name not in studies:
-            missing.append((question, f"metafem study {name} DIR"))
-            continue
-        table = summary(studies[name])
-        answers.append(
-            {
-                **vars(table),
-                "question": question,
-                "figure": svg(figure({"": studies[name]}), title),
-            }
-        )
+    for name, question in QUESTIONS.items():
+        if name in studies:
+            picture = svg(question.figure(studies[name]), question.title)
+            answers.append({**vars(summary(studies[name])), "question": question.text, "figure": picture})
+        else:
+            missing.append((question.text, question.command))
     return {"answers": answers, "missing": missing, "fitted": _fitted(studies)}
 
 

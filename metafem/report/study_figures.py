@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from metafem._values import MICROMETRES
-from metafem.drawing import ACHIEVED, QUIET, TARGET, new_figure
+from metafem.drawing import ACHIEVED, QUIET, TARGET, law, new_figure
+from metafem.studies.summaries.parameters import QUANTITIES, in_words, main_quantity, shares
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -23,6 +24,9 @@ Labelled = Mapping[str, "Dataset"]
 
 # Shuffled placements that are drawn, as many as in Fig. S2 can be told apart.
 MOST_SHUFFLES = 20
+
+# Error bars of a law.
+BARS = 12
 
 COLOURS = (ACHIEVED, TARGET)
 
@@ -61,6 +65,25 @@ def misalignment_figure(studies: Labelled) -> Figure:
     ax.set_ylabel("SD of the slope over nominal [%]")
     ax.set_xlim(left=0.0)
     ax.set_ylim(bottom=0.0)
+    return _finished(figure)
+
+
+def uncertainty_figure(study: Dataset) -> Figure:
+    """Error bars of the law, and the share of each input in their variance."""
+    figure = new_figure(9.0, 3.2, MARGINS)
+    left, right = figure.subplots(1, 2, gridspec_kw={"wspace": 0.55})
+    load, mean, sd = (study[name].values for name in ("rescaled_load", "area_mean", "area_sd"))
+    law(left, load, mean, forces=False)
+    some = slice(None, None, -max(1, len(load) // BARS))
+    left.errorbar(load[some], mean[some], sd[some], fmt="none", capsize=2, lw=1.2, color=ACHIEVED)
+    name = main_quantity(study)
+    total, first = shares(study, name, "total"), shares(study, name, "first_order")
+    labels = [in_words(str(label)).removeprefix("the ") for label in study["parameter"].values]
+    right.barh(labels, 100.0 * total, color=QUIET, label="with interactions")
+    right.barh(labels, 100.0 * first, height=0.5, color=ACHIEVED, label="alone")
+    right.invert_yaxis()
+    right.set_xlabel(f"share of the variance of\n{QUANTITIES[name].removeprefix('the ')} [%]")
+    right.set_xlim(left=0.0)
     return _finished(figure)
 
 

@@ -2,43 +2,15 @@
 
 import json
 import re
-import shutil
 from pathlib import Path
 
 import pytest
-import xarray as xr
-from click.testing import CliRunner
 
 import metafem as mf
 from metafem import cli
 from metafem.cli.group import DEMOS
 from metafem.cli.group import MODELS as COMMAND_MODELS
 from metafem.files import MODELS, all_keys, demo_text, manual
-
-
-@pytest.fixture
-def run(tmp_path, monkeypatch):
-    """Run a command in an empty folder and return its result."""
-    monkeypatch.chdir(tmp_path)
-
-    def call(*arguments):
-        result = CliRunner().invoke(cli.main, [str(argument) for argument in arguments])
-        assert result.exception is None or isinstance(result.exception, SystemExit)
-        return result
-
-    return call
-
-
-@pytest.fixture
-def demo(demo_results, run, tmp_path):
-    """Copy what a demo wrote into the folder of a test, and return the data that it printed."""
-
-    def call(name):
-        folder, data = demo_results(name)
-        shutil.copytree(folder, tmp_path, dirs_exist_ok=True)
-        return data
-
-    return call
 
 
 def test_models_of_the_command_are_those_of_the_files():
@@ -230,63 +202,6 @@ def test_report_is_written_anew_and_the_same(run, demo):
     path.unlink()
     assert run("report", "operating-points").exit_code == 0
     assert path.read_bytes() == before
-
-
-def test_study_prints_its_table_and_keeps_its_file(run):
-    text = demo_text("linear").replace("[8, 8]", "[3, 3]").replace('height_step = "6 um"', "")
-    Path("small.toml").write_text(text, "utf-8")
-    assert run("design", "small.toml", "-o", "small").exit_code == 0
-    result = run("study", "interaction", "small", "--placements", 20)
-    assert (result.exit_code, "half-space" in result.output) == (0, True), result.output
-    assert "…" not in result.stdout  # on the other stream kernels may be compiled
-    refused = run("study", "interaction", "small")
-    assert (refused.exit_code, "--force" in refused.output) == (2, True)
-    data = json.loads(run("study", "interaction", "small", "--force", "--json").stdout)
-    with xr.open_dataset("small/interaction.nc", engine="h5netcdf") as kept:
-        assert kept.area_change.values.tolist() == data["data"]["area_change"]["values"]
-        assert kept.sinking.attrs["units"] == "mm"
-
-
-def test_a_study_of_tilts_is_answered_in_the_report(run, demo):
-    demo("linear")
-    arguments = ("study", "misalignment", "linear", "--angle", "0.05deg,0.1deg", "--shuffles", 3)
-    result = run(*arguments)
-    assert result.exit_code == 0, result.output
-    (answer,) = [line for line in result.stdout.splitlines() if line.startswith("Tilts within")]
-    assert run("report", "linear").exit_code == 0
-    assert answer in Path("linear/report.html").read_text("utf-8")
-    data = json.loads(
-        run(*arguments, "--model", "layer", "--load-range", "0.2N", "0.5N", "--force", "--json").stdout
-    )
-    assert data["data"]["slope_sd"]["values"][0][0] > 0.0
-    assert mf.load("linear").law.model == mf.Independent()
-
-
-@pytest.mark.parametrize(
-    ("options", "words"),
-    [
-        (("--angle", "50deg"), "--angle = 50 deg must be at most 45 deg"),
-        (("--angle", "0.1"), '--angle = "0.1" needs a unit'),
-        (("--angle", "0.1deg,0.05deg"), "--angle"),
-        (("--axes", "z"), "--axes"),
-        (("--load-range", "0.5N", "0.2N"), "--load-range"),
-        (("--load-range", "0.5N", "0.6mm^2"), "--load-range"),
-        (("--load-range", "0.5N"), "--load-range"),
-        (("--model", "magic"), "--model"),
-    ],
-)
-def test_bad_options_of_a_study_are_named(run, demo, options, words):
-    demo("linear")
-    result = run("study", "misalignment", "linear", *options)
-    assert (result.exit_code, words in result.output) == (2, True), result.output
-    assert not Path("linear/misalignment.nc").exists()
-
-
-def test_a_damaged_study_is_refused_by_the_report(run, demo):
-    demo("linear")
-    Path("linear/misalignment.nc").write_text("no NetCDF", "utf-8")
-    result = run("report", "linear")
-    assert (result.exit_code, "misalignment.nc is damaged" in result.output) == (2, True), result.output
 
 
 def test_doctor_finds_no_fault_in_this_installation(run, monkeypatch):

@@ -1,8 +1,11 @@
 """The report's section on how exact the part must be."""
 
+from pathlib import Path
+
 import pytest
 
 import metafem as mf
+from metafem import cli
 from metafem.report.exactness import QUESTIONS, SOURCE, exactness_section
 from metafem.report.page import page
 
@@ -15,7 +18,7 @@ def studies(template):
 
 def test_answers_have_a_sentence_a_figure_and_a_table(studies):
     section = exactness_section(studies)
-    assert [each["question"] for each in section["answers"]] == [QUESTIONS[name][0] for name in studies]
+    assert [each["question"] for each in section["answers"]] == [QUESTIONS[name].text for name in studies]
     for answer in section["answers"]:
         assert answer["answer"].endswith(".")
         assert answer["figure"].startswith("<svg")
@@ -24,8 +27,16 @@ def test_answers_have_a_sentence_a_figure_and_a_table(studies):
 
 def test_missing_studies_name_their_commands():
     section = exactness_section({})
-    assert section["missing"] == [(QUESTIONS[name][0], f"metafem study {name} DIR") for name in QUESTIONS]
+    assert section["missing"] == [(each.text, each.command) for each in QUESTIONS.values()]
     assert (section["answers"], section["fitted"]) == ([], "")
+
+
+@pytest.mark.parametrize("name", QUESTIONS)
+def test_the_commands_are_complete(name):
+    program, group, study, *options = QUESTIONS[name].command.split()
+    assert (program, group, study) == ("metafem", "study", name)
+    command = cli.main.commands["study"].commands[name]
+    assert command.make_context(name, options).params["folder"] == Path("DIR")
 
 
 def test_the_range_of_the_slopes_is_stated(studies):
@@ -38,6 +49,6 @@ def test_the_page_shows_the_answers(template, studies):
     design = mf.design(mf.LinearLaw(6.87), template)
     text = page(design, studies=studies)
     assert "How exact must the part be" in text
-    assert "keep the scatter of the slope" in text or "scatter the slope by" in text
+    assert "the slope scatters by" in text
     assert "metafem study misalignment DIR" not in text
     assert "metafem study misalignment DIR" in page(design)

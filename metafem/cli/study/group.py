@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import json
 from collections.abc import Callable, Mapping
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +13,7 @@ import click
 
 from metafem.cli.group import Name, force_option, json_option, main
 from metafem.cli.progress import progress
+from metafem.cli.study.kept import kept_batches
 from metafem.cli.terminal import print_notes, print_table, terminal
 
 if TYPE_CHECKING:
@@ -46,9 +48,11 @@ def of_design(compute: Callable[..., Dataset]) -> Callable[..., None]:
         path = study_path(folder, name, force)
         still = same_design(folder)
         design = mf.load(folder)
-        with progress(), error_names(option_names(_first_texts(options))):
+        with progress(), error_names(option_names(_first_texts(options))), ExitStack() as stack:
+            if "workers" in options:  # a study in batches
+                options["kept"] = stack.enter_context(kept_batches(name, folder, options))
             dataset = compute(design, **options)
-        write_study(dataset, path, force=force, still=still)
+            write_study(dataset, path, force=force, still=still)
         if as_json:
             click.echo(json.dumps({"file": str(path), **study_data(dataset)}))
         else:
@@ -75,5 +79,5 @@ def _print_study(dataset: Dataset, path: Path) -> None:
     print_table(console, found.columns, found.rows, found.title)
     print_notes(console, found.notes)
     if found.answer:
-        console.print(found.answer, highlight=False, markup=False)
+        console.print(found.answer, highlight=False, markup=False, soft_wrap=True)
     console.print(f"wrote {path}", highlight=False, markup=False)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from metafem.cli.group import model_option
+from metafem.errors import InvalidInput
 
 if TYPE_CHECKING:
     from metafem.inversion import Design
@@ -84,3 +85,40 @@ def law_arguments(design: Design, options: Mapping[str, Any]) -> dict[str, Any]:
     refuse_missing_block(model, design.surface, "design the folder again with a section [block]")
     loads = load_range("--load-range", options["load_range"] or (), design.surface.material)
     return {"model": model, "load_range": loads}
+
+
+draw_options = with_options(
+    click.option("--draws", type=click.IntRange(min=2), help="Number of random surfaces. Default: 10000."),
+    click.option(
+        "--error",
+        type=click.FloatRange(min=0.0, min_open=True),
+        help="Draw until the relative standard error of the scatter is this, instead of --draws.",
+    ),
+)
+
+run_options = with_options(
+    seed_option,
+    click.option(
+        "--workers",
+        type=click.IntRange(min=1),
+        default=1,
+        show_default=True,
+        help="Number of processes; the numbers do not depend on it.",
+    ),
+    click.option(
+        "--scheduler",
+        metavar="ADDRESS",
+        help="Address of a Dask scheduler, such as tcp://host:8786, instead of --workers.",
+    ),
+)
+
+
+def run_arguments(options: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the arguments of the options of draws and of the run; `kept` is the folder of its batches."""
+    import metafem as mf
+
+    found = {name: options[name] for name in ("draws", "error") if options.get(name) is not None}
+    if len(found) == 2:
+        raise InvalidInput("--draws and --error cannot be given together; give one of them")
+    execution = mf.studies.Execution(options["workers"], options["scheduler"], options["kept"])
+    return {"rng": options["seed"], "execution": execution, **found}

@@ -1,4 +1,4 @@
-"""`metafem study misalignment`."""
+"""`metafem study manufacturing` and `metafem study misalignment`."""
 
 from __future__ import annotations
 
@@ -8,9 +8,14 @@ import click
 
 from metafem.cli.study.group import of_design, study
 from metafem.cli.study.options import (
+    draw_options,
+    error,
+    error_option,
     errors,
     law_arguments,
     law_options,
+    run_arguments,
+    run_options,
     seed_option,
 )
 
@@ -19,8 +24,46 @@ if TYPE_CHECKING:
 
     from metafem.inversion import Design
 
+# The levels of Fig. S3: 0 to 3 um in steps of 0.1 um [mm].
+LEVELS = [i * 1e-4 for i in range(31)]
+
 # The largest angle of Fig. S2.
 ANGLE = "0.1deg"
+
+
+@study.command(short_help="How exact the heights must be.")
+@click.option(
+    "--height-sd",
+    multiple=True,
+    metavar="LENGTHS",
+    help="Standard deviations of the heights, such as 0.9um,3um; may be repeated. Default: 0 to 3 um in "
+    "steps of 0.1 um.",
+)
+@error_option("radius_sd")
+@error_option("position_sd")
+@law_options
+@draw_options
+@run_options
+@of_design
+def manufacturing(design: Design, **options: Any) -> Dataset:
+    """Study the law of surfaces whose heights have random errors.
+
+    Each height has an independent Gaussian error. A line is fitted to the law over a range of loads; the mean
+    and the scatter (standard deviation) of its slope over the random surfaces are printed. The result is the
+    file DIR/manufacturing.nc.
+
+    Example: metafem study manufacturing linear --height-sd 0.9um,3um
+    """
+    import metafem as mf
+
+    return mf.studies.manufacturing(
+        design.surface,
+        errors("height_sd", options["height_sd"]) or LEVELS,
+        radius_sd=error("radius_sd", options["radius_sd"]),
+        position_sd=error("position_sd", options["position_sd"]),
+        **law_arguments(design, options),
+        **run_arguments(options),
+    )
 
 
 @study.command(short_help="How level the plane must be.")

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from metafem.errors import InvalidInput
 from metafem.studies.summaries.comparisons import fidelity_summary, interaction_summary
+from metafem.studies.summaries.parameters import uncertainty_summary
 from metafem.studies.summaries.table import Summary
 from metafem.studies.summaries.tolerances import manufacturing_summary, misalignment_summary
 
@@ -50,4 +51,5 @@ SUMMARIES: Mapping[str, Callable[[Dataset], Summary]] = {
     "interaction": interaction_summary,
     "manufacturing": manufacturing_summary,
     "misalignment": misalignment_summary,
+    "uncertainty": uncertainty_summary,
 }

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -28,7 +29,12 @@ def manufacturing_summary(study: Dataset) -> Summary:
     deviation, nominal = study["height_sd"].values, float(study["nominal_slope"])
     mean, scatter = study["slope_mean"].values / nominal, study["slope_sd"].values / nominal
     error = study["slope_sd_error"].values / nominal
-    columns = ("SD of the heights [µm]", "mean slope", "change [%]", "SD of the slope [%]", "its error [%]")
+    columns: tuple[str, ...] = (
+        *("SD of the heights [µm]", "mean slope", "change [%]", "SD of the slope [%]", "its error [%]"),
+        *("5 % of the surfaces below [%]", "95 % below [%]", "plain draws of equal error"),
+    )
+    low, *_, high = study["slope_quantile"].transpose("quantile", ...).values / nominal - 1.0
+    equal = study["draws"].values * study["saving"].sel(moment="sd").values
     rows = tuple(
         (
             f"{MICROMETRES * deviation[i]:.3g}",
@@ -36,22 +42,20 @@ def manufacturing_summary(study: Dataset) -> Summary:
             f"{100.0 * (mean[i] - 1.0):+.3f}",
             f"{100.0 * scatter[i]:.3f}",
             f"{100.0 * error[i]:.3f}",
+            f"{100.0 * low[i]:+.2f}",
+            f"{100.0 * high[i]:+.2f}",
+            f"{equal[i]:.2g}",
         )
         for i in shown(len(deviation))
     )
     title = f"Slope of the law of made surfaces; {nominal:.4f} with exact heights"
-    largest, end = reach(deviation, scatter), percent(scatter[-1])
-    last = f"{MICROMETRES * deviation[-1]:.3g} µm"
-    if math.isinf(largest):
-        answer = (
-            f"Errors of the heights of {last} (SD), the largest studied, scatter the slope by {end} (SD)."
-        )
-    else:
-        answer = (
-            f"Errors of the heights of up to {MICROMETRES * largest:.2g} µm (SD) keep the scatter of the "
-            f"slope (SD) below {percent(ALLOWED)}; at {last} it is {end}."
-        )
-    return Summary(title, columns, rows, stored_notes(study), answer)
+    answer = answered(
+        "errors of the heights of up to",
+        deviation,
+        scatter,
+        lambda value: f"{MICROMETRES * value:.2g} µm (SD)",
+    )
+    return Summary(title, columns, rows, stored_notes(study), f"{answer}.")
 
 
 def misalignment_summary(study: Dataset) -> Summary:
@@ -75,20 +79,27 @@ def misalignment_summary(study: Dataset) -> Summary:
             (*row, *(f"{value:.3f}" for value in quantile[:, i]))
             for row, i in zip(rows, shown(len(angle)), strict=True)
         ]
-    largest, end = reach(angle, scatter[0]), percent(scatter[0, -1])
-    last = f"{math.degrees(angle[-1]):.3g}°"
-    if math.isinf(largest):
-        answer = f"Tilts within ±{last}, the largest studied, scatter the slope by {end} (SD)"
-    else:
-        answer = (
-            f"Tilts within ±{math.degrees(largest):.2g}° keep the scatter of the slope (SD) below "
-            f"{percent(ALLOWED)}; within ±{last} it is {end}"
-        )
+    answer = answered("tilts within", angle, scatter[0], lambda value: f"±{math.degrees(value):.2g}°")
     if shuffled:
         middle = percent(float(np.median(scatter[1:, -1])))
-        answer += f", and {middle} in the median of {shuffled} random assignments of the heights to sites"
+        answer += f", and by {middle} in the median of {shuffled} random assignments of the heights to sites"
     title = f"Slope of the law under tilts; {nominal:.4f} without a tilt"
     return Summary(title, columns, tuple(rows), stored_notes(study), f"{answer}.")
+
+
+def answered(errors: str, value: FloatArray, scatter: FloatArray, written: Callable[[float], str]) -> str:
+    """Return up to which errors the slope scatters by less than `ALLOWED`, and its scatter at the largest."""
+    largest = reach(value, scatter)
+    if math.isinf(largest):
+        last = written(value[-1])
+        return (
+            f"With {errors} {last}, the largest studied, the slope scatters by less than {percent(ALLOWED)} "
+            f"(SD), at most by {percent(scatter.max())}"
+        )
+    return (
+        f"With {errors} {written(largest)} the slope scatters by less than {percent(ALLOWED)} (SD); with "
+        f"{written(value[-1])} it scatters by {percent(scatter[-1])}"
+    )
 
 
 def shown(count: int) -> list[int]:

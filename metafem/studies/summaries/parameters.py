@@ -1,0 +1,76 @@
+"""Which input matters most: the summary of uncertainty."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from metafem._validate import FloatArray
+from metafem._values import percent
+from metafem.studies.summaries.table import Summary, stored_notes
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+
+# Words for the inputs; each begins with an article.
+WORDS = {
+    "radius": "the radius R",
+    "composite_modulus": "the composite modulus E*",
+    "load": "the load P",
+    "friction_force": "the friction force F",
+    "shear_strength": "the shear strength σ",
+    "area_ratio": "the area ratio B",
+}
+
+# Quantities of a study, the most telling first, and their words.
+QUANTITIES = {
+    "deviation": "the difference between measured and predicted friction",
+    "friction_force": "the friction force",
+    "area": "the real contact area",
+}
+
+
+def uncertainty_summary(study: Dataset) -> Summary:
+    """Return the error bars of the law, and the share of each input in their variance."""
+    names = [str(name) for name in study["parameter"].values]
+    quantity = main_quantity(study)
+    first, total = shares(study, quantity, "first_order"), shares(study, quantity, "total")
+    columns: tuple[str, ...] = (
+        "input",
+        f"share of the variance of {QUANTITIES[quantity]} alone [%]",
+        "with interactions [%]",
+    )
+    rows: list[tuple[str, ...]] = [
+        (in_words(name), f"{100.0 * first[i]:.1f}", f"{100.0 * total[i]:.1f}") for i, name in enumerate(names)
+    ]
+    if "slope_sd" in study:
+        columns += ("share for the slope [%]", "its error [%]")
+        slope, error = study["slope_total"].values, study["slope_total_error"].values
+        rows = [(*row, f"{100.0 * slope[i]:.1f}", f"{100.0 * error[i]:.1f}") for i, row in enumerate(rows)]
+    most = int(total.argmax())
+    answer = (
+        f"T{in_words(names[most])[1:]} matters most: its error makes "
+        f"{100.0 * first[most]:.0f} % of the variance of {QUANTITIES[quantity]}"
+    )
+    if quantity != "deviation":
+        mean, sd = study[f"{quantity}_mean"].values, study[f"{quantity}_sd"].values
+        answer += f", whose error bar is {percent(float((sd / mean)[-1]))} (SD) at the largest load"
+    title = "Error bars of the law: share of each input in the variance, over all loads"
+    return Summary(title, columns, tuple(rows), stored_notes(study), f"{answer}.")
+
+
+def main_quantity(study: Dataset) -> str:
+    """Return the quantity that the study is about."""
+    return next(name for name in QUANTITIES if f"{name}_sd" in study)
+
+
+def shares(study: Dataset, name: str, index: str) -> FloatArray:
+    """Return the Sobol indices (p,) of a quantity over all loads: their mean weighted with the variance."""
+    variance = study[f"{name}_sd"].values ** 2
+    return np.asarray(study[f"{name}_{index}"].values @ variance / variance.sum())
+
+
+def in_words(label: str) -> str:
+    """Return the words for an input, or for several that are correlated."""
+    return " and ".join(WORDS.get(name, name) for name in label.split(" + "))

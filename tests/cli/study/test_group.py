@@ -1,0 +1,138 @@
+"""Studies of a result folder: what they print and write, and what they refuse."""
+
+import json
+import signal
+from pathlib import Path
+
+import pytest
+import xarray as xr
+
+import metafem as mf
+from metafem.files import demo_text
+from metafem.studies.sampling.store import Store
+
+
+def test_study_prints_its_table_and_keeps_its_file(run):
+    text = demo_text("linear").replace("[8, 8]", "[3, 3]").replace('height_step = "6 um"', "")
+    Path("small.toml").write_text(text, "utf-8")
+    assert run("design", "small.toml", "-o", "small").exit_code == 0
+    result = run("study", "interaction", "small", "--placements", 20)
+    assert (result.exit_code, "half-space" in result.output) == (0, True), result.output
+    assert "…" not in result.stdout  # on the other stream kernels may be compiled
+    refused = run("study", "interaction", "small")
+    assert (refused.exit_code, "--force" in refused.output) == (2, True)
+    data = json.loads(run("study", "interaction", "small", "--force", "--json").stdout)
+    with xr.open_dataset("small/interaction.nc", engine="h5netcdf") as kept:
+        assert kept.area_change.values.tolist() == data["data"]["area_change"]["values"]
+        assert kept.sinking.attrs["units"] == "mm"
+
+
+def test_a_study_of_tilts_is_answered_in_the_report(run, demo):
+    demo("linear")
+    arguments = ("study", "misalignment", "linear", "--angle", "0.05deg,0.1deg", "--shuffles", 3)
+    result = run(*arguments)
+    assert result.exit_code == 0, result.output
+    (answer,) = [line for line in result.stdout.splitlines() if line.startswith("With tilts within")]
+    assert run("report", "linear").exit_code == 0
+    assert answer in Path("linear/report.html").read_text("utf-8")
+    data = json.loads(
+        run(*arguments, "--model", "layer", "--load-range", "0.2N", "0.5N", "--force", "--json").stdout
+    )
+    assert data["data"]["slope_sd"]["values"][0][0] > 0.0
+    assert mf.load("linear").law.model == mf.Independent()
+
+
+def test_a_study_of_heights_is_answered_in_the_report(run, demo, stopped_studies):
+    demo("linear")
+    result = run("study", "manufacturing", "linear", "--height-sd", "1um,3um", "--draws", 200)
+    assert result.exit_code == 0, result.output
+    (answer,) = [line for line in result.stdout.splitlines() if line.startswith("With errors of the heights")]
+    assert run("report", "linear").exit_code == 0
+    report = Path("linear/report.html").read_text("utf-8")
+    assert answer in report
+    assert "the choice of metafem; the source paper does not print its range" in report
+    assert [*stopped_studies.iterdir()] == []
+    with xr.open_dataset("linear/manufacturing.nc", engine="h5netcdf") as kept:
+        assert kept.height_sd.values.tolist() == [0.001, 0.003]
+        assert kept.attrs["draws"] >= 200
+
+
+def test_a_stopped_study_continues_by_the_same_command(run, demo, stopped_studies, monkeypatch):
+    demo("linear")
+    command = ("study", "manufacturing", "linear", "--height-sd", "3um", "--draws", 30_000, "--json")
+    whole = json.loads(run(*command).stdout)
+    write = Store.write
+
+    def stopped(store, batch, result):
+        write(store, batch, result)
+        if batch == 1:
+            signal.raise_signal(signal.SIGINT)
+
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    with monkeypatch.context() as patch:
+        patch.setattr(Store, "write", stopped)
+        result = run(*command, "--force")
+    signal.signal(signal.SIGINT, before)
+    assert result.exit_code == 130
+    assert "finished batches are kept in" in result.stderr
+    assert result.stderr.endswith("stopped; the same command continues from the finished batches\n")
+    (kept,) = stopped_studies.iterdir()
+    assert len([*kept.glob("batch-*")]) == 2
+    # where the numbers are computed does not matter
+    again = json.loads(run(*command, "--force", "--workers", 1).stdout)
+    assert again["data"] == whole["data"]
+    assert [*stopped_studies.iterdir()] == []
+
+
+def test_a_study_that_is_refused_leaves_no_folder(run, demo, stopped_studies):
+    demo("linear")
+    result = run("study", "manufacturing", "linear", "--radius-sd", "100um", "--draws", 10)
+    assert (result.exit_code, "--radius-sd = 100 um must be at most" in result.output) == (2, True)
+    assert [*stopped_studies.iterdir()] == []
+
+
+def test_a_study_runs_without_a_cache(run, demo, stopped_studies):
+    demo("linear")
+    stopped_studies.parent.joinpath("studies").write_text("a file")
+    result = run("study", "manufacturing", "linear", "--height-sd", "1um", "--draws", 16)
+    assert result.exit_code == 0
+    assert "a stopped study will begin again: its batches cannot be kept" in result.stderr
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "words"),
+    [
+        ("misalignment", ("--angle", "50deg"), "--angle = 50 deg must be at most 45 deg"),
+        ("misalignment", ("--angle", "0.1"), '--angle = "0.1" needs a unit'),
+        ("misalignment", ("--angle", "0.1deg,0.05deg"), "--angle[1] = 0.05 deg does not exceed"),
+        ("misalignment", ("--axes", "z"), "--axes"),
+        ("misalignment", ("--shuffles", "-1"), "--shuffles"),
+        ("misalignment", ("--load-range", "0.5N", "0.2N"), "--load-range[1] = 0.2 N does not exceed"),
+        ("misalignment", ("--load-range", "0.5N", "0.6mm^2"), "--load-range"),
+        ("misalignment", ("--load-range", "0.5N"), "--load-range"),
+        ("misalignment", ("--model", "magic"), "--model"),
+        ("manufacturing", ("--height-sd", "-3um"), "--height-sd = -3 um must be at least 0 um"),
+        ("manufacturing", ("--height-sd", "3um,1"), '--height-sd = "1" needs a unit'),
+        ("manufacturing", ("--position-sd", "1N"), '--position-sd = "1N" has the unit'),
+        ("manufacturing", ("--draws", "1"), "--draws"),
+        ("manufacturing", ("--error", "0"), "--error"),
+        (
+            "manufacturing",
+            ("--draws", "10", "--error", "0.1"),
+            "--draws and --error cannot be given",
+        ),
+        ("manufacturing", ("--workers", "0"), "--workers"),
+    ],
+)
+def test_bad_options_of_a_study_are_named(run, demo, name, options, words):
+    demo("linear")
+    result = run("study", name, "linear", *options)
+    assert (result.exit_code, words in result.output) == (2, True), result.output
+    assert not Path(f"linear/{name}.nc").exists()
+
+
+def test_a_damaged_study_is_refused_by_the_report(run, demo):
+    demo("linear")
+    Path("linear/misalignment.nc").write_text("no NetCDF", "utf-8")
+    result = run("report", "linear")
+    assert (result.exit_code, "misalignment.nc is damaged" in result.output) == (2, True), result.output
