@@ -6,7 +6,14 @@ from scipy.integrate import quad
 from scipy.optimize import brentq, fsolve
 from scipy.special import erf
 
-from validation.paper import bounds, fig3_operating_points, fig4_linear, interaction_error, table_s2
+from validation.paper import (
+    bounds,
+    fig3_operating_points,
+    fig4_linear,
+    fig_s3_manufacturing,
+    interaction_error,
+    table_s2,
+)
 from validation.paper.surfaces import surfaces
 from validation.published import paper, table
 
@@ -67,6 +74,38 @@ def test_slopes_of_fig_4_are_those_of_the_heights_of_table_s1(colour):
     load = np.linspace(0.25 * foot, foot, 50)
     fitted = np.polyfit(load, [area_at(height, p) for p in load], 1)[0]
     assert fitted == pytest.approx(fig4_linear.FITTED[colour], abs=fig4_linear.SAMPLING)
+
+
+def areas_at(height, load):
+    """Areas of many lists of heights (m, n) at loads (k,), by bisection of the approach, (m, k)."""
+    gap = (height.max(axis=1, keepdims=True) - height)[:, None, :]
+    low, high = np.zeros((2, len(height), len(load), 1))
+    high += 2.0 * height.max()
+    for _ in range(45):
+        middle = 0.5 * (low + high)
+        depth = np.clip(middle - gap, 0.0, None)
+        light = 4.0 / 3.0 * np.sqrt(RADIUS) * (depth * np.sqrt(depth)).sum(axis=2) < load
+        low, high = np.where(light[..., None], (middle, high), (low, middle))
+    return np.pi * RADIUS * np.clip(high - gap, 0.0, None).sum(axis=2)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("colour", ["blue", "red"])
+def test_scatter_of_fig_s3_is_that_of_draws(colour):
+    """Four standard errors of 2,000 draws."""
+    levels, printed = table("table_s1"), paper()["fig4"][colour]
+    height = np.repeat(levels["height"], levels[f"count_{colour}"].astype(int)) / 1e3
+    foot = {"blue": 0.1928, "red": 0.4814}[colour]  # eq. S2 at zero separation, as above
+    load = np.linspace(0.25 * foot, foot, 20)
+    weight = (load - load.mean()) / ((load - load.mean()) ** 2).sum()
+    assert len(height) == COUNT
+    assert 1e3 * height.max() < printed["max_height_um"]
+    error = np.random.default_rng(0).standard_normal((2000, COUNT))
+    nominal = areas_at(height[None], load)[0] @ weight
+    for sd, expected in zip((0.9e-3, 3e-3), fig_s3_manufacturing.SCATTER[colour], strict=True):
+        slope = areas_at(height + sd * error, load) @ weight / nominal
+        assert slope.std() == pytest.approx(expected, rel=4.0 / np.sqrt(2 * 2000))
+        assert slope.mean() == pytest.approx(1.0, abs=0.002)
 
 
 @pytest.mark.parametrize("colour", ["red", "blue"])
