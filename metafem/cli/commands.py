@@ -2,6 +2,16 @@
 
 from metafem.cli import demo_and_design, doctor, predict, report, spec
 from metafem.cli.group import main
-from metafem.cli.study import comparisons, tolerances
+from metafem.cli.study import comparisons, parameters, tolerances
 
-__all__ = ["comparisons", "demo_and_design", "doctor", "main", "predict", "report", "spec", "tolerances"]
+__all__ = [
+    "comparisons",
+    "demo_and_design",
+    "doctor",
+    "main",
+    "parameters",
+    "predict",
+    "report",
+    "spec",
+    "tolerances",
+]

@@ -124,6 +124,12 @@ def option_names(options: Mapping[str, str | None]) -> ErrorNames:
     return ErrorNames(section="option", units=written_units({"option": given}), names=names)
 
 
+def member_names(argument: str, given: Mapping[str, str], option: str) -> ErrorNames:
+    """Return the names and units for errors in members of an argument that an option gives one by one."""
+    names = {f"{argument}.{name}": f"{option} {name}" for name in given}
+    return ErrorNames(units=written_units({argument: given}), names=names)
+
+
 def written_units(table: Mapping[str, Any]) -> dict[str, tuple[str, float]]:
     """Return the written unit of each quantity of a file's sections, and its size in the package's unit."""
     found = {}

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from metafem.drawing import svg
-from metafem.report.study_figures import manufacturing_figure, misalignment_figure
+from metafem.report.study_figures import manufacturing_figure, misalignment_figure, uncertainty_figure
 from metafem.studies.summaries import summary
 
 if TYPE_CHECKING:
@@ -35,6 +35,12 @@ QUESTIONS: Mapping[str, Question] = {
         "metafem study misalignment DIR",
         "Scatter of the slope against the tilt of the plane",
         lambda study: misalignment_figure({"": study}),
+    ),
+    "uncertainty": Question(
+        "Which input matters most?",
+        "metafem study uncertainty DIR --sd composite_modulus=0.04MPa --sd radius=2um",
+        "Error bars of the law and the share of each input",
+        uncertainty_figure,
     ),
 }
 

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from xarray import Dataset
 
-# For labels on the left and below [inch].
-MARGINS = (0.9, 0.2, 0.6, 0.2)
+# For labels on the left and below, whose numbers have seven characters at most [inch].
+MARGINS = (1.0, 0.2, 0.65, 0.2)
 
 # Studies by their label in the figure, such as the name of the surface; one without a label is "".
 Labelled = Mapping[str, "Dataset"]
@@ -45,7 +45,7 @@ def manufacturing_figure(studies: Labelled) -> Figure:
             fmt="o-", ms=3, lw=1.2, capsize=2, color=colour, label=label or None,
         )  # fmt: skip
     ax.set_xlabel("standard deviation of the heights  SD(dh) [µm]")
-    ax.set_ylabel("mean slope over nominal\nwith bars of ± SD")
+    ax.set_ylabel("mean slope over nominal, ± SD")
     return _finished(figure)
 
 

@@ -16,7 +16,6 @@ from metafem.cli.study.options import (
     law_options,
     run_arguments,
     run_options,
-    seed_option,
 )
 
 if TYPE_CHECKING:
@@ -89,7 +88,7 @@ def manufacturing(design: Design, **options: Any) -> Dataset:
     help="Number of random assignments of the heights to sites to compare with.",
 )
 @law_options
-@seed_option
+@run_options
 @of_design
 def misalignment(design: Design, **options: Any) -> Dataset:
     """Study the law of a surface that is tilted against the plane.
@@ -109,5 +108,5 @@ def misalignment(design: Design, **options: Any) -> Dataset:
         axes=options["axes"],
         shuffles=options["shuffles"],
         **law_arguments(design, options),
-        rng=options["seed"],
+        **run_arguments(options),
     )

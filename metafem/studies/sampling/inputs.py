@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from metafem import _validate as check
-from metafem._given import formatted, shown
+from metafem._given import formatted, label, shown
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 
@@ -80,9 +80,10 @@ class Inputs:
         for name, value in zip(names, sd, strict=True):
             most = np.min(mean[name]) / WIDEST
             if np.ndim(mean[name]) == 0 and value[0] > most:
+                member = f"parameters.{name}"
                 raise InvalidInput(
-                    f"parameters.{name} = {formatted(name, value[0])} must be at most "
-                    f"{formatted(name, most)}, a seventh of the value, which must not become negative"
+                    f"{label(member)} = {formatted(member, value[0])} must be at most "
+                    f"{formatted(member, most)}, a seventh of the value, which must not become negative"
                 )
         if not any(value.any() for value in sd):
             raise InvalidInput("parameters are all without errors; one standard deviation must be above 0")

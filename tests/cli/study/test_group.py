@@ -57,6 +57,17 @@ def test_a_study_of_heights_is_answered_in_the_report(run, demo, stopped_studies
         assert kept.attrs["draws"] >= 200
 
 
+def test_the_input_that_matters_most_is_in_the_report(run, demo):
+    demo("linear")
+    deviations = ("--sd", "composite-modulus=0.04MPa", "--sd", "radius = 2 um")
+    result = run("study", "uncertainty", "linear", *deviations, "--draws", 200)
+    assert result.exit_code == 0, result.output
+    answer = result.stdout.splitlines()[-2]
+    assert answer.startswith("The composite modulus E* matters most: its error makes 9")
+    assert run("report", "linear").exit_code == 0
+    assert answer in Path("linear/report.html").read_text("utf-8")
+
+
 def test_a_stopped_study_continues_by_the_same_command(run, demo, stopped_studies, monkeypatch):
     demo("linear")
     command = ("study", "manufacturing", "linear", "--height-sd", "3um", "--draws", 30_000, "--json")
@@ -122,6 +133,17 @@ def test_a_study_runs_without_a_cache(run, demo, stopped_studies):
             "--draws and --error cannot be given",
         ),
         ("manufacturing", ("--workers", "0"), "--workers"),
+        ("uncertainty", (), "--sd"),
+        ("uncertainty", ("--sd", "radius"), '--sd radius = "" does not begin with a number'),
+        ("uncertainty", ("--sd", "wear=2um"), '--sd "wear=2um" must be INPUT=QUANTITY'),
+        ("uncertainty", ("--sd", "radius=2MPa"), '--sd radius = "2MPa" has the unit'),
+        ("uncertainty", ("--sd", "radius=2um", "--sd", "radius=3um"), "--sd radius is given twice"),
+        ("uncertainty", ("--sd", "radius=-2um"), "--sd radius = -2 um must be at least 0 um"),
+        (
+            "uncertainty",
+            ("--sd", "composite_modulus=1MPa"),
+            "--sd composite_modulus = 1 MPa must be",
+        ),
     ],
 )
 def test_bad_options_of_a_study_are_named(run, demo, name, options, words):
