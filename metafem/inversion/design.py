@@ -16,12 +16,12 @@ from metafem.inversion.assessment import EXACT, assess
 from metafem.inversion.candidate import Parameter
 from metafem.inversion.design_notes import design_notes
 from metafem.inversion.feasibility import achievable_friction_coefficients
-from metafem.inversion.height_steps import rounded_to_steps
+from metafem.inversion.adjustment.height_steps import rounded_to_steps
 from metafem.inversion.limits import Limits
 from metafem.inversion.placement.layout import Layout, arranged
 from metafem.inversion.problem import Problem
 from metafem.inversion.radii import RadiusRange
-from metafem.inversion.refinement import refined
+from metafem.inversion.adjustment.refinement import refined
 from metafem.inversion.result import Design
 from metafem.inversion.strategies.mixture import unreachable
 from metafem.inversion.targets.target import Target

@@ -1,0 +1,1 @@
+"""Heights of an inversion, adjusted to another model, to tolerances and to height steps."""
