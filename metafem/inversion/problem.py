@@ -14,6 +14,7 @@ from metafem.inversion.radii import Radii, RadiusRange
 from metafem.inversion.search.options import DEFAULTS, SearchOptions
 from metafem.inversion.targets.target import Target
 from metafem.models import Independent, Model
+from metafem.prediction.perturbation import Tolerances
 from metafem.surface import Surface
 
 # Loads at which the interaction margin is computed, as fractions of the last load of the target.
@@ -30,6 +31,7 @@ class Problem:
     model: Model
     limits: Limits
     layout: Layout | None = None
+    robust: Tolerances | None = None
     options: SearchOptions = DEFAULTS
 
     @classmethod
@@ -41,6 +43,7 @@ class Problem:
         limits: Limits | None = None,
         layout: Layout | None = None,
         radii: RadiusRange | Sequence[float] | None = None,
+        robust: Tolerances | None = None,
     ) -> Problem:
         """Return the arguments with defaults, or raise InvalidInput for one of the wrong kind.
 
@@ -55,8 +58,10 @@ class Problem:
         check.instance("limits", bounds, Limits, "metafem.Limits")
         if layout is not None:
             check.instance("layout", layout, Layout, "metafem.Layout")
+        if robust is not None:
+            check.instance("robust", robust, Tolerances, "metafem.Tolerances")
         choice = Radii.given(radii, template)
-        return cls(target, template, choice, solver, bounds, layout)
+        return cls(target, template, choice, solver, bounds, layout, robust)
 
     @property
     def count(self) -> int:

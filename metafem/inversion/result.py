@@ -27,6 +27,7 @@ from metafem.inversion.targets.target import Target
 from metafem.inversion.targets.target_law import TargetLaw
 from metafem.notes import Note, counted, late_notes
 from metafem.prediction import BranchFit, FrictionLaw
+from metafem.prediction.perturbation import Tolerances
 from metafem.surface import Surface
 
 if TYPE_CHECKING:
@@ -66,6 +67,8 @@ class Design(Value):
         Limits of the design and of its model that matter for making the part.
     layout : Layout or None
         The layout for which the sites were chosen.
+    robust : Tolerances or None
+        The tolerances under which the expected misfit of the made surface was minimised.
 
     Notes
     -----
@@ -102,6 +105,7 @@ class Design(Value):
     notes: tuple[Note, ...] = late_notes()
     radii: RadiusRange | tuple[float, ...] | None = None
     layout: Layout | None = None
+    robust: Tolerances | None = None
 
     def __post_init__(self) -> None:
         count = self.surface.count

@@ -33,6 +33,7 @@ from metafem.inversion.targets.wording import Wording
 from metafem.models import Automatic, BoundaryElements, Independent, Interacting, MeanField, Status
 from metafem.notes import Level, Note
 from metafem.prediction import BranchFit, FrictionLaw
+from metafem.prediction.perturbation import Tolerances
 from metafem.substrate import BondedLayer, HalfSpace
 from metafem.surface import Block, Friction, Material, Surface
 
@@ -43,7 +44,7 @@ VALUES: Mapping[str, type] = {
         *(Material, Friction, Block, Surface, Hertz, HalfSpace, BondedLayer),
         *(Independent, MeanField, Interacting, BoundaryElements, Automatic),
         *(OperatingPoints, LinearLaw, BilinearLaw, SampledLaw, PowerLaw, MultilinearLaw),
-        *(Limits, Layout, RadiusRange, Design, FrictionLaw),
+        *(Limits, Layout, RadiusRange, Tolerances, Design, FrictionLaw),
         *(Note, Wording, Branch, BranchFit, TruncatedExponential, TwoBranchExponential),
     )
 }

@@ -50,7 +50,7 @@ def refined(problem: Problem, candidate: Candidate, rng: np.random.Generator) ->
             best, start = (found, trial) if found.misfit < best.misfit else (best, start)
             if best.misfit <= EXACT or len(trial.height) == len(candidate.height):
                 break
-        result = start.with_heights(_below_limit(best.unknowns, limits))
+        result = start.with_heights(below_limit(best.unknowns, limits))
         if not model.couples and model_misfit(result, result.surface(problem.template), model) >= unrefined:
             return candidate
     change = 1e3 * float(np.abs(result.height - start.height).max())
@@ -70,11 +70,11 @@ def _residuals(problem: Problem, start: Candidate) -> tuple[Residual, Residual]:
     solver, surface = model.gradient_model, start.surface(problem.template)
 
     def residual(height: FloatArray) -> tuple[FloatArray, FloatArray]:
-        found = solver.sensitivity(surface, law.load, _below_limit(height, limits))
+        found = solver.sensitivity(surface, law.load, below_limit(height, limits))
         return law.residual(found.curve.area, found.gradient)
 
     def residual_of_model(height: FloatArray) -> tuple[FloatArray, FloatArray]:
-        height = _below_limit(height, limits)
+        height = below_limit(height, limits)
         area = model.curve(surface.replaced(height=height), law.load).area
         return law.residual(area, solver.sensitivity(surface, law.load, height).gradient)
 
@@ -103,7 +103,7 @@ def _initial_guesses(problem: Problem, start: Candidate, rng: np.random.Generato
     return guesses if problem.layout is None else guesses[::-1]
 
 
-def _below_limit(height: FloatArray, limits: Limits) -> FloatArray:
+def below_limit(height: FloatArray, limits: Limits) -> FloatArray:
     """Return heights shifted together so that the tallest is at the limit.
 
     The shift changes the law only of models that include the compliance of the caps.

@@ -110,6 +110,20 @@ class SearchOptions:
     # Depth of the added summits below the last level, relative to the depth of that level.
     added_depth: float = 0.01
 
+    # -- robust designs --
+    # Fewest and most fixed errors over which the expectation is taken, each with both signs; with as many as
+    # the errors have dimensions, a linear response is exact.
+    fewest_errors: int = 32
+    most_errors: int = 128
+    # Most asperities whose heights are changed: the errors of more average out.
+    most_robust: int = 128
+    # Most loads of the target that are used, and rounds of exchanges between sites, each with a new search.
+    robust_loads: int = 30
+    robust_rounds: int = 1
+    # Number of other errors on which the gain is measured, each with both signs, for up to `few_sites`
+    # asperities; with more there are fewer.
+    fresh_errors: int = 1000
+
     # -- height steps --
     # Fractions of a step by which all heights are shifted before rounding, which does not change a law.
     shifts: tuple[float, ...] = (0.0, 0.25, -0.25, 0.5, -0.5)

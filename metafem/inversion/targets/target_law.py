@@ -40,6 +40,15 @@ class TargetLaw:
         given = np.ones(len(load)) if weight is None else weight
         return cls(load, friction, np.empty((len(load), 0)), given / given.mean(), pointwise)
 
+    def thinned(self, most: int) -> TargetLaw:
+        """Return the law at no more than `most` of its loads, evenly spaced among them, with both ends."""
+        count = len(self.load)
+        if count <= most:
+            return self
+        some = np.unique(np.linspace(0, count - 1, most).round().astype(np.int64))
+        weight = self.weight[some] / self.weight[some].mean()
+        return TargetLaw(self.load[some], self.base[some], self.free[some], weight, self.pointwise)
+
     @property
     def is_open(self) -> bool:
         """Whether the target leaves parameters open."""

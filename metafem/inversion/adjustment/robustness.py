@@ -1,0 +1,263 @@
+"""Robust designs: heights and sites whose made surfaces have the least expected misfit.
+
+With the relative differences r(h) (k,) of the law of the heights h from the target, and random errors D of
+the made surface and of its alignment, the expected squared misfit is
+
+    E |r(h + D)|^2 = |E r|^2 + tr Cov r,        Cov r = J C J' to first order,             (1)
+
+with the Jacobian J = dr/dh and the covariance C of the errors of the heights. The mean E r differs from r(h)
+by half of the second derivatives times C: errors smooth a law, most at light loads. Heights can cancel this.
+
+Linear response. For independent asperities of one radius R, n of them in contact with indentations d_i, the
+sensitivities of A0 at fixed load are ``g_i = pi R (1 - sqrt(d_i)/<sqrt(d)>)``, see `Independent`. As
+``A0 = pi R n <d>`` and ``A0' = dA0/d(P/E*) = pi sqrt(R)/(2 <sqrt(d)>)``, the sum of their squares is
+
+    sum_i g_i^2 = (4/pi) A0 A0'^2 - (pi R)^2 n.                                            (2)
+
+The target fixes the first term. The number of contacts n at each load follows from the law as a whole, up to
+the scatter of single contacts. Thus heights with this law cannot remove the linear response to independent
+errors of the heights. The response to a tilt, ``sum_i g_i x_i`` and the same with y, depends on the sites:
+exchanges of asperities make it small, and so do heights that differ slightly from site to site.
+
+Method. The expectation is a mean over fixed errors: the lines of random orthogonal matrices times sqrt(d),
+each with both signs, for errors of d dimensions. For a law that is linear in the errors this mean is exact.
+With independent random errors the heights would fit those that were drawn (measured: with 8 pairs the mean
+fell to a quarter of the plain design's misfit, and the expectation did not fall at all). The residuals of all
+errors are stacked, with exact Jacobians, and their squares are minimised by the Levenberg–Marquardt method.
+The stack is replaced by the triangular factor of its QR decomposition, which has the same sums of squares and
+at most n + 1 lines. The errors smooth the kinks of the law at heights at which a contact opens.
+
+Limits. The errors do not depend on the heights. The minimum is a local one, and with few errors for many
+dimensions the heights still fit them in part. The gain is therefore measured on other errors, the same for
+the plain and the robust design, in pairs of both signs.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from metafem._validate import FloatArray
+from metafem._values import percent
+from metafem.inversion.adjustment.refinement import below_limit
+from metafem.inversion.candidate import Candidate, Parameter
+from metafem.inversion.placement.exchange import swap
+from metafem.inversion.problem import Problem
+from metafem.inversion.search.levenberg_marquardt import Heights, descend
+from metafem.notes import Note, information
+from metafem.prediction.perturbation import Tolerances
+from metafem.progress import doing, each
+from metafem.surface import Surface
+
+# A gain counts if it exceeds this number of its standard errors.
+SIGNIFICANT = 3.0
+
+# Surfaces that are solved between two reports of progress.
+AT_ONCE = 100
+
+
+def made_robust(problem: Problem, candidate: Candidate, rng: np.random.Generator) -> Candidate:
+    """Return the candidate with heights and sites of the least expected misfit under `problem.robust`."""
+    tolerances, options = problem.robust, problem.options
+    count = 0 if tolerances is None else tolerances.dimensions(candidate.surface(problem.template))
+    if tolerances is None or count == 0:
+        return candidate
+    with doing("lowering the expected misfit"):
+        unit = _with_both_signs(_orthogonal(count, options.fewest_errors, options.most_errors, rng))
+        best, misfit = _lowered(problem, tolerances, candidate, unit)
+        for _ in each("exchange of sites", range(options.robust_rounds if tolerances.angle else 0)):
+            found = _lowered(problem, tolerances, _exchanged(problem, best, rng), unit)
+            best, misfit = found if found[1] < misfit else (best, misfit)
+    return best
+
+
+@doing("measuring the expected misfit")
+def compared(problem: Problem, plain: Candidate, robust: Candidate, rng: np.random.Generator) -> Candidate:
+    """Return the robust candidate, or the plain one where nothing is gained, with the expected misfits.
+
+    The mean square misfits of each pair of errors of both signs are compared.
+    """
+    tolerances, options = problem.robust, problem.options
+    count = 0 if tolerances is None else tolerances.dimensions(plain.surface(problem.template))
+    if tolerances is None or count == 0:
+        return replace(plain, notes=(*plain.notes, information("the tolerances of the robust design are 0")))
+    draws = options.fresh_errors * options.few_sites // max(options.few_sites, len(plain.height))
+    unit = _with_both_signs(rng.standard_normal((max(2, draws), count)))
+    before = _mean_squares(problem, tolerances, plain, unit)
+    after = _mean_squares(problem, tolerances, robust, unit)
+    # a pair with an equilibrium that did not converge is left out of both
+    solved = np.isfinite(before + after)
+    before, after = before[solved], after[solved]
+    if len(before) < 2:
+        words = "the expected misfit is unknown: the equilibria of the made surfaces did not converge"
+        return replace(plain, notes=(*plain.notes, Note(words)))
+    # an exact law without a response to the errors has no misfit
+    scale = max(float(before.mean()), np.finfo(float).tiny)
+    gain = float((before - after).mean()) / scale
+    error = float((before - after).std(ddof=1)) / math.sqrt(len(before)) / scale
+    gained = gain > SIGNIFICANT * error
+    chosen, squares = (robust, after) if gained else (plain, before)
+    expected = max(float(squares.mean()), np.finfo(float).tiny)
+    some = unit[:: len(unit) // AT_ONCE + 1]
+    share = _irreducible(problem, tolerances, chosen, some) / expected
+    parameters: dict[str, Parameter] = {
+        **chosen.parameters,
+        "expected_misfit": math.sqrt(expected),
+        "plain_expected_misfit": math.sqrt(scale),
+        "robust_gain": gain if gained else 0.0,
+        "robust_gain_error": error,
+        "irreducible_share": share,
+    }
+    model, lost = problem.model, len(solved) - len(before)
+    parts = [
+        f"the expected misfit of the made surface is lowered from {percent(math.sqrt(scale))} to "
+        f"{percent(math.sqrt(expected))} (rms), its square by {percent(gain)} with a standard error of "
+        f"{percent(error)}"
+        if gained
+        else f"robust heights gain nothing: the expected misfit of the made surface is "
+        f"{percent(math.sqrt(scale))} (rms), and the best ones change its square by {percent(-gain)} with a "
+        f"standard error of {percent(error)}",
+        f"{percent(share, '.3g')} of the square is the linear response to errors of single asperities, which "
+        "no heights with this law remove",
+    ]
+    if model.gradient_model != model:
+        parts.append(f"these numbers are those of the model {model.gradient_model.name}")
+    if lost:
+        parts.append(f"{lost} pairs of draws did not converge and are left out")
+    return replace(
+        chosen,
+        parameters=parameters,
+        notes=(*chosen.notes, information("; ".join(parts))),
+    )
+
+
+def _orthogonal(count: int, fewest: int, most: int, rng: np.random.Generator) -> FloatArray:
+    """Return lines of random orthogonal matrices times sqrt(count), from `fewest` to `most`, (s, count).
+
+    Their mean square in every direction is 1.
+    """
+    parts = []
+    for _ in range(-(-fewest // count)):
+        q, r = np.linalg.qr(rng.standard_normal((count, count)))
+        # with the signs of the triangular factor all orthogonal matrices are equally likely
+        parts.append(math.sqrt(count) * q * np.sign(np.diagonal(r)))
+    return np.concatenate(parts)[:most]
+
+
+def _with_both_signs(normal: FloatArray) -> FloatArray:
+    """Return the points in the unit cube of normal numbers (s, d) and of their negatives, (2 s, d)."""
+    from scipy.special import ndtr
+
+    return np.asarray(ndtr(np.concatenate([normal, -normal])))
+
+
+def _exchanged(problem: Problem, candidate: Candidate, rng: np.random.Generator) -> Candidate:
+    """Return the candidate after exchanges between sites, each of which lowers its linear response to tilts.
+
+    The response is ``M = G x`` (k, 2), with the Jacobian G (k, N) of the residual and the sites x (N, 2). The
+    asperities of the sites a and b contribute ``(g_a - g_b) (x_b - x_a)'`` to it when they are exchanged.
+    An empty site has g = 0.
+    """
+    law, template = candidate.target_law, problem.template
+    found = problem.model.gradient_model.sensitivity(candidate.surface(template), law.load)
+    position, total = template.position, problem.count
+    gradient, order = np.zeros((len(law.load), total)), np.full(total, -1)
+    gradient[:, candidate.sites] = law.residual(found.curve.area, found.gradient)[1]
+    order[candidate.sites] = np.arange(len(candidate.sites))
+    for _ in range(total):
+        most = problem.options.forecast_sites
+        sites = np.arange(total) if total <= most else rng.choice(total, most, replace=False)
+        moment = gradient @ position
+        x, g = position[sites], gradient[:, sites]
+        moved, changed = x[None, :] - x[:, None], g[:, :, None] - g[:, None, :]
+        change = 2.0 * np.einsum("kc,kab,abc->ab", moment, changed, moved, optimize=True)
+        change += (changed**2).sum(axis=0) * (moved**2).sum(axis=2)
+        a, b = np.unravel_index(int(change.argmin()), change.shape)
+        if not change[a, b] < -problem.options.exchange_gain * (moment**2).sum():
+            break
+        i, j = sites[a], sites[b]
+        gradient[:, [i, j]] = gradient[:, [j, i]]
+        swap(order, i, j)
+    sites = np.flatnonzero(order >= 0)
+    rows = order[sites]
+    return replace(candidate, sites=sites, height=candidate.height[rows], radius=candidate.radius[rows])
+
+
+def _errors(tolerances: Tolerances, surface: Surface, unit: FloatArray) -> list[tuple[Surface, FloatArray]]:
+    """Return the surface with the radii and positions of each draw, and the errors of its heights (n,)."""
+    drawn = tolerances.perturbed(surface, unit)
+    parts = [surface] * len(unit)
+    for name in ("radius", "position"):
+        values = getattr(drawn, name)
+        if values is not None:
+            parts = [part.replaced(**{name: value}) for part, value in zip(parts, values, strict=True)]
+    return list(zip(parts, drawn.height - surface.height, strict=True))
+
+
+def _lowered(
+    problem: Problem, tolerances: Tolerances, start: Candidate, unit: FloatArray
+) -> tuple[Candidate, float]:
+    """Return the candidate with the heights of the least mean square misfit over errors, and its root."""
+    model, limits, options = problem.model, problem.limits, problem.options
+    law, surface = start.target_law.thinned(options.robust_loads), start.surface(problem.template)
+    solver, errors = model.gradient_model, _errors(tolerances, surface, unit)
+
+    def residual(height: FloatArray) -> tuple[FloatArray, FloatArray]:
+        rows = []
+        for part, shift in errors:
+            found = solver.sensitivity(part, law.load, below_limit(height, limits) + shift)
+            r, jacobian = law.residual(found.curve.area, found.gradient)
+            rows.append(np.column_stack([jacobian, r]))
+        stacked = np.concatenate(rows)
+        factor = np.asarray(np.linalg.qr(stacked, mode="r"))
+        factor *= math.sqrt(len(factor) / len(stacked))  # the same mean square
+        return factor[:, -1], factor[:, :-1]
+
+    fixed = (start.stepped and not model.couples) or surface.count > options.most_robust
+    if fixed:
+        r, _ = residual(start.height)
+        return start, float(np.sqrt((r**2).mean()))
+    found = descend(residual, start.height, Heights(limits.span), 0.0, options=options)
+    return start.with_heights(below_limit(found.unknowns, limits)), found.misfit
+
+
+def _mean_squares(
+    problem: Problem, tolerances: Tolerances, candidate: Candidate, unit: FloatArray
+) -> FloatArray:
+    """Return the squared misfit of made surfaces, the mean of each pair of errors of both signs, (s,)."""
+    surface, law = candidate.surface(problem.template), candidate.target_law
+    squares = []
+    for rows in each("draws, part", np.array_split(np.arange(len(unit)), -(-len(unit) // AT_ONCE))):
+        drawn = tolerances.perturbed(surface, unit[rows])
+        area = problem.model.gradient_model.areas(surface, law.load, *drawn)
+        squares += [law.misfit(row) ** 2 if np.isfinite(row).all() else math.nan for row in area]
+    return np.asarray(np.array(squares).reshape(2, -1).mean(axis=0))
+
+
+def _irreducible(problem: Problem, tolerances: Tolerances, candidate: Candidate, unit: FloatArray) -> float:
+    """Return the mean square misfit by the linear response to errors of single heights and radii.
+
+    With the mean Jacobian over normal errors, it is the variance of the best linear function of the errors
+    (Stein, Ann. Stat. 9, 1135 (1981), doi:10.1214/aos/1176345632); that of the exact heights has a jump where
+    a contact opens. The response to radii is that of the exact heights, by differences.
+    """
+    surface, law = candidate.surface(problem.template), candidate.target_law
+    solver, count = problem.model.gradient_model, surface.count
+    total = np.zeros((len(law.load), count))
+    for part, shift in _errors(tolerances, surface, unit):
+        found = solver.sensitivity(part, law.load, surface.height + shift)
+        total += law.residual(found.curve.area, found.gradient)[1]
+    response = tolerances.height_sd * total / len(unit)
+    squares = float((response**2).sum())
+    if tolerances.radius_sd > 0.0:
+        step = tolerances.radius_sd * np.eye(count)
+        height = np.broadcast_to(surface.height, (2 * count, count))
+        area = solver.areas(
+            surface, law.load, height, np.concatenate([surface.radius + step, surface.radius - step])
+        )
+        high, low = np.split(area, 2)
+        nominal = solver.areas(surface, law.load, height[:1])[0]
+        squares += float((law.residual(nominal, 0.5 * (high - low).T)[1] ** 2).sum())
+    return squares / len(law.load)
