@@ -2,35 +2,9 @@
 
 import numpy as np
 import pytest
-from scipy.special import ndtri
 
 from metafem.studies.sampling.sobol_indices import exchanged, plan, sobol_indices
-
-GROUPS = [[0], [1], [2]]
-
-# Ishigami and Homma (1990), doi:10.1109/ISUMA.1990.151285, a = 7 and b = 0.1: variances of the effects of x1,
-# of x2, and of x1 and x3 together.
-ALONE_1, ALONE_2, TOGETHER = 0.5 * (1.0 + 0.1 * np.pi**4 / 5.0) ** 2, 49.0 / 8.0, 0.08 * np.pi**8 / 225.0
-VARIANCE = ALONE_1 + ALONE_2 + TOGETHER
-
-# Coefficients of a linear law of Gaussian inputs.
-LINEAR = np.array([3.0, 1.0, 0.3])
-SHARE = LINEAR**2 / (LINEAR @ LINEAR)
-
-# Mean, deviation, first-order and total indices; columns: Ishigami, linear.
-EXACT = (
-    np.array([3.5, 0.0]),
-    np.sqrt([VARIANCE, LINEAR @ LINEAR]),
-    np.transpose([np.array([ALONE_1, ALONE_2, 0.0]) / VARIANCE, SHARE]),
-    np.transpose([np.array([ALONE_1 + TOGETHER, ALONE_2, TOGETHER]) / VARIANCE, SHARE]),
-)
-
-
-def both(unit):
-    """Return the Ishigami function and the linear law, (..., 2)."""
-    x, y, z = np.moveaxis(np.pi * (2.0 * unit - 1.0), -1, 0)
-    ishigami = np.sin(x) + 7.0 * np.sin(y) ** 2 + 0.1 * z**4 * np.sin(x)
-    return np.stack([ishigami, ndtri(unit) @ LINEAR], axis=-1)
+from validation.scenes.sobol_functions import EXACT, GROUPS, both, coverage
 
 
 def test_estimates_lie_within_their_errors():
@@ -44,19 +18,9 @@ def test_estimates_lie_within_their_errors():
 
 @pytest.mark.slow
 def test_intervals_cover_the_exact_values_at_their_level():
-    inside = [
-        np.concatenate(
-            [
-                (np.abs(estimate.value - exact) <= estimate.error).ravel()
-                for estimate, exact in zip(found, EXACT, strict=True)
-            ]
-        )
-        for seed in range(2000)
-        for found in [sobol_indices(both, GROUPS, 4_000, seed)]
-    ]
-    coverage = np.mean(inside, axis=0)
+    found = coverage(2000, 4000)
     # of 2,000 repetitions at 68.3 % the standard error is 1 %
-    assert ((coverage >= 0.64) & (coverage <= 0.72)).all(), coverage
+    assert ((found >= 0.64) & (found <= 0.72)).all(), found
 
 
 def test_a_function_of_one_group_has_exact_indices():

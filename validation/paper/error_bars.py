@@ -1,0 +1,144 @@
+"""The error bars of Figs. 3 to 5: standard deviations over 10,000 draws of forces and parameters.
+
+The paper prints the errors of the parameters and draws the bars; it prints none of their lengths. The bars of
+the predicted laws are compared with as many plain draws, each of a surface of its own; those of measured
+pairs with the propagation of small errors.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+import metafem as mf
+from metafem.drawing import ACHIEVED, TARGET, new_figure
+from validation.check import Check, Claim, near, reported
+from validation.paper.surfaces import surfaces
+from validation.published import PAPER, paper
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from xarray import Dataset
+
+# The tests of this claim carry the mark "slow".
+SLOW = True
+
+DRAWS = 10_000
+
+# Loads of the checks and of the figure, as shares of the largest of the default grid of a law.
+SHARES = np.array([0.1, 0.4, 1.0])
+DRAWN = np.arange(1, 11) / 10
+
+# Relative standard error of a deviation of plain draws, and the multiple that three of them exceed with 1e-2.
+PLAIN = 1.0 / np.sqrt(2.0 * DRAWS)
+WIDE = 3.0
+
+# Second-order terms of the quotients, relative: a force of a tenth of the largest has an error of up to 7 %.
+SECOND_ORDER = 0.01
+
+BATCH_2 = "Fig. 5 red"
+
+
+def errors(name: str) -> dict[str, float]:
+    """Return the standard deviations of the parameters of a figure, such as "Fig. 4 blue"."""
+    printed = paper()
+    batch = printed["batch"]["2" if name == BATCH_2 else "1"]
+    key = name.lower().replace(". ", "").replace(" ", "_")
+    return {
+        "radius": printed["sample"]["radius_sd_um"] / 1e3,
+        "composite_modulus": batch["composite_modulus_sd"],
+        "load": printed["force_error"]["normal_N"],
+        "shear_strength": printed["shear_strength_MPa"][key][1],
+        "area_ratio": batch["area_ratio_sd"],
+    }
+
+
+@cache
+def predicted(name: str) -> Dataset:
+    """Return the bars of the predicted law at the loads of the checks."""
+    return mf.studies.uncertainty(surfaces()[name], errors(name), draws=DRAWS, load=largest(name) * SHARES)
+
+
+def largest(name: str) -> float:
+    """Return the largest load of a law [N]."""
+    return float(mf.friction_law(surfaces()[name]).load[-1])
+
+
+def measured(name: str, load: np.ndarray) -> Dataset:
+    """Return the bars of measured pairs that lie on the law."""
+    surface, printed = surfaces()[name], paper()["force_error"]
+    force = mf.friction_law(surface, load=load).friction_force
+    sd = errors(name) | {"friction_force": printed["friction_N"] + printed["friction_relative"] * force}
+    return mf.studies.uncertainty(surface, sd, draws=DRAWS, load=load, friction_force=force)
+
+
+def plain_deviation(name: str) -> np.ndarray:
+    """Return the standard deviation of A0 [mm²] over plain draws of R, E* and P, each load by load."""
+    surface, sd = surfaces()[name], errors(name)
+    model, modulus, load = mf.Independent(), surface.material.composite_modulus, largest(name) * SHARES
+    areas = []
+    for r, e, p in np.random.default_rng(1).standard_normal((DRAWS, 3)):
+        drawn = np.maximum(load + p * sd["load"], 0.0) / (modulus + e * sd["composite_modulus"])
+        areas.append(model.curve_of(surface.height, surface.radius + r * sd["radius"], drawn).area)
+    return np.std(areas, axis=0, ddof=1)
+
+
+def claim() -> Claim:
+    """Compare the bars of the five laws."""
+    checks: list[Check] = []
+    for name in surfaces():
+        found = predicted(name)
+        ratio = found.area_sd.values / plain_deviation(name)
+        worst = float(ratio[np.abs(ratio - 1.0).argmax()])
+        last = found.isel(rescaled_load=-1)
+        checks += [
+            near(f"{name}: deviation of A0 over that of plain draws, worst of three loads", worst, 1.0,
+                 WIDE * PLAIN, f"{DRAWS} plain draws of R, E* and P, {PAPER}, SM, uncertainties"),
+            reported(f"{name}: error bar of A0 at the largest load, relative",
+                     float(last.area_sd / last.area_mean), "the paper prints no bars"),
+            reported(f"{name}: share of E* in its variance",
+                     float(last.area_first_order.sel(parameter="composite_modulus")), "this check"),
+        ]  # fmt: skip
+        checks += measured_checks(name)
+    return Claim("Figs. 3 to 5: error bars", checks, {"Fig. 4": figure})
+
+
+def measured_checks(name: str) -> list[Check]:
+    """Compare the bars of a measured pair with the propagation of small relative errors."""
+    load, sd, surface = largest(name) * SHARES[1:2], errors(name), surfaces()[name]
+    found = measured(name, load).isel(rescaled_load=0)
+    force, printed = float(mf.friction_law(surface, load=load).friction_force[0]), paper()["force_error"]
+    modulus, friction = surface.material.composite_modulus, surface.friction
+    of_load = np.hypot(sd["load"] / load[0], sd["composite_modulus"] / modulus)
+    of_force = (printed["friction_N"] + printed["friction_relative"] * force) / force
+    strength, ratio = sd["shear_strength"] / friction.shear_strength, sd["area_ratio"] / friction.area_ratio
+    of_friction = float(np.sqrt(of_force**2 + strength**2 + ratio**2))
+    source = "propagation of small errors, with the errors of the parameters in the paper's SM"
+    bars = (
+        ("P/E*", found.rescaled_load_sd / found["rescaled_load"], of_load),
+        ("F/(σB)", found.rescaled_friction_sd / found.nominal_rescaled_friction, of_friction),
+    )
+    return [
+        near(f"{name}, measured pair: relative error of {what}", float(bar), expected,
+             (WIDE * PLAIN + SECOND_ORDER) * expected, source)
+        for what, bar, expected in bars
+    ]  # fmt: skip
+
+
+def figure() -> Figure:
+    """Draw the laws of Fig. 4 with the bars of measured pairs on both axes."""
+    drawn = new_figure(7.0, 4.0)
+    ax = drawn.add_subplot()
+    for colour, mark in (("blue", ACHIEVED), ("red", TARGET)):
+        name = f"Fig. 4 {colour}"
+        found = measured(name, largest(name) * DRAWN)
+        law = mf.friction_law(surfaces()[name])
+        ax.plot(law.rescaled_load, law.area, color=mark, lw=0.8)
+        ax.errorbar(found["rescaled_load"], found.nominal_rescaled_friction, found.rescaled_friction_sd,
+                    found.rescaled_load_sd, fmt="o", ms=3, lw=1.2, color=mark, label=name)  # fmt: skip
+    ax.set(xlabel="rescaled load  P/E* [mm²]", ylabel="rescaled friction  F/(σB) [mm²]")
+    ax.spines[["top", "right"]].set_visible(False)
+    ax.legend(frameon=False)
+    return drawn
