@@ -38,7 +38,7 @@ class DesignStatus(Enum):
     EXACT = "exact: the law meets the target to 1e-9"
     REACHED = "reached: the law meets the target within 1 %"
     REFINED = "refined: the heights were adjusted until the law met the target within 1 %"
-    APPROXIMATE = "approximate: the density has the target's slopes at large loads; the law has the misfit"
+    APPROXIMATE = "approximate: the heights follow a density whose law has the target's slopes at large loads"
     # in results of earlier versions alone
     UNCORRECTED = "uncorrected: designed for independent asperities; this model's law has the misfit"
     MISSED = "missed: the misfit is above 1 %, or above 10 % for the heights of a density"

@@ -56,23 +56,17 @@ class Limits:
     height_sd: float | None = None
 
     def __post_init__(self) -> None:
-        top = check.number("max_height", self.max_height, above=0.0)
-        low = check.number("min_height", self.min_height, at_least=0.0)
-        values: dict[str, float | None] = {"max_height": top, "min_height": low}
-        values["offset"] = check.number("offset", self.offset, at_least=0.0)
-        if low >= top:
+        check.member(self, "max_height", above=0.0)
+        for name in ("min_height", "offset"):
+            check.member(self, name, at_least=0.0)
+        if self.span <= 0.0:
             raise InvalidInput(
-                f"min_height = {formatted('min_height', low)} must be below "
-                f"max_height = {formatted('max_height', top)}"
+                f"min_height = {formatted('min_height', self.min_height)} must be below "
+                f"max_height = {formatted('max_height', self.max_height)}"
             )
-        if self.height_step is not None:
-            finest, most = (top - low) / MOST_LEVELS, top - low
-            step = check.number("height_step", self.height_step, at_least=finest, at_most=most)
-            values["height_step"] = step
-        if self.height_sd is not None:
-            values["height_sd"] = check.number("height_sd", self.height_sd, at_least=0.0)
-        for name, value in values.items():
-            object.__setattr__(self, name, value)
+        finest = self.span / MOST_LEVELS
+        check.member(self, "height_step", optional=True, at_least=finest, at_most=self.span)
+        check.member(self, "height_sd", optional=True, at_least=0.0)
 
     @property
     def span(self) -> float:

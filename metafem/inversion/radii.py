@@ -42,8 +42,8 @@ class RadiusRange:
     high: float
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "low", check.number("low", self.low, above=0.0))
-        object.__setattr__(self, "high", check.number("high", self.high, above=self.low))
+        check.member(self, "low", above=0.0)
+        check.member(self, "high", above=self.low)
 
 
 @dataclass(frozen=True)

@@ -80,7 +80,7 @@ class Design(Value):
     >>> template = mf.Surface.square_lattice(0.12, radius=0.526, material=mf.Material(1.36))
     >>> mf.design(mf.LinearLaw(6.87), template)
     Design: Linear friction law of slope 6.87
-      status      approximate: the density has the target's slopes at large loads; the law has the misfit
+      status      approximate: the heights follow a density whose law has the target's slopes at large loads
       misfit      2.8 %, difference of a fitted slope from the target's
       asperities  64 on 64 sites
       heights     0.0002997 to 0.1148 mm

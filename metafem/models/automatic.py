@@ -74,8 +74,7 @@ class Automatic(WithoutGradients):
     substrate: Substrate = field(default_factory=HalfSpace)
 
     def __post_init__(self) -> None:
-        value = check.number("tolerance", self.tolerance, above=0.0)
-        object.__setattr__(self, "tolerance", value)
+        check.member(self, "tolerance", above=0.0)
         Interacting(substrate=self.substrate)  # checks the substrate
 
     def curve(

@@ -46,6 +46,11 @@ class RescaledState:
     field: ContactField | None = None  # fields on cells, with the pressure over E* [-]
 
 
+def solved(residual: FloatArray, tolerance: float, load: FloatArray, area: FloatArray) -> np.ndarray:
+    """Whether equilibria are converged and finite, in arrays of any shape."""
+    return np.asarray((residual <= tolerance) & np.isfinite(load + area))
+
+
 @dataclass(frozen=True, eq=False)
 class Curve:
     """Equilibria of one surface along increasing loads or approaches, all arrays (k,).
@@ -114,7 +119,7 @@ class Curve:
     @cached_property
     def solved(self) -> np.ndarray:
         """Whether each equilibrium is converged and finite, (k,)."""
-        return np.asarray((self.residual <= self.tolerance) & np.isfinite(self.load + self.area))
+        return solved(self.residual, self.tolerance, self.load, self.area)
 
     @property
     def converged(self) -> bool:

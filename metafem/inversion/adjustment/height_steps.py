@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -30,11 +31,19 @@ def rounded_to_steps(problem: Problem, candidate: Candidate) -> Candidate:
         found = solver.sensitivity(surface, law.load, height)
         return law.residual(found.curve.area, found.gradient)
 
+    def residuals(heights: FloatArray) -> FloatArray:
+        """Return the residuals of many lists of heights, (m, k); infinite if not converged."""
+        none = np.empty((len(law.load), 0))
+        areas = solver.areas(surface, law.load, heights)
+        rows = [law.residual(row, none)[0] if np.isfinite(row).all() else row + np.inf for row in areas]
+        return np.where(np.isnan(rows), np.inf, rows)
+
     options = problem.options
-    search = _StepSearch(levels, residual, options.largest_power if law.pointwise else 2, options)
-    index = search.rounded(candidate.height)
+    power = options.largest_power if law.pointwise else 2
+    search = _StepSearch(levels, residual, residuals, power, options)
+    index, size = search.rounded(candidate.height)
     if len(index) <= options.most_stepped:
-        index = search.moved(index)
+        index = search.moved(index, size)
     used, counts = np.unique(index, return_counts=True)
     result = candidate.with_heights(levels[index])
     steps: dict[str, Parameter] = {"step_levels": levels[used], "step_counts": counts.astype(np.int64)}
@@ -48,6 +57,7 @@ class _StepSearch:
 
     levels: FloatArray
     residual: Residual
+    residuals: Callable[[FloatArray], FloatArray]
     power: int
     options: SearchOptions
 
@@ -55,12 +65,13 @@ class _StepSearch:
         """Return the sum over the loads (first axis)."""
         return np.asarray((residual**self.power).sum(axis=0))
 
-    def size(self, index: IntArray) -> float:
-        """Return the sum for heights on levels."""
-        return float(self.total(self.residual(self.levels[index])[0]))
+    def best(self, trials: list[IntArray]) -> tuple[IntArray, float]:
+        """Return the heights on levels with the least sum, and the sum."""
+        sizes = self.total(self.residuals(self.levels[np.array(trials)]).T)
+        return trials[int(sizes.argmin())], float(sizes.min())
 
-    def rounded(self, height: FloatArray) -> IntArray:
-        """Return the nearest levels after the best of several shifts."""
+    def rounded(self, height: FloatArray) -> tuple[IntArray, float]:
+        """Return the nearest levels after the best of several shifts, and the sum."""
         levels = self.levels
         step = float(levels[1] - levels[0]) if len(levels) > 1 else 1.0
         exact = (height - levels[0]) / step
@@ -68,18 +79,17 @@ class _StepSearch:
             np.clip(np.rint(exact + shift), 0, len(levels) - 1).astype(np.int64)
             for shift in self.options.shifts
         ]
-        return min(trials, key=self.size)
+        return self.best(trials)
 
-    def moved(self, index: IntArray) -> IntArray:
+    def moved(self, index: IntArray, size: float) -> IntArray:
         """Change one or two heights by a step at a time; the best changes by the gradient are evaluated."""
         for _ in range(self.options.most_step_changes):
             residual, jacobian = self.residual(self.levels[index])
             trials = self.trials(index, residual, jacobian)
-            sizes = list(map(self.size, trials))
-            best = int(np.argmin(sizes)) if sizes else 0
-            if not sizes or not sizes[best] < self.total(residual):
+            best, least = self.best(trials) if trials else (index, np.inf)
+            if not least < size:
                 break
-            index = trials[best]
+            index, size = best, least
         return index
 
     def trials(self, index: IntArray, residual: FloatArray, jacobian: FloatArray) -> list[IntArray]:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 
@@ -16,7 +18,7 @@ from metafem.inversion.search.multistart import search
 from metafem.inversion.search.nearest_law import residual_of_heights
 from metafem.inversion.search.options import SearchOptions
 from metafem.inversion.targets.target_law import TargetLaw
-from metafem.models import Independent
+from metafem.models import Independent, Sensitivity
 from metafem.notes import information
 from metafem.progress import doing, each
 
@@ -38,12 +40,13 @@ def refined(problem: Problem, candidate: Candidate, rng: np.random.Generator) ->
         solver, space = model.gradient_model, Heights(limits.span)
         best, start = Minimum(candidate.height, np.inf), candidate
         for trial in (_filled(candidate, problem), candidate):
-            residual, residual_of_model = _residuals(problem, trial)
+            first, residual, residual_of_model = _residuals(problem, trial)
             if trial.lowest_level is not None:
                 goal = options.point_goal
                 found = _through_points(residual, trial.height, space, options)
             else:
-                goal, guesses = options.refined_goal, _initial_guesses(problem, trial, rng)
+                guesses = _initial_guesses(problem, trial, first().curve.area, rng)
+                goal = options.refined_goal
                 found = search(residual, guesses, space, goal, options.refined_restarts, rng, options)
             if solver != model:
                 found = descend(residual_of_model, found.unknowns, space, goal, options=options)
@@ -64,13 +67,23 @@ def refined(problem: Problem, candidate: Candidate, rng: np.random.Generator) ->
     return replace(result, notes=(*candidate.notes, note))
 
 
-def _residuals(problem: Problem, start: Candidate) -> tuple[Residual, Residual]:
-    """Return the residual of heights on the sites of a candidate, under the gradient model and the model."""
+def _residuals(problem: Problem, start: Candidate) -> tuple[Callable[[], Sensitivity], Residual, Residual]:
+    """Return the sensitivity of a candidate's heights, computed once, and two residuals of other heights.
+
+    The residuals are those under the gradient model and under the model.
+    """
     model, limits, law = problem.model, problem.limits, start.target_law
     solver, surface = model.gradient_model, start.surface(problem.template)
 
+    @cache
+    def first() -> Sensitivity:
+        return solver.sensitivity(surface, law.load, below_limit(start.height, limits))
+
     def residual(height: FloatArray) -> tuple[FloatArray, FloatArray]:
-        found = solver.sensitivity(surface, law.load, below_limit(height, limits))
+        if np.array_equal(height, start.height):
+            found = first()
+        else:
+            found = solver.sensitivity(surface, law.load, below_limit(height, limits))
         return law.residual(found.curve.area, found.gradient)
 
     def residual_of_model(height: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -78,17 +91,18 @@ def _residuals(problem: Problem, start: Candidate) -> tuple[Residual, Residual]:
         area = model.curve(surface.replaced(height=height), law.load).area
         return law.residual(area, solver.sensitivity(surface, law.load, height).gradient)
 
-    return residual, residual_of_model
+    return first, residual, residual_of_model
 
 
-def _initial_guesses(problem: Problem, start: Candidate, rng: np.random.Generator) -> list[FloatArray]:
-    """Return the heights of a candidate and, where their law is far from the target, corrected ones.
+def _initial_guesses(
+    problem: Problem, start: Candidate, area: FloatArray, rng: np.random.Generator
+) -> list[FloatArray]:
+    """Return the heights of a candidate and, where their law A0 is far from the target, corrected ones.
 
     The independent law of the corrected heights is the target divided by A0(model)/A0(independent). That
     ratio is a smooth function of the load and depends little on small changes of the heights.
     """
     law, options, surface = start.target_law, problem.options, start.surface(problem.template)
-    area = problem.model.gradient_model.sensitivity(surface, law.load).curve.area
     if law.misfit(area) <= options.close:
         return [start.height]
     ratio = area / Independent().curve(surface, law.load).area

@@ -67,12 +67,9 @@ class Layout:
 
     def __post_init__(self) -> None:
         check.instance("follow_law", self.follow_law, bool, "True or False")
-        weight = check.number("tilt_weight", self.tilt_weight, above=0.0)
-        object.__setattr__(self, "tilt_weight", weight)
-        if self.tilt is not None:
-            angle = check.number("tilt", self.tilt, above=0.0, at_most=STEEPEST)
-            object.__setattr__(self, "tilt", angle)
-        elif not self.follow_law:
+        check.member(self, "tilt_weight", above=0.0)
+        check.member(self, "tilt", optional=True, above=0.0, at_most=STEEPEST)
+        if self.tilt is None and not self.follow_law:
             raise InvalidInput("the layout has no aim: set follow_law = True or tilt, or leave it out")
 
 

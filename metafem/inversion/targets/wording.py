@@ -37,9 +37,7 @@ class Wording:
 
     def __post_init__(self) -> None:
         for name in ("composite_modulus", "shear_stress"):
-            value = getattr(self, name)
-            if value is not None:
-                object.__setattr__(self, name, check.number(name, value, above=0.0))
+            check.member(self, name, optional=True, above=0.0)
 
     @classmethod
     def of(cls, material: Material, friction: Friction) -> Wording:

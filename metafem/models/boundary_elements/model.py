@@ -69,7 +69,7 @@ class BoundaryElements(WithoutGradients):
     substrate: Radial = field(default_factory=HalfSpace)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "cell", check.number("cell", self.cell, above=0.0))
+        check.member(self, "cell", above=0.0)
         if not isinstance(self.substrate, Radial):
             raise InvalidInput(
                 f"substrate = {self.substrate!r} must be one whose influence depends on the distance "

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable
 from dataclasses import dataclass, field, replace
-from functools import lru_cache, partial
+from functools import partial
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
@@ -16,20 +15,21 @@ from metafem._calls import checked_class
 from metafem._validate import FloatArray
 from metafem.contact import Contact, Hertz
 from metafem.errors import InvalidInput, NotConverged
-from metafem.models._resources import require_memory, run_rows
+from metafem.models._resources import run_rows
 from metafem.models.interacting.cap_influence import pedestal_influence, pedestal_notes
+from metafem.models.interacting.kept_coupling import coupling_between
 from metafem.models.interacting.large import NOT_RECORDED, LargeScene
 from metafem.models.interacting.newton_krylov import TOLERANCE as FAST_TOLERANCE
 from metafem.models.interacting.newton_krylov import Iterate
 from metafem.models.interacting.sensitivity import area_gradients
-from metafem.models.model import Curve, RescaledState, Sensitivity, areas_one_by_one, controlled
+from metafem.models.model import Curve, RescaledState, Sensitivity, areas_one_by_one, controlled, solved
 from metafem.notes import Note, information
 from metafem.substrate import HalfSpace, Radial, Substrate
 from metafem.surface import Surface
 
 if TYPE_CHECKING:
     from metafem._kernels.continuation import Results
-    from metafem._kernels.coupling import Coupling, State
+    from metafem._kernels.coupling import State
 
 # Largest residual of a converged state; the kernel aims a digit lower.
 TOLERANCE = 1e-12
@@ -40,10 +40,6 @@ DENSE_LIMIT = 2000
 
 # Pairs of asperities, times loads, below which a second thread does not pay: about a millisecond.
 PAIRS_PER_THREAD = 200_000
-
-# Influences that are kept for the next call, and the largest scene of which one is: seven matrices of
-# 256 sites take 3.5 MiB.
-KEPT_FIELDS, MOST_KEPT = 8, 256
 
 
 @checked_class
@@ -179,7 +175,7 @@ class Interacting:
         results = self._solve(surface, heights, loads[order], by_load=True).results
         results = type(results)(*(array[:, back] for array in results))
         self._refuse_thin_layer(surface, results)
-        failed = ~(results.residual <= _tolerance(surface))
+        failed = ~solved(results.residual, _tolerance(surface), results.load, results.area)
         if failed.any():
             worst = float(results.residual.max())
             raise NotConverged(
@@ -221,7 +217,8 @@ class Interacting:
             return areas_one_by_one(self, surface, load, height, radius, position)
         results = self._solve(surface, height, load, True, radius=radius).results
         self._refuse_thin_layer(surface, results)
-        return np.where(results.residual <= _tolerance(surface), results.area, np.nan)
+        converged = solved(results.residual, _tolerance(surface), results.load, results.area)
+        return np.where(converged, results.area, np.nan)
 
     def _curve(self, surface: Surface, solution: _Solution) -> Curve:
         approach, load, area, stiffness, residual = (part[0] for part in solution.results[:5])
@@ -267,7 +264,7 @@ class Interacting:
                 part = kernel.Results(*(array[row] for array in results))
                 last = large.follow(self_term[row], gap[row], control, by_load, part, indentation, gradient)
             return _Solution(results, height[-1], last, (information(large.sums.note),))
-        coupling, regular = self._coupling(surface, bound)
+        coupling, regular = coupling_between(surface, bound, self.order)
         self_term += regular
         radius = np.array(np.broadcast_to(surface.radius if radius is None else radius, gap.shape), order="C")
         control = np.array(control)  # a read-only array would compile the kernel again
@@ -297,13 +294,6 @@ class Interacting:
                 f"{contact_radius:.4g} mm; use resolved contacts or a thicker layer"
             )
 
-    def _coupling(self, surface: Surface, bound: Substrate) -> tuple[Coupling, FloatArray]:
-        """Return the influence of the asperities on each other, and the regular self terms (n,)."""
-        # a radial influence depends on the sites alone
-        if isinstance(bound, Radial) and isinstance(bound, Hashable) and surface.count <= MOST_KEPT:
-            return _kept_coupling(bound, self.order, _Sites(surface.position.tobytes(), surface))
-        return _compute_coupling(self.substrate, self.order, surface)
-
 
 @dataclass(frozen=True, eq=False)
 class _Solution:
@@ -313,35 +303,6 @@ class _Solution:
     height: FloatArray
     last: State | Iterate
     notes: tuple[Note, ...] = ()
-
-
-@dataclass(frozen=True)
-class _Sites:
-    """Sites of a surface, equal where they are equal to the bit."""
-
-    position: bytes
-    surface: Surface = field(compare=False)
-
-
-@lru_cache(maxsize=KEPT_FIELDS)
-def _kept_coupling(substrate: Radial, order: int, sites: _Sites) -> tuple[Coupling, FloatArray]:
-    """Return the influence between sites, computed once for all heights on them."""
-    return _compute_coupling(substrate, order, sites.surface)
-
-
-def _compute_coupling(substrate: Substrate, order: int, surface: Surface) -> tuple[Coupling, FloatArray]:
-    """Compute the influence of the asperities on each other, and the regular self terms (n,)."""
-    from metafem._kernels.coupling import Coupling
-
-    # the matrices, those with their ends exchanged, the Jacobian, and as much while they are made
-    require_memory(8 * surface.count**2 * (3 if order == 1 else 14), f"{surface.count} asperities")
-    influence = np.array(substrate.influence_matrix(surface), dtype=np.float64, order="C")
-    regular = np.diagonal(influence).copy()
-    np.fill_diagonal(influence, 0.0)
-    if order == 1:
-        return Coupling(influence, *(np.empty((0, 0)) for _ in range(6))), regular
-    derivatives = [np.ascontiguousarray(d) for d in substrate.influence_derivatives(surface)]
-    return Coupling(influence, *derivatives, *(np.ascontiguousarray(d.T) for d in derivatives)), regular
 
 
 def _tolerance(surface: Surface) -> float:

@@ -82,3 +82,12 @@ def test_steps_with_a_smaller_misfit_say_why():
     note = str(step_note(LIMITS, before=0.02, after=0.015))
     assert "6 um: the misfit is 1.5 %; before rounding to them it was 2 %" in note
     assert "the search over steps found a better law" in note
+
+
+def test_trial_steps_are_evaluated_without_gradients(template, monkeypatch):
+    gradients, steps = [], mf.Independent.sensitivity
+    monkeypatch.setattr(mf.Independent, "sensitivity", lambda *given: gradients.append(1) or steps(*given))
+    mf.design(TARGETS["power"], template, limits=LIMITS)
+    assert (
+        1 <= len(gradients) < 10
+    )  # one for each change of a height, not for each of the 20 it is chosen from

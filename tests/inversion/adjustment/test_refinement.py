@@ -29,3 +29,15 @@ def test_heights_that_no_search_improves_are_not_called_refined():
     design = mf.design(target, lattice(0.12, (4, 4)), MODELS[1], radii=[0.2, 0.8])
     assert "moved" not in said(design)
     assert design.status is mf.DesignStatus.REACHED
+
+
+def test_no_heights_are_evaluated_twice_in_a_refinement(template, monkeypatch):
+    seen, sensitivity = [], mf.Interacting.sensitivity
+
+    def recorded(model, surface, load, height=None):
+        seen.append((surface.height if height is None else height).tobytes())
+        return sensitivity(model, surface, load, height)
+
+    monkeypatch.setattr(mf.Interacting, "sensitivity", recorded)
+    mf.design(mf.PowerLaw(1.2, (0.1, 0.4)), template, mf.Interacting(), mf.Limits(0.27))
+    assert len(seen) == len(set(seen)) > 1

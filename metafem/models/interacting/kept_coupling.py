@@ -1,0 +1,62 @@
+"""Influence of asperities on each other, kept for the next calls on the same sites."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from metafem._validate import FloatArray
+from metafem.models._resources import require_memory
+from metafem.substrate import Radial, Substrate
+from metafem.surface import Surface
+
+if TYPE_CHECKING:
+    from metafem._kernels.coupling import Coupling
+
+# Influences that are kept for the next call, and the largest scene of which one is: seven matrices of
+# 256 sites take 3.5 MiB.
+KEPT_FIELDS, MOST_KEPT = 8, 256
+
+
+def coupling_between(surface: Surface, bound: Substrate, order: int) -> tuple[Coupling, FloatArray]:
+    """Return the influence of the asperities on each other, and the regular self terms (n,).
+
+    bound: the substrate with the thickness and the material of the surface.
+    """
+    # a radial influence depends on the sites alone
+    if isinstance(bound, Radial) and isinstance(bound, Hashable) and surface.count <= MOST_KEPT:
+        return _kept(bound, order, _Sites(surface.position.tobytes(), surface))
+    return _computed(bound, order, surface)
+
+
+@dataclass(frozen=True)
+class _Sites:
+    """Sites of a surface, equal where they are equal to the bit."""
+
+    position: bytes
+    surface: Surface = field(compare=False)
+
+
+@lru_cache(maxsize=KEPT_FIELDS)
+def _kept(substrate: Radial, order: int, sites: _Sites) -> tuple[Coupling, FloatArray]:
+    """Return the influence between sites, computed once for all heights on them."""
+    return _computed(substrate, order, sites.surface)
+
+
+def _computed(substrate: Substrate, order: int, surface: Surface) -> tuple[Coupling, FloatArray]:
+    """Compute the influence of the asperities on each other, and the regular self terms (n,)."""
+    from metafem._kernels.coupling import Coupling
+
+    # the matrices, those with their ends exchanged, the Jacobian, and as much while they are made
+    require_memory(8 * surface.count**2 * (3 if order == 1 else 14), f"{surface.count} asperities")
+    influence = np.array(substrate.influence_matrix(surface), dtype=np.float64, order="C")
+    regular = np.diagonal(influence).copy()
+    np.fill_diagonal(influence, 0.0)
+    if order == 1:
+        return Coupling(influence, *(np.empty((0, 0)) for _ in range(6))), regular
+    derivatives = [np.ascontiguousarray(d) for d in substrate.influence_derivatives(surface)]
+    return Coupling(influence, *derivatives, *(np.ascontiguousarray(d.T) for d in derivatives)), regular
