@@ -44,6 +44,18 @@ def test_radii_and_layout_of_a_specification_are_designed(run):
     assert "misfit with the optimised assignment" in Path("tools/report.html").read_text("utf-8")
 
 
+def test_a_robust_design_is_made_from_a_specification(run):
+    errors = '\n[robust]\nheight_sd = "3 um"\nangle = "0.05 deg"\n'
+    text = demo_text("linear").replace("[8, 8]", "[4, 4]") + errors
+    Path("robust.toml").write_text(text, "utf-8")
+    result = run("design", "robust.toml", "-o", "robust", "--json")
+    assert result.exit_code in (0, 1), result.output
+    found = mf.load("robust")
+    assert found.robust == mf.Tolerances(0.003, 0.05 * 3.141592653589793 / 180.0)
+    assert found.parameters["expected_misfit"] <= found.parameters["plain_expected_misfit"]
+    assert "expected misfit of made surfaces" in Path("robust/report.html").read_text("utf-8")
+
+
 @pytest.mark.parametrize(
     "command",
     [

@@ -28,6 +28,7 @@ from metafem.inversion import (
     design,
 )
 from metafem.models import Model
+from metafem.prediction import Tolerances
 from metafem.substrate import Substrate
 from metafem.surface import Surface
 
@@ -54,6 +55,8 @@ class Specification:
         Objectives of the assignment of heights to sites.
     radii : RadiusRange, tuple of float or None
         Radii to choose from [mm]; the radius of the template is then not used.
+    robust : Tolerances or None
+        Errors of the made surface under which the expected misfit is minimised.
     mixed : bool
         Whether each asperity may have its own radius.
     part : PartOptions
@@ -75,6 +78,7 @@ class Specification:
     seed: int
     layout: Layout | None
     radii: RadiusRange | tuple[float, ...] | None
+    robust: Tolerances | None
     mixed: bool
     part: PartOptions
     hardness: float | None
@@ -91,7 +95,7 @@ class Specification:
         common = self.radii is not None and not self.mixed
         return design(
             self.target, self.template, chosen, self.limits, self.seed, self.layout,
-            radii=self.radii, common_radius=common,
+            radii=self.radii, common_radius=common, robust=self.robust,
         )  # fmt: skip
 
     def with_chord_error(self, chord_error: float) -> Specification:
@@ -126,7 +130,7 @@ def read_spec(path: str | Path) -> Specification:
     ----------
     path : str or Path
         A TOML file with the sections target, material, lattice and limits, and the optional sections
-        friction, radii, block, layout, model, part and checks; ``metafem spec`` lists their keys.
+        friction, radii, block, layout, robust, model, part and checks; ``metafem spec`` lists their keys.
         Lengths, areas, forces, stresses and angles are strings with a unit, such as ``"120 um"``.
 
     Returns

@@ -24,6 +24,7 @@ from metafem.files.specification.targets import (
 )
 from metafem.inversion import Layout, Limits, RadiusRange
 from metafem.models import Model
+from metafem.prediction import Tolerances
 from metafem.surface import Block, Friction, Material, Surface
 
 Integer = Annotated[int, Field(strict=True)]
@@ -151,6 +152,25 @@ class LayoutSection(Section):
         )
 
 
+class RobustSection(Section):
+    """``[robust]``."""
+
+    height_sd: Annotated[Length, says("standard deviation of the heights", "3 um")] = 0.0
+    angle: Annotated[Angle, says("largest tilt about either axis", "0.05 deg")] = 0.0
+    radius_sd: Annotated[Length, says("standard deviation of the radii", "2 um")] = 0.0
+    position_sd: Annotated[Length, says("standard deviation of x and y of each site", "5 um")] = 0.0
+
+    @model_validator(mode="after")
+    def _some(self) -> RobustSection:
+        if not any(self.model_dump().values()):
+            raise InvalidInput(f"needs an error above 0 of {', '.join(RobustSection.model_fields)}")
+        return self
+
+    def tolerances(self) -> Tolerances:
+        """Return the errors of the made surface."""
+        return Tolerances(**self.model_dump())
+
+
 class ModelSection(Section):
     """``[model]``."""
 
@@ -222,12 +242,15 @@ class Sections(Section):
     ] = None
     limits: Annotated[LimitsSection, says("manufacturing limits")]
     layout: Annotated[LayoutSection, says("assignment of heights to sites")] = LayoutSection()
+    robust: Annotated[
+        RobustSection | None, says("errors of the part, under which the expected misfit is least")
+    ] = None
     model: Annotated[ModelSection, says("model under which the target is to be met")] = ModelSection()
     part: Annotated[PartSection, says("options of the part files")] = PartSection()
     checks: Annotated[ChecksSection, says("further checks")] = ChecksSection()
 
     def build(self) -> tuple[dict[str, Any], list[str]]:
-        """Return target, template, limits, layout, radii and part, and a list of problems."""
+        """Return target, template, limits, layout, radii, robust and part, and a list of problems."""
         problems: list[str] = []
 
         def made(section: str, kind: Any, values: dict[str, Any]) -> Any:
@@ -243,6 +266,7 @@ class Sections(Section):
         block = None if self.block is None else made("block", Block, self.block.model_dump())
         limits = made("limits", Limits, self.limits.model_dump())
         layout = made("layout", self.layout.layout, {})
+        robust = self.robust and made("robust", self.robust.tolerances, {})
         # Placeholders, so that the other sections are checked even if one of these is wrong.
         top = limits.offset + limits.max_height if limits else 1.0
         stuff = material or Material(1.0)
@@ -271,7 +295,7 @@ class Sections(Section):
                 heights = f"limits.offset + limits.max_height = {formatted('limits.max_height', top)}"
                 problems.append(f"with summits of {heights}, {error}")
         parts = {"target": target, "template": template, "limits": limits, "layout": layout, "radii": radii}
-        parts["part"] = part
+        parts |= {"robust": robust, "part": part}
         return parts, problems
 
     def _radius(self, problems: list[str]) -> tuple[float, RadiusRange | tuple[float, ...] | None, str]:

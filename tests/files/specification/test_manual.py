@@ -67,6 +67,6 @@ def test_the_manual_lists_every_section_kind_and_key():
 def test_optional_keys_are_marked():
     lines = {line.split("=")[0].strip(): line for line in manual().splitlines()}
     assert "# optional, default 0.5: " in lines["poisson_ratio"]
-    assert "# optional: " in lines["height_sd"]
+    assert "# optional: " in lines["hardness"]
     assert "# either: " in lines["slope"]
     assert "optional" not in lines["max_height"]

@@ -132,6 +132,27 @@ def test_a_layout_is_read_with_its_angle(read):
     assert read(LINEAR.replace("seed = 0", alone)).layout == mf.Layout(False, math.radians(0.1), 2.0)
 
 
+def test_the_errors_of_a_robust_design_are_read(read):
+    assert read(LINEAR).robust is None
+    errors = '[robust]\nheight_sd = "3 um"\nangle = "0.05 deg"\nradius_sd = "2 um"\n'
+    assert read(LINEAR + errors).robust == mf.Tolerances(0.003, math.radians(0.05), 0.002)
+
+
+@pytest.mark.parametrize(
+    ("keys", "words"),
+    [
+        ("", "robust needs an error above 0 of height_sd, angle, radius_sd, position_sd"),
+        ('height_sd = "0 um"', "robust needs an error above 0"),
+        ('height_sd = "-3 um"', "robust.height_sd = -3 um must be at least 0 um"),
+        ('angle = "50 deg"', "robust.angle = 50 deg must be at most 45 deg"),
+        ('tilt = "1 deg"', "robust.tilt"),
+    ],
+)
+def test_errors_that_a_design_cannot_use_are_named(read, keys, words):
+    with pytest.raises(mf.InvalidInput, match=re.escape(words)):
+        read(f"{LINEAR}[robust]\n{keys}\n")
+
+
 @pytest.mark.parametrize(
     ("keys", "radii", "least"),
     [
