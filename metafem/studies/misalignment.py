@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 STEPS = 1000
 
 # Shuffled placements of one batch: 2,001 angles and 20 loads of 64 independent asperities take a quarter of a
-# second.
+# second. A batch of coupled asperities, which take a hundred times as long, is a single one.
 AT_ONCE = 10
 
 # Heights that are solved at once: 32 MiB.
@@ -165,18 +165,23 @@ class Tilts:
     seed: int
 
     @property
+    def at_once(self) -> int:
+        """Number of shuffled placements of a batch."""
+        return 1 if self.model.couples else AT_ONCE
+
+    @property
     def batches(self) -> int:
         """Number of batches."""
-        return 1 + -(-self.shuffles // AT_ONCE)
+        return 1 + -(-self.shuffles // self.at_once)
 
     def __call__(self, batch: int) -> dict[str, FloatArray]:
         """Return the slopes (p, a) of the placements of a batch, and the areas of batch 0, (1, a, k)."""
+        placements = range(self.at_once * (batch - 1), min(self.at_once * batch, self.shuffles))
         n = self.surface.count
         orders = [np.arange(n)]
         if batch > 0:
-            count = min(AT_ONCE, self.shuffles - (batch - 1) * AT_ONCE)
-            random = np.random.default_rng(np.random.SeedSequence(self.seed, spawn_key=(batch,)))
-            orders = [random.permutation(n) for _ in range(count)]
+            seeds = [np.random.SeedSequence(self.seed, spawn_key=(k,)) for k in placements]
+            orders = [np.random.default_rng(seed).permutation(n) for seed in seeds]
         found = [self._law(order) for order in orders]
         areas = np.array([area for area, _ in found])
         return {
