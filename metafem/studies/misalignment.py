@@ -23,6 +23,7 @@ from metafem.studies.sampling.moments import Estimate
 from metafem.studies.sampling.points import entropy
 from metafem.studies.sampling.slope import Slope
 from metafem.studies.sampling.store import inputs_hash
+from metafem.studies.sampling.uniform_angle import within
 from metafem.surface import STEEPEST, Surface
 
 if TYPE_CHECKING:
@@ -40,9 +41,6 @@ MOST_HEIGHTS = 2**22
 
 # Slopes along x and along y over the tangent of the angle.
 DIRECTIONS = {"both": (1.0, 1.0), "x": (1.0, 0.0), "y": (0.0, 1.0)}
-
-# Neighbouring angles on each side whose errors count, too.
-NEIGHBOURS = 2
 
 # Quantiles over the shuffled placements.
 QUANTILES = (0.05, 0.5, 0.95)
@@ -120,7 +118,7 @@ def misalignment(
     ({'placement': 4, 'angle': 2}, array([0.025, 0.065]))
     """
     check.instance("surface", surface, Surface, "a metafem.Surface")
-    if axes not in DIRECTIONS:
+    if not isinstance(axes, str) or axes not in DIRECTIONS:
         raise InvalidInput(f"axes = {shown(axes)} must be one of {', '.join(map(repr, DIRECTIONS))}")
     positive = _angles(angle)
     signed = np.concatenate([-positive[::-1], [0.0], positive])
@@ -218,7 +216,7 @@ class Tilts:
 def _dataset(task: Tilts, slopes: FloatArray, area: FloatArray, failed: int, inputs: str) -> xr.Dataset:
     """Return the dataset of slopes (p, a) and of the areas as made (a, k)."""
     middle = len(task.angle) // 2
-    by_slope, by_area = _within(task.angle, slopes), _within(task.angle, area.T)
+    by_slope, by_area = within(task.angle, slopes), within(task.angle, area.T)
     variables: dict[str, tuple[tuple[str, ...], Any]] = {}
     for k, moment in enumerate(("mean", "sd")):
         for name, found in (
@@ -242,6 +240,7 @@ def _dataset(task: Tilts, slopes: FloatArray, area: FloatArray, failed: int, inp
     variables["nominal_area"] = ("rescaled_load",), area[middle]
     variables["failed"] = (), failed
     notes = [information("the errors of means and deviations are their changes with half as many angles")]
+    notes += _base_contact(task)
     if failed:
         notes.append(Note(f"{failed} laws have no solution; they are interpolated from neighbouring angles"))
     return dataset(
@@ -250,47 +249,24 @@ def _dataset(task: Tilts, slopes: FloatArray, area: FloatArray, failed: int, inp
     )  # fmt: skip
 
 
-def _within(angle: FloatArray, value: FloatArray) -> tuple[Estimate, Estimate]:
-    """Return mean and standard deviation over [-angle, angle], each with its error, (..., k).
-
-    angle: (2 k + 1,), increasing, from minus the largest to the largest, with 0. value: (..., 2 k + 1).
-    The error is the change with every second angle, counted from each end.
-    """
-    middle = len(angle) // 2
-    fine = _uniform(angle, value)
-    coarse = tuple(np.empty_like(part) for part in fine)
-    for odd in (0, 1):
-        # every second angle, among them 0 (odd = 0) or not
-        some = slice((middle - odd) % 2, None, 2)
-        for whole, part in zip(coarse, _uniform(angle[some], value[..., some]), strict=True):
-            whole[..., 1 - odd :: 2] = part
-    mean, sd = (
-        Estimate(one, _largest_nearby(np.abs(one - other))) for one, other in zip(fine, coarse, strict=True)
-    )
-    return mean, sd
-
-
-def _largest_nearby(change: FloatArray) -> FloatArray:
-    """Return the largest value at an angle and its neighbours: a change may cross zero at a single angle."""
-    padded = np.pad(change, [(0, 0)] * (change.ndim - 1) + [(NEIGHBOURS, NEIGHBOURS)], mode="edge")
-    nearby = np.lib.stride_tricks.sliding_window_view(padded, 2 * NEIGHBOURS + 1, axis=-1)
-    return np.asarray(nearby.max(axis=-1))
-
-
-def _uniform(angle: FloatArray, value: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return mean and standard deviation over [-angle, angle] of values that are linear between angles."""
-    centre = value[..., [len(angle) // 2]]  # the digits of small deviations
-    left, right = value[..., :-1] - centre, value[..., 1:] - centre
-    width = np.diff(angle)
-    kept = len(angle) // 2
-    moments = []
-    for integral in (width * (left + right) / 2.0, width * (left**2 + left * right + right**2) / 3.0):
-        both = (integral + integral[..., ::-1])[..., -kept:]
-        if len(width) % 2:
-            both[..., 0] /= 2.0  # the interval across 0 is its own mirror image
-        moments.append(np.cumsum(both, axis=-1) / (2.0 * angle[-kept:]))
-    mean, square = moments
-    return mean + centre, np.sqrt(np.maximum(square - mean**2, 0.0))
+def _base_contact(task: Tilts) -> list[Note]:
+    """Return a warning if the inclined base plane would touch at the largest angle and load."""
+    surface, rise = task.surface, task.tilt[-1]
+    tilted = surface.height + surface.position @ rise
+    load = task.fit.load[-1:]
+    approach = Independent().curve_of(tilted, surface.radius, load).approach[0]
+    separation = float(tilted.max() - approach)  # at the origin, from the base plane
+    sides = np.abs(surface.position).max(axis=0)
+    if surface.block is not None:
+        sides = np.array([surface.block.width, surface.block.length]) / 2.0
+    if float(rise @ sides) < separation:
+        return []
+    return [
+        Note(
+            f"at {task.angle[-1]:.3g} rad and a load of {load[0]:.3g} mm^2 the edge of the base plane would "
+            "touch; the laws have no such contact"
+        )
+    ]
 
 
 def _quantiles(value: FloatArray) -> Estimate:
