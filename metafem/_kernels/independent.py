@@ -23,8 +23,8 @@ MAX_STEPS = 200
 MAX_REFINEMENTS = 3
 ROUNDING = 4.0 * np.finfo(np.float64).eps
 
-# Relative error of the load before the last step of `areas`, whose own error is the square.
-SETTLED = 1e-12
+# Relative error of the load before the last step of `areas`; that after it is the square.
+SETTLED = 1e-8
 
 
 @compiled
@@ -144,29 +144,35 @@ def quick_sums(gap, root_radius, count, base, depth):
 
 @compiled
 def areas(gap, root_radius, load, area):
-    """Fill the areas (m, k) of `curves` alone, in a quarter of its time."""
+    """Fill the areas (m, k) of `curves` alone, in a fifth of its time; nan without a solution."""
     for i in range(gap.shape[0]):
         x = slope = 0.0
         for j in range(load.size):
-            area[i, j] = 0.0
+            area[i, j] = math.nan if load[j] > 0.0 else 0.0
             if load[j] <= 0.0:
                 continue
-            # from above, as in approach_at_load: the tallest asperity alone, or the tangent
+            # bounds from above, as in approach_at_load: the tallest asperity alone, or the tangent
             above = hertz.indentation_at_load(root_radius[i, 0] ** 2, load[j])
-            x = min(above, x + (load[j] - load[j - 1]) / slope) if slope > 0.0 else above
-            count = np.searchsorted(gap[i], x)  # no other one can touch at a smaller approach
+            start = above
+            if slope > 0.0:
+                above = min(above, x + (load[j] - load[j - 1]) / slope)
+                # a power law through the last equilibrium, with its slope, is closer
+                start = min(above, x * (load[j] / load[j - 1]) ** (load[j - 1] / (x * slope)))
+            x = start
+            count = np.searchsorted(gap[i], above)  # no other one touches at a smaller approach
             for _ in range(MAX_STEPS):
-                carried, slope, _, _ = quick_sums(gap[i], root_radius[i], count, 0.0, x)
-                if carried <= load[j] * (1.0 + SETTLED):
+                # the unknown is that of `refine`: the indentation of the shallowest contact
+                last = np.searchsorted(gap[i, :count], x)
+                base = gap[i, last - 1]
+                carried, slope, total, rate = quick_sums(gap[i], root_radius[i], last, base, x - base)
+                step = (load[j] - carried) / slope
+                new = min(x + step, above)
+                same = new > base and (last == count or new <= gap[i, last])
+                if new == x or (same and abs(carried - load[j]) <= SETTLED * load[j]):
+                    area[i, j] = total + rate * step  # exact between new contacts
+                    x += step
                     break
-                x -= (carried - load[j]) / slope
-            last = np.searchsorted(gap[i, :count], x)
-            # the unknown of `refine`; between new contacts the area is linear in it
-            base = gap[i, last - 1]
-            carried, slope, total, rate = quick_sums(gap[i], root_radius[i], last, base, x - base)
-            step = (load[j] - carried) / slope
-            x += step
-            area[i, j] = total + rate * step
+                x = new
 
 
 def empty_results(rows: int, columns: int) -> tuple[np.ndarray, ...]:

@@ -55,5 +55,15 @@ def test_approach_solves_the_load_equation(scene, load, start):
     assert sums_twin(gap, radius, found)[0] == pytest.approx(load, rel=1e-12)
 
 
+@given(scenes, st.lists(st.floats(-15.0, 3.0).map(lambda e: 10.0**e), min_size=1, max_size=8))
+def test_areas_alone_are_those_of_the_curves(scene, loads):
+    gap, radius = build(scene)
+    rows, root, load = gap[None], np.sqrt(radius)[None], np.array([0.0, *sorted(loads)])
+    results, area = kernel.empty_results(1, len(load)), np.full((1, len(load)), -1.0)
+    kernel.curves(rows, root, load, *results)
+    kernel.areas(rows, root, load, area)
+    np.testing.assert_allclose(area, results[2], rtol=1e-12)
+
+
 def test_no_load_needs_no_approach():
     assert kernel.approach_at_load(np.zeros(1), np.ones(1), 0.0, 0.0) == 0.0

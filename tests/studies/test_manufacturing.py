@@ -1,5 +1,7 @@
 """Errors of the made surface: theory, plain numpy and bad input."""
 
+from dataclasses import dataclass
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -101,9 +103,28 @@ def test_control_variates_and_sobol_points_agree_with_plain_draws(linear):
 def test_draws_are_added_until_the_error_is_reached(linear):
     study = mf.studies.manufacturing(linear, [0.0001, 0.01], error=0.004)
     assert (study.slope_sd_error <= 0.004 * study.slope_sd).all()
-    assert study.draws[0] == 16 * 64
     assert study.draws[1] > study.draws[0]
     assert study.attrs["draws"] == study.draws.max()
+
+
+@dataclass(frozen=True)
+class Failing(mf.Independent):
+    """Independent asperities of which every tenth surface has no solution."""
+
+    def areas(self, surface, load, height, radius=None, position=None):
+        found = super().areas(surface, load, height, radius, position)
+        found[::10, -1] = np.nan
+        return found
+
+
+def test_draws_without_a_solution_are_counted_and_left_out(linear):
+    study = mf.studies.manufacturing(linear, [0.0, 0.003], draws=320, model=Failing())
+    np.testing.assert_array_equal(study.failed, [0, 40])
+    np.testing.assert_array_equal(study.draws, [320, 280])
+    assert "warning: 40 draws have no solution under this model and are left out" in study.attrs["notes"]
+    whole = mf.studies.manufacturing(linear, [0.0, 0.003], draws=320)
+    assert_allclose(study.slope_sd, whole.slope_sd, rtol=0.1)
+    assert np.isfinite(study.area_sd_error).all()
 
 
 def test_a_study_states_where_its_numbers_come_from(linear):

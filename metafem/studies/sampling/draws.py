@@ -17,8 +17,8 @@ from metafem.studies.sampling.slope import Slope
 from metafem.studies.sampling.store import inputs_hash
 from metafem.surface import Surface
 
-# Points of a batch where the number of draws follows from the wanted error: a round of 16 is then short.
-ROUND_POINTS = 64
+# Points of a batch where the number of draws follows from the wanted error: 16 of them are then few draws.
+ROUND_POINTS = 16
 
 # Batches that are added before the errors are looked at again, and most draws of a level.
 ROUND_BATCHES, MOST_DRAWS = 8, 10**6
