@@ -31,7 +31,7 @@ SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGKILL)
 CONTEXT = multiprocessing.get_context("forkserver")
 # Modules that a command imports first. Without them, most signals would arrive during imports.
 LOADED = (
-    "metafem.files.specification.sections",
+    "metafem.files.specification.contents",
     "metafem.report.page",
     "metafem.drawing",
     "matplotlib.figure",

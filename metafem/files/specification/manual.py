@@ -44,7 +44,7 @@ class Key:
 
 def all_keys() -> tuple[Key, ...]:
     """Return every key of a specification."""
-    from metafem.files.specification.sections import Sections
+    from metafem.files.specification.contents import Sections
 
     return tuple(
         key
@@ -64,7 +64,7 @@ def manual() -> str:
     [checks]                                        # optional: further checks
     hardness = "10 MPa"                             # optional: hardness of the softer material
     """
-    from metafem.files.specification.sections import Sections
+    from metafem.files.specification.contents import Sections
 
     lines = [HEAD]
     for name, field in Sections.model_fields.items():

@@ -160,7 +160,7 @@ def read_spec(path: str | Path) -> Specification:
     table, kept = with_samples(raw.decode("utf-8"), table, Path(path).parent)
     from pydantic import ValidationError
 
-    from metafem.files.specification.sections import Sections
+    from metafem.files.specification.contents import Sections
 
     with error_names(ErrorNames(units=written_units(table))):
         try:

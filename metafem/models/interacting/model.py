@@ -94,14 +94,9 @@ class Interacting:
         integer = isinstance(self.order, int | np.integer) and not isinstance(self.order, bool)
         if not integer or self.order not in (1, 3):
             raise InvalidInput(f"order = {self.order!r} does not exist; it must be 1 or 3")
-        if isinstance(self.substrate, type) or not isinstance(self.substrate, Substrate):
-            raise InvalidInput(
-                f"substrate = {self.substrate!r} must be a substrate such as metafem.HalfSpace()"
-            )
-        if not isinstance(self.contact, Hertz):
-            raise InvalidInput(f"contact = {self.contact!r} must be metafem.Hertz()")
-        if not isinstance(self.pedestal, bool):
-            raise InvalidInput(f"pedestal = {self.pedestal!r} must be True or False")
+        check.instance("substrate", self.substrate, Substrate, "a substrate such as metafem.HalfSpace()")
+        check.instance("contact", self.contact, Hertz, "metafem.Hertz()")
+        check.instance("pedestal", self.pedestal, bool, "True or False")
 
     @property
     def name(self) -> str:
@@ -172,10 +167,10 @@ class Interacting:
         loads = check.loads("rescaled_load", rescaled_load)
         order = np.argsort(loads, kind="stable")
         back = np.argsort(order, kind="stable")
-        results = self._solve(surface, heights, loads[order], by_load=True).results
-        results = type(results)(*(array[:, back] for array in results))
+        solution = self._solve(surface, heights, loads[order], by_load=True)
+        results = type(solution.results)(*(array[:, back] for array in solution.results))
         self._refuse_thin_layer(surface, results)
-        failed = ~solved(results.residual, _tolerance(surface), results.load, results.area)
+        failed = ~solution.solved
         if failed.any():
             worst = float(results.residual.max())
             raise NotConverged(
@@ -215,15 +210,14 @@ class Interacting:
         """
         if position is not None or (radius is not None and surface.count > DENSE_LIMIT):
             return areas_one_by_one(self, surface, load, height, radius, position)
-        results = self._solve(surface, height, load, True, radius=radius).results
-        self._refuse_thin_layer(surface, results)
-        converged = solved(results.residual, _tolerance(surface), results.load, results.area)
-        return np.where(converged, results.area, np.nan)
+        solution = self._solve(surface, height, load, True, radius=radius)
+        self._refuse_thin_layer(surface, solution.results)
+        return np.where(solution.solved, solution.results.area, np.nan)
 
     def _curve(self, surface: Surface, solution: _Solution) -> Curve:
         approach, load, area, stiffness, residual = (part[0] for part in solution.results[:5])
         last = partial(self._last, surface, solution)
-        return Curve(approach, load, area, stiffness, residual, _tolerance(surface), last)
+        return Curve(approach, load, area, stiffness, residual, solution.tolerance, last)
 
     def _last(self, surface: Surface, solution: _Solution) -> RescaledState:
         state, height = solution.last, solution.height
@@ -263,7 +257,7 @@ class Interacting:
             for row in range(len(height)):
                 part = kernel.Results(*(array[row] for array in results))
                 last = large.follow(self_term[row], gap[row], control, by_load, part, indentation, gradient)
-            return _Solution(results, height[-1], last, (information(large.sums.note),))
+            return _Solution(results, height[-1], last, FAST_TOLERANCE, (information(large.sums.note),))
         coupling, regular = coupling_between(surface, bound, self.order)
         self_term += regular
         radius = np.array(np.broadcast_to(surface.radius if radius is None else radius, gap.shape), order="C")
@@ -282,7 +276,7 @@ class Interacting:
         run_rows(run, len(gap), gap.size * surface.count * len(control), PAIRS_PER_THREAD)
         if gradient.size:
             gradient[:] = area_gradients(coupling, self.order, surface.radius, self_term[-1], indentation)
-        return _Solution(results, height[-1], states[len(gap)])
+        return _Solution(results, height[-1], states[len(gap)], TOLERANCE)
 
     def _refuse_thin_layer(self, surface: Surface, results: Results) -> None:
         """Raise InvalidInput where contacts are wider than the layer is thick: no expansion holds there."""
@@ -302,9 +296,10 @@ class _Solution:
     results: Results
     height: FloatArray
     last: State | Iterate
+    tolerance: float
     notes: tuple[Note, ...] = ()
 
-
-def _tolerance(surface: Surface) -> float:
-    """Return the largest residual of a converged state of a surface of this size."""
-    return TOLERANCE if surface.count <= DENSE_LIMIT else FAST_TOLERANCE
+    @property
+    def solved(self) -> np.ndarray:
+        """Whether each equilibrium is converged and finite, (m, k)."""
+        return solved(self.results.residual, self.tolerance, self.results.load, self.results.area)

@@ -4,8 +4,8 @@ import pytest
 
 import metafem as mf
 from metafem.files import Specification, all_keys, manual
+from metafem.files.specification.contents import Sections
 from metafem.files.specification.manual import as_toml
-from metafem.files.specification.sections import Sections
 
 KEYS = all_keys()
 KINDS = sorted({key.kind for key in KEYS if key.kind})
