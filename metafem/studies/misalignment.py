@@ -96,9 +96,10 @@ def misalignment(
         [rad], and ``area_mean`` and ``area_sd`` [mm^2], as made, over ``angle`` and ``rescaled_load`` [mm^2].
         Their ``..._error`` is the difference from the result with half as many angles, the largest at the
         angle and its neighbours. With at least two shuffled placements, ``slope_sd_quantile`` over
-        ``quantile`` (0.05, 0.5 and 0.95) and ``angle`` describes them; its error is the sampling error.
-        ``nominal_slope`` and ``nominal_area`` are those without a tilt. ``failed`` is the number of laws
-        without a solution; they are interpolated from those at the neighbouring angles.
+        ``quantile`` (0.05, 0.5 and 0.95) and ``angle`` describes them; its error is the sampling error, which
+        is too small at 0.05 and 0.95 for fewer than about 100 placements. ``nominal_slope`` and
+        ``nominal_area`` are those without a tilt. ``failed`` is the number of laws without a solution; they
+        are interpolated from those at the neighbouring angles.
 
     Raises
     ------

@@ -62,7 +62,7 @@ class Inputs:
             )
         if isinstance(parameters, str) or not isinstance(parameters, (Mapping, Sequence)):
             raise InvalidInput(f"parameters = {shown(parameters)} must be a list of names")
-        names = tuple(parameters)
+        names = tuple(map(str, parameters))
         known = ", ".join(mean)
         if not names or len(set(names)) < len(names):
             raise InvalidInput(f"parameters = {shown(parameters)} must name each of its parameters once")
@@ -71,8 +71,8 @@ class Inputs:
                 raise InvalidInput(f"parameters.{name} needs {missing[name]}")
             if name not in mean:
                 raise InvalidInput(f"parameters has no parameter {shown(name)}; there are {known}")
-        if given:
-            sd = tuple(_deviation(name, parameters[name], mean[name]) for name in names)
+        if isinstance(parameters, Mapping):
+            sd = tuple(_deviation(name, value, mean[name]) for name, value in parameters.items())
             correlation = np.eye(len(names))
         else:
             deviations, correlation = _split(covariance, len(names))

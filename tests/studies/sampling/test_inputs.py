@@ -44,6 +44,7 @@ def test_each_load_has_its_own_deviation():
     [
         ({}, None, "must name each of its parameters once"),
         (["radius", "radius"], np.eye(2), "must name each of its parameters once"),
+        ([["radius"]], np.eye(1), "no parameter"),
         ("radius", np.eye(6), "must be a list of names"),
         (["radius"], None, "must map names to standard deviations, or list the names"),
         ({"radius": 0.01}, np.eye(1), "must map names to standard deviations, or list the names"),
