@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import Enum
 
@@ -11,6 +11,7 @@ import numpy as np
 from metafem._validate import FloatArray, IntArray
 from metafem.inversion.candidate import Branch, Candidate, Parameter
 from metafem.inversion.problem import Problem
+from metafem.inversion.targets.target_law import TargetLaw
 from metafem.models import Independent, Model
 from metafem.prediction import BranchFit, FrictionLaw, default_loads, fit_branch, law_of_curve
 from metafem.progress import doing
@@ -108,16 +109,25 @@ def _united(loads: list[FloatArray]) -> tuple[FloatArray, list[IntArray]]:
     return united, [np.searchsorted(united, part) for part in loads]
 
 
-def _misfit(candidate: Candidate, area: FloatArray, slopes: list[float]) -> float:
-    """Return the largest relative deviation, of the law (k,) from the target or of a fitted slope.
+def misfits(
+    law: TargetLaw, branches: Sequence[Branch], difference: FloatArray, slopes: FloatArray
+) -> FloatArray:
+    """Return the largest relative difference (m, k) of each law from the target or of a fitted slope, (m,).
 
-    Where the law is compared pointwise, the deviation of the law is its largest at any load, which bounds
-    the slopes. Otherwise it is the root mean square.
+    Where laws are compared pointwise, the deviation of a law is its largest at any load, which bounds the
+    slopes. Otherwise it is the root mean square. slopes: (m, b), fitted to each branch.
     """
-    if candidate.target_law.pointwise:
-        return float(np.abs(candidate.target_law.difference(area)).max())
-    deviations = [abs(m / branch.slope - 1.0) for m, branch in zip(slopes, candidate.branches, strict=True)]
-    return max([candidate.target_law.misfit(area), *deviations])
+    if law.pointwise:
+        return np.asarray(np.abs(difference).max(axis=1))
+    rms = np.sqrt((law.weight * difference**2).mean(axis=1))
+    deviations = np.abs(slopes / np.array([branch.slope for branch in branches]) - 1.0)
+    return np.asarray(np.column_stack([rms, deviations]).max(axis=1))
+
+
+def _misfit(candidate: Candidate, area: FloatArray, slopes: list[float]) -> float:
+    """Return the misfit of a candidate whose law is A0 (k,), with the slopes of its branches."""
+    law, branches = candidate.target_law, candidate.branches
+    return float(misfits(law, branches, law.difference(area)[None], np.array([slopes]))[0])
 
 
 def misfit_meaning(pointwise: bool, density: bool, fits: Fits, misfit: float) -> str:

@@ -1,3 +1,4 @@
+from .combined import combined as combined
 from .element_checks import Check as Check
 from .element_checks import Convergence as Convergence
 from .element_checks import cap_check as cap_check

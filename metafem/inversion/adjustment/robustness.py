@@ -232,8 +232,11 @@ def _mean_squares(
     for rows in each("draws, part", np.array_split(np.arange(len(unit)), -(-len(unit) // AT_ONCE))):
         drawn = tolerances.perturbed(surface, unit[rows])
         area = problem.model.gradient_model.areas(surface, law.load, *drawn)
-        squares += [law.misfit(row) ** 2 if np.isfinite(row).all() else math.nan for row in area]
-    return np.asarray(np.array(squares).reshape(2, -1).mean(axis=0))
+        solved = np.isfinite(area).all(axis=1)
+        square = np.full(len(area), np.nan)
+        square[solved] = (law.weight * (area[solved] / law.laws(area[solved]) - 1.0) ** 2).mean(axis=1)
+        squares.append(square)
+    return np.asarray(np.concatenate(squares).reshape(2, -1).mean(axis=0))
 
 
 def _irreducible(problem: Problem, tolerances: Tolerances, candidate: Candidate, unit: FloatArray) -> float:

@@ -71,6 +71,21 @@ class TargetLaw:
                 return np.asarray(np.maximum(law, FAR * area))
         return np.asarray(law)
 
+    def laws(self, area: FloatArray) -> FloatArray:
+        """Return `law` for each of many area curves (m, k), with one QR decomposition for all."""
+        law = np.array(area if self.is_open else np.broadcast_to(self.base, area.shape))
+        near = np.full(len(area), self.is_open)
+        for _ in range(ROUNDS if self.is_open else 0):
+            scale = np.sqrt(self.weight) / law[near]
+            q, r = np.linalg.qr(scale[:, :, None] * self.free)
+            right = np.einsum("mkq,mk->mq", q, scale * (area[near] - self.base))
+            c = np.linalg.solve(r, right[:, :, None])[:, :, 0]
+            found = self.base + np.einsum("kq,mq->mk", self.free, c)
+            far = found.min(axis=1) <= 0.0
+            law[near] = np.where(far[:, None], np.maximum(found, FAR * area[near]), found)
+            near[near] = ~far
+        return law
+
     def residual(self, area: FloatArray, gradient: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return weighted relative differences (k,) and their Jacobian (k, n), without open parameters."""
         law = self.law(area)

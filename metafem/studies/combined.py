@@ -1,0 +1,248 @@
+"""All errors at once: whether the made surface meets the target, and how small the errors must be."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from metafem import _validate as check
+from metafem._calls import checked_call
+from metafem._validate import FloatArray
+from metafem._values import percent
+from metafem.errors import InvalidInput, NotConverged
+from metafem.inversion import Design
+from metafem.inversion.assessment import MISSED
+from metafem.models import Model
+from metafem.models.model import checked_model
+from metafem.notes import Note, information
+from metafem.prediction import Tolerances
+from metafem.progress import doing
+from metafem.studies.largest_tolerances import ALL, Largest, factors, quantile
+from metafem.studies.made_laws import MadeLaws, Runs, share_error
+from metafem.studies.sampling.batches import Execution, opened
+from metafem.studies.sampling.dataset import dataset
+from metafem.studies.sampling.inputs import Inputs
+from metafem.studies.sampling.moments import Sums, moments
+from metafem.studies.sampling.points import batch_size, entropy
+from metafem.studies.sampling.slope import Slope
+from metafem.studies.sampling.store import inputs_hash
+from metafem.surface import Surface
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+QUANTILES = (0.05, 0.5, 0.95)
+
+# Largest batch: half a second under a layer.
+MOST_POINTS = 256
+
+# First number of draws with a wanted error.
+FIRST_DRAWS = 4_096
+
+
+@doing("drawing made surfaces")
+@checked_call
+def combined(
+    design: Design,
+    tolerances: Tolerances,
+    *,
+    misfit: float = MISSED,
+    probability: float = 0.9,
+    parameters: Mapping[str, float] | None = None,
+    draws: int = 10_000,
+    model: Model | None = None,
+    load_range: tuple[float, float] | None = None,
+    rng: Any = 0,
+    error: float | None = None,
+    execution: Execution | None = None,
+) -> xr.Dataset:
+    """Probability that the made surface meets the target, and the largest tolerances for a wanted one.
+
+    Each draw has errors of its heights, radii, positions and alignment, all at once, and of the parameters.
+    Its law is solved by the model and compared with the target as that of the design: its misfit is that of
+    `Design.misfit`, and parameters that the target leaves open are fitted to each law. A draw whose law has
+    no solution does not meet the target.
+
+    The largest tolerances are multiples of the given ones: one common factor of all, and that of each alone
+    with the others as given. At the factor, the quantile of the misfit at the wanted probability is the
+    largest allowed misfit. It is found by the method of false position, with the same random numbers at all
+    factors, and a fifth of the draws. Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234,
+    Figs. S2 and S3, state the effects of single errors.
+
+    Parameters
+    ----------
+    design : Design
+    tolerances : Tolerances
+        Errors of the made surface and of its alignment.
+    misfit : float
+        Largest misfit with which the made surface meets the target [-], positive; default: 0.1, the largest
+        difference that the source counts as a success.
+    probability : float
+        Wanted probability [-], above 0 and below 1; default: 0.9.
+    parameters : mapping of str to float, optional
+        Standard deviations of ``composite_modulus`` [MPa], ``radius`` [mm] (all radii change by the same
+        factor; of the mean radius), ``shear_strength`` [MPa] and ``area_ratio`` [-], as for `uncertainty`.
+        They change the law at given forces, which is compared with the target at nominal values. The
+        factors do not apply to them. Default: none.
+    draws : int
+        Number of draws, at least 2; default: 10,000.
+    model : Model, optional
+        Default: that of the design's law.
+    load_range : (float, float), optional
+        Rescaled loads P/E* between which the slope is fitted [mm^2]. Default: 25 to 100 % of the load at
+        which the plane reaches the lowest summit.
+    rng : int or numpy.random.Generator
+        Seed or generator; default: 0.
+    error : float, optional
+        Wanted sampling error of the probability [-], in place of `draws`: draws are added until it is
+        reached, at most a million.
+    execution : metafem.studies.Execution, optional
+        Processes or cluster, and folder of a run that can be resumed; default: this process.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``probability`` [-] that the misfit is at most the allowed one; ``misfit_quantile`` [-] over
+        ``quantile`` (0.05, 0.5, 0.95), and ``nominal_misfit`` without errors. ``factor`` [-] over
+        ``tolerance`` ("all" and the names of those that are not 0): the largest multiple of the given
+        tolerance, ``given`` [mm or rad; 1 for all]. It is nan where even without this error the probability
+        is smaller, and infinite where it is larger up to the largest multiple tried; notes say so.
+        ``slope_mean``, ``slope_sd`` [-], ``area_mean`` and ``area_sd`` [mm^2] over ``rescaled_load``, and
+        ``nominal_slope`` and ``nominal_area``. Each has its standard sampling error ``NAME_error``. If all
+        summits have one height and no load range is given, there is no slope. ``failed`` is the number of
+        draws without a solution.
+
+    Raises
+    ------
+    InvalidInput
+        For fewer than two draws, a probability that is not between 0 and 1, and unknown parameters.
+    NotConverged
+        If the model has no solution for the surface of the design.
+
+    Examples
+    --------
+    >>> import metafem as mf
+    >>> template = mf.Surface.square_lattice(0.12, (4, 4), radius=0.526, material=mf.Material(1.36))
+    >>> design = mf.design(mf.PowerLaw(0.9, (0.02, 0.06)), template)
+    >>> found = combined(design, mf.Tolerances(height_sd=0.003), misfit=0.02, draws=500)
+    >>> found.tolerance.values.tolist(), bool(0.0 < found.probability < 1.0)
+    (['all', 'height_sd'], True)
+    """
+    check.instance("design", design, Design, "a metafem.Design")
+    check.instance("tolerances", tolerances, Tolerances, "metafem.Tolerances")
+    allowed = check.number("misfit", misfit, above=0.0)
+    wanted = check.number("probability", probability, above=0.0)
+    if wanted >= 1.0:
+        raise InvalidInput(f"probability = {wanted:g} must be below 1")
+    number = check.integer("draws", draws, at_least=2)
+    goal = None if error is None else check.number("error", error, above=0.0)
+    surface = design.surface
+    used = design.law.model if model is None else checked_model(model)
+    notes: list[Note] = []
+    slope = None
+    if load_range is None and np.ptp(surface.height) == 0.0:
+        notes.append(information("no slope: all summits have one height, and no load_range is given"))
+    else:
+        slope = Slope.of(surface, load_range)
+    first = number if goal is None else FIRST_DRAWS
+    size = min(batch_size(first), MOST_POINTS)
+    task = MadeLaws.of(
+        design,
+        used,
+        tolerances,
+        _inputs(surface, parameters),
+        slope,
+        seed=entropy(rng),
+        size=size,
+        draws=first,
+    )
+    key = inputs_hash((task, allowed, wanted, goal))
+    with opened(execution, "combined", key) as compute:
+        runs = Runs(compute)
+        drawn, sums = runs.described(task, allowed, goal)
+        found = factors(runs, task, drawn, allowed, wanted)
+    if sums.count[0] < 2:
+        raise NotConverged("fewer than two draws have a solution")
+    notes += _notes(found, wanted, allowed)
+    if slope is not None:
+        low, high = slope.load_range
+        notes.append(information(f"the slope is fitted over P/E* = {low:.4g} to {high:.4g} mm^2"))
+    if sums.failed.any():
+        notes.append(Note(f"{sums.failed[0]} draws have no solution under this model: they miss the target"))
+    met, count = float((drawn <= allowed).mean()), len(drawn)
+    if goal is not None and share_error(met, count) > goal:
+        notes.append(Note(f"the error {goal:g} of the probability is not reached within {count} draws"))
+    levels, load, over = [quantile(drawn, share) for share in QUANTILES], "rescaled_load", ("tolerance",)
+    variables: dict[str, tuple[tuple[str, ...], Any]] = {
+        "probability": ((), met),
+        "probability_error": ((), share_error(met, count)),
+        "misfit_quantile": (("quantile",), [level.value for level in levels]),
+        "misfit_quantile_error": (("quantile",), [level.error for level in levels]),
+        "nominal_misfit": ((), task.nominal[0]),
+        "factor": (over, [value.factor for value in found.values()]),
+        "factor_error": (over, [value.error for value in found.values()]),
+        "given": (over, [1.0 if name == ALL else getattr(tolerances, name) for name in found]),
+        "failed": ((), sums.failed[0]),
+        "draws": ((), sums.count[0]),
+        **_moments(task, sums),
+    }
+    result = dataset(
+        "combined",
+        variables,
+        {load: task.shown, "quantile": QUANTILES, "tolerance": np.array(list(found), dtype=str)},
+        model=used,
+        load_range=None if slope is None else slope.load_range,
+        seed=task.seed,
+        draws=count,
+        inputs=key,
+        notes=notes,
+    )
+    return result.assign_attrs(
+        misfit=allowed,
+        wanted_probability=wanted,
+        tolerances=repr(tolerances),
+        parameters=repr(dict(parameters or {})),
+    )
+
+
+def _moments(task: MadeLaws, sums: Sums) -> dict[str, tuple[tuple[str, ...], Any]]:
+    """Return the means and standard deviations of the slope and of the areas, and their nominal values."""
+    found, nominal = moments(sums, plain=True), task.nominal[1]
+    variables: dict[str, tuple[tuple[str, ...], Any]] = {}
+    for name, part, axes in (("slope", 0, ()), ("area", slice(1, None), ("rescaled_load",))):
+        if name == "slope" and task.slope is None:
+            continue
+        variables[f"nominal_{name}"] = axes, nominal[part]
+        for moment, estimate, origin in (("mean", found.mean, 1.0), ("sd", found.sd, 0.0)):
+            variables[f"{name}_{moment}"] = axes, nominal[part] * (origin + estimate.value[0, part])
+            variables[f"{name}_{moment}_error"] = axes, nominal[part] * estimate.error[0, part]
+    return variables
+
+
+def _inputs(surface: Surface, parameters: Mapping[str, float] | None) -> Inputs | None:
+    """Return the errors of the parameters."""
+    if parameters is None:
+        return None
+    mean: dict[str, float | FloatArray] = {
+        "composite_modulus": surface.material.composite_modulus,
+        "radius": float(surface.radius.mean()),
+    }
+    if surface.friction is not None:
+        mean |= {name: float(getattr(surface.friction, name)) for name in ("shear_strength", "area_ratio")}
+    missing = dict.fromkeys(("shear_strength", "area_ratio"), "a surface with a Friction")
+    return Inputs.of(parameters, None, mean, {k: v for k, v in missing.items() if k not in mean})
+
+
+def _notes(found: Mapping[str, Largest], wanted: float, allowed: float) -> Iterator[Note]:
+    """Yield a note for each tolerance without a largest value."""
+    meets = f"a probability of {percent(wanted, '.3g')} of a misfit of at most {percent(allowed, '.3g')}"
+    for name, value in found.items():
+        if math.isnan(value.factor):
+            without = "errors of the surface" if name == ALL else f"{name} with the others as given"
+            yield Note(f"{meets} is not reached, even without {without}")
+        elif math.isinf(value.factor):
+            what = "all tolerances" if name == ALL else name
+            yield information(f"{meets} is exceeded up to the largest multiple of {what} that was tried")
