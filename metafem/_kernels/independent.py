@@ -168,7 +168,9 @@ def areas(gap, root_radius, load, area):
                 step = (load[j] - carried) / slope
                 new = min(x + step, above)
                 same = new > base and (last == count or new <= gap[i, last])
-                if new == x or (same and abs(carried - load[j]) <= SETTLED * load[j]):
+                # where a contact just touches, rounding may put it on either side
+                settled = same or abs(step) <= ROUNDING * x
+                if new == x or (settled and abs(carried - load[j]) <= SETTLED * load[j]):
                     area[i, j] = total + rate * step  # exact between new contacts
                     x += step
                     break

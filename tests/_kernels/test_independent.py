@@ -65,5 +65,17 @@ def test_areas_alone_are_those_of_the_curves(scene, loads):
     np.testing.assert_allclose(area, results[2], rtol=1e-12)
 
 
+@given(scenes)
+def test_areas_have_a_solution_where_a_contact_just_touches(scene):
+    gap, radius = build(scene)
+    rows, root = gap[None], np.sqrt(radius)[None]
+    touching = np.unique([kernel.load_and_slope(gap, root[0], x)[0] for x in gap])
+    results, area = kernel.empty_results(1, len(touching)), np.empty((1, len(touching)))
+    kernel.curves(rows, root, touching, *results)
+    kernel.areas(rows, root, touching, area)
+    # the last step, relative 1e-8, is one of Newton's; the curvature of a contact that opens is unbounded
+    np.testing.assert_allclose(area, results[2], rtol=1e-10)
+
+
 def test_no_load_needs_no_approach():
     assert kernel.approach_at_load(np.zeros(1), np.ones(1), 0.0, 0.0) == 0.0
