@@ -11,6 +11,7 @@ from metafem.files.specification.demos import demo_text
 from metafem.files.specification.manual import all_keys, manual
 from metafem.files.specification.models import MODELS, model_named
 from metafem.files.specification.read import Specification, read_spec, refuse_missing_block
+from metafem.files.specification.target_table import measured_pairs
 from metafem.files.units import member_names, option_names, quantity
 
 __all__ = [
@@ -25,6 +26,7 @@ __all__ = [
     "load",
     "load_range",
     "manual",
+    "measured_pairs",
     "member_names",
     "model_named",
     "option_names",

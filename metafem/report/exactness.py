@@ -6,7 +6,12 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from metafem.drawing import svg
-from metafem.report.study_figures import manufacturing_figure, misalignment_figure, uncertainty_figure
+from metafem.report.study_figures import (
+    combined_figure,
+    manufacturing_figure,
+    misalignment_figure,
+    uncertainty_figure,
+)
 from metafem.studies.summaries import summary
 
 if TYPE_CHECKING:
@@ -41,6 +46,12 @@ QUESTIONS: Mapping[str, Question] = {
         "metafem study uncertainty DIR --sd composite_modulus=0.04MPa --sd radius=2um",
         "Error bars of the law and the share of each input",
         uncertainty_figure,
+    ),
+    "combined": Question(
+        "How good must the machine be?",
+        "metafem study combined DIR --height-sd 3um --angle 0.05deg",
+        "Largest errors with which the target is met",
+        combined_figure,
     ),
 }
 

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from metafem._values import MICROMETRES
+from metafem._values import MICROMETRES, percent
 from metafem.drawing import ACHIEVED, QUIET, TARGET, law, new_figure
-from metafem.studies.summaries.parameters import QUANTITIES, in_words, main_quantity, shares
+from metafem.studies.summaries.combined import TOLERANCES
+from metafem.studies.summaries.parameters import in_words, main_quantity, shares
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -76,14 +77,38 @@ def uncertainty_figure(study: Dataset) -> Figure:
     law(left, load, mean, forces=False)
     some = slice(None, None, -max(1, len(load) // BARS))
     left.errorbar(load[some], mean[some], sd[some], fmt="none", capsize=2, lw=1.2, color=ACHIEVED)
+    if "deviation_sd" in study:
+        moments = [f"rescaled_{name}_{moment}" for name in ("load", "friction") for moment in ("mean", "sd")]
+        x, dx, y, dy = (study[name].values for name in moments)
+        left.errorbar(x, y, dy, dx, fmt="o", ms=3, lw=1.2, color=TARGET, label="measured")
     name = main_quantity(study)
     total, first = shares(study, name, "total"), shares(study, name, "first_order")
     labels = [in_words(str(label)).removeprefix("the ") for label in study["parameter"].values]
     right.barh(labels, 100.0 * total, color=QUIET, label="with interactions")
     right.barh(labels, 100.0 * first, height=0.5, color=ACHIEVED, label="alone")
     right.invert_yaxis()
-    right.set_xlabel(f"share of the variance of\n{QUANTITIES[name].removeprefix('the ')} [%]")
+    right.set_xlabel("share of the variance [%]")
     right.set_xlim(left=0.0)
+    return _finished(figure)
+
+
+def combined_figure(study: Dataset) -> Figure:
+    """Largest multiples of the given errors at which made surfaces meet the target as often as wanted."""
+    figure = new_figure(7.0, 2.6, (2.4, 0.3, 0.65, 0.2))
+    ax = figure.add_subplot()
+    limits = study[["factor", "factor_error", "given"]].isel(
+        tolerance=np.flatnonzero(np.isfinite(study["factor"].values))
+    )
+    factor, error = limits["factor"].values, limits["factor_error"].values
+    labels = []
+    for name, given in zip(map(str, limits["tolerance"].values), limits["given"].values, strict=True):
+        words, unit, size = TOLERANCES[name]
+        labels.append(words if name == "all" else f"{words}, {size * given:.3g}{unit}")
+    ax.barh(labels, factor, xerr=error, color=ACHIEVED, ecolor=QUIET)
+    ax.axvline(1.0, color=TARGET, lw=1.2, label="given")
+    ax.invert_yaxis()
+    wanted = percent(float(study.attrs["wanted_probability"]), ".4g")
+    ax.set_xlabel(f"largest multiple for a probability of {wanted}")
     return _finished(figure)
 
 

@@ -41,7 +41,11 @@ def _folder(name: str, folder: Path, options: Mapping[str, Any]) -> Path | None:
     from metafem.progress import message
     from metafem.studies.sampling.store import inputs_hash, own_version
 
-    numbers = {option: value for option, value in options.items() if option not in PLACES}
+    numbers = {
+        option: digest(value) if isinstance(value, Path) and value.is_file() else value
+        for option, value in options.items()
+        if option not in PLACES
+    }
     inputs = inputs_hash((name, own_version(), digest(folder / "design.json"), numbers))
     try:
         found = _caches.study_folder() / inputs

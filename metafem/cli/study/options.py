@@ -87,14 +87,17 @@ def law_arguments(design: Design, options: Mapping[str, Any]) -> dict[str, Any]:
     return {"model": model, "load_range": loads}
 
 
-draw_options = with_options(
-    click.option("--draws", type=click.IntRange(min=2), help="Number of random surfaces. Default: 10000."),
-    click.option(
-        "--error",
-        type=click.FloatRange(min=0.0, min_open=True),
-        help="Draw until the relative standard error of the scatter is this, instead of --draws.",
-    ),
-)
+def draw_options(drawn: str, error: str) -> Options:
+    """Return the options of what is drawn, and of the error that ends it."""
+    return with_options(
+        click.option("--draws", type=click.IntRange(min=2), help=f"Number of {drawn}. Default: 10000."),
+        click.option(
+            "--error",
+            type=click.FloatRange(min=0.0, min_open=True),
+            help=f"Draw until {error} is this, such as 0.01, instead of --draws.",
+        ),
+    )
+
 
 run_options = with_options(
     seed_option,

@@ -1,13 +1,26 @@
-"""`metafem study uncertainty`."""
+"""`metafem study uncertainty` and `metafem study combined`."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, nullcontext
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from metafem.cli.group import Name
 from metafem.cli.study.group import of_design, study
-from metafem.cli.study.options import draw_options, law_arguments, law_options, run_arguments, run_options
+from metafem.cli.study.options import (
+    ERRORS,
+    Options,
+    draw_options,
+    error,
+    error_option,
+    law_arguments,
+    law_options,
+    run_arguments,
+    run_options,
+)
 from metafem.errors import InvalidInput
 
 if TYPE_CHECKING:
@@ -22,55 +35,114 @@ INPUTS = {
     "load": ("N", "2mN"),
     "shear_strength": ("MPa", "0.006MPa"),
     "area_ratio": ("1", "0.01"),
+    "friction_force": ("N", "2mN"),
 }
 
 
+# Those of a made surface.
+MADE = {name: INPUTS[name] for name in INPUTS if name not in ("load", "friction_force")}
+
+
+def deviation_option(inputs: Mapping[str, tuple[str, str]], required: bool = False) -> Options:
+    """Return the option of the standard deviations of inputs."""
+    return click.option(
+        "--sd",
+        multiple=True,
+        required=required,
+        metavar="INPUT=QUANTITY",
+        help="Standard deviation of an input, such as radius=2um; repeat it for several. The inputs are "
+        f"{', '.join(inputs)}.",
+    )
+
+
 @study.command(short_help="Error bars of the law, and which input matters most.")
+@deviation_option(INPUTS, required=True)
 @click.option(
-    "--sd",
-    multiple=True,
-    required=True,
-    metavar="INPUT=QUANTITY",
-    help="Standard deviation of an input, such as radius=2um; repeat it for several. The inputs are "
-    f"{', '.join(INPUTS)}.",
+    "--measured",
+    type=Name(),
+    metavar="TABLE.csv",
+    help="Table of measured pairs with the columns load_N and friction_force_N, or in other units. Default: "
+    "the predicted law.",
 )
 @law_options
-@draw_options
+@draw_options("draws", "the relative sampling error of each error bar")
 @run_options
 @of_design
 def uncertainty(design: Design, **options: Any) -> Dataset:
     """Study the error bars of the law from Gaussian errors of its inputs, and the share of each input.
 
-    The shares are Sobol indices: of the variance that an input causes alone, and together with others. The
-    result is the file DIR/uncertainty.nc.
+    The shares are Sobol indices: of the variance that an input causes alone, and together with others. With
+    measured pairs, the quantity is their difference from the predicted law. The result is the file
+    DIR/uncertainty.nc.
 
     Example: metafem study uncertainty linear --sd composite_modulus=0.04MPa --sd radius=2um
     """
     import metafem as mf
-    from metafem._given import error_names
-    from metafem.files import member_names, quantity
+    from metafem.files import measured_pairs
 
-    texts = _written(options["sd"])
-    deviations = {name: quantity(f"--sd {name}", text, *INPUTS[name]) for name, text in texts.items()}
     arguments = {**law_arguments(design, options), **run_arguments(options)}
-    with error_names(member_names("parameters", texts, "--sd")):
+    if options["measured"] is not None:
+        arguments["load"], arguments["friction_force"] = measured_pairs(options["measured"])
+    with _deviations(options["sd"], INPUTS) as deviations:
         return mf.studies.uncertainty(design.surface, deviations, **arguments)
 
 
-def _written(given: tuple[str, ...]) -> dict[str, str]:
-    """Return the standard deviations by name, as they were written."""
-    from metafem._given import printable
+@study.command(short_help="How good the machine must be.")
+@error_option("height_sd")
+@error_option("angle")
+@error_option("radius_sd")
+@error_option("position_sd")
+@deviation_option(MADE)
+@click.option(
+    "--misfit", default="10 %", show_default=True, help="Largest misfit with which the target is met."
+)
+@click.option(
+    "--probability", default="90 %", show_default=True, help="Wanted probability of meeting the target."
+)
+@law_options
+@draw_options("random surfaces", "the sampling error of the probability")
+@run_options
+@of_design
+def combined(design: Design, **options: Any) -> Dataset:
+    """Study all errors together: how likely a made surface meets the target, and how small they must be.
 
-    found: dict[str, str] = {}
+    The errors of heights, radii and positions are Gaussian, the tilt is uniform. Their largest multiples with
+    the wanted probability are found for all together and for each alone. The result is the file
+    DIR/combined.nc.
+
+    Example: metafem study combined linear --height-sd 3um --angle 0.05deg --misfit 5%
+    """
+    import metafem as mf
+    from metafem.files import quantity
+
+    given = {name: error(name, options[name]) for name in ERRORS}
+    if not any(given.values()) and not options["sd"]:
+        raise InvalidInput("no error is given; write for example --height-sd 3um --angle 0.05deg")
+    arguments = {**law_arguments(design, options), **run_arguments(options)}
+    for name in ("misfit", "probability"):
+        arguments[name] = quantity(f"--{name}", options[name], "1", "5 %")
+    with _deviations(options["sd"], MADE) as deviations:
+        return mf.studies.combined(design, mf.Tolerances(**given), parameters=deviations or None, **arguments)
+
+
+@contextmanager
+def _deviations(given: tuple[str, ...], inputs: Mapping[str, tuple[str, str]]) -> Iterator[dict[str, float]]:
+    """Yield the standard deviations by name; errors in the body name the option and the written unit."""
+    from metafem._given import error_names, printable
+    from metafem.files import member_names, quantity
+
+    texts: dict[str, str] = {}
     for text in given:
         name, _, value = text.partition("=")
         name = name.strip().replace("-", "_")
-        if name not in INPUTS:
+        if name not in inputs:
             raise InvalidInput(
                 f'--sd "{printable(text, 60)}" must be INPUT=QUANTITY, such as radius=2um; the inputs are '
-                f"{', '.join(INPUTS)}"
+                f"{', '.join(inputs)}"
             )
-        if name in found:
+        if name in texts:
             raise InvalidInput(f"--sd {name} is given twice")
-        found[name] = value
-    return found
+        texts[name] = value
+    found = {name: quantity(f"--sd {name}", text, *inputs[name]) for name, text in texts.items()}
+    with error_names(member_names("parameters", texts, "--sd")) if texts else nullcontext():
+        yield found

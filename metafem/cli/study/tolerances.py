@@ -41,7 +41,7 @@ ANGLE = "0.1deg"
 @error_option("radius_sd")
 @error_option("position_sd")
 @law_options
-@draw_options
+@draw_options("random surfaces", "the relative sampling error of the slope's scatter")
 @run_options
 @of_design
 def manufacturing(design: Design, **options: Any) -> Dataset:

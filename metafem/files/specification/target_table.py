@@ -12,7 +12,7 @@ from typing import Any
 from metafem._given import printable, shown
 from metafem.errors import InvalidInput
 from metafem.files.csv_rows import Table, read_table
-from metafem.files.units import factor
+from metafem.files.units import converted, factor
 
 # Columns of a target law, which are also keys of a specification, and their units.
 COLUMNS = {"rescaled_load": "mm^2", "rescaled_friction": "mm^2", "load": "N", "friction_force": "N"}
@@ -121,6 +121,15 @@ def _samples(path: Path) -> tuple[dict[str, list[Any]], bytes]:
                 before[name] = number
             found[name].append(f"{value} {unit}")
     return found, table.content
+
+
+def measured_pairs(path: str | Path) -> tuple[list[float], list[float]]:
+    """Return the loads and friction forces [N] of a table, whose loads increase."""
+    samples, _ = _samples(Path(path))
+    if "load" not in samples:
+        raise InvalidInput(f"{printable(str(path))} must hold forces; name its columns {EXAMPLE}")
+    load, force = ([converted(text, "N") for text in samples[name]] for name in ("load", "friction_force"))
+    return load, force
 
 
 def _columns(table: Table) -> dict[str, tuple[int, str]]:

@@ -36,11 +36,7 @@ def uncertainty_summary(study: Dataset) -> Summary:
     names = [str(name) for name in study["parameter"].values]
     quantity = main_quantity(study)
     first, total = shares(study, quantity, "first_order"), shares(study, quantity, "total")
-    columns: tuple[str, ...] = (
-        "input",
-        f"share of the variance of {QUANTITIES[quantity]} alone [%]",
-        "with interactions [%]",
-    )
+    columns: tuple[str, ...] = ("input", "share alone [%]", "with interactions [%]")
     rows: list[tuple[str, ...]] = [
         (in_words(name), f"{100.0 * first[i]:.1f}", f"{100.0 * total[i]:.1f}") for i, name in enumerate(names)
     ]
@@ -56,7 +52,7 @@ def uncertainty_summary(study: Dataset) -> Summary:
     if quantity != "deviation":
         mean, sd = study[f"{quantity}_mean"].values, study[f"{quantity}_sd"].values
         answer += f", whose error bar is {percent(float((sd / mean)[-1]))} (SD) at the largest load"
-    title = "Error bars of the law: share of each input in the variance, over all loads"
+    title = f"Share of each input in the variance of {QUANTITIES[quantity]}, over all loads"
     return Summary(title, columns, tuple(rows), stored_notes(study), f"{answer}.")
 
 

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 from metafem.errors import InvalidInput
+from metafem.studies.summaries.combined import combined_summary
 from metafem.studies.summaries.comparisons import fidelity_summary, interaction_summary
 from metafem.studies.summaries.parameters import uncertainty_summary
 from metafem.studies.summaries.table import Summary
@@ -52,4 +53,5 @@ SUMMARIES: Mapping[str, Callable[[Dataset], Summary]] = {
     "manufacturing": manufacturing_summary,
     "misalignment": misalignment_summary,
     "uncertainty": uncertainty_summary,
+    "combined": combined_summary,
 }

@@ -68,6 +68,42 @@ def test_the_input_that_matters_most_is_in_the_report(run, demo):
     assert answer in Path("linear/report.html").read_text("utf-8")
 
 
+def test_measured_pairs_are_compared_with_the_law(run, demo):
+    demo("linear")
+    Path("measured.csv").write_text("load_mN,friction_force_N\n50,0.11\n300,0.49\n", "utf-8")
+    arguments = (
+        "--measured",
+        "measured.csv",
+        "--sd",
+        "composite_modulus=0.04MPa",
+        "--sd",
+        "friction_force=2mN",
+    )
+    result = run("study", "uncertainty", "linear", *arguments, "--draws", 100)
+    assert result.exit_code == 0, result.output
+    assert "of the difference between measured and predicted friction" in result.stdout
+    with xr.open_dataset("linear/uncertainty.nc", engine="h5netcdf") as kept:
+        assert kept.rescaled_friction_mean.values == pytest.approx([0.3615, 1.610], rel=0.005)
+    assert run("report", "linear").exit_code == 0
+    assert "measured" in Path("linear/report.html").read_text("utf-8")
+    Path("measured.csv").write_text("rescaled_load_mm2,rescaled_friction_mm2\n0.1,0.9\n", "utf-8")
+    refused = run("study", "uncertainty", "linear", *arguments, "--force")
+    assert (refused.exit_code, "must hold forces" in refused.output) == (2, True)
+
+
+def test_all_errors_together_are_answered_in_the_report(run, demo):
+    demo("linear")
+    errors = ("--height-sd", "3um", "--angle", "0.05deg", "--sd", "area_ratio=0.01")
+    result = run("study", "combined", "linear", *errors, "--misfit", "3 %", "--draws", 500)
+    assert result.exit_code == 0, result.output
+    (answer,) = [line for line in result.stdout.splitlines() if line.startswith("A surface made with")]
+    assert "meets the target within 3 % with a probability of " in answer
+    assert run("report", "linear").exit_code == 0
+    assert answer in Path("linear/report.html").read_text("utf-8")
+    data = json.loads(run("study", "combined", "linear", *errors, "--draws", 100, "--force", "--json").stdout)
+    assert data["data"]["tolerance"]["values"] == ["all", "height_sd", "angle"]
+
+
 def test_a_stopped_study_continues_by_the_same_command(run, demo, stopped_studies, monkeypatch):
     demo("linear")
     command = ("study", "manufacturing", "linear", "--height-sd", "3um", "--draws", 30_000, "--json")
@@ -133,6 +169,12 @@ def test_a_study_runs_without_a_cache(run, demo, stopped_studies):
             "--draws and --error cannot be given",
         ),
         ("manufacturing", ("--workers", "0"), "--workers"),
+        ("combined", (), "no error is given; write for example --height-sd 3um"),
+        ("combined", ("--height-sd", "-3um"), "--height-sd = -3 um must be at least 0 um"),
+        ("combined", ("--angle", "0.1"), '--angle = "0.1" needs a unit'),
+        ("combined", ("--angle", "0.1deg", "--misfit", "-1 %"), "--misfit"),
+        ("combined", ("--angle", "0.1deg", "--probability", "120 %"), "--probability"),
+        ("combined", ("--angle", "0.1deg", "--sd", "load=2mN"), '--sd "load=2mN" must be'),
         ("uncertainty", (), "--sd"),
         ("uncertainty", ("--sd", "radius"), '--sd radius = "" does not begin with a number'),
         ("uncertainty", ("--sd", "wear=2um"), '--sd "wear=2um" must be INPUT=QUANTITY'),
