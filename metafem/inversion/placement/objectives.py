@@ -142,10 +142,9 @@ class InsensitiveToTilt(Value):
 
     def residual(self, surface: Surface, model: Model) -> FloatArray:
         """Return the relative changes, (6 K,)."""
-        level = model.curve(surface, self.rescaled_load).area
-        tilted = [surface.replaced(height=surface.height + lift) for lift in self._lifts(surface.position)]
-        changes = [model.curve(part, self.rescaled_load).area / level - 1.0 for part in tilted]
-        return np.concatenate(changes) / math.sqrt(DIRECTIONS * len(level))
+        heights = surface.height + np.vstack([np.zeros(surface.count), self._lifts(surface.position)])
+        level, *tilted = model.areas(surface, self.rescaled_load, heights)
+        return np.ravel(tilted / level - 1.0) / math.sqrt(DIRECTIONS * len(level))
 
     def forecast(self, surface: Surface, model: Model, sites: Sites) -> Forecast:
         """Return the changes of independent asperities with the present loads: sums over the sites."""
