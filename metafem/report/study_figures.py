@@ -84,7 +84,7 @@ def uncertainty_figure(study: Dataset) -> Figure:
     name = main_quantity(study)
     total, first = shares(study, name, "total"), shares(study, name, "first_order")
     labels = [in_words(str(label)).removeprefix("the ") for label in study["parameter"].values]
-    right.barh(labels, 100.0 * total, color=QUIET, label="with interactions")
+    right.barh(labels, 100.0 * total, color=QUIET, label="with others")
     right.barh(labels, 100.0 * first, height=0.5, color=ACHIEVED, label="alone")
     right.invert_yaxis()
     right.set_xlabel("share of the variance [%]")

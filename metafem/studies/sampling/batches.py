@@ -74,7 +74,7 @@ def opened(execution: Execution | None, study: str, inputs: str) -> Iterator[Run
     local = nullcontext(here if chosen.workers == 1 else processes(chosen.workers))
     try:
         with cluster(chosen.scheduler) if chosen.scheduler else local as compute:
-            yield lambda task, numbers: _kept(store, compute, study, task, numbers)
+            yield lambda task, numbers: _kept(store, compute, task, numbers)
     except (KeyboardInterrupt, SystemExit) as stop:
         if store is not None:
             text = f"finished batches are kept in {store.folder}; the same call with this folder goes on"
@@ -83,9 +83,7 @@ def opened(execution: Execution | None, study: str, inputs: str) -> Iterator[Run
         raise
 
 
-def _kept(
-    store: Store | None, compute: Run, study: str, task: Task, numbers: Sequence[int]
-) -> Iterator[Result]:
+def _kept(store: Store | None, compute: Run, task: Task, numbers: Sequence[int]) -> Iterator[Result]:
     """Yield results in order: those that are kept are read, the others are computed and kept."""
     kept = set() if store is None else set(filter(store.holds, numbers))
     unkept = [number for number in numbers if number not in kept]
@@ -96,9 +94,9 @@ def _kept(
         if not done:
             return ""
         taken = (time.monotonic() - start) / done
-        return f"{1.0 / taken:.3g} per second, {(len(unkept) - done) * taken:.0f} s left"
+        return f"{1.0 / taken:.2g} per second, {(len(unkept) - done) * taken:.0f} s left"
 
-    for number in each(f"{study}: batch", numbers, detail=rate):
+    for number in each("batch", numbers, detail=rate):
         if number in kept and store is not None:
             yield store.read(number) or task(number)
             continue

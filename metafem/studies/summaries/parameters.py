@@ -36,12 +36,13 @@ def uncertainty_summary(study: Dataset) -> Summary:
     names = [str(name) for name in study["parameter"].values]
     quantity = main_quantity(study)
     first, total = shares(study, quantity, "first_order"), shares(study, quantity, "total")
-    columns: tuple[str, ...] = ("input", "share alone [%]", "with interactions [%]")
+    columns: tuple[str, ...] = ("input", "alone [%]", "with others [%]")
     rows: list[tuple[str, ...]] = [
-        (in_words(name), f"{100.0 * first[i]:.1f}", f"{100.0 * total[i]:.1f}") for i, name in enumerate(names)
+        (in_words(name).removeprefix("the "), f"{100.0 * first[i]:.1f}", f"{100.0 * total[i]:.1f}")
+        for i, name in enumerate(names)
     ]
     if "slope_sd" in study:
-        columns += ("share for the slope [%]", "its error [%]")
+        columns += ("of the slope [%]", "its error [%]")
         slope, error = study["slope_total"].values, study["slope_total_error"].values
         rows = [(*row, f"{100.0 * slope[i]:.1f}", f"{100.0 * error[i]:.1f}") for i, row in enumerate(rows)]
     most = int(total.argmax())

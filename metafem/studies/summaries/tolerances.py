@@ -31,7 +31,7 @@ def manufacturing_summary(study: Dataset) -> Summary:
     error = study["slope_sd_error"].values / nominal
     columns: tuple[str, ...] = (
         *("SD of the heights [µm]", "mean slope", "change [%]", "SD of the slope [%]", "its error [%]"),
-        *("5 % of the surfaces below [%]", "95 % below [%]", "plain draws of equal error"),
+        *("5 % below [%]", "95 % below [%]", "plain draws of equal error"),
     )
     low, *_, high = study["slope_quantile"].transpose("quantile", ...).values / nominal - 1.0
     equal = study["draws"].values * study["saving"].sel(moment="sd").values

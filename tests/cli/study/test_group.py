@@ -8,7 +8,8 @@ import pytest
 import xarray as xr
 
 import metafem as mf
-from metafem.files import demo_text
+from metafem.files import demo_text, stored_studies
+from metafem.report.exactness import exactness_section
 from metafem.studies.sampling.store import Store
 
 
@@ -27,29 +28,31 @@ def test_study_prints_its_table_and_keeps_its_file(run):
         assert kept.sinking.attrs["units"] == "mm"
 
 
-def test_a_study_of_tilts_is_answered_in_the_report(run, demo):
-    demo("linear")
-    arguments = ("study", "misalignment", "linear", "--angle", "0.05deg,0.1deg", "--shuffles", 3)
-    result = run(*arguments)
-    assert result.exit_code == 0, result.output
-    (answer,) = [line for line in result.stdout.splitlines() if line.startswith("With tilts within")]
-    assert run("report", "linear").exit_code == 0
-    assert answer in Path("linear/report.html").read_text("utf-8")
-    data = json.loads(
-        run(*arguments, "--model", "layer", "--load-range", "0.2N", "0.5N", "--force", "--json").stdout
-    )
-    assert data["data"]["slope_sd"]["values"][0][0] > 0.0
-    assert mf.load("linear").law.model == mf.Independent()
+STUDIES = {
+    "manufacturing": ("--height-sd", "1um,3um", "--draws", 200),
+    "misalignment": ("--angle", "0.05deg,0.1deg", "--shuffles", 3),
+    "uncertainty": ("--sd", "composite-modulus=0.04MPa", "--sd", "radius = 2 um", "--draws", 200),
+    "combined": ("--height-sd", "3um", "--sd", "area_ratio=0.01", "--misfit", "3 %", "--draws", 200),
+}
+ANSWERS = {
+    "manufacturing": "With errors of the heights of up to 3 µm (SD), the largest studied, the slope",
+    "misalignment": "With tilts within ±0.0",
+    "uncertainty": "The composite modulus E* matters most: its error makes 9",
+    "combined": "A surface made with the stated errors meets the target within 3 % with a probability of",
+}
 
 
-def test_a_study_of_heights_is_answered_in_the_report(run, demo, stopped_studies):
+def test_the_report_holds_the_answers_of_all_studies(run, demo, stopped_studies):
     demo("linear")
-    result = run("study", "manufacturing", "linear", "--height-sd", "1um,3um", "--draws", 200)
-    assert result.exit_code == 0, result.output
-    (answer,) = [line for line in result.stdout.splitlines() if line.startswith("With errors of the heights")]
+    answers = []
+    for name, options in STUDIES.items():
+        result = run("study", name, "linear", *options)
+        assert result.exit_code == 0, result.output
+        answers += [line for line in result.stdout.splitlines() if line.startswith(ANSWERS[name])]
+    assert len(answers) == len(STUDIES)
     assert run("report", "linear").exit_code == 0
     report = Path("linear/report.html").read_text("utf-8")
-    assert answer in report
+    assert all(answer in report for answer in answers)
     assert "the choice of metafem; the source paper does not print its range" in report
     assert [*stopped_studies.iterdir()] == []
     with xr.open_dataset("linear/manufacturing.nc", engine="h5netcdf") as kept:
@@ -57,51 +60,30 @@ def test_a_study_of_heights_is_answered_in_the_report(run, demo, stopped_studies
         assert kept.attrs["draws"] >= 200
 
 
-def test_the_input_that_matters_most_is_in_the_report(run, demo):
+def test_a_study_takes_model_and_loads(run, demo):
     demo("linear")
-    deviations = ("--sd", "composite-modulus=0.04MPa", "--sd", "radius = 2 um")
-    result = run("study", "uncertainty", "linear", *deviations, "--draws", 200)
-    assert result.exit_code == 0, result.output
-    answer = result.stdout.splitlines()[-2]
-    assert answer.startswith("The composite modulus E* matters most: its error makes 9")
-    assert run("report", "linear").exit_code == 0
-    assert answer in Path("linear/report.html").read_text("utf-8")
+    options = ("--model", "layer", "--load-range", "0.2N", "0.5N", "--angle", "0.1deg,0.2deg")
+    data = json.loads(run("study", "misalignment", "linear", *options, "--shuffles", 0, "--json").stdout)
+    assert data["model"].startswith("Interacting(")
+    assert data["load_range"] == pytest.approx([0.2 / 1.36, 0.5 / 1.36])
+    assert mf.load("linear").law.model == mf.Independent()
 
 
 def test_measured_pairs_are_compared_with_the_law(run, demo):
     demo("linear")
     Path("measured.csv").write_text("load_mN,friction_force_N\n50,0.11\n300,0.49\n", "utf-8")
-    arguments = (
-        "--measured",
-        "measured.csv",
-        "--sd",
-        "composite_modulus=0.04MPa",
-        "--sd",
-        "friction_force=2mN",
-    )
-    result = run("study", "uncertainty", "linear", *arguments, "--draws", 100)
+    deviations = ("--sd", "composite_modulus=0.04MPa", "--sd", "friction_force=2mN")
+    options = ("--measured", "measured.csv", *deviations, "--draws", 100)
+    result = run("study", "uncertainty", "linear", *options)
     assert result.exit_code == 0, result.output
     assert "of the difference between measured and predicted friction" in result.stdout
-    with xr.open_dataset("linear/uncertainty.nc", engine="h5netcdf") as kept:
-        assert kept.rescaled_friction_mean.values == pytest.approx([0.3615, 1.610], rel=0.005)
-    assert run("report", "linear").exit_code == 0
-    assert "measured" in Path("linear/report.html").read_text("utf-8")
+    studies = stored_studies("linear")
+    assert studies["uncertainty"].rescaled_friction_mean.values == pytest.approx([0.3615, 1.610], rel=0.005)
+    (answer,) = exactness_section(studies)["answers"]
+    assert "measured" in answer["figure"]
     Path("measured.csv").write_text("rescaled_load_mm2,rescaled_friction_mm2\n0.1,0.9\n", "utf-8")
-    refused = run("study", "uncertainty", "linear", *arguments, "--force")
+    refused = run("study", "uncertainty", "linear", *options, "--force")
     assert (refused.exit_code, "must hold forces" in refused.output) == (2, True)
-
-
-def test_all_errors_together_are_answered_in_the_report(run, demo):
-    demo("linear")
-    errors = ("--height-sd", "3um", "--angle", "0.05deg", "--sd", "area_ratio=0.01")
-    result = run("study", "combined", "linear", *errors, "--misfit", "3 %", "--draws", 500)
-    assert result.exit_code == 0, result.output
-    (answer,) = [line for line in result.stdout.splitlines() if line.startswith("A surface made with")]
-    assert "meets the target within 3 % with a probability of " in answer
-    assert run("report", "linear").exit_code == 0
-    assert answer in Path("linear/report.html").read_text("utf-8")
-    data = json.loads(run("study", "combined", "linear", *errors, "--draws", 100, "--force", "--json").stdout)
-    assert data["data"]["tolerance"]["values"] == ["all", "height_sd", "angle"]
 
 
 def test_a_stopped_study_continues_by_the_same_command(run, demo, stopped_studies, monkeypatch):

@@ -149,8 +149,8 @@ def test_progress_has_a_rate_and_the_time_left():
     steps = []
     with listening(lambda step, done: steps.append(step)):
         computed(None)
-    assert steps[0] == "test: batch 1 of 6"
-    assert steps[3].startswith("test: batch 4 of 6, ")
+    assert steps[0] == "batch 1 of 6"
+    assert steps[3].startswith("batch 4 of 6, ")
     assert steps[3].endswith(" per second, 0 s left")
 
 
