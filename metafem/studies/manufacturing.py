@@ -116,7 +116,8 @@ def manufacturing(
         if plain:
             raise InvalidInput("error cannot be given with plain=True; state the number of draws")
     seed, slope = entropy(rng), Slope.of(surface, load_range)
-    size = batch_size(number) if error is None else ROUND_POINTS
+    dimensions = max(each.dimensions(surface) for each in tolerances)
+    size = batch_size(number, dimensions) if error is None else ROUND_POINTS
     task = SlopeDraws.of(surface, used, slope, tolerances, seed=seed, draws=number, size=size, plain=plain)
     sums, inputs = run("manufacturing", task, error=error, execution=execution)
     found, levels = moments(sums, plain=plain), quantiles(sums, np.array(QUANTILES))

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from metafem._validate import FloatArray
+from metafem.errors import MetafemError
 from metafem.models import Model
 from metafem.prediction import Tolerances
 from metafem.studies.sampling.batches import Execution, opened
@@ -60,7 +61,7 @@ class SlopeDraws:
         """Return the batches; NotConverged is raised if the model has no solution for the surface itself."""
         curve = model.curve(surface, slope.load).checked()
         nominal = np.concatenate([[slope.weight @ curve.area], curve.area])
-        gradient = model.gradient_model.sensitivity(surface, slope.load).gradient
+        gradient = _gradient(model, surface, slope.load)
         response = np.vstack([slope.weight @ gradient, gradient]) / nominal[:, None]
         scale = [np.sqrt(np.diag(each.linear_covariance(surface, response))) for each in tolerances]
         active = (True,) * len(tolerances)
@@ -89,6 +90,15 @@ class SlopeDraws:
                 response /= np.where(self.scale[level] > 0.0, self.scale[level], 1.0)
             levels.append(Sums.of(difference, response))
         return {name: np.array([sums[name] for sums in levels]) for name in levels[0]}
+
+
+def _gradient(model: Model, surface: Surface, load: FloatArray) -> FloatArray:
+    """Return dA0/dh (k, n) [mm]; any finite one is a valid control variate, zero is none."""
+    try:
+        found = model.gradient_model.sensitivity(surface, load).gradient
+    except (MetafemError, np.linalg.LinAlgError):  # resolved contacts have solutions where order 3 has none
+        return np.zeros((len(load), surface.count))
+    return np.where(np.isfinite(found).all(axis=1, keepdims=True), found, 0.0)
 
 
 def run(

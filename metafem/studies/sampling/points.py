@@ -18,9 +18,9 @@ MOST_DIMENSIONS = 21_201
 # Number of batches that the errors need: with fewer, Student's factor of 68 % exceeds 1.04.
 FEWEST_BATCHES = 16
 
-# Largest number of points of one batch: large nets are more accurate, and the points of 64 asperities take
-# 2 MiB.
-MOST_POINTS = 4096
+# Largest number of points of one batch, and of their coordinates, which take 8 MiB: the points of 64
+# asperities, which larger nets would make more accurate, take 2 MiB.
+MOST_POINTS, MOST_NUMBERS = 4096, 2**20
 
 
 def entropy(rng: Any) -> int:
@@ -31,15 +31,16 @@ def entropy(rng: Any) -> int:
     return int(random.integers(2**63))
 
 
-def batch_size(draws: int) -> int:
+def batch_size(draws: int, dimensions: int = 1) -> int:
     """Return the number of points of one batch, a power of two.
 
     Examples
     --------
-    >>> batch_size(2), batch_size(10_000), batch_size(10**7)
-    (1, 512, 4096)
+    >>> batch_size(2), batch_size(10_000, 64), batch_size(10**7, 64), batch_size(10**7, 4096)
+    (1, 512, 4096, 256)
     """
-    return min(1 << (max(draws // FEWEST_BATCHES, 1).bit_length() - 1), MOST_POINTS)
+    most = min(draws // FEWEST_BATCHES, MOST_NUMBERS // max(dimensions, 1), MOST_POINTS)
+    return 1 << (max(most, 1).bit_length() - 1)
 
 
 def unit_points(seed: int, batch: int, size: int, dimensions: int, *, plain: bool = False) -> FloatArray:

@@ -82,7 +82,7 @@ class Store:
                 found = json.loads(path.read_text(encoding="utf-8"))
                 if found != record:
                     raise InvalidInput(_other_run(folder, found, record))
-            elif any(folder.iterdir()):
+            elif any(not other.name.startswith(f".{RECORD}") for other in folder.iterdir()):
                 raise InvalidInput(f"folder = {folder} holds other files; choose an empty or a new folder")
             else:
                 _write(path, lambda file: file.write(json.dumps(record, indent=1).encode()))
