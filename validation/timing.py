@@ -12,6 +12,7 @@ import numpy as np
 
 import metafem as mf
 from metafem._kernels import continuation
+from metafem.models.interacting.kept_coupling import coupling_between
 from metafem.models.interacting.large import NOT_RECORDED
 
 
@@ -49,7 +50,8 @@ def processor_time(command: list[str], repeats: int = 3) -> float:
 
 def kernel_time(model: mf.Interacting, surface: mf.Surface, loads: int) -> float:
     """Seconds per load of one curve inside the compiled kernel, on one core, compilation excluded."""
-    coupling, self_influence = model._coupling(surface, model.substrate.for_surface(surface))
+    bound = model.substrate.for_surface(surface)
+    coupling, self_influence = coupling_between(surface, bound, model.order)
     results = continuation.empty_results(1, loads)
     workspace = continuation.empty_workspace(surface.count, model.order)
     rising = np.linspace(0.5 / loads, 0.5, loads)
