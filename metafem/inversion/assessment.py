@@ -40,6 +40,7 @@ class DesignStatus(Enum):
     REACHED = "reached: the law meets the target within 1 %"
     REFINED = "refined: the heights were adjusted until the law met the target within 1 %"
     APPROXIMATE = "approximate: the heights follow a density whose law has the target's slopes at large loads"
+    ROBUST = "robust: the made surface has the least expected misfit; the exact heights miss by more than 1 %"
     # in results of earlier versions alone
     UNCORRECTED = "uncorrected: designed for independent asperities; this model's law has the misfit"
     MISSED = "missed: the misfit is above 1 %, or above 10 % for the heights of a density"
@@ -143,7 +144,7 @@ def status_of(candidate: Candidate, misfit: float) -> DesignStatus:
     """Return how a design ended; a misfit of nan counts as missed."""
     density = candidate.density is not None
     if not misfit <= (MISSED if density else REACHED):
-        return DesignStatus.MISSED
+        return DesignStatus.ROBUST if candidate.robust else DesignStatus.MISSED
     if misfit <= EXACT and not density:
         return DesignStatus.EXACT
     if misfit <= REACHED and candidate.moved:

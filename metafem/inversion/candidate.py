@@ -50,7 +50,8 @@ class Candidate:
     `stepped` heights are already on the levels of the limits, `moved` ones differ from those of independent
     asperities; `unrounded` is the misfit before heights were rounded to steps. `lowest_level` [mm] is given
     for points that are to be met exactly: below it asperities can be added that another model needs.
-    `sites` (n,) are those of the template, increasing.
+    `sites` (n,) are those of the template, increasing. `robust` heights have a smaller expected misfit than
+    others that reach the target.
     """
 
     height: FloatArray
@@ -65,6 +66,7 @@ class Candidate:
     sites: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     moved: bool = False
     unrounded: float | None = None
+    robust: bool = False
 
     def surface(self, template: Surface) -> Surface:
         """Return the surface of the heights on their sites of a template."""

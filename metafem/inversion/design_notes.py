@@ -47,7 +47,7 @@ def design_notes(
     if low:
         words = f"{low} of {surface.count} summits are lower than {HEIGHT_TO_ERROR:g} times height_sd"
         notes.append(Note(f"{words} = {limits.height_sd:g} mm: raise the offset"))
-    if found.misfit > REACHED:
+    if found.misfit > REACHED and found.status is not DesignStatus.ROBUST:
         law = candidate.target_law
         if candidate.density is not None:
             notes.append(_density(problem, found))

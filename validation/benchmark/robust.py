@@ -66,11 +66,11 @@ def long_rows() -> list[Row]:
         share = _share(design, allowed, HEIGHT_SD, ANGLE)
         error = math.hypot(math.sqrt(share * (1.0 - share) / PLAIN_DRAWS), float(study.probability_error))
         what = f"all errors, {name}"
+        apart = abs(float(study.probability) - share) / error
         measured += [
             Row(f"{what}: time", 60.0, taken, "s"),
-            Row(f"{what}: probability {share:.3f}, difference", 3.0, float(abs(study.probability - share)) / error,
-                "errors"),
-        ]  # fmt: skip
+            Row(f"{what}: probability {share:.3f}, difference", 3.0, apart, "errors"),
+        ]
         for tolerance, factor, of_factor in zip(
             study.tolerance.values.tolist(), study.factor.values, study.factor_error.values, strict=True
         ):
@@ -85,10 +85,8 @@ def long_rows() -> list[Row]:
             found, step = at(factor), 0.05 * factor
             rate = (at(factor + step) - at(factor - step)) / (2.0 * step)
             error = math.hypot(rate * of_factor, math.sqrt(0.09 / PLAIN_DRAWS))
-            measured.append(
-                Row(f"{what}: 90 % at {factor:.3f} of {tolerance}, difference", 3.0, abs(found - 0.9) / error,
-                    "errors")
-            )  # fmt: skip
+            words = f"{what}: 90 % at {factor:.3f} of {tolerance}, difference"
+            measured.append(Row(words, 3.0, abs(found - 0.9) / error, "errors"))
     return measured
 
 

@@ -8,6 +8,7 @@ import pytest
 from numpy.polynomial.hermite_e import hermegauss
 
 import metafem as mf
+from metafem.inversion import DesignStatus
 from metafem.inversion.adjustment.robustness import _orthogonal
 
 SOFT = mf.Material(1.36, 0.5)
@@ -128,6 +129,18 @@ def test_heights_stay_on_their_steps_and_levels():
     np.testing.assert_array_equal(np.sort(found.surface.height), np.sort(plain.surface.height))
     assert found.parameters["robust_gain"] > 0.0
     assert found.surface != plain.surface
+
+
+def test_points_that_only_exact_heights_meet_are_not_missed():
+    points = mf.OperatingPoints([0.144, 0.336, 0.649], [0.84, 1.68, 4.12])
+    found = mf.design(points, TEMPLATE, limits=mf.Limits(0.27), robust=TOLERANCES)
+    # levels at which many asperities enter at once are sensitive to their errors
+    assert found.parameters["expected_misfit"] < 0.5 * found.parameters["plain_expected_misfit"]
+    assert found.misfit > 0.01
+    assert found.status is DesignStatus.ROBUST
+    far = mf.Limits(0.05)
+    missed = mf.design(mf.PowerLaw(1.2, (0.05, 0.2)), TEMPLATE, limits=far, robust=TOLERANCES)
+    assert missed.status is DesignStatus.MISSED
 
 
 def test_errors_of_radii_and_positions_count():
