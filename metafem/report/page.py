@@ -86,6 +86,15 @@ PARAMETERS = {
 }
 
 
+# Errors of a robust design: names, units and factors.
+ROBUST = (
+    ("height_sd", "µm", MICROMETRES),
+    ("angle", "°", math.degrees(1.0)),
+    ("radius_sd", "µm", MICROMETRES),
+    ("position_sd", "µm", MICROMETRES),
+)
+
+
 @doing("drawing the report")
 def page(
     design: Design,
@@ -253,6 +262,11 @@ def _inputs(design: Design) -> list[Row]:
     ):
         if value is not None:
             rows.append((name, f"{value * MICROMETRES:g}", "µm"))
+    if design.robust is not None:
+        for name, unit, factor in ROBUST:
+            value = getattr(design.robust, name)
+            if value > 0.0:
+                rows.append((f"robust.{name}", f"{value * factor:.4g}", unit))
     words = "load at which the plane reaches the base plane"
     try:
         onset = surface.material.composite_modulus * base_contact_load(design.surface, design.law.model)

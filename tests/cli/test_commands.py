@@ -53,7 +53,9 @@ def test_a_robust_design_is_made_from_a_specification(run):
     found = mf.load("robust")
     assert found.robust == mf.Tolerances(0.003, 0.05 * 3.141592653589793 / 180.0)
     assert found.parameters["expected_misfit"] <= found.parameters["plain_expected_misfit"]
-    assert "expected misfit of made surfaces" in Path("robust/report.html").read_text("utf-8")
+    report = Path("robust/report.html").read_text("utf-8")
+    assert "expected misfit of made surfaces" in report
+    assert '<tr><td>robust.angle</td><td class="number">0.05</td><td>°</td></tr>' in report
 
 
 @pytest.mark.parametrize(

@@ -94,10 +94,18 @@ def uncertainty(design: Design, **options: Any) -> Dataset:
 @error_option("position_sd")
 @deviation_option(MADE)
 @click.option(
-    "--misfit", default="10 %", show_default=True, help="Largest misfit with which the target is met."
+    "--misfit",
+    default="10 %",
+    show_default=True,
+    metavar="SHARE",
+    help="Largest misfit with which the target is met.",
 )
 @click.option(
-    "--probability", default="90 %", show_default=True, help="Wanted probability of meeting the target."
+    "--probability",
+    default="90 %",
+    show_default=True,
+    metavar="SHARE",
+    help="Wanted probability of meeting the target.",
 )
 @law_options
 @draw_options("random surfaces", "the sampling error of the probability")
