@@ -7,11 +7,9 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from typing import Any
 
-import numpy as np
-
 from metafem.errors import InvalidInput, MetafemError
+from metafem.studies.sampling.store import Result, own_version
 
-Result = dict[str, np.ndarray]
 Task = Callable[[int], Result]
 
 # Computes batches, and yields their results in the order of the numbers.
@@ -81,6 +79,7 @@ def cluster(address: str) -> Iterator[Run]:
     try:
         if not client.nthreads():
             raise InvalidInput(f"scheduler = {address!r} has no workers: start `dask worker`, or {instead}")
+        _require_same_version(client, address)
 
         def run(task: Task, numbers: Sequence[int]) -> Iterator[Result]:
             waiting: deque[Any] = deque()
@@ -97,3 +96,16 @@ def cluster(address: str) -> Iterator[Run]:
     finally:
         with suppress(Exception):  # the scheduler may be gone
             client.close()
+
+
+def _require_same_version(client: Any, address: str) -> None:
+    """Refuse workers with another version of metafem, which may have other numbers, or without it."""
+    try:
+        found = set(client.run(own_version).values())
+    except ImportError as error:
+        raise InvalidInput(f"the workers of {address} cannot import metafem: {error}") from None
+    if found != {own_version()}:
+        versions = ", ".join(sorted(found))
+        raise InvalidInput(
+            f"the workers of {address} have metafem {versions}, and this machine {own_version()}"
+        )

@@ -223,6 +223,7 @@ from pathlib import Path
 import numpy as np
 from distributed import LocalCluster
 import metafem as mf
+from metafem.studies.sampling import schedulers
 from tests.studies.sampling.test_batches import Execution, computed, study
 
 died = Path(sys.argv[1]) / "died"
@@ -238,6 +239,12 @@ if __name__ == "__main__":
         execution = Execution(scheduler=cluster.scheduler_address)
         print(computed(execution, deadly, 20) == [batch**2 for batch in range(20)], died.exists())
         print(study(execution).identical(study()))
+        here = os.getpid()
+        schedulers.own_version = lambda: "another" if os.getpid() == here else "theirs"
+        try:
+            study(execution)
+        except mf.InvalidInput as error:
+            print(error)
         cluster.scale(0)
         while cluster.scheduler.workers:
             time.sleep(0.1)
@@ -252,7 +259,8 @@ if __name__ == "__main__":
 def test_a_cluster_gives_the_same_numbers_when_a_worker_is_killed(tmp_path):
     command = [sys.executable, "-c", CLUSTER, str(tmp_path)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True)
-    killed, same, none = done.stdout.splitlines()
+    killed, same, other, none = done.stdout.splitlines()
+    assert other.endswith(" have metafem theirs, and this machine another")
     assert killed == "True True"
     assert same == "True"
     assert re.match(
