@@ -12,8 +12,8 @@ from metafem import _validate as check
 from metafem._calls import checked_class
 from metafem.errors import InvalidInput
 from metafem.progress import each, message
-from metafem.studies.sampling.schedulers import Result, Run, Task, cluster, here, processes
-from metafem.studies.sampling.store import Store
+from metafem.studies.sampling.schedulers import Run, Task, cluster, here, processes
+from metafem.studies.sampling.store import Result, Store
 
 
 @checked_class
