@@ -21,7 +21,8 @@ from metafem.studies.sampling.store import Result, Store
 class Execution:
     """Where the draws of a study are computed, and where finished batches of them are kept.
 
-    No number depends on it: the random numbers of a batch follow from the seed and its own number.
+    No number depends on it: the random numbers of a batch follow from the seed and its own number. On
+    processors of different kinds the last bits of the areas may differ.
 
     Parameters
     ----------
@@ -97,11 +98,11 @@ def _kept(store: Store | None, compute: Run, task: Task, numbers: Sequence[int])
         return f"{1.0 / taken:.2g} per second, {(len(unkept) - done) * taken:.0f} s left"
 
     for number in each("batch", numbers, detail=rate):
-        if number in kept and store is not None:
-            yield store.read(number) or task(number)
-            continue
-        result = next(fresh)
-        done += 1
-        if store is not None:
-            store.write(number, result)
+        result = store.read(number) if store is not None and number in kept else None
+        if result is None:
+            # one that is kept and cannot be read is computed here
+            result = task(number) if number in kept else next(fresh)
+            done += number not in kept
+            if store is not None:
+                store.write(number, result)
         yield result

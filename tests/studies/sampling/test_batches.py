@@ -43,6 +43,7 @@ def test_results_come_in_the_order_of_the_batches():
 @pytest.mark.slow
 def test_two_processes_give_the_numbers_of_one():
     assert study(Execution(workers=2)).identical(study())
+    assert study(Execution(workers=2), error=0.02).identical(study(error=0.02))
 
 
 def test_a_batch_whose_process_ended_is_computed_again(tmp_path):
@@ -86,7 +87,19 @@ def test_finished_batches_are_read(tmp_path):
     assert calls == [0, 1, 2, 3, 4, 5]
     (tmp_path / "run" / "batch-00000001.npz").write_bytes(b"damaged")
     assert computed(execution, counted) == [0, 1, 4, 9, 16, 25]
+    assert computed(execution, counted) == [0, 1, 4, 9, 16, 25]
     assert calls == [0, 1, 2, 3, 4, 5, 1]
+
+
+def test_rounds_that_were_stopped_go_on_at_the_levels_that_want_draws(tmp_path):
+    """A run to a wanted error decides after each round which levels get more draws."""
+    whole = study(Execution(folder=tmp_path), error=0.01)
+    kept = sorted(tmp_path.glob("batch-*.npz"))
+    assert len(kept) > 16
+    assert whole.draws[0] != whole.draws[1]
+    for path in kept[10:]:
+        path.unlink()
+    assert study(Execution(folder=tmp_path), error=0.01).identical(whole)
 
 
 def test_the_folder_of_another_run_is_refused(tmp_path):
