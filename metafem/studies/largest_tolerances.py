@@ -28,15 +28,23 @@ BOUNDS: Mapping[str, Any] = {
 # A tolerance that is left out has this fraction of its value: its points are still drawn.
 NOTHING = 1e-9
 
-# The search for the largest tolerances evaluates this fraction of the draws dozens of times.
+# The search for the largest tolerances evaluates this fraction of the draws about five times for each.
 SHARE = 0.2
 
 # Largest multiple of the given tolerance that is tried.
 MOST = 100.0
 
+# A factor that is too large lies this fraction beyond the one that is extrapolated. The rate of the quantile
+# is taken between the factor found and one that is larger by about as much: closer, it is that of a single
+# draw.
+BEYOND, NEAREST, FARTHEST = 0.1, 0.05, 0.3
+
 # The search ends where the quantile of the misfit is within this fraction of its sampling error, or after
 # so many steps, each of which evaluates all draws.
-FRACTION, STEPS = 0.1, 12
+FRACTION, STEPS = 0.2, 12
+
+# A smaller rise of the quantile, relative to the wanted misfit, counts as none.
+SMALLEST = 1e-9
 
 
 class Level(NamedTuple):
@@ -49,8 +57,8 @@ class Level(NamedTuple):
 class Largest(NamedTuple):
     """A multiple of a tolerance, and its standard sampling error [-].
 
-    It is nan where even without this error the probability is too small, and infinite where it is large
-    enough at the largest multiple tried.
+    The error is infinite where draws without a solution decide. The factor is nan where even without this
+    error the probability is too small, and infinite where it is large enough at the largest multiple tried.
     """
 
     factor: float
@@ -80,40 +88,38 @@ def largest(level: Callable[[float], Level], given: Level, misfit: float, most: 
     """
     low, at_low = 0.0, level(0.0)
     high, at_high = 1.0, given
-    if at_high.value <= misfit:
-        low, at_low = high, at_high
-        while at_high.value <= misfit:
-            if high >= most:
-                return Largest(math.inf, 0.0)
-            low, at_low = high, at_high
-            high = min(2.0 * high, most)
-            at_high = level(high)
-    elif at_low.value > misfit:
+    if min(at_low.value, at_high.value) > misfit:
         return Largest(math.nan, 0.0)
-    ends = [at_low.value - misfit, at_high.value - misfit]
-    best, side = (low, at_low), 0
+    while at_high.value <= misfit:
+        if high >= most:
+            return Largest(math.inf, 0.0)
+        rise = max(at_high.value - at_low.value, SMALLEST * misfit)
+        ahead = (misfit - at_high.value) * (high - low) / rise
+        new = min((1.0 + BEYOND) * min(high + ahead, 2.0 * high), most)
+        low, at_low, high, at_high = high, at_high, new, level(new)
+    above = {high: at_high.value}
+    ends, kept = [at_low.value - misfit, at_high.value - misfit], 0
     for _ in range(STEPS):
-        if math.isfinite(ends[1]):
-            middle = low + (high - low) * ends[0] / (ends[0] - ends[1])
-        else:
-            middle = 0.5 * (low + high)
-        found = level(middle)
+        # an infinite misfit has no line through it
+        share = ends[0] / (ends[0] - ends[1]) if math.isfinite(ends[1]) else 0.5
+        factor = low + (high - low) * share
+        found = level(factor)
         over = found.value - misfit
-        best = (middle, found)
-        if abs(over) <= FRACTION * found.error:
+        if math.isfinite(found.error) and abs(over) <= FRACTION * found.error:
             break
-        # an end that is kept twice counts half
+        # the end that is kept twice counts half
         if over > 0.0:
-            high, at_high, ends[1] = middle, found, over
-            ends[0] *= 0.5 if side > 0 else 1.0
-            side = 1
+            high, above[factor] = factor, found.value
+            ends = [ends[0] * (0.5 if kept < 0 else 1.0), over]
+            kept = -1
         else:
-            low, at_low, ends[0] = middle, found, over
-            ends[1] *= 0.5 if side < 0 else 1.0
-            side = -1
-    factor, found = best
-    rate = (at_high.value - at_low.value) / (high - low)
-    return Largest(factor, found.error / rate if rate > 0.0 else math.inf)
+            low, ends = factor, [over, ends[1] * (0.5 if kept > 0 else 1.0)]
+            kept = 1
+    near = [times for times in above if NEAREST <= times / factor - 1.0 <= FARTHEST]
+    apart = min(near, default=min((1.0 + BEYOND) * factor, most))
+    rise = (above[apart] if near else level(apart).value) - found.value
+    known = 0.0 < rise < math.inf
+    return Largest(factor, found.error * (apart - factor) / rise if known else math.inf)
 
 
 def factors(
