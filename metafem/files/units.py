@@ -118,9 +118,9 @@ def decimal(text: str) -> Fraction:
 
 
 def option_names(options: Mapping[str, str | None]) -> ErrorNames:
-    """Return the names and units of a command's options for errors."""
+    """Return the names of a command's options, and the units of those that are given, for errors."""
     given = {name: text for name, text in options.items() if text is not None}
-    names = {name: f"--{name.replace('_', '-')}" for name in given}
+    names = {name: f"--{name.replace('_', '-')}" for name in options}
     return ErrorNames(section="option", units=written_units({"option": given}), names=names)
 
 

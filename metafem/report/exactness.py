@@ -20,12 +20,12 @@ if TYPE_CHECKING:
 
 
 class Question(NamedTuple):
-    """A question, the command whose study answers it, and the figure of the study with its title."""
+    """A question, the command whose study answers it, and the figure of the study, if any, with its title."""
 
     text: str
     command: str
     title: str
-    figure: Callable[[Dataset], Figure]
+    figure: Callable[[Dataset], Figure | None]
 
 
 QUESTIONS: Mapping[str, Question] = {
@@ -67,7 +67,8 @@ def exactness_section(studies: Mapping[str, Dataset]) -> dict[str, Any]:
     answers, missing = [], []
     for name, question in QUESTIONS.items():
         if name in studies:
-            picture = svg(question.figure(studies[name]), question.title)
+            drawn = question.figure(studies[name])
+            picture = "" if drawn is None else svg(drawn, question.title)
             answers.append({**vars(summary(studies[name])), "question": question.text, "figure": picture})
         else:
             missing.append((question.text, question.command))

@@ -92,10 +92,11 @@ def uncertainty_figure(study: Dataset) -> Figure:
     return _finished(figure)
 
 
-def combined_figure(study: Dataset) -> Figure:
-    """Largest multiples of the given errors at which made surfaces meet the target as often as wanted."""
-    figure = new_figure(7.0, 2.6, (2.4, 0.3, 0.65, 0.2))
-    ax = figure.add_subplot()
+def combined_figure(study: Dataset) -> Figure | None:
+    """Largest multiples of the given errors at which made surfaces meet the target as often as wanted.
+
+    None if there is no such multiple.
+    """
     limits = study[["factor", "factor_error", "given"]].isel(
         tolerance=np.flatnonzero(np.isfinite(study["factor"].values))
     )
@@ -104,6 +105,10 @@ def combined_figure(study: Dataset) -> Figure:
     for name, given in zip(map(str, limits["tolerance"].values), limits["given"].values, strict=True):
         words, unit, size = TOLERANCES[name]
         labels.append(words if name == "all" else f"{words}, {size * given:.3g}{unit}")
+    if not labels:
+        return None
+    figure = new_figure(7.0, 2.6, (2.4, 0.3, 0.65, 0.2))
+    ax = figure.add_subplot()
     ax.barh(labels, factor, xerr=error, color=ACHIEVED, ecolor=QUIET)
     ax.axvline(1.0, color=TARGET, lw=1.2, label="given")
     ax.invert_yaxis()

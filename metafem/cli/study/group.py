@@ -61,13 +61,12 @@ def of_design(compute: Callable[..., Dataset]) -> Callable[..., None]:
     return command
 
 
-def _first_texts(options: Mapping[str, Any]) -> dict[str, str]:
-    """Return the options that are texts; of those with several the first, whose unit errors repeat."""
-    texts = {}
+def _first_texts(options: Mapping[str, Any]) -> dict[str, str | None]:
+    """Return the text of each option, None without one; of several the first, whose unit errors repeat."""
+    texts: dict[str, str | None] = {}
     for name, value in options.items():
         first = next(iter(value), None) if isinstance(value, tuple) else value
-        if isinstance(first, str):
-            texts[name] = first.partition(",")[0]
+        texts[name] = first.partition(",")[0] if isinstance(first, str) else None
     return texts
 
 

@@ -37,7 +37,10 @@ def combined_summary(study: Dataset) -> Summary:
         uncertain = f"{float(one['factor_error']) * given:.1g}{unit}" if math.isfinite(factor) else ""
         rows.append((words, f"{given:.3g}{unit}", largest, uncertain))
     low, middle, high = (percent(float(value)) for value in study["misfit_quantile"].values)
-    spread = information(f"median misfit {middle}; 90 % of the surfaces are between {low} and {high}")
+    exact = percent(float(study["nominal_misfit"]))
+    spread = information(
+        f"misfit {exact} without errors; median of the surfaces {middle}, 90 % of them from {low} to {high}"
+    )
     title = f"Target met within {within}: probability {100.0 * met:.1f} ± {100.0 * error:.1f} %"
     answer = (
         f"A surface made with the stated errors meets the target within {within} with a probability of "

@@ -2,8 +2,10 @@
 
 import json
 import signal
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 import xarray as xr
 
@@ -175,6 +177,17 @@ def test_bad_options_of_a_study_are_named(run, demo, name, options, words):
     result = run("study", name, "linear", *options)
     assert (result.exit_code, words in result.output) == (2, True), result.output
     assert not Path(f"linear/{name}.nc").exists()
+
+
+def test_a_surface_of_one_height_needs_a_range_of_loads(run, demo):
+    demo("linear")
+    design = mf.load("linear")
+    flat = design.surface.replaced(height=np.full(64, 0.2))
+    law = mf.friction_law(flat, load=design.law.load)
+    mf.save(replace(design, surface=flat, law=law), "flat")
+    result = run("study", "manufacturing", "flat", "--draws", 8)
+    assert (result.exit_code, "--load-range must be given" in result.output) == (2, True), result.output
+    assert run("study", "manufacturing", "flat", "--draws", 8, "--load-range", "0.1N", "0.2N").exit_code == 0
 
 
 def test_a_damaged_study_is_refused_by_the_report(run, demo):
