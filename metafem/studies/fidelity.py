@@ -10,9 +10,11 @@ from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.inversion import Design
-from metafem.notes import information, to_lines
+from metafem.notes import information
 from metafem.progress import doing
 from metafem.studies.cap_contact import Caps, caps_of
+from metafem.studies.sampling.dataset import dataset, described
+from metafem.studies.sampling.store import inputs_hash
 from metafem.studies.substrates import laws_on_substrates
 
 if TYPE_CHECKING:
@@ -53,9 +55,10 @@ def fidelity(design: Design, *, elements: bool = True) -> xr.Dataset:
     -------
     xarray.Dataset
         ``area`` [mm^2], ``separation`` [mm], ``area_change`` [-] (relative to independent asperities) and
-        ``sinking`` [mm] (the decrease of the separation), over ``model`` and ``load`` [N].
-        ``elements_error`` is the relative error of load and indentation in the table of caps [-]. The
-        attribute ``notes`` has one line for each model that was left out, with the reason.
+        ``sinking`` [mm] (the decrease of the separation), over ``model`` and ``rescaled_load`` [mm^2], with
+        the coordinate ``load`` [N]. ``elements_error`` is the relative error of load and indentation in the
+        table of caps [-]. The attribute ``notes`` has one line for each model that was left out, with the
+        reason.
 
     Examples
     --------
@@ -65,8 +68,6 @@ def fidelity(design: Design, *, elements: bool = True) -> xr.Dataset:
     >>> fidelity(design, elements=False).model.values.tolist()
     ['independent', 'half-space']
     """
-    import xarray as xr
-
     check.instance("design", design, Design, "a metafem.Design")
     surface, load = design.surface, design.law.load
     laws, notes = laws_on_substrates(surface, load, wait=True)
@@ -84,25 +85,19 @@ def fidelity(design: Design, *, elements: bool = True) -> xr.Dataset:
             notes.append(information(f"fe is left out: {reason}"))
     names = list(area)
     areas, separations = (np.array([part[name] for name in names]) for part in (area, separation))
-    axes = ("model", "load")
+    axes = ("model", "rescaled_load")
     variables = {
-        "area": (axes, areas, {"units": "mm2", "long_name": "real contact area"}),
-        "separation": (axes, separations, {"units": "mm", "long_name": "plane to undeformed base plane"}),
-        "area_change": (axes, areas / areas[0] - 1.0, {"units": "1", "long_name": "change of the area"}),
-        "sinking": (
-            axes,
-            separations[0] - separations,
-            {"units": "mm", "long_name": "decrease of the separation"},
-        ),
-        "elements_error": ((), error, {"units": "1", "long_name": "error of the table of caps"}),
+        "area": (axes, areas),
+        "separation": (axes, separations),
+        "area_change": (axes, areas / areas[0] - 1.0),
+        "sinking": (axes, separations[0] - separations),
+        "elements_error": ((), error),
     }
-    rescaled = {"units": "mm2", "long_name": "load over E*"}
-    coordinates = {
-        "model": names,
-        "load": ("load", load, {"units": "N", "long_name": "normal load"}),
-        "rescaled_load": ("load", design.law.rescaled_load, rescaled),
-    }
-    return xr.Dataset(variables, coordinates, {"study": "fidelity", "notes": to_lines(notes)})
+    rescaled = design.law.rescaled_load
+    coordinates = {"model": names, "rescaled_load": rescaled}
+    inputs = inputs_hash(("fidelity", surface, rescaled, elements))
+    found = dataset("fidelity", variables, coordinates, inputs=inputs, notes=notes)
+    return found.assign_coords(load=("rescaled_load", load, described("load")))
 
 
 def _law_of_caps(caps: Caps, load: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -12,6 +12,9 @@ from metafem._validate import FloatArray
 from metafem.inversion import Design
 from metafem.models import Independent, Interacting
 from metafem.progress import doing, each
+from metafem.studies.sampling.dataset import dataset, described
+from metafem.studies.sampling.points import entropy
+from metafem.studies.sampling.store import inputs_hash
 from metafem.substrate import BondedLayer, HalfSpace, Substrate
 from metafem.surface import Surface
 
@@ -47,10 +50,10 @@ def interaction(design: Design, *, placements: int = 1000, rng: Any = 0) -> xr.D
     -------
     xarray.Dataset
         ``area_change`` [-] and ``sinking`` [mm], the decrease of the separation, over ``substrate``
-        ("half-space", and "layer" if there is a block), ``order`` (1, 3) and ``load`` [N] of the design's
-        law. ``centred_change`` [-] is the change with the tallest asperities in the centre, at order 3.
-        ``placement_rms`` [-] is the root mean square change of each random assignment (``placement``) over
-        every fifth load, at order 3.
+        ("half-space", and "layer" if there is a block), ``order`` (1, 3) and the ``rescaled_load`` [mm^2] of
+        the design's law, with the coordinate ``load`` [N]. ``centred_change`` [-] is the change with the
+        tallest asperities in the centre, at order 3. ``placement_rms`` [-] is the root mean square change of
+        each random assignment (``placement``) over every fifth load, at order 3.
 
     Examples
     --------
@@ -58,13 +61,12 @@ def interaction(design: Design, *, placements: int = 1000, rng: Any = 0) -> xr.D
     >>> template = mf.Surface.square_lattice(0.12, (2, 2), radius=0.526, material=mf.Material(1.36))
     >>> design = mf.design(mf.OperatingPoints([0.01], [0.1]), template)
     >>> dict(interaction(design, placements=5).sizes)
-    {'substrate': 1, 'order': 2, 'load': 100, 'placement': 5}
+    {'substrate': 1, 'order': 2, 'rescaled_load': 100, 'placement': 5}
     """
-    import xarray as xr
-
     check.instance("design", design, Design, "a metafem.Design")
     count = check.integer("placements", placements, at_least=1)
-    random = check.generator(rng)
+    seed = entropy(rng)
+    random = np.random.default_rng(seed)
     surface = design.surface
     rescaled = design.law.rescaled_load
     few = np.arange(len(rescaled))[:: -max(1, len(rescaled) // RANDOM_LOADS)][::-1]
@@ -88,23 +90,22 @@ def interaction(design: Design, *, placements: int = 1000, rng: Any = 0) -> xr.D
         centre.append(_areas(model, surface, [centred], rescaled)[0] / alone.area - 1.0)
         moved = _areas(model, surface, random_orders, rescaled[few]) / alone.area[few] - 1.0
         spread.append(np.sqrt((moved**2).mean(axis=1)))
-    axes = ("substrate", "order", "load")
+    axes = ("substrate", "order", "rescaled_load")
+    variables = {
+        "area_change": (axes, np.array(change)),
+        "sinking": (axes, np.array(sinking)),
+        "centred_change": (axes[::2], np.array(centre)),
+        "placement_rms": (("substrate", "placement"), np.array(spread)),
+    }
     load = rescaled * surface.material.composite_modulus
-    return xr.Dataset(
-        {
-            "area_change": (axes, np.array(change), _units("1", "change of A0 by interaction")),
-            "sinking": (axes, np.array(sinking), _units("mm", "increase of the approach by interaction")),
-            "centred_change": (axes[::2], np.array(centre), _units("1", "change, tallest in the centre")),
-            "placement_rms": (("substrate", "placement"), np.array(spread), _units("1", "rms change of A0")),
-        },
-        {
-            "substrate": list(substrates),
-            "order": [1, 3],
-            "load": ("load", load, _units("N", "normal load")),
-            "rescaled_load": ("load", rescaled, _units("mm2", "load over E*")),
-        },
-        {"study": "interaction", "notes": ""},
-    )
+    coordinates = {
+        "substrate": list(substrates),
+        "order": [1, 3],
+        "rescaled_load": rescaled,
+    }
+    inputs = inputs_hash(("interaction", surface, rescaled, count, seed))
+    found = dataset("interaction", variables, coordinates, inputs=inputs, seed=seed, draws=count)
+    return found.assign_coords(load=("rescaled_load", load, described("load")))
 
 
 def _areas(
@@ -125,7 +126,3 @@ def _areas(
             for o in each("assignment", orders)
         ]
     )
-
-
-def _units(units: str, long_name: str) -> dict[str, str]:
-    return {"units": units, "long_name": long_name}

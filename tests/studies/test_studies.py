@@ -39,6 +39,19 @@ def test_interaction_covers_the_loads_of_the_law(design, interaction):
     assert largest == pytest.approx(np.abs(coupled.area / alone.area - 1.0).max(), rel=1e-9)
 
 
+def test_comparisons_state_their_provenance_and_units(design, interaction):
+    fidelity = mf.studies.fidelity(design, elements=False)
+    assert interaction.attrs["seed"] == "0"
+    assert interaction.attrs["draws"] == 7
+    assert fidelity.attrs["seed"] == ""
+    for found in (interaction, fidelity):
+        assert found.attrs["metafem"]
+        assert len(found.attrs["inputs"]) == 32
+        assert found["load"].dims == ("rescaled_load",)
+        for name in ("rescaled_load", "load", *found.data_vars):
+            assert found[name].attrs["units"]
+
+
 def test_random_placements_repeat_and_differ(design, interaction):
     again = mf.studies.interaction(design, placements=7)
     other = mf.studies.interaction(design, placements=7, rng=1)
@@ -137,8 +150,8 @@ def test_fidelity_holds_all_models(design, tmp_path, monkeypatch):
     found = mf.studies.fidelity(design)
     assert list(found.model.values) == ["independent", "half-space", "layer", "block", "fe"]
     # the block lies between layer and half-space; each model sinks less than the half-space does
-    sinking = found.sinking.isel(load=-1)
+    sinking = found.sinking.isel(rescaled_load=-1)
     assert sinking.sel(model="layer") < sinking.sel(model="block") < sinking.sel(model="half-space")
     # small strain and the cap's shape: a load more than Hertz's at the same radius, so less area
-    assert -0.05 < found.area_change.sel(model="fe").isel(load=-1) < 0.0
+    assert -0.05 < found.area_change.sel(model="fe").isel(rescaled_load=-1) < 0.0
     assert len(summary(found).rows) == 5

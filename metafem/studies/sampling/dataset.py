@@ -19,7 +19,14 @@ QUANTITIES: Mapping[str, tuple[str, str]] = {
     "slope": ("1", "slope of the law"),
     "area": ("mm2", "real contact area"),
     "friction_force": ("N", "friction force"),
+    "load": ("N", "normal load"),
     "rescaled_load": ("mm2", "load over E*"),
+    "separation": ("mm", "plane to undeformed base plane"),
+    "area_change": ("1", "change of the real contact area from independent asperities"),
+    "centred_change": ("1", "change of the area, tallest asperities in the centre"),
+    "placement_rms": ("1", "root mean square change of the area of a random assignment"),
+    "sinking": ("mm", "decrease of the separation by interaction"),
+    "elements_error": ("1", "relative error of the table of caps"),
     "rescaled_friction": ("mm2", "friction force over shear strength and area ratio"),
     "deviation": ("mm2", "rescaled friction less the predicted real contact area"),
     "failed": ("1", "number of draws without a solution"),
@@ -73,16 +80,17 @@ def dataset(
     variables: Mapping[str, tuple[Iterable[str], Any]],
     coordinates: Mapping[str, Any],
     *,
-    model: Model,
-    load_range: tuple[float, float] | None,
-    seed: int,
-    draws: int,
     inputs: str,
+    model: Model | None = None,
+    load_range: tuple[float, float] | None = None,
+    seed: int | None = None,
+    draws: int | None = None,
     notes: Iterable[Note] = (),
 ) -> xr.Dataset:
     """Return the dataset of a study; each variable is (dimensions, values).
 
-    `inputs` is the hash of all that the numbers depend on, `draws` the largest number of draws of any point.
+    `inputs` is the hash of all that the numbers depend on, `draws` the largest number of draws of any point;
+    a study of several models has no `model`, and one without random numbers neither seed nor draws.
     """
     import xarray as xr
 
@@ -93,10 +101,10 @@ def dataset(
     attributes = {
         "study": study,
         "notes": to_lines(list(notes)),
-        "model": repr(model),
+        "model": "" if model is None else repr(model),
         "load_range": [] if load_range is None else list(load_range),
-        "seed": str(seed),
-        "draws": draws,
+        "seed": "" if seed is None else str(seed),
+        "draws": 0 if draws is None else draws,
         "inputs": inputs,
         "metafem": own_version(),
     }
