@@ -60,12 +60,17 @@ AT_ONCE = 100
 
 
 def made_robust(problem: Problem, candidate: Candidate, rng: np.random.Generator) -> Candidate:
-    """Return the candidate with heights and sites of the least expected misfit under `problem.robust`."""
+    """Return the candidate with heights and sites of the least expected misfit under `problem.robust`.
+
+    Heights on their levels and those of many asperities stay; only their sites are changed.
+    """
     tolerances, options = problem.robust, problem.options
     count = 0 if tolerances is None else tolerances.dimensions(candidate.surface(problem.template))
     if tolerances is None or count == 0:
         return candidate
     with doing("lowering the expected misfit"):
+        if (candidate.stepped and not problem.model.couples) or len(candidate.height) > options.most_robust:
+            return _exchanged(problem, candidate, rng) if tolerances.angle else candidate
         unit = _with_both_signs(_orthogonal(count, options.fewest_errors, options.most_errors, rng))
         best, misfit = _lowered(problem, tolerances, candidate, unit)
         for _ in each("exchange of sites", range(options.robust_rounds if tolerances.angle else 0)):
@@ -84,8 +89,9 @@ def compared(problem: Problem, plain: Candidate, robust: Candidate, rng: np.rand
     count = 0 if tolerances is None else tolerances.dimensions(plain.surface(problem.template))
     if tolerances is None or count == 0:
         return replace(plain, notes=(*plain.notes, information("the tolerances of the robust design are 0")))
-    draws = options.fresh_errors * options.few_sites // max(options.few_sites, len(plain.height))
-    unit = _with_both_signs(rng.standard_normal((max(2, draws), count)))
+    # the time of a curve grows at least with the square of the number of asperities
+    draws = options.fresh_errors * options.few_sites**2 // max(options.few_sites, len(plain.height)) ** 2
+    unit = _with_both_signs(rng.standard_normal((max(options.fewest_fresh, draws), count)))
     before = _mean_squares(problem, tolerances, plain, unit)
     after = _mean_squares(problem, tolerances, robust, unit)
     # a pair with an equilibrium that did not converge is left out of both
@@ -219,10 +225,6 @@ def _lowered(
         factor *= math.sqrt(len(factor) / len(stacked))  # the same mean square
         return factor[:, -1], factor[:, :-1]
 
-    fixed = (start.stepped and not model.couples) or surface.count > options.most_robust
-    if fixed:
-        r, _ = residual(start.height)
-        return start, float(np.sqrt((r**2).mean()))
     found = descend(residual, start.height, Heights(limits.span), 0.0, options=options)
     return start.with_heights(below_limit(found.unknowns, limits)), found.misfit
 

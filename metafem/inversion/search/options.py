@@ -121,8 +121,9 @@ class SearchOptions:
     robust_loads: int = 30
     robust_rounds: int = 1
     # Number of other errors on which the gain is measured, each with both signs, for up to `few_sites`
-    # asperities; with more there are fewer.
+    # asperities; with more there are fewer, but at least as many as follow.
     fresh_errors: int = 1000
+    fewest_fresh: int = 20
 
     # -- height steps --
     # Fractions of a step by which all heights are shifted before rounding, which does not change a law.

@@ -131,6 +131,14 @@ def test_heights_stay_on_their_steps_and_levels():
     assert found.surface != plain.surface
 
 
+def test_heights_of_many_asperities_change_their_sites_alone():
+    large = mf.Surface.square_lattice(0.12, (12, 12), radius=0.526, material=SOFT)
+    target = mf.LinearLaw(6.87)
+    plain, found = mf.design(target, large), mf.design(target, large, robust=TOLERANCES)
+    np.testing.assert_array_equal(np.sort(found.surface.height), np.sort(plain.surface.height))
+    assert found.parameters["robust_gain"] > 3.0 * found.parameters["robust_gain_error"]
+
+
 def test_points_that_only_exact_heights_meet_are_not_missed():
     points = mf.OperatingPoints([0.144, 0.336, 0.649], [0.84, 1.68, 4.12])
     found = mf.design(points, TEMPLATE, limits=mf.Limits(0.27), robust=TOLERANCES)
