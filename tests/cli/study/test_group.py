@@ -115,6 +115,19 @@ def test_a_stopped_study_continues_by_the_same_command(run, demo, stopped_studie
     assert [*stopped_studies.iterdir()] == []
 
 
+def test_an_unreachable_scheduler_is_named_with_the_alternative(run, demo, monkeypatch):
+    pytest.importorskip("distributed")
+    monkeypatch.setattr("metafem.studies.sampling.schedulers.PATIENCE", 0.2)
+    demo("linear")
+    address = ("--scheduler", "tcp://127.0.0.1:1")
+    result = run("study", "manufacturing", "linear", "--height-sd", "1um", *address, "--json")
+    assert result.exit_code == 2
+    error = json.loads(result.stdout)["error"]  # with --json there is nothing but data
+    assert error["type"] == "InvalidInput"
+    assert "tcp://127.0.0.1:1" in error["message"]
+    assert "--workers 2" in error["message"]
+
+
 def test_a_study_that_is_refused_leaves_no_folder(run, demo, stopped_studies):
     demo("linear")
     result = run("study", "manufacturing", "linear", "--radius-sd", "100um", "--draws", 10)
