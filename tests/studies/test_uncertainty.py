@@ -159,3 +159,11 @@ def test_forces_need_a_friction(surface):
     with pytest.raises(mf.InvalidInput, match="friction_force needs a surface with a Friction"):
         mf.studies.uncertainty(bare, {"radius": 0.005}, load=[0.1], friction_force=[0.1])
     assert "friction_force_sd" not in mf.studies.uncertainty(bare, {"radius": 0.005}, draws=100)
+
+
+@pytest.mark.parametrize("name", ["load", "shear_strength"])
+def test_a_parameter_that_does_not_change_the_slope(surface, name):
+    found = mf.studies.uncertainty(surface, {name: SD[name]}, load=LOAD, draws=64)
+    assert float(found.slope_sd) == 0.0
+    assert (found.friction_force_sd > 0.0).all()
+    assert found.friction_force_total.values == pytest.approx(1.0, abs=1e-6)

@@ -38,7 +38,6 @@ INPUTS = {
     "friction_force": ("N", "2mN"),
 }
 
-
 # Those of a made surface.
 MADE = {name: INPUTS[name] for name in INPUTS if name not in ("load", "friction_force")}
 
@@ -126,11 +125,12 @@ def combined(design: Design, **options: Any) -> Dataset:
     given = {name: error(name, options[name]) for name in ERRORS}
     if not any(given.values()) and not options["sd"]:
         raise InvalidInput("no error is given; write for example --height-sd 3um --angle 0.05deg")
+    tolerances = mf.Tolerances(**given)
     arguments = {**law_arguments(design, options), **run_arguments(options)}
     for name in ("misfit", "probability"):
         arguments[name] = quantity(f"--{name}", options[name], "1", "5 %")
     with _deviations(options["sd"], MADE) as deviations:
-        return mf.studies.combined(design, mf.Tolerances(**given), parameters=deviations or None, **arguments)
+        return mf.studies.combined(design, tolerances, parameters=deviations or None, **arguments)
 
 
 @contextmanager

@@ -98,8 +98,8 @@ class LawDraws:
             area = self.response.area(self.fit.load * material.composite_modulus / modulus, factor)
             # no product of matrices: its last bits depend on the number of threads
             found["slope"] = np.einsum("...k,k->...", area, self.fit.weight)[..., None]
-        shape = (*unit.shape[:-1], len(self.load))
+        # quantities on which no drawn parameter acts are the same for all points
         parts = [
-            found[name] if name == "slope" else np.broadcast_to(found[name], shape) for name in self.outputs
+            np.broadcast_to(found[name], (*unit.shape[:-1], found[name].shape[-1])) for name in self.outputs
         ]
         return np.concatenate(parts, axis=-1)

@@ -168,6 +168,7 @@ def test_a_study_runs_without_a_cache(run, demo, stopped_studies):
         ("manufacturing", ("--workers", "0"), "--workers"),
         ("combined", (), "no error is given; write for example --height-sd 3um"),
         ("combined", ("--height-sd", "-3um"), "--height-sd = -3 um must be at least 0 um"),
+        ("combined", ("--height-sd", "-3um", "--sd", "radius=1um"), "--height-sd = -3 um must be at least"),
         ("combined", ("--angle", "0.1"), '--angle = "0.1" needs a unit'),
         ("combined", ("--angle", "0.1deg", "--misfit", "-1 %"), "--misfit"),
         ("combined", ("--angle", "0.1deg", "--probability", "120 %"), "--probability"),
