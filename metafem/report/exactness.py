@@ -77,7 +77,8 @@ def exactness_section(studies: Mapping[str, Dataset]) -> dict[str, Any]:
 
 def _fitted(studies: Mapping[str, Dataset]) -> str:
     """Return over which loads the slopes are fitted."""
-    stated = [study.attrs["load_range"] for study in studies.values() if "load_range" in study.attrs]
-    ranges = {tuple(map(float, each)) for each in stated}
+    # comparisons of models fit no slope and state an empty range
+    stated = [study.attrs.get("load_range", ()) for study in studies.values()]
+    ranges = {tuple(map(float, each)) for each in stated if len(each)}
     words = " and ".join(f"{low:.4g} to {high:.4g} mm²" for low, high in sorted(ranges))
     return f"Slopes are fitted over the rescaled loads P/E* = {words}. {SOURCE}" if words else ""

@@ -44,6 +44,11 @@ def test_the_range_of_the_slopes_is_stated(studies):
     assert fitted == f"Slopes are fitted over the rescaled loads P/E* = 0.05 to 0.2 mm². {SOURCE}"
 
 
+def test_comparisons_of_models_have_no_range_of_slopes(template):
+    study = mf.studies.interaction(mf.design(mf.LinearLaw(6.87), template), placements=2)
+    assert exactness_section({"interaction": study})["fitted"] == ""
+
+
 def test_the_page_names_the_commands_of_missing_studies(demo_results):
     folder, _ = demo_results("linear")
     text = (folder / "linear/report.html").read_text("utf-8")
