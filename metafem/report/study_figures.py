@@ -38,7 +38,7 @@ def manufacturing_figure(studies: Labelled) -> Figure:
     ax = figure.add_subplot()
     ax.axhline(1.0, color=QUIET, lw=0.8)
     for (label, study), colour in zip(studies.items(), cycle(COLOURS), strict=False):
-        nominal = float(study["nominal_slope"])
+        nominal, study = float(study["nominal_slope"]), study.sortby("height_sd")
         ax.errorbar(
             MICROMETRES * study["height_sd"].values,
             study["slope_mean"].values / nominal,

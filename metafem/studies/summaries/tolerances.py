@@ -26,6 +26,7 @@ MOST_ROWS = 12
 
 def manufacturing_summary(study: Dataset) -> Summary:
     """Return the slopes of surfaces whose heights have errors."""
+    study = study.sortby("height_sd")
     deviation, nominal = study["height_sd"].values, float(study["nominal_slope"])
     mean, scatter = study["slope_mean"].values / nominal, study["slope_sd"].values / nominal
     error = study["slope_sd_error"].values / nominal
