@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from itertools import cycle
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -19,6 +19,15 @@ if TYPE_CHECKING:
 
 # For labels on the left and below, whose numbers have seven characters at most [inch].
 MARGINS = (1.0, 0.2, 0.65, 0.2)
+
+# The same with a legend above the axes, which bars leave free.
+ABOVE = (1.0, 0.2, 0.65, 0.4)
+LEGEND_ABOVE: dict[str, Any] = {
+    "loc": "lower center", "bbox_to_anchor": (0.5, 1.0), "ncols": 2, "frameon": False,
+}  # fmt: skip
+
+# Bars are not wider than those of this number of inputs.
+FEW_BARS = 3
 
 # Studies by their label in the figure, such as the name of the surface; one without a label is "".
 Labelled = Mapping[str, "Dataset"]
@@ -71,22 +80,26 @@ def misalignment_figure(studies: Labelled) -> Figure:
 
 def uncertainty_figure(study: Dataset) -> Figure:
     """Error bars of the law, and the share of each input in their variance."""
-    figure = new_figure(9.0, 3.2, MARGINS)
+    figure = new_figure(9.0, 3.3, ABOVE)
     left, right = figure.subplots(1, 2, gridspec_kw={"wspace": 0.55})
-    load, mean, sd = (study[name].values for name in ("rescaled_load", "area_mean", "area_sd"))
+    name = main_quantity(study)
+    drawn = "area" if name == "deviation" else name
+    load, mean, sd = (study[each].values for each in ("rescaled_load", f"{drawn}_mean", f"{drawn}_sd"))
     law(left, load, mean, forces=False)
+    if drawn == "friction_force":
+        left.set_ylabel("friction force  F [N]")
     some = slice(None, None, -max(1, len(load) // BARS))
     left.errorbar(load[some], mean[some], sd[some], fmt="none", capsize=2, lw=1.2, color=ACHIEVED)
     if "deviation_sd" in study:
         moments = [f"rescaled_{name}_{moment}" for name in ("load", "friction") for moment in ("mean", "sd")]
-        x, dx, y, dy = (study[name].values for name in moments)
+        x, dx, y, dy = (study[each].values for each in moments)
         left.errorbar(x, y, dy, dx, fmt="o", ms=3, lw=1.2, color=TARGET, label="measured")
-    name = main_quantity(study)
     total, first = shares(study, name, "total"), shares(study, name, "first_order")
     labels = [in_words(str(label)).removeprefix("the ") for label in study["parameter"].values]
     right.barh(labels, 100.0 * total, color=QUIET, label="with others")
     right.barh(labels, 100.0 * first, height=0.5, color=ACHIEVED, label="alone")
-    right.invert_yaxis()
+    right.set_ylim(max(len(labels), FEW_BARS) - 0.5, -0.5)
+    right.legend(**LEGEND_ABOVE)
     right.set_xlabel("share of the variance [%]")
     right.set_xlim(left=0.0)
     return _finished(figure)
@@ -107,11 +120,12 @@ def combined_figure(study: Dataset) -> Figure | None:
         labels.append(words if name == "all" else f"{words}, {size * given:.3g}{unit}")
     if not labels:
         return None
-    figure = new_figure(7.0, 2.6, (2.4, 0.3, 0.65, 0.2))
+    figure = new_figure(7.0, 2.6, (2.4, 0.3, 0.65, 0.4))
     ax = figure.add_subplot()
     ax.barh(labels, factor, xerr=error, color=ACHIEVED, ecolor=QUIET)
     ax.axvline(1.0, color=TARGET, lw=1.2, label="given")
     ax.invert_yaxis()
+    ax.legend(**LEGEND_ABOVE)
     wanted = percent(float(study.attrs["wanted_probability"]), ".4g")
     ax.set_xlabel(f"largest multiple for a probability of {wanted}")
     return _finished(figure)
@@ -121,6 +135,6 @@ def _finished(figure: Figure) -> Figure:
     """Remove the frames; add a legend where lines have labels."""
     for ax in figure.axes:
         ax.spines[["top", "right"]].set_visible(False)
-        if ax.get_legend_handles_labels()[1]:
+        if ax.get_legend() is None and ax.get_legend_handles_labels()[1]:
             ax.legend(frameon=False)
     return figure
