@@ -167,7 +167,8 @@ def design(
         candidate = plain
     else:
         trial = rounded_to_steps(problem, made_robust(problem, candidate, generator))
-        candidate = compared(problem, plain, trial, generator)
+        with doing("measuring the expected misfit"):
+            candidate = compared(problem, plain, trial, generator)
     surface = candidate.surface(template)
     found = assess(problem, candidate, surface)
     notes = (*candidate.notes, *design_notes(problem, candidate, surface, found))

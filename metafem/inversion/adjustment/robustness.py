@@ -79,7 +79,6 @@ def made_robust(problem: Problem, candidate: Candidate, rng: np.random.Generator
     return best
 
 
-@doing("measuring the expected misfit")
 def compared(problem: Problem, plain: Candidate, robust: Candidate, rng: np.random.Generator) -> Candidate:
     """Return the robust candidate, or the plain one where nothing is gained, with the expected misfits.
 

@@ -1,6 +1,7 @@
 """Robust designs: closed forms, gains on other draws, and where there is none."""
 
 import math
+import sys
 import time
 
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 from numpy.polynomial.hermite_e import hermegauss
 
 import metafem as mf
+from metafem._kernels import continuation
 from metafem.inversion import DesignStatus
 from metafem.inversion.adjustment.robustness import _orthogonal
 
@@ -165,6 +167,23 @@ def test_best_common_radius_is_made_robust():
     found = mf.design(LAWS["9.46"], TEMPLATE, radii=tools, common_radius=True, robust=TOLERANCES)
     assert found.robust == TOLERANCES
     assert found.parameters["robust_gain"] > 0.0
+
+
+def test_a_kernel_is_called_within_ten_frames(monkeypatch):
+    small = mf.Surface.square_lattice(0.27, (4, 4), radius=0.526, material=SOFT)
+    curves, here, depths = continuation.curves, sys._getframe().f_code, []
+
+    def counted(*arguments):
+        frame, frames = sys._getframe(1), 0
+        while frame is not None and frame.f_code is not here:
+            frame, frames = frame.f_back, frames + 1
+        depths.append(frames)
+        return curves(*arguments)
+
+    monkeypatch.setattr(continuation, "curves", counted)
+    target, limits = mf.PowerLaw(0.9, (0.02, 0.06)), mf.Limits(0.27, height_step=0.006)
+    mf.design(target, small, mf.Interacting(order=1), limits, robust=TOLERANCES)
+    assert 0 < max(depths) <= 10
 
 
 @pytest.mark.parametrize("robust", [0.003, mf.Tolerances, "3 um"])
