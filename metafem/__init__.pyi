@@ -4,6 +4,8 @@ from . import progress as progress
 from . import report as report
 from . import studies as studies
 from .contact import Hertz as Hertz
+from .contact import PowerCap as PowerCap
+from .contact import SphericalCap as SphericalCap
 from .errors import Infeasible as Infeasible
 from .errors import InvalidInput as InvalidInput
 from .errors import MetafemError as MetafemError

@@ -56,6 +56,12 @@ class Hertz:
         """Derivative of P/E* by d, 2 a [mm]."""
         return np.multiply(2.0, contact_radius)
 
+    def area_slope(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
+        """Derivative of the area by d, pi R/(1 + R k) [mm]; 0 for an open contact."""
+        return np.asarray(
+            math.pi * np.greater(contact_radius, 0.0) / (np.divide(1.0, radius) + np.asarray(curvature))
+        )
+
     def load_at_indentation(self, indentation: Values, radius: Values) -> FloatArray:
         """Rescaled load P/E* = 4/3 sqrt(R) d^(3/2) [mm^2] of an undisturbed contact; 0 where it is open."""
         return self.load(self.contact_radius(indentation, radius), radius)

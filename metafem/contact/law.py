@@ -41,3 +41,7 @@ class Contact(Protocol):
     def stiffness(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Derivative of the rescaled load by the indentation [mm]."""
         ...
+
+    def area_slope(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
+        """Derivative of the real contact area by the indentation [mm]; 0 for an open contact."""
+        ...

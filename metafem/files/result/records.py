@@ -11,7 +11,7 @@ from typing import Any, get_type_hints
 import numpy as np
 
 from metafem._given import plain, printable, shown
-from metafem.contact import Hertz
+from metafem.contact import Hertz, PowerCap, SphericalCap
 from metafem.errors import InvalidInput
 from metafem.files.result.hints import fits, in_words
 from metafem.inversion import (
@@ -41,7 +41,8 @@ from metafem.surface import Block, Friction, Material, Surface
 VALUES: Mapping[str, type] = {
     kind.__name__: kind
     for kind in (
-        *(Material, Friction, Block, Surface, Hertz, HalfSpace, BondedLayer),
+        *(Material, Friction, Block, Surface, HalfSpace, BondedLayer),
+        *(Hertz, PowerCap, SphericalCap),
         *(Independent, MeanField, Interacting, BoundaryElements, Automatic),
         *(OperatingPoints, LinearLaw, BilinearLaw, SampledLaw, PowerLaw, MultilinearLaw),
         *(Limits, Layout, RadiusRange, Tolerances, Design, FrictionLaw),

@@ -1,0 +1,125 @@
+"""Caps of any profile against quadrature, closed forms and the energy of a contact."""
+
+from functools import cache
+
+import mpmath
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import metafem as mf
+from metafem.contact import Contact
+
+RADIUS = 0.526
+POWERS = [mf.PowerCap(n, 0.5) for n in (1, 1.5, 2, 3, 4, 8)]
+CAPS = [*POWERS, mf.SphericalCap()]
+CURVATURES = [0.0, 0.3, -0.02]
+
+
+def slope_of(cap, rho):
+    """f'(rho) of a cap, in high precision."""
+    if isinstance(cap, mf.SphericalCap):
+        return rho / mpmath.sqrt(mpmath.mpf(RADIUS) ** 2 - rho**2)
+    n = mpmath.mpf(cap.exponent)
+    return n * mpmath.mpf(cap.coefficient) * (rho / mpmath.mpf(RADIUS)) ** (n - 1)
+
+
+@cache
+def exact(cap, a):
+    """Indentation, load and second moment from the profile, by quadrature over rho = a sin(t)."""
+    edge = slope_of(cap, mpmath.mpf(a))
+
+    def integral(power):
+        """I_k = int_0^a f' rho^k/sqrt(a^2 - rho^2) drho."""
+
+        def part(t):  # of order one, as the quadrature needs it
+            return slope_of(cap, a * mpmath.sin(t)) / edge * mpmath.sin(t) ** power
+
+        return edge * mpmath.mpf(a) ** power * mpmath.quad(part, [0, mpmath.pi / 4, mpmath.pi / 2])
+
+    fourth, second = integral(4), integral(2)
+    return a * integral(0), 2 * second, 4 * (2 * fourth - mpmath.mpf(a) ** 2 * second) / 3
+
+
+@pytest.mark.parametrize("cap", CAPS, ids=repr)
+@pytest.mark.parametrize("curvature", CURVATURES)
+@pytest.mark.parametrize("ratio", [1e-4, 0.29, 0.31, 0.9])
+def test_caps_are_those_of_their_profiles(cap, curvature, ratio):
+    a = ratio * RADIUS
+    with mpmath.workdps(30):
+        paraboloid = [a**2, 4 * a**3 / 3, 8 * a**5 / 15]  # of an extra curvature of 1
+        expected = [float(x + curvature * y) for x, y in zip(exact(cap, a), paraboloid, strict=True)]
+    found = (function(a, RADIUS, curvature) for function in (cap.indentation, cap.load, cap.second_moment))
+    assert_allclose(list(found), expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize("cap", CAPS, ids=repr)
+@pytest.mark.parametrize("curvature", [0.0, 0.3])
+def test_contact_radius_is_the_inverse_of_the_indentation(cap, curvature):
+    a = RADIUS * np.concatenate([np.geomspace(1e-8, 0.3, 40), np.linspace(0.3, 0.99, 40)])
+    d = cap.indentation(a, RADIUS, curvature)
+    assert_allclose(cap.contact_radius(d, RADIUS, curvature), a, rtol=1e-12)
+    assert cap.contact_radius(-0.1, RADIUS, curvature) == 0.0
+    assert cap.contact_radius(np.array([]), RADIUS).shape == (0,)
+
+
+def test_a_power_of_two_is_the_paraboloid():
+    d, k = np.array([-0.01, 0.0, 1e-9, 0.01, 0.1]), 0.4
+    power, hertz = mf.PowerCap(2, 0.5), mf.Hertz()
+    a = hertz.contact_radius(d, RADIUS, k)
+    assert_allclose(power.contact_radius(d, RADIUS, k), a, rtol=1e-14)
+    for name in ("indentation", "load", "second_moment", "stiffness", "area_slope"):
+        found, expected = (getattr(law, name)(a, RADIUS, k) for law in (power, hertz))
+        assert_allclose(found, expected, rtol=1e-14)
+    assert_allclose(power.area(a), hertz.area(a), rtol=1e-15)
+
+
+@pytest.mark.parametrize("cap", POWERS, ids=repr)
+def test_second_moments_of_powers(cap):
+    a, n = 0.2, cap.exponent
+    ratio = cap.second_moment(a, RADIUS) / (cap.load(a, RADIUS) * a**2)
+    assert ratio == pytest.approx(2 * (n + 1) / (3 * (n + 3)), rel=1e-14)
+
+
+@pytest.mark.parametrize("cap", [*CAPS, mf.Hertz()], ids=repr)
+def test_the_energy_has_the_load_and_the_second_moment_as_derivatives(cap):
+    """U(d, k) with dU/dd = P has dU/dk = -M/2, and dP/dd is the stiffness."""
+    nodes, weights = np.polynomial.legendre.leggauss(60)
+    d, k, step = 0.04, 0.2, 1e-3
+
+    def load(depth, curvature):
+        return cap.load(cap.contact_radius(depth, RADIUS, curvature), RADIUS, curvature)
+
+    def energy(curvature):
+        # with depth = d x^8, fractional powers of the depth are smooth
+        x = 0.5 * (nodes + 1.0)
+        return float(0.5 * weights @ (load(d * x**8, curvature) * 8.0 * d * x**7))
+
+    def derivative(function, at, by):
+        near, far = ((function(at + s) - function(at - s)) / (2.0 * s) for s in (by, 2.0 * by))
+        return (4.0 * near - far) / 3.0
+
+    a = cap.contact_radius(d, RADIUS, k)
+    moment = cap.second_moment(a, RADIUS, k)
+    assert derivative(energy, k, step) == pytest.approx(-0.5 * moment, rel=1e-7)
+    stiffness = derivative(lambda depth: load(depth, k), d, d * step)
+    assert stiffness == pytest.approx(cap.stiffness(a, RADIUS, k), rel=1e-7)
+    area = derivative(lambda depth: cap.area(cap.contact_radius(depth, RADIUS, k)), d, d * step)
+    assert area == pytest.approx(cap.area_slope(a, RADIUS, k), rel=1e-7)
+
+
+@pytest.mark.parametrize("cap", [*CAPS, mf.Hertz()], ids=repr)
+def test_caps_are_contact_laws(cap):
+    assert isinstance(cap, Contact)
+    assert cap.area_slope(0.0, RADIUS) == 0.0
+
+
+def test_values_outside_their_range_are_refused():
+    with pytest.raises(mf.InvalidInput, match=r"exponent = 0\.5 must be at least 1"):
+        mf.PowerCap(0.5)
+    with pytest.raises(mf.InvalidInput, match="exponent = 40 must be at most 32"):
+        mf.PowerCap(40)
+    with pytest.raises(mf.InvalidInput, match="coefficient = 0 must be greater than 0"):
+        mf.PowerCap(4, 0.0)
+    with pytest.raises(mf.InvalidInput, match="exponent must be given"):
+        mf.PowerCap()
