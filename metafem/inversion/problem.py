@@ -14,6 +14,7 @@ from metafem.inversion.radii import Radii, RadiusRange
 from metafem.inversion.search.options import DEFAULTS, SearchOptions
 from metafem.inversion.targets.target import Target
 from metafem.models import Independent, Model
+from metafem.models.model import model_of_paraboloids
 from metafem.prediction.perturbation import Tolerances
 from metafem.surface import Surface
 
@@ -54,6 +55,7 @@ class Problem:
         check.instance("template", template, Surface, "a metafem.Surface")
         solver: Model = Independent() if model is None else model
         check.instance("model", solver, Model, "a model such as metafem.Independent()")
+        model_of_paraboloids(solver, "designs and their bounds")
         bounds = Limits(max_height=float(template.height.max())) if limits is None else limits
         check.instance("limits", bounds, Limits, "metafem.Limits")
         if layout is not None:

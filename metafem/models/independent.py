@@ -1,4 +1,4 @@
-"""Independent asperities: Hertz contacts without interaction."""
+"""Independent asperities: contacts without interaction."""
 
 from __future__ import annotations
 
@@ -12,10 +12,11 @@ from numpy.typing import ArrayLike
 from metafem import _validate as check
 from metafem._calls import checked_class
 from metafem._validate import FloatArray
-from metafem.contact import Hertz
+from metafem.contact import Contact
 from metafem.errors import InvalidInput
 from metafem.models._resources import run_rows
-from metafem.models.model import Curve, RescaledState, Sensitivity, controlled
+from metafem.models.contact_sums import approach_at_load, contacts, sums
+from metafem.models.model import PARABOLOID, Curve, RescaledState, Sensitivity, controlled
 from metafem.models.stand_in import Uncoupled
 from metafem.surface import Surface
 
@@ -32,12 +33,23 @@ AREAS_PER_THREAD = 5_000
 @checked_class
 @dataclass(frozen=True)
 class Independent(Uncoupled):
-    """Independent Hertzian asperities under a common plane.
+    """Independent asperities under a common plane.
 
-    ``A0 = sum pi R_i d_i`` and ``P/E* = sum 4/3 sqrt(R_i) d_i^(3/2)`` with ``d_i = max(h_i - delta, 0)``.
-    The load equation is convex and increasing in the approach; it is solved by Newton's method inside a
-    bracket, from the side on which it cannot overshoot. Greenwood and Williamson, Proc. R. Soc. A 295,
-    300 (1966), doi:10.1098/rspa.1966.0242.
+    ``A0 = sum A(d_i)`` and ``P/E* = sum P(d_i)/E*`` with ``d_i = max(h_i - delta, 0)``; for Hertz contacts
+    ``A0 = sum pi R_i d_i`` and ``P/E* = sum 4/3 sqrt(R_i) d_i^(3/2)``. The load equation is increasing in the
+    approach; it is solved by Newton's method inside a bracket, for Hertz contacts in a compiled kernel.
+    Greenwood and Williamson, Proc. R. Soc. A 295, 300 (1966), doi:10.1098/rspa.1966.0242.
+
+    Parameters
+    ----------
+    contact : Contact
+        Law of one contact: `Hertz()`, the default, `SphericalCap()`, `PowerCap(...)`, or any object with the
+        methods of `metafem.contact.Contact` whose load increases with the indentation.
+
+    Raises
+    ------
+    InvalidInput
+        If `contact` is not a contact law.
 
     Examples
     --------
@@ -45,12 +57,30 @@ class Independent(Uncoupled):
     >>> surface = Surface.square_lattice(0.1, (1, 1), radius=0.526, material=Material(1.36))
     >>> round(equilibrium(surface, Independent(), load=0.01).approach, 6)
     0.038668
+    >>> from metafem import PowerCap
+    >>> round(equilibrium(surface, Independent(PowerCap(4)), load=0.01).approach, 6)
+    0.021002
     """
+
+    contact: Contact = PARABOLOID
+
+    def __post_init__(self) -> None:
+        laws = "a contact law such as metafem.Hertz() or metafem.PowerCap(4)"
+        check.instance("contact", self.contact, Contact, laws)
+
+    def __repr__(self) -> str:
+        """Return the constructor's call, without the default law."""
+        return f"{type(self).__name__}({'' if self._hertz else f'contact={self.contact!r}'})"
 
     @property
     def name(self) -> str:
-        """Name of the model in texts and for ``--model``."""
-        return "independent"
+        """Name of the model in texts and for ``--model``, with a law other than Hertz's."""
+        return "independent" if self._hertz else f"independent, {self.contact!r}"
+
+    @property
+    def _hertz(self) -> bool:
+        """Whether the contacts are Hertz's, which have a kernel of their own."""
+        return self.contact == PARABOLOID
 
     def curve(
         self, surface: Surface, load: FloatArray | None = None, *, approach: FloatArray | None = None
@@ -61,16 +91,24 @@ class Independent(Uncoupled):
         values, by_load = controlled(load, approach)
         if by_load:
             return self.curve_of(surface.height, surface.radius, values)
+        last = partial(self._last, surface.height, surface.radius, 0.0, values[-1])
+        if not self._hertz:
+            carried, area, slope = sums(self.contact, surface.gap, surface.radius, values)
+            return Curve(np.array(values), carried, area, slope, np.zeros(len(values)), TOLERANCE, last)
         gap, root = _sorted_by_gap(surface.height[None, :], surface.radius)
         carried, area, slope = (np.empty(len(values)) for _ in range(3))
         kernel.curve_at_approach(gap[0], root[0], values, carried, area, slope)
-        last = partial(self._last, surface.height, surface.radius, 0.0, values[-1])
         return Curve(np.array(values), carried, area, slope, np.zeros(len(values)), TOLERANCE, last)
 
     def curve_of(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> Curve:
         """As `curve` at loads, for heights and radii (n,) without a surface, which takes as long to check."""
         from metafem._kernels import independent as kernel
 
+        if not self._hertz:
+            approach, carried, area, slope = self._solved(height, radius, load)
+            error = np.abs(carried - load) / np.where(load > 0.0, load, 1.0)
+            last = partial(self._last, height, radius, 0.0, approach[-1])
+            return Curve(approach, carried, area, slope, error, TOLERANCE, last)
         gap, root = _sorted_by_gap(height[None, :], radius)
         results = kernel.empty_results(1, len(load))
         # a read-only array would compile the kernel again
@@ -85,17 +123,23 @@ class Independent(Uncoupled):
         """Return the state at the approach base + depth, whose parts keep the digits of shallow contacts."""
         top = float(height.max())
         indentation = depth + (base - (top - height))
-        law = Hertz()
-        contact_radius = law.contact_radius(indentation, radius)
-        carried, area = law.load(contact_radius, radius), law.area(contact_radius)
-        return RescaledState(carried, area, indentation, top - (base + depth), self)
+        found = contacts(self.contact, indentation, radius)
+        return RescaledState(found.load, found.area, indentation, top - (base + depth), self)
+
+    def _solved(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> tuple[FloatArray, ...]:
+        """Return approach, load, area and stiffness (k,) of one surface of any law at loads (k,)."""
+        gap = height.max() - height
+        size = np.broadcast_to(radius, gap.shape)
+        approach = approach_at_load(self.contact, gap, size, load)
+        return approach, *sums(self.contact, gap, size, approach)
 
     def sensitivity(
         self, surface: Surface, load: FloatArray, height: FloatArray | None = None
     ) -> Sensitivity:
         """Law at increasing rescaled loads (k,), and dA0/dh of each height at fixed load [mm], (k, n).
 
-        ``pi R_i - sum_j pi R_j sqrt(R_i d_i) / sum_j sqrt(R_j d_j)`` for the asperities in contact.
+        ``A'_i - P'_i sum_j A'_j / sum_j P'_j`` with the derivatives by the indentation, for asperities in
+        contact; with Hertz contacts ``pi R_i - sum_j pi R_j sqrt(R_i d_i) / sum_j sqrt(R_j d_j)``.
         height: summit heights (n,) [mm] in place of the surface's own; they are not checked.
         """
         return self.sensitivity_of(surface.height if height is None else height, surface.radius, load)
@@ -104,8 +148,13 @@ class Independent(Uncoupled):
         """As `sensitivity`, for heights and radii (n,) without a surface."""
         curve = self.curve_of(height, radius, load)
         indentation = curve.approach[:, None] - (height.max() - height)
-        alone = math.pi * radius * (indentation > 0.0)
-        share = np.sqrt(radius * np.maximum(indentation, 0.0))
+        if self._hertz:
+            alone = math.pi * radius * (indentation > 0.0)
+            share = np.sqrt(radius * np.maximum(indentation, 0.0))
+        else:
+            found = contacts(self.contact, indentation, radius)
+            alone = self.contact.area_slope(found.contact_radius, radius)
+            share = found.stiffness
         total = share.sum(axis=1, keepdims=True)
         share /= np.where(total > 0.0, total, 1.0)
         return Sensitivity(curve, alone - alone.sum(axis=1, keepdims=True) * share, indentation)
@@ -113,7 +162,7 @@ class Independent(Uncoupled):
     def curves(
         self, height: ArrayLike, radius: ArrayLike, rescaled_load: ArrayLike
     ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        """Friction laws of many surfaces at once, through one compiled kernel.
+        """Friction laws of many surfaces at once, for Hertz contacts through one compiled kernel.
 
         Parameters
         ----------
@@ -148,6 +197,11 @@ class Independent(Uncoupled):
         if not (radii > 0.0).all():
             raise InvalidInput(f"radius = {radius!r:.80} must be finite and greater than 0")
         loads = check.loads("rescaled_load", rescaled_load)
+        if not self._hertz:
+            every = np.broadcast_to(radii, heights.shape)
+            rows = [self._solved(*row, loads) for row in zip(heights, every, strict=True)]
+            approach, carried, area, slope = np.stack(rows, axis=1)
+            return approach, carried, area, slope
         gap, root = _sorted_by_gap(heights, radii)
         order = np.argsort(loads, kind="stable")
         rising, results = loads[order], kernel.empty_results(len(gap), len(loads))
@@ -174,7 +228,12 @@ class Independent(Uncoupled):
         """
         from metafem._kernels import independent as kernel
 
-        gap, root = _sorted_by_gap(height, surface.radius if radius is None else radius)
+        given = surface.radius if radius is None else radius
+        if not self._hertz:
+            every = np.broadcast_to(given, height.shape)
+            curves = [self.curve_of(*row, load) for row in zip(height, every, strict=True)]
+            return np.array([np.where(curve.solved, curve.area, np.nan) for curve in curves])
+        gap, root = _sorted_by_gap(height, given)
         area, load = np.empty((len(gap), len(load))), np.array(load)
 
         def run(rows: slice) -> None:

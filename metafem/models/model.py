@@ -12,6 +12,7 @@ import numpy as np
 
 from metafem._given import shown
 from metafem._validate import FloatArray, IntArray
+from metafem.contact import Hertz
 from metafem.errors import InvalidInput, NotConverged
 from metafem.notes import Note
 from metafem.surface import Surface
@@ -20,6 +21,9 @@ if TYPE_CHECKING:
     from metafem.models.boundary_elements.field import ContactField
     from metafem.models.interacting.model import Interacting
 
+
+# The law of contacts of every model that takes no other.
+PARABOLOID = Hertz()
 
 # Arrays of a curve, with one entry for each load.
 ARRAYS = ("approach", "load", "area", "stiffness", "residual")
@@ -159,6 +163,22 @@ def checked_model(model: object) -> Model:
             f"model = {shown(model)} must be a model such as metafem.Independent(); loads go by load="
         )
     return cast("Model", model)
+
+
+def has_paraboloids(model: Model) -> bool:
+    """Whether the contacts of a model are Hertz's."""
+    return bool(getattr(model, "contact", PARABOLOID) == PARABOLOID)
+
+
+def model_of_paraboloids(model: object, what: str) -> Model:
+    """Return a model of Hertz contacts, or raise InvalidInput: `what` is for these alone."""
+    checked = checked_model(model)
+    if not has_paraboloids(checked):
+        raise InvalidInput(
+            f"model = {shown(model)}: {what} are for paraboloids so far; use contact=metafem.Hertz(), or "
+            "predict the law with friction_law"
+        )
+    return checked
 
 
 @runtime_checkable

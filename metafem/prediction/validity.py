@@ -21,6 +21,7 @@ from metafem.contact.cap_geometry import foot_radius
 from metafem.errors import MetafemError, NotConverged
 from metafem.models import Curve, Interacting, Model
 from metafem.models.interacting.model import DENSE_LIMIT
+from metafem.models.model import has_paraboloids
 from metafem.models.truncation import COMPARED, crowding, truncation
 from metafem.notes import Note, information
 from metafem.substrate import BondedLayer, HalfSpace
@@ -48,6 +49,8 @@ REMEDY = "use lighter loads, a larger pitch or the model resolved"
 
 UNKNOWN = "the effect of elastic interaction cannot be estimated over all loads"
 
+UNKNOWN_CONTACT = "the effect of elastic interaction is estimated for paraboloids only, not for"
+
 # The base gap at its load of contact, relative to the largest height.
 BASE_TOLERANCE = 1e-9
 
@@ -61,7 +64,7 @@ def left_out_notes(surface: Surface, model: Model, curve: Curve, notes: tuple[No
     return (
         *notes,
         *_base_notes(surface, model, curve),
-        *_wide_notes(surface, curve),
+        *_wide_notes(surface, model, curve),
         *_interaction_notes(surface, model, curve),
         *_surface_notes(surface),
     )
@@ -77,6 +80,8 @@ def reference_of(surface: Surface, model: Model) -> Interacting:
 
 def _interaction_notes(surface: Surface, model: Model, curve: Curve) -> list[Note]:
     """State the change by neighbours and block, and whether order 3 holds."""
+    if not has_paraboloids(model):
+        return [information(f"{UNKNOWN_CONTACT} {model.name}")]
     reference, gradient_model = reference_of(surface, model), model.gradient_model
     rows = _probed(curve.load, surface.count)
     if not rows.size:
@@ -220,15 +225,17 @@ def _base_notes(surface: Surface, model: Model, curve: Curve) -> list[Note]:
     ]
 
 
-def _wide_notes(surface: Surface, curve: Curve) -> list[Note]:
+def _wide_notes(surface: Surface, model: Model, curve: Curve) -> list[Note]:
     """State where contacts are too wide for models of small strain."""
     ratio = float((np.sqrt(curve.last.area / math.pi) / surface.radius).max())
     if ratio <= WIDEST:
         return []
-    text = (
-        f"the widest contact has a/R = {ratio:.2f} at {_last_force(surface, curve):.4g} N: Hertz's law "
-        f"holds up to about {WIDEST:g}, with a fitted modulus"
+    range_of = (
+        f"Hertz's law holds up to about {WIDEST:g}, with a fitted modulus"
+        if has_paraboloids(model)
+        else f"the law of small strain was compared with soft spheres up to {WIDEST:g} only"
     )
+    text = f"the widest contact has a/R = {ratio:.2f} at {_last_force(surface, curve):.4g} N: {range_of}"
     return [Note(text) if ratio > TOO_WIDE else information(text)]
 
 

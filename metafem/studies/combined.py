@@ -17,7 +17,7 @@ from metafem.errors import InvalidInput, NotConverged
 from metafem.inversion import Design
 from metafem.inversion.assessment import MISSED
 from metafem.models import Model
-from metafem.models.model import checked_model
+from metafem.models.model import model_of_paraboloids
 from metafem.notes import Note, information
 from metafem.prediction import Tolerances
 from metafem.progress import doing
@@ -143,7 +143,7 @@ def combined(
     number = check.integer("draws", draws, at_least=2)
     goal = None if error is None else check.number("error", error, above=0.0)
     surface = design.surface
-    used = design.law.model if model is None else checked_model(model)
+    used = design.law.model if model is None else model_of_paraboloids(model, "studies")
     notes: list[Note] = []
     slope = None
     if load_range is None and np.ptp(surface.height) == 0.0:

@@ -11,7 +11,7 @@ from metafem import _validate as check
 from metafem._calls import checked_call
 from metafem.errors import InvalidInput
 from metafem.models import Independent, Model
-from metafem.models.model import checked_model
+from metafem.models.model import model_of_paraboloids
 from metafem.notes import Note, information
 from metafem.prediction import Tolerances
 from metafem.progress import doing
@@ -107,7 +107,7 @@ def manufacturing(
     array([0.   , 0.041])
     """
     check.instance("surface", surface, Surface, "a metafem.Surface")
-    used = Independent() if model is None else checked_model(model)
+    used = model_of_paraboloids(Independent() if model is None else model, "studies")
     deviations = np.atleast_1d(check.array("height_sd", np.atleast_1d(height_sd), shape=(None,)))
     tolerances = [Tolerances(float(sd), 0.0, radius_sd, position_sd) for sd in deviations]
     number = check.integer("draws", draws, at_least=2)

@@ -14,7 +14,7 @@ from metafem._given import shown
 from metafem._validate import FloatArray, IntArray
 from metafem.errors import InvalidInput, NotConverged
 from metafem.models import Independent, Model
-from metafem.models.model import checked_model
+from metafem.models.model import model_of_paraboloids
 from metafem.notes import Note, information
 from metafem.progress import doing
 from metafem.studies.sampling.batches import Execution, opened
@@ -126,7 +126,7 @@ def misalignment(
     fit = Slope.of(surface, load_range)
     task = Tilts(
         surface,
-        checked_model(Independent() if model is None else model),
+        model_of_paraboloids(Independent() if model is None else model, "studies"),
         np.outer(np.tan(signed), DIRECTIONS[axes]),
         signed,
         fit,

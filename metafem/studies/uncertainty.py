@@ -14,7 +14,7 @@ from metafem._calls import checked_call
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.models import Independent, Model
-from metafem.models.model import checked_model
+from metafem.models.model import model_of_paraboloids
 from metafem.notes import Note, information
 from metafem.prediction.friction_law import default_loads
 from metafem.progress import doing
@@ -123,7 +123,7 @@ def uncertainty(
     (array([0.0035]), array([0.09, 0.91]))
     """
     check.instance("surface", surface, Surface, "a metafem.Surface")
-    used = checked_model(Independent() if model is None else model)
+    used = model_of_paraboloids(Independent() if model is None else model, "studies")
     number = check.integer("draws", draws, at_least=2)
     wanted = None if error is None else check.number("error", error, above=0.0)
     modulus = surface.material.composite_modulus

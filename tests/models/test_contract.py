@@ -15,7 +15,9 @@ CELL = 0.015
 CELLS = mf.BoundaryElements(CELL)
 # The second tolerance makes another choice for most of the scenes here.
 AUTOMATIC = (mf.Automatic(1e-3), mf.Automatic(1e-4), mf.Automatic(substrate=mf.BondedLayer()))
-EVERY = (*MODELS, CELLS, *AUTOMATIC)
+# Independent contacts that are no paraboloids.
+OTHER_CAPS = (mf.Independent(contact=mf.PowerCap(4, 0.5)), mf.Independent(contact=mf.SphericalCap()))
+EVERY = (*MODELS, *OTHER_CAPS, CELLS, *AUTOMATIC)
 
 
 def rounding(model, asperities=1e-11):
@@ -191,7 +193,7 @@ def test_radii_over_three_decades(model):
 
 
 # Resolved contacts of the whole surface, merged in the end, would take minutes.
-@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("model", [*MODELS, *OTHER_CAPS])
 def test_loads_from_nothing_to_ten_times_full_contact(model):
     surface = lattice(0.12 - np.minimum(np.random.default_rng(1).exponential(0.035, 36), 0.12))
     full = mf.equilibrium(surface, separation=0.0).load
@@ -215,7 +217,7 @@ def test_layers_of_every_thickness_and_poisson_ratio(thickness, poisson_ratio):
     st.floats(1e-9, 0.3),
     st.floats(0.0, 0.3),
     st.floats(0.0, 1.5),
-    st.sampled_from(MODELS),
+    st.sampled_from([*MODELS, *OTHER_CAPS]),
 )
 @settings(max_examples=200)
 def test_random_scenes_converge(count, seed, approach, spread, decades, model):

@@ -40,7 +40,7 @@ LINES: dict[str, dict[str, Model]] = {
 TABLE = (
     (
         "Independent()", "Independent()", "",
-        "each contact obeys Hertz; neighbours have no influence",
+        "each contact obeys Hertz, or the law of another cap; neighbours have no influence",
         "loads up to base contact; a/R up to about 0.5 with a fitted modulus",
     ),
     (

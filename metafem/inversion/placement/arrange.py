@@ -18,6 +18,7 @@ from metafem.inversion.placement.objectives import Objective
 from metafem.inversion.placement.sites import Sites, sites_for
 from metafem.inversion.search.options import DEFAULTS, SearchOptions
 from metafem.models import Independent, Interacting, Model
+from metafem.models.model import model_of_paraboloids
 from metafem.progress import each
 from metafem.surface import Surface
 
@@ -124,6 +125,7 @@ def arrange(
     solver: Model = Interacting() if model is None else model
     check.instance("surface", surface, Surface, "a metafem.Surface")
     check.instance("model", solver, Model, "a model such as metafem.Interacting()")
+    model_of_paraboloids(solver, "arrangements")
     check.instance("objective", objective, Objective, "such as metafem.FollowLaw(...)")
     where, known = sites_for(surface, solver, position)
     count, total = surface.count, len(where.position)

@@ -94,6 +94,18 @@ def test_every_named_model_reads_back(name):
     assert through_json(MODELS[name]()) == MODELS[name]()
 
 
+@pytest.mark.parametrize("law", [mf.Hertz(), mf.PowerCap(4, 0.3), mf.SphericalCap()], ids=repr)
+def test_every_contact_law_reads_back_with_its_model(law):
+    model = mf.Independent(contact=law)
+    assert through_json(model) == model
+    predicted = mf.friction_law(mf.Surface([[0, 0]], [0.1], 0.5, mf.Material(1.0)), model, load=[0.01, 0.02])
+    assert through_json(predicted) == predicted
+
+
+def test_a_model_of_an_earlier_version_has_contacts_of_hertz():
+    assert from_record({"type": "Independent"}) == mf.Independent()
+
+
 def test_notes_read_back_and_earlier_texts_become_notes():
     design = mf.design(mf.LinearLaw(6.87), TEMPLATE, limits=mf.Limits(0.12, height_sd=0.01))
     assert {note.level for note in design.notes} == set(Level)

@@ -1,0 +1,133 @@
+"""Independent asperities whose contacts are no paraboloids."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import metafem as mf
+from tests.models.scenes import HEIGHT, RADIUS, lattice, said, scene
+
+HERTZ = mf.Hertz()
+CAPS = [mf.PowerCap(n) for n in (1, 1.5, 3, 4, 8)] + [mf.SphericalCap()]
+LOADS = np.geomspace(1e-6, 0.3, 25)
+QUARTIC = mf.Independent(contact=mf.PowerCap(4))
+
+
+@dataclass(frozen=True)
+class Own:
+    """A law of one's own: Hertz's, with another name and no kernel."""
+
+    law: mf.Hertz = HERTZ
+
+    def __getattr__(self, name):
+        return getattr(self.law, name)
+
+
+@pytest.mark.parametrize("law", [mf.PowerCap(2, 0.5), Own()], ids=repr)
+def test_the_law_of_a_paraboloid_is_that_of_hertz(law):
+    model, hertz = mf.Independent(contact=law), mf.Independent()
+    surface, rows = scene(), HEIGHT + 0.01 * np.arange(3)[:, None] * np.sin(np.arange(6))
+    for found, expected in (
+        (model.curve(surface, LOADS), hertz.curve(surface, LOADS)),
+        (model.curve(surface, approach=LOADS), hertz.curve(surface, approach=LOADS)),
+    ):
+        for name in ("approach", "load", "area", "stiffness"):
+            assert_allclose(getattr(found, name), getattr(expected, name), rtol=1e-12)
+        assert_allclose(found.last.load, expected.last.load, rtol=1e-11)
+        assert_allclose(found.last.indentation, expected.last.indentation, rtol=1e-11)
+    shuffled = LOADS[::-1]
+    assert_allclose(model.curves(rows, RADIUS, shuffled), hertz.curves(rows, RADIUS, shuffled), rtol=1e-12)
+    assert_allclose(model.areas(surface, LOADS, rows), hertz.areas(surface, LOADS, rows), rtol=1e-12)
+    sensitivities = (one.sensitivity(surface, LOADS, rows[1]).gradient for one in (model, hertz))
+    assert_allclose(*sensitivities, rtol=1e-10, atol=1e-12)
+
+
+@pytest.mark.parametrize("cap", CAPS, ids=repr)
+def test_one_asperity_is_a_single_contact(cap):
+    model, height, a = mf.Independent(contact=cap), np.array([0.1]), 0.15
+    curve = model.curve_of(height, np.array([0.5]), np.array([cap.load(a, 0.5)]))
+    assert curve.approach[0] == pytest.approx(cap.indentation(a, 0.5), rel=1e-13)
+    assert curve.area[0] == pytest.approx(cap.area(a), rel=1e-12)
+    assert curve.stiffness[0] == pytest.approx(2 * a, rel=1e-12)
+
+
+@pytest.mark.parametrize("cap", CAPS, ids=repr)
+def test_every_load_of_many_decades_converges(cap):
+    surface = lattice(0.12 - np.minimum(np.random.default_rng(1).exponential(0.035, 64), 0.12))
+    curve = mf.Independent(contact=cap).curve(surface, np.geomspace(1e-14, 10.0, 60))
+    assert curve.converged
+    assert (np.diff(curve.area) > 0.0).all()
+
+
+@pytest.mark.parametrize("cap", CAPS, ids=repr)
+def test_sensitivities_are_the_derivatives_of_the_areas(cap):
+    model, surface, load, step = mf.Independent(contact=cap), scene(), np.array([0.02, 0.2]), 1e-5
+    gradient = model.sensitivity(surface, load).gradient
+    # no asperity comes into contact within a step
+    for i in range(surface.count):
+        moved = HEIGHT + step * np.outer([1.0, -1.0], np.arange(surface.count) == i)
+        high, low = model.areas(surface, load, moved)
+        assert_allclose((high - low) / (2 * step), gradient[:, i], rtol=1e-5, atol=1e-8)
+
+
+def test_a_spherical_contact_far_beyond_its_radius_keeps_its_load():
+    """The load under an approach of many radii is found again, although a differs from R by less than eps."""
+    surface = scene(np.zeros((1, 2)), [0.5], 0.01)
+    model = mf.Independent(contact=mf.SphericalCap())
+    state = mf.equilibrium(surface, model, approach=0.4)
+    again = mf.equilibrium(surface, model, load=state.load)
+    assert again.approach == pytest.approx(0.4, rel=1e-12)
+
+
+def test_loads_beyond_what_a_law_can_carry_do_not_converge():
+    class Limited(mf.PowerCap):
+        def load(self, contact_radius, radius, curvature=0.0):
+            return np.minimum(super().load(contact_radius, radius, curvature), 0.01)
+
+        def stiffness(self, contact_radius, radius, curvature=0.0):
+            return 0.0 * np.asarray(contact_radius)
+
+    with pytest.raises(mf.NotConverged):
+        mf.equilibrium(lattice([0.1]), mf.Independent(contact=Limited(4.0)), load=1.0)
+
+
+def test_names_and_notes_state_the_law():
+    assert repr(mf.Independent()) == "Independent()"
+    assert repr(QUARTIC) == "Independent(contact=PowerCap(exponent=4.0, coefficient=0.5))"
+    assert QUARTIC.name == "independent, PowerCap(exponent=4.0, coefficient=0.5)"
+    assert mf.Independent(contact=mf.Hertz()) == mf.Independent() != QUARTIC
+    law = mf.friction_law(lattice(np.full(4, 0.12)), QUARTIC, load=[0.1, 0.2])
+    assert "interaction is estimated for paraboloids only" in said(law)
+    deep = mf.equilibrium(lattice([0.3]), QUARTIC, load=0.5)
+    assert "the law of small strain" in said(deep)
+    assert "Hertz" not in said(deep)
+
+
+def test_what_cannot_take_the_law_refuses_it():
+    with pytest.raises(mf.InvalidInput, match="contact = 4 must be a contact law such as"):
+        mf.Independent(contact=4)
+    with pytest.raises(mf.InvalidInput, match="must be a contact law"):
+        mf.Independent(contact=mf.PowerCap)
+    with pytest.raises(mf.InvalidInput, match=r"contact = PowerCap.* must be metafem\.Hertz\(\)"):
+        mf.Interacting(contact=mf.PowerCap(4))
+    for model in (mf.MeanField, mf.Automatic, mf.BoundaryElements):
+        with pytest.raises(mf.InvalidInput, match="has no argument contact"):
+            model(contact=mf.PowerCap(4))
+
+
+def test_designs_arrangements_and_studies_are_for_paraboloids():
+    template, target = lattice(np.full(4, 0.12)), mf.OperatingPoints([0.02], [0.15])
+    surface = lattice([0.1, 0.11, 0.12, 0.13])
+    design = mf.design(target, template)
+    for call in (
+        lambda: mf.design(target, template, QUARTIC),
+        lambda: mf.arrange(surface, mf.InsensitiveToTilt([0.05]), QUARTIC),
+        lambda: mf.studies.manufacturing(surface, [0.001], draws=2, model=QUARTIC),
+        lambda: mf.studies.misalignment(surface, [0.001], model=QUARTIC),
+        lambda: mf.studies.uncertainty(surface, {"radius": 0.005}, model=QUARTIC),
+        lambda: mf.studies.combined(design, mf.Tolerances(0.001), misfit=0.1, draws=2, model=QUARTIC),
+    ):
+        with pytest.raises(mf.InvalidInput, match="are for paraboloids so far"):
+            call()
