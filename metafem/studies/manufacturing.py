@@ -9,7 +9,8 @@ from numpy.typing import ArrayLike
 
 from metafem import _validate as check
 from metafem._calls import checked_call
-from metafem.errors import InvalidInput
+from metafem._given import formatted, label
+from metafem.errors import InvalidInput, NotConverged
 from metafem.models import Independent, Model
 from metafem.models.model import model_of_paraboloids
 from metafem.notes import Note, information
@@ -95,7 +96,7 @@ def manufacturing(
         For negative deviations, fewer than two draws, and a surface whose summits have one height without a
         load range.
     NotConverged
-        If the model has no solution for the surface itself.
+        If the model has no solution for the surface itself, or for nearly all draws of a deviation.
 
     Examples
     --------
@@ -120,6 +121,11 @@ def manufacturing(
     size = batch_size(number, dimensions) if error is None else ROUND_POINTS
     task = SlopeDraws.of(surface, used, slope, tolerances, seed=seed, draws=number, size=size, plain=plain)
     sums, inputs = run("manufacturing", task, error=error, execution=execution)
+    for deviation in deviations[sums.batches < 2]:
+        raise NotConverged(
+            "fewer than two batches of draws have a solution at "
+            f"{label('height_sd')} = {formatted('height_sd', float(deviation))}"
+        )
     found, levels = moments(sums, plain=plain), quantiles(sums, np.array(QUANTILES))
     nominal, areas = task.nominal[0], task.nominal[1:]
     notes = []

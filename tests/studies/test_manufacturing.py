@@ -153,6 +153,21 @@ def test_draws_without_a_solution_are_counted_and_left_out(linear):
     assert np.isfinite(study.area_sd_error).all()
 
 
+@dataclass(frozen=True)
+class Exact(mf.Independent):
+    """Independent asperities that have a solution for equal draws alone."""
+
+    def areas(self, surface, load, height, radius=None, position=None):
+        found = super().areas(surface, load, height, radius, position)
+        return found if np.ptp(height, axis=0).max() == 0.0 else np.full_like(found, np.nan)
+
+
+def test_draws_that_all_have_no_solution_have_no_moments(linear):
+    words = r"fewer than two batches of draws have a solution at height_sd = 0\.003"
+    with pytest.raises(mf.NotConverged, match=words):
+        mf.studies.manufacturing(linear, [0.0, 0.003], draws=32, model=Exact())
+
+
 def test_a_study_states_where_its_numbers_come_from(linear):
     study = mf.studies.manufacturing(linear, [0.001, 0.002], draws=100, rng=5, load_range=(0.1, 0.2))
     about = {name: study.attrs[name] for name in ("study", "model", "seed", "load_range")}

@@ -74,7 +74,7 @@ def opened(execution: Execution | None, study: str, inputs: str) -> Iterator[Run
     store = None if chosen.folder is None else Store.opened(Path(chosen.folder), study, inputs)
     local = nullcontext(here if chosen.workers == 1 else processes(chosen.workers))
     try:
-        with cluster(chosen.scheduler) if chosen.scheduler else local as compute:
+        with local if chosen.scheduler is None else cluster(chosen.scheduler) as compute:
             yield lambda task, numbers: _kept(store, compute, task, numbers)
     except (KeyboardInterrupt, SystemExit) as stop:
         if store is not None:

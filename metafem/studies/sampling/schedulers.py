@@ -63,13 +63,16 @@ def processes(workers: int) -> Run:
 def cluster(address: str) -> Iterator[Run]:
     """Connect with a Dask scheduler; it computes the batches of dead workers again."""
     try:
-        from distributed import Client, KilledWorker
+        from distributed import CancelledError, Client, KilledWorker
+        from distributed.comm.addressing import resolve_address
     except ImportError:
         raise InvalidInput(
             f"scheduler = {address!r} needs the extra cluster: pip install 'metafem[cluster]'"
         ) from None
     instead = "leave scheduler out and use workers=2 on this machine"
     try:
+        # a client of an address that cannot be used ends with errors of its own
+        resolve_address(address)
         client: Any = Client(address, timeout=PATIENCE, set_as_default=False)  # type: ignore[no-untyped-call]
     except (OSError, ValueError, TypeError) as error:
         raise InvalidInput(
@@ -91,6 +94,11 @@ def cluster(address: str) -> Iterator[Run]:
                     yield waiting.popleft().result()
                 except KilledWorker as error:
                     raise MetafemError(f"a batch ended several workers of {address}: {error}") from None
+                except CancelledError:
+                    raise MetafemError(
+                        f"the connection with the scheduler {address} was lost: start it again and repeat "
+                        "the call; finished batches that are kept in a folder are not computed again"
+                    ) from None
 
         yield run
     finally:

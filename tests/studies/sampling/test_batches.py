@@ -221,7 +221,7 @@ def test_executions_that_cannot_be_are_refused(arguments, words):
 
 
 @pytest.mark.parametrize(
-    "address", [pytest.param("tcp://127.0.0.1:1", marks=pytest.mark.slow), "no such address"]
+    "address", [pytest.param("tcp://127.0.0.1:1", marks=pytest.mark.slow), "", "foo://x", "no such address"]
 )
 def test_a_scheduler_that_does_not_answer_is_named_within_ten_seconds(address):
     start = time.monotonic()
@@ -231,7 +231,7 @@ def test_a_scheduler_that_does_not_answer_is_named_within_ten_seconds(address):
 
 
 CLUSTER = """
-import os, signal, sys, time
+import os, signal, sys, threading, time
 from pathlib import Path
 import numpy as np
 from distributed import LocalCluster
@@ -247,12 +247,16 @@ def deadly(batch):
         os.kill(os.getpid(), signal.SIGKILL)
     return {"value": np.array([batch**2])}
 
+def slow(batch):
+    time.sleep(0.1)
+    return {"value": np.array([batch])}
+
 if __name__ == "__main__":
     with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
         execution = Execution(scheduler=cluster.scheduler_address)
         print(computed(execution, deadly, 20) == [batch**2 for batch in range(20)], died.exists())
         print(study(execution).identical(study()))
-        here = os.getpid()
+        here, own_version = os.getpid(), schedulers.own_version
         schedulers.own_version = lambda: "another" if os.getpid() == here else "theirs"
         try:
             study(execution)
@@ -265,6 +269,14 @@ if __name__ == "__main__":
             study(execution)
         except mf.InvalidInput as error:
             print(error)
+        schedulers.own_version = own_version
+        cluster.scale(1)
+        cluster.wait_for_workers(1)
+        threading.Timer(1.0, cluster.close).start()
+        try:
+            computed(execution, slow, 200)
+        except mf.MetafemError as error:
+            print(error)
 """
 
 
@@ -272,10 +284,11 @@ if __name__ == "__main__":
 def test_a_cluster_gives_the_same_numbers_when_a_worker_is_killed(tmp_path):
     command = [sys.executable, "-c", CLUSTER, str(tmp_path)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True)
-    killed, same, other, none = done.stdout.splitlines()
+    killed, same, other, none, lost = done.stdout.splitlines()
     assert other.endswith(" have metafem theirs, and this machine another")
     assert killed == "True True"
     assert same == "True"
     assert re.match(
         "scheduler = 'tcp://.*' has no workers: start `dask worker`, or leave scheduler out", none
     )
+    assert re.match("the connection with the scheduler tcp://.* was lost: start it again", lost)
