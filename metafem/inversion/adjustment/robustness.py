@@ -125,9 +125,10 @@ def compared(problem: Problem, plain: Candidate, robust: Candidate, rng: np.rand
         f"{percent(math.sqrt(expected))} (rms), its square by {percent(gain)} with a standard error of "
         f"{percent(error)}"
         if gained
-        else f"robust heights gain nothing: the expected misfit of the made surface is "
-        f"{percent(math.sqrt(scale))} (rms), and the best ones change its square by {percent(-gain)} with a "
-        f"standard error of {percent(error)}",
+        else "the heights are those of the plain design, because the gain of robust ones is below three "
+        f"standard errors: the expected misfit of the made surface is {percent(math.sqrt(scale))} (rms), and "
+        f"robust heights change its square by {percent(-gain, '+.2g')} with a standard error of "
+        f"{percent(error)}",
         f"{percent(share, '.3g')} of the square is the linear response to errors of single asperities, which "
         "no heights with this law remove",
     ]

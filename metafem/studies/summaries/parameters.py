@@ -46,8 +46,11 @@ def uncertainty_summary(study: Dataset) -> Summary:
         slope, error = study["slope_total"].values, study["slope_total_error"].values
         rows = [(*row, f"{100.0 * slope[i]:.1f}", f"{100.0 * error[i]:.1f}") for i, row in enumerate(rows)]
     most = int(total.argmax())
+    matters = (
+        "matter most: their errors account" if " + " in names[most] else "matters most: its error accounts"
+    )
     answer = (
-        f"T{in_words(names[most])[1:]} matters most: its error makes "
+        f"T{in_words(names[most])[1:]} {matters} for "
         f"{100.0 * first[most]:.0f} % of the variance of {QUANTITIES[quantity]}"
     )
     if quantity != "deviation":

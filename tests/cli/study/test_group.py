@@ -39,7 +39,7 @@ STUDIES = {
 ANSWERS = {
     "manufacturing": "With errors of the heights of up to 3 µm (SD), the largest studied, the slope",
     "misalignment": "With tilts within ±0.0",
-    "uncertainty": "The composite modulus E* matters most: its error makes 9",
+    "uncertainty": "The composite modulus E* matters most: its error accounts for 9",
     "combined": "A surface made with the stated errors meets the target within 3 % with a probability of",
 }
 

@@ -80,7 +80,7 @@ def test_errors_of_a_single_contact_cannot_be_reduced():
     assert found.parameters["expected_misfit"] == pytest.approx(plain.target_law.misfit(area), rel=1e-6)
     assert found.parameters["robust_gain"] == found.parameters["irreducible_share"] == 0.0
     assert found.surface == plain.surface
-    assert any("gain nothing" in note.text for note in found.notes)
+    assert any("those of the plain design" in note.text for note in found.notes)
 
 
 def test_zero_tolerances_are_the_plain_design():
