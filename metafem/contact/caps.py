@@ -54,6 +54,10 @@ class ElasticCap(ABC):
     def _closed_radius(self, depth: FloatArray, radius: FloatArray, curvature: FloatArray) -> FloatArray:
         """Contact radius [mm] of contacts that are indented, depth > 0 [mm]."""
 
+    def largest_indentation(self, radius: Values) -> FloatArray:
+        """Infinite: the law has no largest indentation [mm]."""
+        return np.full(np.shape(radius), math.inf)[()]
+
     def contact_radius(self, indentation: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Contact radius a [mm]: the root of D(a) + k a^2 = d, to rounding; 0 where the contact is open.
 
@@ -165,7 +169,7 @@ class PowerCap(ElasticCap):
             own, extra = self._depth(a, radius), curvature * a**2
             return own + extra, self.exponent * own + 2.0 * extra
 
-        return _root(parts, depth, start)
+        return root(parts, depth, start)
 
 
 @checked_class
@@ -217,7 +221,7 @@ class SphericalCap(ElasticCap):
             return t * x + bend * x**2, t * (x + (t + 2.0 * bend * x) * (1.0 - x**2))
 
         # t tanh t >= t^2/(1 + t): the start is above the root without an extra curvature
-        t = _root(parts, ratio, 0.5 * (ratio + np.sqrt(ratio * (ratio + 4.0))))
+        t = root(parts, ratio, 0.5 * (ratio + np.sqrt(ratio * (ratio + 4.0))))
         return np.asarray(np.minimum(radius * np.tanh(t), np.nextafter(radius, 0.0)))
 
 
@@ -229,7 +233,7 @@ def _polynomial(coefficient: FloatArray, x: FloatArray) -> FloatArray:
     return total
 
 
-def _root(
+def root(
     parts: Callable[[FloatArray], tuple[FloatArray, FloatArray]], target: FloatArray, start: FloatArray
 ) -> FloatArray:
     """Return x > 0 at which the first of parts(x) is the target; the second is its derivative by log x.

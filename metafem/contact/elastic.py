@@ -31,6 +31,10 @@ class Hertz:
     (array([0. , 0. , 0.2]), array([0.      , 0.      , 0.010667]))
     """
 
+    def largest_indentation(self, radius: Values) -> FloatArray:
+        """Infinite: the law has no largest indentation [mm]."""
+        return np.full(np.shape(radius), math.inf)[()]
+
     def contact_radius(self, indentation: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Contact radius a = sqrt(d/(1/R + k)) [mm]; 0 where the contact is open."""
         sharpened = 1.0 + np.multiply(radius, curvature)

@@ -18,6 +18,10 @@ class Contact(Protocol):
     vectorised.
     """
 
+    def largest_indentation(self, radius: Values) -> FloatArray:
+        """Largest indentation [mm] that the law describes; infinite where there is none."""
+        ...
+
     def contact_radius(self, indentation: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Contact radius a [mm] at an indentation d [mm]; 0 where d is negative: an open contact."""
         ...

@@ -8,6 +8,7 @@ import numpy as np
 
 from metafem._validate import FloatArray
 from metafem.contact import Contact
+from metafem.errors import InvalidInput
 
 # Doublings of the approach, and steps of Newton's method or of bisection; both are enough for any load.
 MOST_DOUBLINGS = 200
@@ -41,20 +42,27 @@ def sums(law: Contact, gap: FloatArray, radius: FloatArray, approach: FloatArray
 def approach_at_load(law: Contact, gap: FloatArray, radius: FloatArray, load: FloatArray) -> FloatArray:
     """Return the approaches [mm] at loads (k,), by Newton's method inside a bracket, to rounding.
 
-    gap, radius: (n,) [mm].
+    gap, radius: (n,) [mm]. Raise InvalidInput for a load that the law does not reach.
     """
     approach = np.zeros(len(load))
     active = np.flatnonzero(load > 0.0)
     low, high = np.zeros(len(load)), np.zeros(len(load))
     # of the order of the indentation of the tallest contact alone
     high[active] = np.cbrt(load[active] ** 2 / radius[gap.argmin()])
+    most = float((gap + law.largest_indentation(radius)).min())
     below = active
     for _ in range(MOST_DOUBLINGS):
+        high[below] = np.minimum(high[below], most)
         short = sums(law, gap, radius, high[below])[0] < load[below]
         below = below[short]
         if not below.size:
             break
         low[below] = high[below]
+        if low[below].max() >= most:
+            raise InvalidInput(
+                f"the load {load[below].max():.4g} mm^2 needs an approach beyond {most:.4g} mm, up to which "
+                f"{law!r} describes all contacts; use lighter loads or a law with a larger range"
+            )
         high[below] *= 2.0
     approach[active] = high[active]
     for _ in range(MOST_STEPS):

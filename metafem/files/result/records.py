@@ -11,7 +11,7 @@ from typing import Any, get_type_hints
 import numpy as np
 
 from metafem._given import plain, printable, shown
-from metafem.contact import Hertz, PowerCap, SphericalCap
+from metafem.contact import AxisymmetricCap, Hertz, PowerCap, SphericalCap
 from metafem.errors import InvalidInput
 from metafem.files.result.hints import fits, in_words
 from metafem.inversion import (
@@ -42,7 +42,7 @@ VALUES: Mapping[str, type] = {
     kind.__name__: kind
     for kind in (
         *(Material, Friction, Block, Surface, HalfSpace, BondedLayer),
-        *(Hertz, PowerCap, SphericalCap),
+        *(Hertz, PowerCap, SphericalCap, AxisymmetricCap),
         *(Independent, MeanField, Interacting, BoundaryElements, Automatic),
         *(OperatingPoints, LinearLaw, BilinearLaw, SampledLaw, PowerLaw, MultilinearLaw),
         *(Limits, Layout, RadiusRange, Tolerances, Design, FrictionLaw),

@@ -94,12 +94,27 @@ def test_every_named_model_reads_back(name):
     assert through_json(MODELS[name]()) == MODELS[name]()
 
 
-@pytest.mark.parametrize("law", [mf.Hertz(), mf.PowerCap(4, 0.3), mf.SphericalCap()], ids=repr)
+@pytest.mark.parametrize(
+    "law",
+    [
+        mf.Hertz(),
+        mf.PowerCap(4, 0.3),
+        mf.SphericalCap(),
+        mf.AxisymmetricCap([[0, 0.1, 0.2], [0, 0.01, 0.04]]),
+    ],
+    ids=repr,
+)
 def test_every_contact_law_reads_back_with_its_model(law):
     model = mf.Independent(contact=law)
     assert through_json(model) == model
     predicted = mf.friction_law(mf.Surface([[0, 0]], [0.1], 0.5, mf.Material(1.0)), model, load=[0.01, 0.02])
     assert through_json(predicted) == predicted
+
+
+def test_a_contact_law_of_a_function_is_not_written():
+    model = mf.Independent(contact=mf.AxisymmetricCap(np.square, extent=0.3))
+    with pytest.raises(mf.InvalidInput, match=r"square.* cannot be written to a record"):
+        to_record(model)
 
 
 def test_a_model_of_an_earlier_version_has_contacts_of_hertz():
