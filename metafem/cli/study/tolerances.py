@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
+import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -21,6 +24,7 @@ from metafem.cli.study.options import (
 if TYPE_CHECKING:
     from xarray import Dataset
 
+    from metafem._validate import FloatArray
     from metafem.inversion import Design
 
 # The levels of Fig. S3: 0 to 3 um in steps of 0.1 um [mm].
@@ -65,13 +69,22 @@ def manufacturing(design: Design, **options: Any) -> Dataset:
     )
 
 
+def _steps(angles: Sequence[float]) -> list[FloatArray]:
+    """Return equal steps up to each angle from the one before, at most a thousandth of the last."""
+    import numpy as np
+
+    step = angles[-1] / 1000.0 * (1.0 + 1e-9)  # the rounding of a quotient
+    ends = itertools.pairwise([0.0, *angles])
+    return [np.linspace(low, high, math.ceil((high - low) / step) + 1)[1:] for low, high in ends]
+
+
 @study.command(short_help="How level the plane must be.")
 @click.option(
     "--angle",
     multiple=True,
     metavar="ANGLES",
-    help="Largest angle, which is reached in 1,000 steps, or several, such as 0.005deg,0.1deg; may be "
-    f"repeated. Default: {ANGLE}.",
+    help="Largest angle, which is reached in 1,000 steps, or several that are reached in steps of this size, "
+    f"such as 0.005deg,0.1deg; may be repeated. Default: {ANGLE}.",
 )
 @click.option(
     "--axes",
@@ -99,14 +112,20 @@ def misalignment(design: Design, **options: Any) -> Dataset:
 
     Example: metafem study misalignment linear --angle 0.05deg --shuffles 100
     """
+    import numpy as np
+
     import metafem as mf
 
     angles = errors("angle", options["angle"] or (ANGLE,))
-    return mf.studies.misalignment(
+    increasing = all(low < high for low, high in itertools.pairwise([0.0, *angles]))
+    parts = _steps(angles) if increasing else [np.array(angles)]  # which the study refuses
+    found = mf.studies.misalignment(
         design.surface,
-        angles[0] if len(angles) == 1 else angles,
+        np.concatenate(parts) if len(angles) > 1 else angles[0],
         axes=options["axes"],
         shuffles=options["shuffles"],
         **law_arguments(design, options),
         **run_arguments(options),
     )
+    # of one angle, all steps are kept for the figure
+    return found if len(angles) == 1 else found.isel(angle=np.cumsum([len(part) for part in parts]) - 1)

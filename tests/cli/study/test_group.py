@@ -209,3 +209,15 @@ def test_a_damaged_study_is_refused_by_the_report(run, demo):
     Path("linear/misalignment.nc").write_text("no NetCDF", "utf-8")
     result = run("report", "linear")
     assert (result.exit_code, "misalignment.nc is damaged" in result.output) == (2, True), result.output
+
+
+def test_several_angles_have_the_scatter_of_fine_steps(run, demo, stopped_studies):
+    demo("linear")
+    scatter = []
+    for angles in ("0.1deg", "0.005deg,0.1deg"):
+        result = run("study", "misalignment", "linear", "--angle", angles, "--shuffles", 0, "--force")
+        assert result.exit_code == 0, result.output
+        scatter.append(stored_studies(Path("linear"))["misalignment"].slope_sd[0])
+    fine, several = scatter
+    assert np.degrees(several.angle.values) == pytest.approx([0.005, 0.1])
+    assert several.values == pytest.approx(fine.values[[49, 999]], rel=1e-9)
