@@ -123,8 +123,12 @@ class Independent(Uncoupled):
         """Return the state at the approach base + depth, whose parts keep the digits of shallow contacts."""
         top = float(height.max())
         indentation = depth + (base - (top - height))
-        found = contacts(self.contact, indentation, radius)
-        return RescaledState(found.load, found.area, indentation, top - (base + depth), self)
+        if self._hertz:  # the closed form in d loses no digits
+            contact_radius = PARABOLOID.contact_radius(indentation, radius)
+            carried, area = PARABOLOID.load(contact_radius, radius), PARABOLOID.area(contact_radius)
+        else:
+            carried, area, *_ = contacts(self.contact, indentation, radius)
+        return RescaledState(carried, area, indentation, top - (base + depth), self)
 
     def _solved(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> tuple[FloatArray, ...]:
         """Return approach, load, area and stiffness (k,) of one surface of any law at loads (k,)."""
