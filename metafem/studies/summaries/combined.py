@@ -37,7 +37,7 @@ def combined_summary(study: Dataset) -> Summary:
         uncertain = f"{float(one['factor_error']) * given:.1g}{unit}" if math.isfinite(factor) else ""
         rows.append((words, f"{given:.3g}{unit}", largest, uncertain))
     low, middle, high = (percent(float(value)) for value in study["misfit_quantile"].values)
-    exact = percent(float(study["nominal_misfit"]))
+    exact = percent(round(float(study["nominal_misfit"]), 6))  # 0 for a misfit of rounding
     spread = information(
         f"misfit {exact} without errors; median of the surfaces {middle}, 90 % of them from {low} to {high}"
     )
