@@ -48,6 +48,8 @@ def _nearest_pairs(surface: Surface, area: FloatArray) -> float:
     """Return the sum of `pair_sum` over the nearest neighbours."""
     from scipy.spatial import cKDTree
 
+    from metafem._kernels.truncation import SMALL
+
     closed = np.flatnonzero(area > 0.0)
     if closed.size < 2:
         return 0.0
@@ -58,7 +60,8 @@ def _nearest_pairs(surface: Surface, area: FloatArray) -> float:
     if (contact_radius[:, None] + contact_radius[other] >= distance).any():
         return math.inf
     terms = (contact_radius[other] / distance) ** 5 * radius[:, None] / radius[other]
-    return float(area[closed] @ terms.sum(axis=1) / area[closed].sum())
+    weights = np.maximum(area[closed, None], SMALL * area[closed][other])
+    return float((weights * terms).sum() / area[closed].sum())
 
 
 def crowding(surface: Surface, contact_radius: FloatArray) -> tuple[int, float]:

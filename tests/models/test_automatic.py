@@ -101,3 +101,16 @@ def test_laws_and_approaches_follow_the_chosen_model():
 def test_refuses_what_it_cannot_use(arguments):
     with pytest.raises(mf.InvalidInput):
         mf.Automatic(**arguments)
+
+
+@pytest.mark.parametrize("ratio", [0.3, 0.5, 0.7, 0.9])
+def test_the_estimate_covers_a_small_contact_beside_a_large_one(ratio):
+    # Hertz's displacement outside of a contact, and the terms of it that order 3 includes
+    r, R = 1.0, 1.0
+    a = ratio * r
+    exact = ((2 * a**2 - r**2) * np.arcsin(a / r) + a * np.sqrt(r**2 - a**2)) / (np.pi * R)
+    known = r**2 * (4 / 3 * ratio**3 + 2 / 15 * ratio**5) / (np.pi * R)
+    area = np.pi * np.array([a**2, (0.01 * a) ** 2])
+    surface = mf.Surface([[0, 0], [r, 0]], [0.2, 0.1], R, mf.Material(1.0))
+    changed = np.pi * R * (exact - known) / area.sum()
+    assert changed < truncation(surface, area, mf.HalfSpace()) < 10 * changed
