@@ -58,7 +58,7 @@ def report_stop(left: str) -> Iterator[None]:
         yield
     except Stopped as stop:
         with suppress(OSError):
-            print(f"stopped; {left}", file=sys.stderr)
+            print(f"stopped; {left}", file=sys.stderr, flush=True)
         raise SystemExit(stop.code) from None
 
 

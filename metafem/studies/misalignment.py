@@ -42,6 +42,9 @@ MOST_HEIGHTS = 2**22
 # Slopes along x and along y over the tangent of the angle.
 DIRECTIONS = {"both": (1.0, 1.0), "x": (1.0, 0.0), "y": (0.0, 1.0)}
 
+# With fewer angles, half as many no longer tell the error: with 2 it was up to ten times the estimate.
+FEWEST_ANGLES = 20
+
 # Quantiles over the shuffled placements.
 QUANTILES = (0.05, 0.5, 0.95)
 
@@ -241,6 +244,13 @@ def _dataset(task: Tilts, slopes: FloatArray, area: FloatArray, failed: int, inp
     variables["nominal_area"] = ("rescaled_load",), area[middle]
     variables["failed"] = (), failed
     notes = [information("the errors of means and deviations are their changes with half as many angles")]
+    if middle < FEWEST_ANGLES:
+        notes.append(
+            Note(
+                f"errors estimated from {middle} angles can be several times too small; give one angle, "
+                f"which is reached in {STEPS} steps, or at least {FEWEST_ANGLES}"
+            )
+        )
     notes += _base_contact(task)
     if failed:
         notes.append(Note(f"{failed} laws have no solution; they are interpolated from neighbouring angles"))

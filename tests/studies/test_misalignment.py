@@ -49,6 +49,12 @@ def test_a_number_is_a_thousand_steps_of_the_source(surface):
     np.testing.assert_allclose(same["angle"], few["angle"])
     difference = np.abs(same.slope_sd.values - few.slope_sd.values)
     assert (difference <= few.slope_sd_error.values).all()
+    assert "too small" not in few.attrs["notes"]
+
+
+def test_errors_from_few_angles_are_a_warning(surface):
+    found = mf.studies.misalignment(surface, [0.0005, 0.001], load_range=RANGE)
+    assert "warning: errors estimated from 2 angles can be several times too small" in found.attrs["notes"]
 
 
 def test_shuffled_placements_repeat_and_belong_to_the_seed(surface):

@@ -121,9 +121,9 @@ def compared(problem: Problem, plain: Candidate, robust: Candidate, rng: np.rand
     }
     model, lost = problem.model, len(solved) - len(before)
     parts = [
-        f"the expected misfit of the made surface is lowered from {percent(math.sqrt(scale))} to "
-        f"{percent(math.sqrt(expected))} (rms), its square by {percent(gain)} with a standard error of "
-        f"{percent(error)}"
+        f"the expected misfit of the made surface is lowered from {percent(math.sqrt(scale), '.3g')} to "
+        f"{percent(math.sqrt(expected), '.3g')} (rms), its square by {percent(gain)} with a standard error "
+        f"of {percent(error)}"
         if gained
         else "the heights are those of the plain design, because the gain of robust ones is below three "
         f"standard errors: the expected misfit of the made surface is {percent(math.sqrt(scale))} (rms), and "

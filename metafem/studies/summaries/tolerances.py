@@ -57,7 +57,7 @@ def manufacturing_summary(study: Dataset) -> Summary:
         lambda value: f"{MICROMETRES * value:.2g} µm (SD)",
     )
     furthest = float((mean - 1.0)[np.abs(mean - 1.0).argmax()])
-    answer += f", and its mean changes by at most {percent(furthest, '+.2g')}"
+    answer += f", and the largest change of its mean is {percent(furthest, '+.2g')}"
     return Summary(title, columns, rows, stored_notes(study), f"{answer}.")
 
 
