@@ -6,6 +6,7 @@ import re
 import shutil
 from pathlib import Path
 
+import pytest
 from click.testing import CliRunner
 
 from metafem import _caches, cli
@@ -21,6 +22,7 @@ def test_printed_output_is_what_the_example_prints():
     assert printed.getvalue() == output
 
 
+@pytest.mark.slow
 def test_studies_print_the_answers_that_it_shows(demo_results, tmp_path, monkeypatch):
     section = README.split("## How exact must the part be")[1].split("\n## ")[0]
     commands = re.search(r"```bash\n(.*?)```", section, re.S).group(1).splitlines()

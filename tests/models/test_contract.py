@@ -98,7 +98,7 @@ def test_curve_agrees_with_single_equilibria(model):
 
 @pytest.mark.parametrize("varied", ["height", "radius", "position"])
 def test_areas_of_many_surfaces_are_those_of_their_curves(model, varied):
-    surface, load = scene(), np.array([0.002, 0.05, 0.1])
+    surface, load = scene(), np.array([0.002, 0.05])
     rng = np.random.default_rng(0)
     height = surface.height + 0.003 * rng.standard_normal((2, surface.count))
     radius = surface.radius + 0.01 * rng.standard_normal((2, surface.count)) if varied == "radius" else None

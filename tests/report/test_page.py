@@ -25,7 +25,9 @@ def paper(demo_results):
     return call
 
 
-@pytest.mark.parametrize("kind", DEMOS)
+@pytest.mark.parametrize(
+    "kind", [pytest.param(kind, marks=[pytest.mark.slow] * (kind != "linear")) for kind in DEMOS]
+)
 def test_page_is_self_contained_and_reproducible(paper, kind):
     design, text = paper(kind)
     assert text == page(design)

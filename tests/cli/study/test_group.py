@@ -44,6 +44,7 @@ ANSWERS = {
 }
 
 
+@pytest.mark.slow
 def test_the_report_holds_the_answers_of_all_studies(run, demo, stopped_studies):
     demo("linear")
     answers = []
@@ -62,6 +63,7 @@ def test_the_report_holds_the_answers_of_all_studies(run, demo, stopped_studies)
         assert kept.attrs["draws"] >= 200
 
 
+@pytest.mark.slow
 def test_a_study_takes_model_and_loads(run, demo):
     demo("linear")
     options = ("--model", "layer", "--load-range", "0.2N", "0.5N", "--angle", "0.1deg,0.2deg")

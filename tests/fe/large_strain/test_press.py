@@ -70,7 +70,8 @@ def test_hertz_lies_between_finite_and_small_strain():
     assert over_hertz(coarse(False)[-1]) < 1.0 < over_hertz(mf.fe.press(a, **BODY))
 
 
-@pytest.mark.parametrize("stick", [False, pytest.param(True, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("stick", [False, True])
 def test_the_plane_s_work_is_stored(stick):
     """Neither slip without friction nor stick at first touch loses energy."""
     contacts = coarse(stick)

@@ -23,6 +23,7 @@ def cache_folder(tmp_path_factory):
         yield
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("order", [1, 3])
 def test_a_wide_block_is_the_layer(order):
     surface = scene(PLACE - PLACE.mean(axis=0)).replaced(block=mf.Block(60.0, 60.0, THICKNESS))
