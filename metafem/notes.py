@@ -1,8 +1,10 @@
 """Notes: sentences that accompany a result, as information or as a warning.
 
-Where a number decides the level, it stands beside the text: `BOUND` and `TOO_WIDE` in
-`prediction/validity.py` for what a model neglects, the tolerance of `Automatic`, `MISSED` in
-`inversion/assessment.py` for designs, and `FINEST_SCALE_IN_SD` in `inversion/height_density.py`.
+A note is a warning unless it is made by `information`. Where a number decides, it stands beside the text:
+`BOUND` and `TOO_WIDE` in `prediction/validity.py` for what a model neglects, the tolerance of `Automatic` in
+`models/automatic.py`, `MISSED` in `inversion/assessment.py` and `HEIGHT_TO_ERROR` in
+`inversion/design_notes.py` for designs, and `FINEST_SCALE_IN_SD` of `inversion/height_density.py` in
+`inversion/strategies/exponential.py` for errors of the heights.
 """
 
 from __future__ import annotations

@@ -15,7 +15,7 @@ from metafem.errors import InvalidInput, MetafemError
 
 DEMOS = ("operating-points", "linear", "bilinear")
 
-# The kinds of `metafem.files`, repeated here so that --help imports nothing.
+# The keys of `MODELS` in files/specification/models.py, repeated here so that --help imports nothing.
 MODELS = ("independent", "mean-field", "half-space", "layer", "block", "resolved", "automatic")
 
 # Exit codes: a target that cannot be reached, and input that cannot be used.

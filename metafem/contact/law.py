@@ -13,6 +13,8 @@ Values = FloatArray | float
 class Contact(Protocol):
     """Law of one axisymmetric contact, for unit E*: loads are P/E* [mm^2].
 
+    Any object with these methods is a contact law: ``Independent(contact=MyLaw())`` uses it.
+
     The contact radius a [mm] is the variable, R [mm] the radius of the summit; `curvature` [1/mm] is that of
     the displacement by other contacts, which adds ``curvature rho^2 / 2`` to the profile. All methods are
     vectorised.

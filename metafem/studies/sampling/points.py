@@ -24,7 +24,7 @@ MOST_POINTS, MOST_NUMBERS = 4096, 2**20
 
 
 def entropy(rng: Any) -> int:
-    """Return the seed of a run: a whole number itself, or one that a generator draws."""
+    """Return the random seed of a run: a whole number itself, or one that a generator draws."""
     random = check.generator(rng)
     if isinstance(rng, (int, np.integer)):
         return int(rng)
