@@ -24,7 +24,7 @@ from metafem.progress import doing
 from metafem.studies.largest_tolerances import ALL, Largest, factors, quantile
 from metafem.studies.made_laws import MadeLaws, Runs, share_error
 from metafem.studies.sampling.batches import Execution, opened
-from metafem.studies.sampling.dataset import dataset
+from metafem.studies.sampling.dataset import QUANTILES, dataset
 from metafem.studies.sampling.inputs import Inputs
 from metafem.studies.sampling.moments import Sums, moments
 from metafem.studies.sampling.points import batch_size, entropy
@@ -34,8 +34,6 @@ from metafem.surface import Surface
 
 if TYPE_CHECKING:
     import xarray as xr
-
-QUANTILES = (0.05, 0.5, 0.95)
 
 # Largest batch: half a second under a layer.
 MOST_POINTS = 256

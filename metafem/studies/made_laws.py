@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -17,13 +18,10 @@ from metafem.models import Model
 from metafem.prediction import Tolerances
 from metafem.studies.sampling.inputs import Inputs
 from metafem.studies.sampling.moments import Sums
-from metafem.studies.sampling.points import unit_points
+from metafem.studies.sampling.points import MOST_DRAWS, unit_points
 from metafem.studies.sampling.schedulers import Run
 from metafem.studies.sampling.slope import Slope
 from metafem.surface import Surface
-
-# Most draws where a wanted error decides their number.
-MOST_DRAWS = 10**6
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +77,7 @@ class MadeLaws:
         """Loads of the areas that are described [mm^2]: those of the slope, or else of the target."""
         return self.law.load if self.slope is None else self.slope.load
 
-    @property
+    @cached_property
     def nominal(self) -> tuple[float, FloatArray]:
         """The misfit [-], and the slope and the areas (q,), without errors."""
         nowhere = np.empty((1, 0))

@@ -17,7 +17,7 @@ from metafem.notes import Note, information
 from metafem.prediction import Tolerances
 from metafem.progress import doing
 from metafem.studies.sampling.batches import Execution
-from metafem.studies.sampling.dataset import dataset
+from metafem.studies.sampling.dataset import QUANTILES, dataset
 from metafem.studies.sampling.draws import ROUND_POINTS, SlopeDraws, run
 from metafem.studies.sampling.moments import moments, quantiles
 from metafem.studies.sampling.points import batch_size, entropy
@@ -26,8 +26,6 @@ from metafem.surface import Surface
 
 if TYPE_CHECKING:
     import xarray as xr
-
-QUANTILES = (0.05, 0.5, 0.95)
 
 
 @doing("drawing made surfaces")

@@ -18,7 +18,7 @@ from metafem.models.model import model_of_paraboloids
 from metafem.notes import Note, information
 from metafem.progress import doing
 from metafem.studies.sampling.batches import Execution, opened
-from metafem.studies.sampling.dataset import dataset
+from metafem.studies.sampling.dataset import QUANTILES, dataset
 from metafem.studies.sampling.moments import Estimate
 from metafem.studies.sampling.points import entropy
 from metafem.studies.sampling.slope import Slope
@@ -44,9 +44,6 @@ DIRECTIONS = {"both": (1.0, 1.0), "x": (1.0, 0.0), "y": (0.0, 1.0)}
 
 # With fewer angles, half as many no longer tell the error: with 2 it was up to ten times the estimate.
 FEWEST_ANGLES = 20
-
-# Quantiles over the shuffled placements.
-QUANTILES = (0.05, 0.5, 0.95)
 
 
 @doing("tilting the surface")

@@ -22,7 +22,7 @@ from metafem.studies.sampling.batches import Execution, opened
 from metafem.studies.sampling.dataset import dataset
 from metafem.studies.sampling.inputs import Inputs
 from metafem.studies.sampling.law_draws import LawDraws
-from metafem.studies.sampling.points import entropy
+from metafem.studies.sampling.points import MOST_DRAWS, entropy
 from metafem.studies.sampling.slope import Slope
 from metafem.studies.sampling.sobol_indices import SobolIndices, estimated, plan
 from metafem.studies.sampling.store import inputs_hash
@@ -31,8 +31,8 @@ from metafem.surface import Surface
 if TYPE_CHECKING:
     import xarray as xr
 
-# First and largest number of draws where it follows from the wanted error.
-FIRST_DRAWS, MOST_DRAWS = 5_000, 10**6
+# First number of draws where it follows from the wanted error.
+FIRST_DRAWS = 5_000
 
 
 @doing("drawing parameters")

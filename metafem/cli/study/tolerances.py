@@ -70,10 +70,12 @@ def manufacturing(design: Design, **options: Any) -> Dataset:
 
 
 def _steps(angles: Sequence[float]) -> list[FloatArray]:
-    """Return equal steps up to each angle from the one before, at most a thousandth of the last."""
+    """Return equal steps up to each angle from the one before, as small as those of one angle."""
     import numpy as np
 
-    step = angles[-1] / 1000.0 * (1.0 + 1e-9)  # the rounding of a quotient
+    from metafem.studies.misalignment import STEPS
+
+    step = angles[-1] / STEPS * (1.0 + 1e-9)  # the rounding of a quotient
     ends = itertools.pairwise([0.0, *angles])
     return [np.linspace(low, high, math.ceil((high - low) / step) + 1)[1:] for low, high in ends]
 

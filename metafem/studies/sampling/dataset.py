@@ -14,6 +14,9 @@ from metafem.studies.sampling.store import own_version
 if TYPE_CHECKING:
     import xarray as xr
 
+# Probabilities of the quantiles that studies state.
+QUANTILES = (0.05, 0.5, 0.95)
+
 # Units and names of what the studies describe, and of their other variables and coordinates.
 QUANTITIES: Mapping[str, tuple[str, str]] = {
     "slope": ("1", "slope of the law"),

@@ -13,7 +13,7 @@ from metafem.models import Model
 from metafem.prediction import Tolerances
 from metafem.studies.sampling.batches import Execution, opened
 from metafem.studies.sampling.moments import Sums, moments
-from metafem.studies.sampling.points import FEWEST_BATCHES, unit_points
+from metafem.studies.sampling.points import FEWEST_BATCHES, MOST_DRAWS, unit_points
 from metafem.studies.sampling.slope import Slope
 from metafem.studies.sampling.store import inputs_hash
 from metafem.surface import Surface
@@ -21,8 +21,8 @@ from metafem.surface import Surface
 # Points of a batch where the number of draws follows from the wanted error: 16 of them are then few draws.
 ROUND_POINTS = 16
 
-# Batches that are added before the errors are looked at again, and most draws of a level.
-ROUND_BATCHES, MOST_DRAWS = 8, 10**6
+# Batches that are added before the errors are looked at again.
+ROUND_BATCHES = 8
 
 
 @dataclass(frozen=True, eq=False)

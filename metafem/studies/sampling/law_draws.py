@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -72,7 +73,7 @@ class LawDraws:
         unit = exchanged(self.seed, batch, self.inputs.groups, self.points)
         return {"means": batch_means(self.law(unit), self.nominal)}
 
-    @property
+    @cached_property
     def nominal(self) -> FloatArray:
         """Outputs (q,) without errors."""
         return np.asarray(self.law(np.full((1, len(self.inputs.names)), 0.5))[0])

@@ -22,6 +22,9 @@ FEWEST_BATCHES = 16
 # asperities, which larger nets would make more accurate, take 2 MiB.
 MOST_POINTS, MOST_NUMBERS = 4096, 2**20
 
+# Most draws where a wanted error decides their number.
+MOST_DRAWS = 10**6
+
 
 def entropy(rng: Any) -> int:
     """Return the random seed of a run: a whole number itself, or one that a generator draws."""
