@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import math
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
 from metafem import _validate as check
 from metafem._calls import checked_class
 from metafem._validate import FloatArray
-from metafem.contact.law import Values
+from metafem.contact.law import Contact, Values
 
 # Largest exponent of a power cap: a nearly flat punch. Beyond, (a/R)^n underflows for small contacts.
 STEEPEST = 32.0
@@ -25,7 +26,7 @@ MAX_STEPS = 60
 SERIES_LIMIT, SERIES_TERMS = 0.3, 20
 
 
-class ElasticCap(ABC):
+class ElasticCap(Contact):
     """An elastic cap f(rho) without adhesion.
 
     With ``D(s) = s int_0^s f'(rho)/sqrt(s^2 - rho^2) drho`` and an extra curvature k, ``d = D(a) + k a^2``,
@@ -33,6 +34,9 @@ class ElasticCap(ABC):
     ``4/3 int_0^a s^3 (D' + 2 k s) ds``. It follows that dP/dd = 2 a E*. Popov and Hess, Method of
     Dimensionality Reduction in Contact Mechanics and Friction (2015), doi:10.1007/978-3-642-53876-6.
     """
+
+    largest_order: ClassVar[int] = 3
+    similar: ClassVar[bool] = True
 
     @abstractmethod
     def _depth(self, a: FloatArray, radius: FloatArray) -> FloatArray:
@@ -53,10 +57,6 @@ class ElasticCap(ABC):
     @abstractmethod
     def _closed_radius(self, depth: FloatArray, radius: FloatArray, curvature: FloatArray) -> FloatArray:
         """Contact radius [mm] of contacts that are indented, depth > 0 [mm]."""
-
-    def largest_indentation(self, radius: Values) -> FloatArray:
-        """Infinite: the law has no largest indentation [mm]."""
-        return np.full(np.shape(radius), math.inf)[()]
 
     def contact_radius(self, indentation: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Contact radius a [mm]: the root of D(a) + k a^2 = d, to rounding; 0 where the contact is open.

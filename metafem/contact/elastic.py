@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
 from metafem._calls import checked_class
 from metafem._validate import FloatArray
-from metafem.contact.law import Values
+from metafem.contact.law import Contact, Values
 
 
 @checked_class
 @dataclass(frozen=True)
-class Hertz:
+class Hertz(Contact):
     """Frictionless, non-adhesive elastic contact of a paraboloid of radius R and a rigid plane.
 
     With the contact radius a and the curvature ``1/R + k``, where k is due to the displacement by other
@@ -31,9 +32,8 @@ class Hertz:
     (array([0. , 0. , 0.2]), array([0.      , 0.      , 0.010667]))
     """
 
-    def largest_indentation(self, radius: Values) -> FloatArray:
-        """Infinite: the law has no largest indentation [mm]."""
-        return np.full(np.shape(radius), math.inf)[()]
+    largest_order: ClassVar[int] = 3
+    similar: ClassVar[bool] = True
 
     def contact_radius(self, indentation: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Contact radius a = sqrt(d/(1/R + k)) [mm]; 0 where the contact is open."""

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Protocol, runtime_checkable
+import math
+from typing import ClassVar, Protocol, runtime_checkable
+
+import numpy as np
 
 from metafem._validate import FloatArray
+from metafem.material import Material
 
 Values = FloatArray | float
 
@@ -13,16 +17,37 @@ Values = FloatArray | float
 class Contact(Protocol):
     """Law of one axisymmetric contact, for unit E*: loads are P/E* [mm^2].
 
-    Any object with these methods is a contact law: ``Independent(contact=MyLaw())`` uses it.
+    A law of one's own derives from this class and defines the methods without a body here:
+    ``Independent(contact=MyLaw())`` uses it. The contact radius a [mm] is the variable, R [mm] the radius of
+    the summit; `curvature` [1/mm] is that of the displacement by other contacts, which adds
+    ``curvature rho^2 / 2`` to the profile. All methods are vectorised.
 
-    The contact radius a [mm] is the variable, R [mm] the radius of the summit; `curvature` [1/mm] is that of
-    the displacement by other contacts, which adds ``curvature rho^2 / 2`` to the profile. All methods are
-    vectorised.
+    Attributes
+    ----------
+    largest_order : int
+        3 for a frictionless elastic contact, whose load, second moment and indentation follow from one
+        profile; 1 for a law known only as load and area over the indentation, which couples by point loads.
+    similar : bool
+        Whether the law with all lengths over R is the same for all radii.
+    adhesive : bool
+        Whether contacts attract: the load is negative for some contact radii, and contacts jump.
     """
+
+    largest_order: ClassVar[int] = 1
+    similar: ClassVar[bool] = False
+    adhesive: ClassVar[bool] = False
+
+    def for_material(self, material: Material) -> Contact:
+        """Return the law for unit E* of a material; the law itself if it has no energy or stress."""
+        return self
+
+    def breaks(self, radius: float) -> FloatArray:
+        """Contact radii [mm] between which the law is smooth, increasing; empty where it is smooth."""
+        return np.empty(0)
 
     def largest_indentation(self, radius: Values) -> FloatArray:
         """Largest indentation [mm] that the law describes; infinite where there is none."""
-        ...
+        return np.full(np.shape(radius), math.inf)[()]
 
     def contact_radius(self, indentation: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Contact radius a [mm] at an indentation d [mm]; 0 where d is negative: an open contact."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -82,6 +82,8 @@ class AxisymmetricCap(Value, ElasticCap):
     >>> a.round(6), cap.load(a, 0.526).round(9)
     (np.float64(0.102213), np.float64(0.00016354))
     """
+
+    similar: ClassVar[bool] = False
 
     profile: Callable | FloatArray  # type: ignore[type-arg]
     extent: float | None = None
@@ -177,6 +179,10 @@ class AxisymmetricCap(Value, ElasticCap):
         inside = middle[..., None] + half[..., None] * node
         depth = cubic(np.maximum(a[..., None, None] ** 2 - inside**2, 0.0))
         return np.asarray(((depth @ weight) * half).sum(axis=-1))
+
+    def breaks(self, radius: float) -> FloatArray:
+        """Contact radii [mm] between which the law is smooth: the points of a table."""
+        return np.empty(0) if callable(self.profile) else self.profile[0, 1:]
 
     def largest_indentation(self, radius: Values) -> FloatArray:
         """Indentation [mm] at which the contact reaches the extent of the profile."""

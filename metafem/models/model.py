@@ -12,7 +12,7 @@ import numpy as np
 
 from metafem._given import shown
 from metafem._validate import FloatArray, IntArray
-from metafem.contact import Hertz
+from metafem.contact import Contact, Hertz
 from metafem.errors import InvalidInput, NotConverged
 from metafem.notes import Note
 from metafem.surface import Surface
@@ -165,9 +165,14 @@ def checked_model(model: object) -> Model:
     return cast("Model", model)
 
 
+def contact_of(model: Model) -> Contact:
+    """Return the contact law of a model; Hertz's for a model of one's own without the attribute."""
+    return cast("Contact", getattr(model, "contact", PARABOLOID))
+
+
 def has_paraboloids(model: Model) -> bool:
     """Whether the contacts of a model are Hertz's."""
-    return bool(getattr(model, "contact", PARABOLOID) == PARABOLOID)
+    return contact_of(model) == PARABOLOID
 
 
 def model_of_paraboloids(model: object, what: str) -> Model:
