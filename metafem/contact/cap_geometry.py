@@ -13,6 +13,6 @@ def foot_radius(height: Values, radius: Values) -> FloatArray:
     return np.asarray(np.sqrt(height * (2.0 * radius - height)))
 
 
-def sphere_profile(r: FloatArray, radius: float) -> FloatArray:
+def sphere_profile(r: FloatArray, radius: Values) -> FloatArray:
     """Depth R - sqrt(R^2 - r^2) of a sphere below its summit at radii r <= R [mm], without cancellation."""
     return np.asarray(r**2 / (radius + np.sqrt((radius - r) * (radius + r))))

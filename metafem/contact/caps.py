@@ -13,6 +13,7 @@ import numpy as np
 from metafem import _validate as check
 from metafem._calls import checked_class
 from metafem._validate import FloatArray
+from metafem.contact.cap_geometry import sphere_profile
 from metafem.contact.law import Contact, Values
 
 # Largest exponent of a power cap: a nearly flat punch. Beyond, (a/R)^n underflows for small contacts.
@@ -24,6 +25,9 @@ MAX_STEPS = 60
 # Below this a/R the closed forms of the sphere cancel, and series with this number of terms are used; what is
 # left out is about 0.3^40 of the sum.
 SERIES_LIMIT, SERIES_TERMS = 0.3, 20
+
+# Distance over R from which the profile of a sphere is continued by its tangents, so that it stays finite.
+STEEP = 0.999
 
 
 class ElasticCap(Contact):
@@ -37,6 +41,13 @@ class ElasticCap(Contact):
 
     largest_order: ClassVar[int] = 3
     similar: ClassVar[bool] = True
+
+    @abstractmethod
+    def depth_at(self, distance: Values, radius: Values) -> FloatArray:
+        """Depth f of the cap below its summit at a distance rho from the axis [mm].
+
+        Beyond the end of a cap it is continued by the tangent: resolved contacts have cells there.
+        """
 
     @abstractmethod
     def _depth(self, a: FloatArray, radius: FloatArray) -> FloatArray:
@@ -140,6 +151,10 @@ class PowerCap(ElasticCap):
         check.member(self, "exponent", at_least=1.0, at_most=STEEPEST)
         check.member(self, "coefficient", above=0.0)
 
+    def depth_at(self, distance: Values, radius: Values) -> FloatArray:
+        """Depth c R (rho/R)^n of the cap below its summit at a distance from the axis [mm]."""
+        return np.asarray(self.coefficient * radius * np.divide(distance, radius) ** self.exponent)[()]
+
     def _factor(self) -> float:
         """C K [-]."""
         n = self.exponent
@@ -191,6 +206,16 @@ class SphericalCap(ElasticCap):
     >>> a.round(6), sphere.load(a, 0.526).round(6)
     (np.float64(0.222061), np.float64(0.029997))
     """
+
+    def depth_at(self, distance: Values, radius: Values) -> FloatArray:
+        """Depth R - sqrt(R^2 - rho^2) of the sphere below its summit at a distance from the axis [mm].
+
+        From 0.999 R on, where the slope is 22, it is continued by its tangent.
+        """
+        rho, size = np.asarray(distance, dtype=np.float64), np.asarray(radius, dtype=np.float64)
+        inside = np.minimum(rho, STEEP * size)
+        slope = STEEP / math.sqrt(1.0 - STEEP**2)
+        return np.asarray(sphere_profile(inside, size) + slope * (rho - inside))[()]
 
     def _depth(self, a: FloatArray, radius: FloatArray) -> FloatArray:
         return np.asarray(a * np.arctanh(a / radius))

@@ -60,6 +60,10 @@ class Hertz(Contact):
         """Derivative of P/E* by d, 2 a [mm]."""
         return np.multiply(2.0, contact_radius)
 
+    def depth_at(self, distance: Values, radius: Values) -> FloatArray:
+        """Depth of the cap below its summit at a distance from the axis, rho^2/(2 R) [mm]."""
+        return np.divide(np.square(distance), np.multiply(2.0, radius))
+
     def area_slope(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Derivative of the area by d, pi R/(1 + R k) [mm]; 0 for an open contact."""
         return np.asarray(

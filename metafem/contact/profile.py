@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import ClassVar, NamedTuple
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -19,6 +19,9 @@ from metafem.contact.caps import ElasticCap, root
 from metafem.contact.law import Values
 from metafem.errors import InvalidInput
 
+if TYPE_CHECKING:
+    from scipy.interpolate import PchipInterpolator
+
 # Panels of contact radii, in each of which the integral of D is a polynomial of this degree. With two panels
 # to an octave a power has the error 12^-15, and a sphere up to a/R = 0.7 5e-14; derivatives lose more digits
 # with more panels or a higher degree.
@@ -30,6 +33,9 @@ NODES = 96
 
 # Largest polynomial coefficient of the last two degrees relative to the first, of a profile that is smooth.
 SMOOTH = 1e-10
+
+# Step of the tangent at the end of a profile, relative to the extent.
+TANGENT = 1e-6
 
 # Relative excess of an indentation over the largest that is taken for rounding.
 ROUNDING = 1e-12
@@ -119,6 +125,33 @@ class AxisymmetricCap(Value, ElasticCap):
             shape = f"<{self.profile.shape[1]} points>"
         return f"{type(self).__name__}({shape}, extent={self.extent:g})"
 
+    def depth_at(self, distance: Values, radius: Values) -> FloatArray:
+        """Depth f of the cap below its summit at a distance from the axis [mm], for any radius.
+
+        Beyond the extent it is continued by the tangent.
+        """
+        rho, extent = np.asarray(distance, dtype=np.float64), self._panels.edge[-1]
+        before = (1.0 - TANGENT) * extent
+        low, high = self._profile(np.array([before, extent]))
+        slope = (high - low) / (extent - before)
+        inside = np.minimum(rho, extent)
+        found = self._profile(inside.ravel()).reshape(rho.shape) + slope * (rho - inside)
+        return np.asarray(np.broadcast_to(found, np.broadcast_shapes(rho.shape, np.shape(radius))))[()]
+
+    def _profile(self, rho: FloatArray) -> FloatArray:
+        """Depth f [mm] at distances rho [mm] up to the extent; a table is cubic in the square of rho."""
+        if callable(self.profile):
+            return np.asarray(self.profile(rho), dtype=np.float64)
+        return np.asarray(self._cubic(rho**2))
+
+    @cached_property
+    def _cubic(self) -> PchipInterpolator:
+        """Monotone cubic through the points of a table, over the square of rho."""
+        from scipy.interpolate import PchipInterpolator
+
+        rho, depth = np.asarray(self.profile)
+        return PchipInterpolator(rho**2, depth, extrapolate=True)
+
     @cached_property
     def _panels(self) -> Panels:
         """The interpolated integral of D, at first use."""
@@ -168,16 +201,13 @@ class AxisymmetricCap(Value, ElasticCap):
                     "profile: the function must return increasing, finite numbers for arrays of rho"
                 )
             return np.asarray(a * (depth @ (1.5 * np.pi * node**2 * weight * sine)))
-        from scipy.interpolate import PchipInterpolator
-
         square = self.profile[0] ** 2
-        cubic = PchipInterpolator(square, self.profile[1], extrapolate=True)
         # a polynomial of degree 6 in w between the points of the table, for which 4 nodes are exact
         node, weight = np.polynomial.legendre.leggauss(4)
         w = np.sqrt(np.maximum(a[..., None] ** 2 - square, 0.0))
         half, middle = 0.5 * (w[..., :-1] - w[..., 1:]), 0.5 * (w[..., :-1] + w[..., 1:])
         inside = middle[..., None] + half[..., None] * node
-        depth = cubic(np.maximum(a[..., None, None] ** 2 - inside**2, 0.0))
+        depth = self._cubic(np.maximum(a[..., None, None] ** 2 - inside**2, 0.0))
         return np.asarray(((depth @ weight) * half).sum(axis=-1))
 
     def breaks(self, radius: float) -> FloatArray:

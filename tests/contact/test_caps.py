@@ -74,6 +74,29 @@ def test_a_power_of_two_is_the_paraboloid():
     assert_allclose(power.area(a), hertz.area(a), rtol=1e-15)
 
 
+@pytest.mark.parametrize("cap", [*CAPS, mf.Hertz()], ids=repr)
+def test_the_profile_is_that_of_the_law(cap):
+    """Its slope gives the indentation by D(a) = a int_0^a f'/sqrt(a^2 - rho^2) drho."""
+    a, step = 0.3, 1e-5
+    nodes, weights = np.polynomial.legendre.leggauss(40)
+    angle = 0.25 * np.pi * (nodes + 1.0)
+    rho = a * np.sin(angle)
+    slope = (cap.depth_at(rho + step, RADIUS) - cap.depth_at(rho - step, RADIUS)) / (2.0 * step)
+    assert a * 0.25 * np.pi * (weights @ slope) == pytest.approx(cap.indentation(a, RADIUS), rel=1e-4)
+    assert cap.depth_at(0.0, RADIUS) == 0.0
+    assert_allclose(
+        cap.depth_at(np.array([0.1, 0.2]), np.array([0.5, 1.0])) * [2.0, 1.0], cap.depth_at(0.2, 1.0)
+    )
+
+
+def test_a_sphere_is_continued_by_its_tangent():
+    rho = RADIUS * np.array([0.5, 0.99, 0.9990001, 1.0, 2.0])
+    depth = mf.SphericalCap().depth_at(rho, RADIUS)
+    assert_allclose(depth[:2], RADIUS - np.sqrt(RADIUS**2 - rho[:2] ** 2), rtol=1e-14)
+    slope = 0.999 / np.sqrt(1.0 - 0.999**2)
+    assert_allclose(np.diff(depth)[2:], slope * np.diff(rho)[2:], rtol=1e-12)
+
+
 @pytest.mark.parametrize("cap", POWERS, ids=repr)
 def test_second_moments_of_powers(cap):
     a, n = 0.2, cap.exponent

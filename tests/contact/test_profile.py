@@ -71,6 +71,18 @@ def test_independent_asperities_with_a_profile():
     assert isinstance(CASES[4][0], Contact)
 
 
+@pytest.mark.parametrize("table", [False, True])
+def test_profiles_are_continued_by_their_tangent(table):
+    rho = np.linspace(0.0, 0.3, 40)
+    cap = mf.AxisymmetricCap([rho, sphere(rho)] if table else sphere, None if table else 0.3)
+    inside = np.array([0.0, 0.01, 0.1234, 0.3])
+    assert_allclose(cap.depth_at(inside, RADIUS), sphere(inside), rtol=2e-5 if table else 1e-14)
+    beyond = cap.depth_at(np.array([[0.3, 0.4, 0.5]]), RADIUS)
+    slope = 0.3 / np.sqrt(RADIUS**2 - 0.3**2)
+    assert_allclose(np.diff(beyond), [[0.1 * slope, 0.1 * slope]], rtol=2e-3 if table else 1e-5)
+    assert cap.depth_at(0.1, RADIUS).shape == ()
+
+
 def test_a_profile_is_a_value():
     table = [[0.0, 0.1, 0.2], [0.0, 0.01, 0.04]]
     cap = mf.AxisymmetricCap(table)

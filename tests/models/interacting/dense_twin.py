@@ -1,0 +1,107 @@
+"""Interacting asperities of any elastic law without adhesion: a readable dense twin of the kernels.
+
+With the loads p = P/E* the complementary energy is
+
+    W(p) = sum_i [U*(p_i, k_i) - T(p_i) |g_i|^2/2] + p.G p/2 - e.p
+
+where k_i = sum_j p_j lap_i G_ij/2 and g_i = sum_j p_j grad_i G_ij are curvature and slope of the field of the
+others. The derivatives of U* are the indentation d and half of the second moment M, and T = 4/3 a0^3, with
+the contact radius a0 under p alone. Order 1 has k = g = 0. The unknowns are z with p the load of an
+undisturbed contact at the indentation z; z < 0 is the gap of an open asperity.
+"""
+
+import numpy as np
+
+import metafem as mf
+from metafem.models.contact_sums import approach_at_load
+
+MAX_STEPS, MAX_CUTS, GOAL = 100, 30, 3e-14
+
+
+class Twin:
+    """A surface with an elastic law on a substrate."""
+
+    def __init__(self, surface, law, order=3, substrate=None):
+        bound = (mf.HalfSpace() if substrate is None else substrate).for_surface(surface)
+        self.law, self.gap = law, surface.gap
+        self.radius = np.array(np.broadcast_to(surface.radius, self.gap.shape))
+        self.point = bound.influence_matrix(surface)
+        self.fields = [field * (order == 3) for field in bound.influence_derivatives(surface)]
+
+    def disturbed_radius(self, load, own, curvature):
+        """Contact radius a at which the load with an extra curvature is that without it at a0."""
+        a = own
+        for _ in range(100):
+            step = (self.law.load(a, self.radius, curvature) - load) / self.load_slope(a, curvature)
+            a = a - np.where(own > 0.0, step, 0.0)
+            if (np.abs(step) <= 1e-15 * own).all():
+                break
+        return a
+
+    def load_slope(self, a, curvature):
+        """dP/da = 2 a dd/da, with dd/da = 2 pi a/(dA/dd); 1 for open contacts."""
+        slope = self.law.area_slope(a, self.radius, curvature)
+        return np.where(a > 0.0, 4.0 * np.pi * a**2 / np.where(a > 0.0, slope, 1.0), 1.0)
+
+    def equations(self, z, approach):
+        """Return the residuals, loads, contact radii, and the derivatives of the residuals by z."""
+        law, radius, closed = self.law, self.radius, z > 0.0
+        own = law.contact_radius(z, radius)
+        load = law.load(own, radius)
+        gx, gy, laplacian = self.fields
+        slope_x, slope_y, curvature = gx @ load, gy @ load, 0.5 * laplacian @ load
+        a = self.disturbed_radius(load, own, curvature)
+        moment = law.second_moment(a, radius, curvature)
+        tilted = 4.0 / 3.0 * own**3
+        rate = law.area_slope(own, radius) / np.pi  # dT/dp
+        shift = -gx.T @ (tilted * slope_x) - gy.T @ (tilted * slope_y)
+        raised = -0.5 * rate * (slope_x**2 + slope_y**2)
+        u = self.point @ load + 0.25 * laplacian.T @ moment + shift + raised
+        error = np.where(closed, law.indentation(a, radius, curvature), z) + u - (approach - self.gap)
+        # d2W/dp2 without the second derivative of T; dM/dp = 2 a^2/3, and dM/dk = -16 a^5/45 at a given load
+        bend = (a**2 / 3.0)[:, None] * 0.5 * laplacian
+        coupling = self.point + bend + bend.T - laplacian.T @ ((2.0 / 45.0 * a**5)[:, None] * laplacian)
+        for field, slope in ((gx, slope_x), (gy, slope_y)):
+            turned = (rate * slope)[:, None] * field
+            coupling -= turned + turned.T + field.T @ (tilted[:, None] * field)
+        matrix = coupling * (2.0 * own)
+        matrix[np.diag_indices_from(matrix)] += np.where(closed, own / np.where(closed, a, 1.0), 1.0)
+        return error, load, a, matrix
+
+    def residual(self, z, error, load, target):
+        """Residual over the largest indentation, and of the load."""
+        worst = np.abs(error).max() / z.max()
+        return worst if target is None else max(worst, abs(load.sum() / target - 1.0))
+
+    def solve(self, load=None, approach=None):
+        """Return approach, loads, areas and residual at a rescaled load or an approach.
+
+        Newton's method, from independent asperities at the load; at an approach, from half of it.
+        """
+        if load is None:
+            x, z = approach, 0.5 * approach - self.gap
+        else:
+            x = approach_at_load(self.law, self.gap, self.radius, np.array([load]))[0]
+            z = x - self.gap
+        for _ in range(MAX_STEPS):
+            error, p, a, matrix = self.equations(z, x)
+            now = self.residual(z, error, p, load)
+            if now <= GOAL:
+                break
+            own = self.law.contact_radius(z, self.radius)
+            if load is None:
+                step, rise = np.linalg.solve(matrix, -error), 0.0
+            else:
+                whole = np.block([[matrix, -np.ones((len(z), 1))], [2.0 * own, np.zeros(1)]])
+                *step, rise = np.linalg.solve(whole, np.append(-error, load - p.sum()))
+            length = 1.0
+            for _ in range(MAX_CUTS):
+                new_z, new_x = z + length * np.array(step), x + length * rise
+                trial = self.equations(new_z, new_x)[:2]
+                if new_z.max() > 0.0 and self.residual(new_z, *trial, load) < now:
+                    break
+                length *= 0.5
+            else:
+                break
+            z, x = new_z, new_x
+        return x, p, self.law.area(a), now

@@ -1,0 +1,101 @@
+"""The dense twin against the kernels for paraboloids, and against the energy for other caps."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import metafem as mf
+from tests.models.interacting.dense_twin import Twin
+from tests.models.scenes import lattice, scene
+
+
+def sharpened(rho):
+    return rho**2 / 1.1 + rho**4
+
+
+LAWS = [
+    mf.Hertz(),
+    mf.PowerCap(1.5),
+    mf.PowerCap(4),
+    mf.SphericalCap(),
+    mf.AxisymmetricCap(sharpened, 0.45),
+]
+
+
+@pytest.mark.parametrize("order", [1, 3])
+@pytest.mark.parametrize("substrate", [mf.HalfSpace(), mf.BondedLayer()])
+@pytest.mark.parametrize("law", [mf.Hertz(), mf.PowerCap(2)], ids=repr)
+def test_paraboloids_are_those_of_the_kernels(order, substrate, law):
+    model = mf.Interacting(order, substrate)
+    for surface in (scene(), lattice(0.1 + 0.01 * np.arange(9.0))):
+        twin = Twin(surface, law, order, substrate)
+        for load in (0.01, 0.1):
+            state = mf.equilibrium(surface, model, load=load)
+            approach, p, area, residual = twin.solve(load=load / 1.36)
+            assert residual <= 1e-12
+            assert approach == pytest.approx(state.approach, rel=1e-11)
+            assert_allclose(p, state.asperity_load / 1.36, rtol=1e-10, atol=1e-15)
+            assert_allclose(area, state.asperity_area, rtol=1e-10, atol=1e-15)
+            at = twin.solve(approach=approach)
+            assert at[1].sum() == pytest.approx(load / 1.36, rel=1e-10)
+
+
+def energy(twin, load, approach):
+    """Complementary energy of loads: U* by the Legendre transform of the integral of the load over d."""
+    law, radius = twin.law, twin.radius
+    gx, gy, laplacian = twin.fields
+    curvature = 0.5 * laplacian @ load
+    low, high = np.zeros_like(load), np.full_like(load, 0.44)
+    for _ in range(60):  # the radius at the load alone, and that with the curvature
+        middle = 0.5 * (low + high)
+        short = law.load(middle, radius) < load
+        low, high = np.where(short, middle, low), np.where(short, high, middle)
+    own = 0.5 * (low + high)
+    a = twin.disturbed_radius(load, own, curvature)
+    nodes, weights = np.polynomial.legendre.leggauss(60)
+    x = 0.5 * (nodes + 1.0)
+    # U = int P dd over the contact radius, smooth in its fourth root; P dd/da = P P'/(2 a)
+    inside = a * x[:, None] ** 4
+    rate = np.stack([twin.load_slope(s, curvature) / (2.0 * s) for s in inside])
+    part = law.load(inside, radius, curvature) * rate * 4.0 * a * x[:, None] ** 3
+    elastic = load * law.indentation(a, radius, curvature) - 0.5 * weights @ part
+    slope = (gx @ load) ** 2 + (gy @ load) ** 2
+    work = 0.5 * load @ twin.point @ load - load @ (approach - twin.gap)
+    return float((elastic - 2.0 / 3.0 * own**3 * slope).sum() + work)
+
+
+@pytest.mark.parametrize("law", LAWS, ids=repr)
+def test_the_equations_are_the_gradient_of_the_energy(law):
+    twin = Twin(scene(), law)
+    z = np.array([0.02, 0.03, 0.01, 0.025, 0.03, 0.015])
+    approach = 0.06
+    error, load, _, matrix = twin.equations(z, approach)
+    for i in range(len(z)):
+        step = np.zeros(len(z))
+        step[i] = 1e-3 * load[i]
+        near, far = (
+            (energy(twin, load + s, approach) - energy(twin, load - s, approach)) / (2.0 * s[i])
+            for s in (step, 2.0 * step)
+        )
+        assert (4.0 * near - far) / 3.0 == pytest.approx(error[i], rel=1e-6, abs=1e-8)
+    # the matrix leaves out the second derivative of T, multiplied by the square of the slopes
+    step = 1e-6
+    for i in range(len(z)):
+        moved = z + step * (np.arange(len(z)) == i), z - step * (np.arange(len(z)) == i)
+        found = (twin.equations(moved[0], approach)[0] - twin.equations(moved[1], approach)[0]) / (2.0 * step)
+        assert_allclose(found, matrix[:, i], atol=2e-3)
+
+
+@pytest.mark.parametrize("law", LAWS, ids=repr)
+@pytest.mark.parametrize("order", [1, 3])
+def test_any_elastic_law_is_solved(law, order):
+    for substrate in (mf.HalfSpace(), mf.BondedLayer()):
+        twin = Twin(scene(), law, order, substrate)
+        for load in (1e-4, 0.01, 0.1):
+            approach, p, area, residual = twin.solve(load=load)
+            assert residual <= 1e-12
+            assert p.sum() == pytest.approx(load, rel=1e-12)
+            assert ((p > 0.0) == (area > 0.0)).all()
+            _, again, _, residual = twin.solve(approach=approach)
+            assert residual <= 1e-12
+            assert again.sum() == pytest.approx(load, rel=1e-10)
