@@ -5,6 +5,8 @@ from . import report as report
 from . import studies as studies
 from .contact import AxisymmetricCap as AxisymmetricCap
 from .contact import Hertz as Hertz
+from .contact import JacksonGreen as JacksonGreen
+from .contact import KogutEtsion as KogutEtsion
 from .contact import PowerCap as PowerCap
 from .contact import SphericalCap as SphericalCap
 from .errors import Infeasible as Infeasible

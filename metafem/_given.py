@@ -26,7 +26,7 @@ UNITS: Mapping[str, str] = {
         ),
         "mm^2": ("rescaled_load", "rescaled_friction", "crossover_load", "crossover_loads", "load_range"),
         "N": ("load", "friction_force"),
-        "MPa": ("composite_modulus", "young_modulus", "shear_strength", "hardness"),
+        "MPa": ("composite_modulus", "young_modulus", "shear_strength", "hardness", "yield_strength"),
         "rad": ("angle", "angle_x", "angle_y", "tilt"),
     }.items()
     for name in names

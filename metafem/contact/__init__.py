@@ -3,7 +3,17 @@
 from metafem.contact.cap_compliance import pedestal_compliance
 from metafem.contact.caps import PowerCap, SphericalCap
 from metafem.contact.elastic import Hertz
+from metafem.contact.elastic_plastic import JacksonGreen, KogutEtsion
 from metafem.contact.law import Contact
 from metafem.contact.profile import AxisymmetricCap
 
-__all__ = ["AxisymmetricCap", "Contact", "Hertz", "PowerCap", "SphericalCap", "pedestal_compliance"]
+__all__ = [
+    "AxisymmetricCap",
+    "Contact",
+    "Hertz",
+    "JacksonGreen",
+    "KogutEtsion",
+    "PowerCap",
+    "SphericalCap",
+    "pedestal_compliance",
+]

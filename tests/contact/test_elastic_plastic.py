@@ -1,0 +1,169 @@
+"""Elastic-plastic laws: the published jumps, the blends that close them, and the elastic limit."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.testing import assert_allclose
+
+import metafem as mf
+
+RADIUS = 0.526
+MATERIALS = [mf.Material(1.36, nu) for nu in (0.0, 0.3, 0.5)]
+LAWS = [mf.KogutEtsion(0.1), mf.JacksonGreen(0.002), mf.JacksonGreen(0.03)]
+
+
+def jump(law, at):
+    """Relative jumps of the published load and area at an indentation over that of yield."""
+    low, high = (law._published(np.asarray(at * (1.0 + side))) for side in (-1e-12, 1e-12))
+    return [float(two / one) - 1.0 for one, two in zip(low, high, strict=True)]
+
+
+@pytest.mark.parametrize(
+    ("nu", "at", "load", "area"),
+    [
+        (0.3, 1.0, 0.03, -0.07),
+        (0.3, 6.0, 0.017, 0.029),
+        (0.3, 110.0, 0.079, 0.071),
+        (0.5, 110.0, -0.055, 0.071),
+    ],
+)
+def test_the_published_formulas_of_kogut_and_etsion_jump(nu, at, load, area):
+    found = jump(mf.KogutEtsion(0.1).for_material(mf.Material(1.36, nu)), at)
+    assert_allclose(found, [load, area], atol=5e-4)
+
+
+@pytest.mark.parametrize(("nu", "load"), [(0.3, 0.005), (0.5, -0.034)])
+def test_the_published_formulas_of_jackson_and_green_jump(nu, load):
+    law = mf.JacksonGreen(0.002).for_material(mf.Material(1.36, nu))
+    assert_allclose(jump(law, 1.9), [load, 0.0], atol=5e-4)
+
+
+def test_the_sizes_of_the_blends_are_those_of_the_docstrings():
+    def sizes(law, nu):
+        blends = law.for_material(mf.Material(1.36, nu)).blends()
+        return [[max(map(abs, part)) for part in (b.load_change, b.area_change)] for b in blends]
+
+    assert_allclose(
+        sizes(mf.KogutEtsion(0.1), 0.3), [[0.029, 0.075], [0.017, 0.015], [0.051, 0.042]], atol=5e-4
+    )
+    assert_allclose(sizes(mf.KogutEtsion(0.1), 0.5)[2], [0.042, 0.042], atol=5e-4)
+    assert_allclose(sizes(mf.JacksonGreen(0.002), 0.3), [[0.006, 0.015]], atol=5e-4)
+    assert_allclose(sizes(mf.JacksonGreen(0.002), 0.5), [[0.040, 0.015]], atol=5e-4)
+    words = mf.KogutEtsion(0.1).for_material(mf.Material(1.36, 0.3)).blend_words()
+    assert "from 1 to 2 (P by up to 2.9 %, A by up to 7.5 %), from 4.8 to 7.5" in words
+
+
+@pytest.mark.parametrize("material", MATERIALS, ids=lambda m: str(m.poisson_ratio))
+@pytest.mark.parametrize("law", LAWS, ids=repr)
+def test_stiffness_and_area_slope_are_the_derivatives_and_continuous(law, material):
+    bound = law.for_material(material)
+    d = np.geomspace(1e-8, 0.99, 2000) * bound.largest_indentation(RADIUS)
+    a = bound.contact_radius(d, RADIUS)
+    assert_allclose(bound.indentation(a, RADIUS), d, rtol=1e-13)
+
+    def derivative(function, step=1e-5):
+        high, low = (function(bound.contact_radius(d * (1.0 + s), RADIUS)) for s in (step, -step))
+        return (high - low) / (2.0 * step * d)
+
+    # second order of the step, and the changes of curvature at the ends of the blends
+    assert_allclose(derivative(lambda a: bound.load(a, RADIUS)), bound.stiffness(a, RADIUS), rtol=1e-6)
+    assert_allclose(derivative(bound.area), bound.area_slope(a, RADIUS), rtol=1e-6)
+    for edge in bound.breaks(RADIUS):
+        sides = edge * (1.0 + 1e-9 * np.array([-1.0, 1.0]))
+        for name in ("indentation", "load", "stiffness", "area_slope"):
+            low, high = getattr(bound, name)(sides, RADIUS)
+            assert low == pytest.approx(high, rel=1e-7)
+
+
+@given(
+    st.sampled_from(["hardness", "yield"]),
+    st.floats(-3.0, 2.0),
+    st.floats(0.0, 0.5),
+    st.floats(-6.0, 3.0),
+)
+@settings(max_examples=60, deadline=None)
+def test_load_and_area_increase_with_the_indentation(kind, strain, nu, size):
+    modulus = 1.36
+    strength = max(10.0**strain, 1e-3) * modulus
+    law = mf.KogutEtsion(2.8 * strength) if kind == "hardness" else mf.JacksonGreen(strength)
+    law, radius = law.for_material(mf.Material(modulus, nu)), 10.0**size
+    d = np.geomspace(1e-9, 1.0, 2000) * law.largest_indentation(radius)
+    a = law.contact_radius(d, radius)
+    assert (np.diff(a) > 0.0).all()
+    assert (np.diff(law.load(a, radius)) > 0.0).all()
+    assert (law.stiffness(a, radius) > 0.0).all()
+    assert (law.area_slope(a, radius) > 0.0).all()
+
+
+@pytest.mark.parametrize("law", [mf.KogutEtsion(1e6), mf.JacksonGreen(1e6), mf.JacksonGreen(1e50)], ids=repr)
+def test_a_strong_material_is_elastic(law):
+    bound, hertz = law.for_material(mf.Material(1.36)), mf.Hertz()
+    d = np.geomspace(1e-9, 0.5, 50)
+    a = hertz.contact_radius(d, RADIUS)
+    assert_allclose(bound.contact_radius(d, RADIUS), a, rtol=1e-9)
+    for name in ("load", "stiffness", "area_slope"):
+        assert_allclose(getattr(bound, name)(a, RADIUS), getattr(hertz, name)(a, RADIUS), rtol=1e-9)
+
+
+@pytest.mark.parametrize("law", LAWS, ids=repr)
+def test_the_contact_is_elastic_below_yield_and_open_without_indentation(law):
+    bound = law.for_material(MATERIALS[1])
+    d = bound.yield_indentation(RADIUS) * np.array([-1.0, 0.0, 1e-6, 0.5, 1.0])
+    a = mf.Hertz().contact_radius(d, RADIUS)
+    assert_allclose(bound.contact_radius(d, RADIUS), a, rtol=1e-14)
+    assert_allclose(bound.load(a, RADIUS), mf.Hertz().load(a, RADIUS), rtol=1e-13)
+    assert bound.stiffness(0.0, RADIUS) == bound.area_slope(0.0, RADIUS) == 0.0
+
+
+def test_a_fully_plastic_contact_has_the_pressure_of_the_hardness():
+    law, material = mf.KogutEtsion(0.01), mf.Material(1.36, 0.3)
+    bound = law.for_material(material)
+    d = 200.0 * bound.yield_indentation(RADIUS)
+    a = bound.contact_radius(d, RADIUS)
+    assert material.composite_modulus * bound.load(a, RADIUS) / bound.area(a) == pytest.approx(
+        0.01, rel=1e-13
+    )
+    assert bound.area(a) == pytest.approx(2.0 * np.pi * RADIUS * d, rel=1e-13)
+
+
+def test_jackson_and_green_is_the_printed_formula_beyond_the_blend():
+    law = mf.JacksonGreen(0.0136).for_material(mf.Material(1.36, 0.3))
+    w, c, strain = 50.0, 1.295 * np.exp(0.736 * 0.3), 0.01
+    critical = (np.pi * c * strain / 2.0) ** 2 * RADIUS
+    a = np.sqrt(RADIUS * w * critical * (w / 1.9) ** (0.14 * np.exp(23.0 * strain)))
+    hardness = 2.84 * (1.0 - np.exp(-0.82 * (a / RADIUS) ** -0.7))
+    load = np.exp(-(w ** (5 / 12)) / 4) * w**1.5
+    load += 4.0 * hardness / c * (1.0 - np.exp(-(w ** (5 / 9)) / 25)) * w
+    load *= 4.0 / 3.0 * RADIUS**2 * (np.pi * c * strain / 2.0) ** 3
+    assert law.contact_radius(w * critical, RADIUS) == pytest.approx(a, rel=1e-13)
+    assert law.load(a, RADIUS) == pytest.approx(load, rel=1e-13)
+
+
+def test_a_law_belongs_to_its_first_material():
+    law = mf.KogutEtsion(0.1)
+    bound = law.for_material(MATERIALS[1])
+    assert bound.for_material(MATERIALS[2]) is bound
+    assert bound != law
+    assert repr(bound) == repr(law) == "KogutEtsion(hardness=0.1)"
+    with pytest.raises(mf.InvalidInput, match=r"KogutEtsion\(hardness=0\.1\) has no material yet"):
+        law.contact_radius(0.1, RADIUS)
+
+
+def test_values_outside_their_range_are_refused():
+    with pytest.raises(mf.InvalidInput, match="hardness = 0 must be greater than 0"):
+        mf.KogutEtsion(0.0)
+    with pytest.raises(mf.InvalidInput, match="yield_strength = -1 must be greater than 0"):
+        mf.JacksonGreen(-1.0)
+    with pytest.raises(mf.InvalidInput, match=r"hardness = 0\.002 MPa is too low .* at least 0\.003427 MPa"):
+        mf.KogutEtsion(0.002).for_material(mf.Material(1.36))
+    with pytest.raises(mf.InvalidInput, match=r"yield_strength = 0\.001 MPa is too low"):
+        mf.JacksonGreen(0.001).for_material(mf.Material(1.36))
+    law = mf.KogutEtsion(0.1).for_material(mf.Material(1.36))
+    with pytest.raises(
+        mf.InvalidInput, match=r"indentation = 0\.3 mm exceeds .* as wide as the summit radius"
+    ):
+        law.contact_radius([0.001, 0.3], RADIUS)
+    soft = mf.JacksonGreen(0.1).for_material(mf.Material(1.36))
+    with pytest.raises(mf.InvalidInput, match=r"S_y/E\* up to 0\.03, not 0\.0735"):
+        soft.contact_radius(2.0 * soft.yield_indentation(RADIUS), RADIUS)
