@@ -3,6 +3,7 @@ from . import files as files
 from . import progress as progress
 from . import report as report
 from . import studies as studies
+from .contact import JKR as JKR
 from .contact import AxisymmetricCap as AxisymmetricCap
 from .contact import Hertz as Hertz
 from .contact import JacksonGreen as JacksonGreen

@@ -26,6 +26,7 @@ UNITS: Mapping[str, str] = {
         ),
         "mm^2": ("rescaled_load", "rescaled_friction", "crossover_load", "crossover_loads", "load_range"),
         "N": ("load", "friction_force"),
+        "N/mm": ("adhesion_energy",),
         "MPa": ("composite_modulus", "young_modulus", "shear_strength", "hardness", "yield_strength"),
         "rad": ("angle", "angle_x", "angle_y", "tilt"),
     }.items()

@@ -1,5 +1,6 @@
 """One asperity against the plane."""
 
+from metafem.contact.adhesion import JKR
 from metafem.contact.cap_compliance import pedestal_compliance
 from metafem.contact.caps import PowerCap, SphericalCap
 from metafem.contact.elastic import Hertz
@@ -8,6 +9,7 @@ from metafem.contact.law import Contact
 from metafem.contact.profile import AxisymmetricCap
 
 __all__ = [
+    "JKR",
     "AxisymmetricCap",
     "Contact",
     "Hertz",

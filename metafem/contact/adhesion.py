@@ -1,0 +1,247 @@
+"""Adhesive contact of any elastic cap, by the theory of Johnson, Kendall and Roberts."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import ClassVar
+
+import numpy as np
+
+from metafem import _validate as check
+from metafem._calls import checked_class
+from metafem._given import shown
+from metafem._validate import FloatArray
+from metafem.contact.elastic import Hertz
+from metafem.contact.law import Contact, Values
+from metafem.errors import InvalidInput
+from metafem.material import Material
+
+# Largest number of steps of a bracket, each by a factor of WIDER in the indentation, and of the search in it.
+MOST_WIDENINGS, WIDER = 60, 64.0
+MOST_STEPS = 100
+
+
+@checked_class
+@dataclass(frozen=True)
+class JKR(Contact):
+    """Frictionless adhesive contact of an elastic cap and a rigid plane.
+
+    With the contact radius a, the law without adhesion of the cap, its slope ``c = dd/da``, and
+    ``s = sqrt(2 pi w a/E*)``: ``d = d_cap - s``, ``A = pi a^2``, ``P/E* = P_cap/E* - 2 a s``,
+    ``dP/dd = 2 a E* (c - 3/2 s/a)/(c - 1/2 s/a)``, and the second moment of the pressure is that of the cap
+    minus ``4/3 a^3 s`` E*. For a paraboloid without other contacts
+    ``a^3 = 3 R/(4 E*) [P + 3 pi w R + sqrt(6 pi w R P + (3 pi w R)^2)]``. Under a given load the contact
+    breaks at `pull_off_radius`; the load there is ``-3/2 pi w R`` for a paraboloid. Under a given indentation
+    it holds down to a smaller radius, where ``c = 1/2 s/a``. Lengths in mm. Valid for soft, large contacts
+    with adhesion of short range (Tabor parameter above about 5), and for profiles whose ``c sqrt(a)``
+    increases. Johnson, Kendall and Roberts, Proc. R. Soc. A 324, 301 (1971), doi:10.1098/rspa.1971.0141;
+    other profiles: Popov and Hess (2015), doi:10.1007/978-3-642-53876-6.
+
+    Parameters
+    ----------
+    adhesion_energy : float
+        w [N/mm], at least 0; 9 mJ/m^2 is 9e-6 N/mm.
+    cap : Contact
+        Elastic law without adhesion: `Hertz()`, the default, `SphericalCap()`, `PowerCap(...)` or
+        `AxisymmetricCap(...)`.
+    composite_modulus : float, optional
+        E* [MPa]. Models fill it in by `for_material`; the methods need it.
+
+    Raises
+    ------
+    InvalidInput
+        If w is negative, or `cap` is not an elastic law without adhesion.
+
+    Examples
+    --------
+    >>> law = JKR(9e-6).for_material(Material(1.36))
+    >>> a = law.pull_off_radius(0.526)
+    >>> a.round(6), law.load(a, 0.526).round(10)
+    (np.float64(0.018635), np.float64(-1.64033e-05))
+    >>> law.zero_load_radius(0.526).round(6), law.contact_radius(0.0, 0.526).round(6)
+    (np.float64(0.029581), np.float64(0.022575))
+    """
+
+    largest_order: ClassVar[int] = 3
+    adhesive: ClassVar[bool] = True
+
+    adhesion_energy: float
+    cap: Contact = field(default_factory=Hertz)
+    composite_modulus: float | None = field(default=None, kw_only=True, repr=False)
+
+    def __post_init__(self) -> None:
+        check.member(self, "adhesion_energy", at_least=0.0)
+        check.member(self, "composite_modulus", optional=True, above=0.0)
+        laws = "an elastic law without adhesion, such as metafem.Hertz() or metafem.PowerCap(4)"
+        check.instance("cap", self.cap, Contact, laws)
+        if self.cap.adhesive or self.cap.largest_order < 3:
+            raise InvalidInput(f"cap = {shown(self.cap)} must be {laws}")
+
+    def for_material(self, material: Material) -> Contact:
+        """Return the law with the composite modulus of a material; the cap itself if w is 0."""
+        if self.composite_modulus is not None:
+            return self
+        if self.adhesion_energy == 0.0:
+            return self.cap
+        return replace(self, composite_modulus=material.composite_modulus)
+
+    @property
+    def length(self) -> float:
+        """w/E* [mm]."""
+        if self.composite_modulus is None:
+            raise InvalidInput(
+                f"{self!r} needs a composite modulus; use for_material(material) or composite_modulus=..."
+            )
+        return self.adhesion_energy / self.composite_modulus
+
+    def deficit(self, contact_radius: Values) -> FloatArray:
+        """Indentation s = sqrt(2 pi w a/E*) [mm] that adhesion takes from the cap's."""
+        return np.sqrt(2.0 * math.pi * self.length * np.asarray(contact_radius, dtype=np.float64))
+
+    def profile_slope(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
+        """Derivative c = dd/da of the cap's indentation [-], for a > 0."""
+        a = np.asarray(contact_radius, dtype=np.float64)
+        return np.asarray(2.0 * math.pi * a / self.cap.area_slope(a, radius, curvature))
+
+    def largest_indentation(self, radius: Values) -> FloatArray:
+        """Largest indentation [mm] that the law describes; infinite where there is none."""
+        most = np.asarray(self.cap.largest_indentation(radius), dtype=np.float64)
+        finite = np.isfinite(most)
+        if not finite.any():
+            return most[()]
+        a = self.cap.contact_radius(np.where(finite, most, 0.0), radius)
+        return np.where(finite, most - self.deficit(a), most)[()]
+
+    def contact_radius(self, indentation: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
+        """Contact radius a [mm] of the stable branch on loading; 0 where d is negative: an open contact.
+
+        At d = 0 the contact has jumped in. Contacts that were loaded hold at negative indentations, too;
+        their radius is found by following the branch, as the models do.
+        """
+        given = (np.asarray(value, dtype=np.float64) for value in (indentation, radius, curvature))
+        d, size, extra = np.broadcast_arrays(*given)
+        found = np.zeros(d.shape)
+        closed = d >= 0.0
+        if self.length == 0.0:
+            return self.cap.contact_radius(d, size, extra)
+        if closed.any():
+            depth = d[closed]
+
+            def excess(a: FloatArray, inner: FloatArray) -> FloatArray:
+                return np.asarray(np.log(inner / (depth + self.deficit(a))))
+
+            found[closed] = self._radius_where(excess, depth, size[closed], extra[closed])
+        return found[()]
+
+    def indentation(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
+        """Indentation d = d_cap - s [mm]."""
+        return self.cap.indentation(contact_radius, radius, curvature) - self.deficit(contact_radius)
+
+    def load(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
+        """Rescaled load P/E* = P_cap/E* - 2 a s [mm^2]."""
+        a = np.asarray(contact_radius)
+        return np.asarray(self.cap.load(a, radius, curvature) - 2.0 * a * self.deficit(a))[()]
+
+    def area(self, contact_radius: Values) -> FloatArray:
+        """Contact area pi a^2 [mm^2]."""
+        return self.cap.area(contact_radius)
+
+    def second_moment(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
+        """Second moment of the pressure over E*, that of the cap minus 4/3 a^3 s [mm^4]."""
+        a = np.asarray(contact_radius)
+        moment = self.cap.second_moment(a, radius, curvature)
+        return np.asarray(moment - 4.0 / 3.0 * a**3 * self.deficit(a))[()]
+
+    def stiffness(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
+        """Derivative of P/E* by d, 2 a (c - 3/2 s/a)/(c - 1/2 s/a) [mm]; 0 for an open contact."""
+        a, slope, drop = self._rates(contact_radius, radius, curvature)
+        return np.asarray(2.0 * a * (slope - 1.5 * drop) / (slope - 0.5 * drop))[()]
+
+    def area_slope(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
+        """Derivative of the area by d, 2 pi a/(c - 1/2 s/a) [mm]; 0 for an open contact."""
+        a, slope, drop = self._rates(contact_radius, radius, curvature)
+        return np.asarray(2.0 * math.pi * a / (slope - 0.5 * drop))[()]
+
+    def pull_off_radius(self, radius: Values, curvature: Values = 0.0) -> FloatArray:
+        """Contact radius [mm] at which the load is smallest, c = 3/2 s/a; the load there is negative."""
+
+        def excess(a: FloatArray, _: FloatArray) -> FloatArray:
+            return np.asarray(np.log(self.profile_slope(a, *given) * a / (1.5 * self.deficit(a))))
+
+        given = self._spread(radius, curvature)
+        return self._radius_where(excess, np.zeros(given[0].shape), *given)[()]
+
+    def zero_load_radius(self, radius: Values, curvature: Values = 0.0) -> FloatArray:
+        """Contact radius [mm] of the stable contact without load."""
+
+        def excess(a: FloatArray, _: FloatArray) -> FloatArray:
+            return np.asarray(np.log(self.cap.load(a, *given) / (2.0 * a * self.deficit(a))))
+
+        given = self._spread(radius, curvature)
+        return self._radius_where(excess, np.zeros(given[0].shape), *given)[()]
+
+    def _rates(self, contact_radius: Values, radius: Values, curvature: Values) -> tuple[FloatArray, ...]:
+        """Return a [mm], c and s/a [-]; where a contact is open 1 and 0 for the last two."""
+        a = np.asarray(contact_radius, dtype=np.float64)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            slope = np.where(a > 0.0, self.profile_slope(a, radius, curvature), 1.0)
+            drop = np.where(a > 0.0, self.deficit(a) / a, 0.0)
+        return a, slope, drop
+
+    @staticmethod
+    def _spread(radius: Values, curvature: Values) -> tuple[FloatArray, FloatArray]:
+        size, extra = np.broadcast_arrays(
+            np.asarray(radius, dtype=np.float64), np.asarray(curvature, dtype=np.float64)
+        )
+        return size, extra
+
+    def _radius_where(
+        self,
+        excess: Callable[[FloatArray, FloatArray], FloatArray],
+        depth: FloatArray,
+        radius: FloatArray,
+        curvature: FloatArray,
+    ) -> FloatArray:
+        """Return the contact radius at which excess(a, z) is 0, to rounding.
+
+        z is the cap's own indentation at a, and the excess increases with its logarithm, nearly linearly:
+        false position inside a bracket, in which the value of an end that stays is halved (Illinois).
+        """
+        top = np.log(np.asarray(self.cap.largest_indentation(radius), dtype=np.float64))
+        x = np.minimum(np.log(depth + np.cbrt(self.length**2 * radius)), top)
+
+        def at(x: FloatArray) -> FloatArray:
+            inner = np.exp(x)
+            return excess(self.cap.contact_radius(inner, radius, curvature), inner)
+
+        low, high, below, above = x, x, at(x), at(x)
+        for _ in range(MOST_WIDENINGS):
+            long, short = below > 0.0, above < 0.0
+            if not (long | short).any():
+                break
+            if (high[short] >= np.broadcast_to(top, high.shape)[short]).any():
+                raise InvalidInput(
+                    f"adhesion_energy = {self.adhesion_energy:g} N/mm pulls the contact beyond the range of "
+                    f"{self.cap!r}; use a smaller energy or a wider profile"
+                )
+            # an end on the wrong side becomes the other one
+            high, above = np.where(long, low, high), np.where(long, below, above)
+            low, below = np.where(short, high, low), np.where(short, above, below)
+            low = np.where(long, low - math.log(WIDER), low)
+            high = np.where(short, np.minimum(high + math.log(WIDER), top), high)
+            below, above = np.where(long, at(low), below), np.where(short, at(high), above)
+        for _ in range(MOST_STEPS):
+            with np.errstate(invalid="ignore", divide="ignore"):
+                new = np.where(above > below, high - above * (high - low) / (above - below), high)
+            value = at(new)
+            narrow = high - low <= 4.0 * np.finfo(np.float64).eps * np.maximum(np.abs(new), 1.0)
+            up = value > 0.0
+            low, high = np.where(up, low, new), np.where(up, new, high)
+            below = np.where(up, 0.5 * below, value)
+            above = np.where(up, value, 0.5 * above)
+            x = new
+            if (narrow | (value == 0.0)).all():
+                break
+        return np.asarray(self.cap.contact_radius(np.exp(x), radius, curvature))

@@ -1,0 +1,150 @@
+"""Adhesive caps against closed forms and the energy of a contact."""
+
+import math
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import metafem as mf
+from metafem.contact import Contact
+
+RADIUS, MODULUS, ENERGY = 0.526, 1.36, 9e-6
+MATERIAL = mf.Material(MODULUS)
+POWERS = [mf.PowerCap(n) for n in (1, 1.5, 2, 3, 4, 8)]
+PROFILE = mf.AxisymmetricCap(lambda rho: rho**4 / (2.0 * RADIUS**3), 0.4)
+CAPS = [mf.Hertz(), *POWERS, mf.SphericalCap(), PROFILE]
+QUANTITIES = ("indentation", "load", "second_moment", "stiffness", "area_slope")
+
+
+def bound(cap=None, energy=ENERGY):
+    return mf.JKR(energy, cap or mf.Hertz()).for_material(MATERIAL)
+
+
+def test_the_closed_form_of_a_paraboloid():
+    """a(P) and d(a) as Johnson, Kendall and Roberts print them, in N and MPa."""
+    unit = math.pi * ENERGY * RADIUS
+    load = unit * np.concatenate([np.linspace(-1.49, 10.0, 40), np.geomspace(10.0, 1e6, 40)])
+    root = np.sqrt(6.0 * unit * load + (3.0 * unit) ** 2)
+    a = np.cbrt(0.75 * RADIUS / MODULUS * (load + 3.0 * unit + root))
+    law = bound()
+    assert_allclose(MODULUS * law.load(a, RADIUS), load, rtol=1e-12, atol=1e-12 * unit)
+    d = a**2 / RADIUS - np.sqrt(2.0 * math.pi * ENERGY * a / MODULUS)
+    assert_allclose(law.indentation(a, RADIUS), d, rtol=1e-12)
+    assert_allclose(law.contact_radius(d[d > 0.0], RADIUS), a[d > 0.0], rtol=1e-12)
+    assert law.contact_radius(-1e-9, RADIUS) == 0.0
+
+
+def test_pull_off_of_a_paraboloid():
+    law = bound()
+    a = law.pull_off_radius([RADIUS, 2.0 * RADIUS])
+    assert_allclose(a[0], (9.0 / 8.0 * math.pi * ENERGY / MODULUS * RADIUS**2) ** (1 / 3), rtol=1e-12)
+    assert_allclose(MODULUS * law.load(a, RADIUS * np.array([1, 2])), -1.5 * math.pi * ENERGY * RADIUS
+                    * np.array([1, 2]), rtol=1e-12)  # fmt: skip
+    at_rest = (6.0 * math.pi * ENERGY * RADIUS**2 * 0.75 / MODULUS) ** (1 / 3)
+    assert law.zero_load_radius(RADIUS) == pytest.approx(at_rest, rel=1e-12)
+
+
+def test_the_calibration_line_of_the_paper():
+    """With x = pi^(1/4) p/(sqrt 6 A^(3/4)), y = A^(3/4)/(sqrt 6 pi^(5/4) R), y is a line of x."""
+    a = np.geomspace(0.02, 0.3, 30)
+    area, load = bound().area(a), MODULUS * bound().load(a, RADIUS)
+    x = math.pi**0.25 * load / (math.sqrt(6.0) * area**0.75)
+    y = area**0.75 / (math.sqrt(6.0) * math.pi**1.25 * RADIUS)
+    slope, intercept = np.polyfit(x, y, 1)
+    assert slope == pytest.approx(0.75 / MODULUS, rel=1e-12)
+    assert intercept == pytest.approx(math.sqrt(0.75 * ENERGY / MODULUS), rel=1e-11)
+    assert_allclose(0.75 / MODULUS * x + math.sqrt(0.75 * ENERGY / MODULUS), y, rtol=1e-12)
+
+
+@pytest.mark.parametrize("cap", CAPS, ids=repr)
+@pytest.mark.parametrize("curvature", [0.0, 0.3])
+def test_branches_and_their_ends(cap, curvature):
+    law = bound(cap)
+    d = np.array([0.0, 1e-9, 1e-3, 0.009])
+    a = law.contact_radius(d, RADIUS, curvature)
+    assert_allclose(law.indentation(a, RADIUS, curvature), d, atol=1e-12 * d[-1])
+    end = law.pull_off_radius(RADIUS, curvature)
+    near = law.load(end * np.array([1 - 1e-4, 1.0, 1 + 1e-4]), RADIUS, curvature)
+    assert near[1] == near.min() < 0.0
+    assert law.stiffness(end, RADIUS, curvature) == pytest.approx(0.0, abs=1e-8 * end)
+    rest = law.zero_load_radius(RADIUS, curvature)
+    assert rest > end
+    assert law.load(rest, RADIUS, curvature) == pytest.approx(0.0, abs=1e-12 * abs(near[1]))
+
+
+@pytest.mark.parametrize("cap", CAPS, ids=repr)
+def test_without_adhesion_the_law_is_that_of_the_cap(cap):
+    assert mf.JKR(0.0, cap).for_material(MATERIAL) is cap
+    a = np.array([0.0, 0.05, 0.1, 0.2])
+    faint = bound(cap, 1e-28)
+    for law in (faint, mf.JKR(0.0, cap, composite_modulus=1.0)):
+        for name in QUANTITIES:
+            found, expected = (getattr(one, name)(a, RADIUS, 0.2) for one in (law, cap))
+            assert_allclose(found, expected, rtol=1e-9)
+        d = cap.indentation(a[1:], RADIUS, 0.2)
+        assert_allclose(law.contact_radius(d, RADIUS, 0.2), a[1:], rtol=1e-9)
+
+
+@pytest.mark.parametrize("energy", [0.0, ENERGY])
+@pytest.mark.parametrize("cap", CAPS, ids=repr)
+def test_the_energy_of_a_contact(cap, energy):
+    """U = int_0^a (d - d_cap(s))^2 ds - pi w a^2 is stationary at a, and dU/dd = P, dU/dk = -M/2."""
+    law = mf.JKR(energy, cap, composite_modulus=MODULUS)
+    x, weight = np.polynomial.legendre.leggauss(60)
+    a, k, w = 0.12, 0.2, energy / MODULUS
+    d = float(law.indentation(a, RADIUS, k))
+
+    def value(depth, curvature, radius):
+        # s = a t^2, in which fractional powers of s are smoother
+        t = 0.5 * (x + 1.0)
+        rest = depth - cap.indentation(radius * t**2, RADIUS, curvature)
+        return float(0.5 * weight @ (rest**2 * 2.0 * radius * t)) - math.pi * w * radius**2
+
+    def derivative(function, at, by):
+        near, far = ((function(at + s) - function(at - s)) / (2.0 * s) for s in (by, 2.0 * by))
+        return (4.0 * near - far) / 3.0
+
+    load, moment = law.load(a, RADIUS, k), law.second_moment(a, RADIUS, k)
+    scale = cap.load(a, RADIUS, k) * d / a
+    assert derivative(lambda b: value(d, k, b), a, 1e-4 * a) == pytest.approx(0.0, abs=1e-7 * scale)
+    assert derivative(lambda e: value(e, k, a), d, 1e-2 * d) == pytest.approx(load, rel=1e-7)
+    assert derivative(lambda c: value(d, c, a), k, 1e-2) == pytest.approx(-0.5 * moment, rel=1e-7)
+    slope = derivative(lambda b: law.load(b, RADIUS, k), a, 1e-4 * a)
+    slope /= derivative(lambda b: law.indentation(b, RADIUS, k), a, 1e-4 * a)
+    assert law.stiffness(a, RADIUS, k) == pytest.approx(slope, rel=1e-7)
+
+
+def test_a_law_needs_its_material():
+    law = mf.JKR(ENERGY)
+    assert isinstance(law, Contact)
+    assert law.adhesive
+    assert repr(law) == repr(bound()) == "JKR(adhesion_energy=9e-06, cap=Hertz())"
+    assert bound().for_material(mf.Material(2.0)) == bound()
+    with pytest.raises(mf.InvalidInput, match=r"needs a composite modulus; use for_material\(material\)"):
+        law.load(0.1, RADIUS)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ((-1e-6,), "adhesion_energy = -1e-06 must be at least 0"),
+        (("9 mJ",), "adhesion_energy = .* is not a number"),
+        ((1e-6, mf.JKR(1e-6)), r"cap = JKR\(.* must be an elastic law without adhesion"),
+        ((1e-6, 0.526), r"cap = 0\.526 must be an elastic law without adhesion"),
+        ((), "adhesion_energy must be given"),
+    ],
+)
+def test_bad_arguments_are_named(arguments, words):
+    with pytest.raises(mf.InvalidInput, match=words):
+        mf.JKR(*arguments)
+
+
+def test_profiles_too_narrow_for_the_adhesion_are_refused():
+    law = bound(mf.AxisymmetricCap(lambda rho: rho**4 / (2.0 * RADIUS**3), 0.05))
+    with pytest.raises(
+        mf.InvalidInput, match="adhesion_energy = 9e-06 N/mm pulls the contact beyond the range"
+    ):
+        law.zero_load_radius(RADIUS)
+    most = law.largest_indentation(np.full(2, RADIUS))
+    assert_allclose(most, law.indentation(0.05, RADIUS), rtol=1e-12)
