@@ -24,8 +24,8 @@ from metafem.files.reading import file_label, read_record
 from metafem.files.result.records import from_record, to_record
 from metafem.files.result.tables import heights_table, law_table, mould_table
 from metafem.files.result.vtu import write_surface
+from metafem.files.specification.named_tables import RESULT_FILES
 from metafem.files.specification.read import Specification
-from metafem.files.specification.target_table import RESULT_FILES
 from metafem.inversion import Design
 from metafem.progress import doing
 

@@ -12,7 +12,7 @@ from metafem.errors import InvalidInput
 from metafem.files.atomic.manifest import is_result_folder
 from metafem.files.atomic.text import refuse_existing, write_file
 from metafem.files.reading import file_label, read_record
-from metafem.files.specification.target_table import STUDIES
+from metafem.files.specification.named_tables import STUDIES
 from metafem.notes import from_lines
 from metafem.progress import doing
 

@@ -16,7 +16,7 @@ from metafem.errors import InvalidInput
 from metafem.files.part.plan import PartOptions, planned
 from metafem.files.reading import SPECIFICATION, decoded, file_label, read_bytes
 from metafem.files.specification.cost import tell_cost
-from metafem.files.specification.target_table import with_samples
+from metafem.files.specification.named_tables import with_samples
 from metafem.files.specification.words import worded
 from metafem.files.units import written_units
 from metafem.inversion import (

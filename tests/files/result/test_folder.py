@@ -12,7 +12,7 @@ from metafem.files.atomic.manifest import MANIFEST
 from metafem.files.atomic.text import write_text
 from metafem.files.result.folder import same_design, stored_hardness, write_all
 from metafem.files.specification.demos import demo_text
-from metafem.files.specification.target_table import RESERVED
+from metafem.files.specification.named_tables import RESERVED
 
 
 @pytest.fixture(scope="module")

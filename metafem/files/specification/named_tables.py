@@ -1,4 +1,4 @@
-"""Target laws from tables that a specification names."""
+"""Tables that a specification names."""
 
 from __future__ import annotations
 
