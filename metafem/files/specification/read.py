@@ -16,7 +16,7 @@ from metafem.errors import InvalidInput
 from metafem.files.part.plan import PartOptions, planned
 from metafem.files.reading import SPECIFICATION, decoded, file_label, read_bytes
 from metafem.files.specification.cost import tell_cost
-from metafem.files.specification.named_tables import with_samples
+from metafem.files.specification.named_tables import with_tables
 from metafem.files.specification.words import worded
 from metafem.files.units import written_units
 from metafem.inversion import (
@@ -157,7 +157,7 @@ def read_spec(path: str | Path) -> Specification:
     raw = read_bytes(path, SPECIFICATION, "no such file; `metafem demo linear` writes one to start from")
     name = file_label(path)
     table = _table(name, decoded(path, raw))
-    table, kept = with_samples(raw.decode("utf-8"), table, Path(path).parent)
+    table, kept = with_tables(raw.decode("utf-8"), table, Path(path).parent)
     from pydantic import ValidationError
 
     from metafem.files.specification.contents import Sections

@@ -1,0 +1,105 @@
+"""Columns of quantities in a table that a specification names."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from metafem._given import printable
+from metafem.errors import InvalidInput
+from metafem.files.csv_rows import Table, read_table
+from metafem.files.units import factor
+
+
+@dataclass(frozen=True)
+class Columns:
+    """The columns of a kind of table, which are also keys of a specification."""
+
+    what: str  # the content of the table, in words
+    units: Mapping[str, str]  # the package's unit of each column
+    sets: tuple[frozenset[str], ...]  # those that are given together
+    rising: frozenset[str]  # those whose entries increase
+    example: str  # a valid first line
+    wanted: str  # what the first line must be
+    from_zero: bool = False  # whether entries begin with 0; else they are above 0
+    plain: frozenset[str] = frozenset()  # optional columns of numbers without a unit
+
+
+TARGET = Columns(
+    "law",
+    {"rescaled_load": "mm^2", "rescaled_friction": "mm^2", "load": "N", "friction_force": "N"},
+    (frozenset({"rescaled_load", "rescaled_friction"}), frozenset({"load", "friction_force"})),
+    frozenset({"rescaled_load", "load"}),
+    "load_N,friction_force_N",
+    "load_N,friction_force_N, or rescaled_load_mm2,rescaled_friction_mm2 (or in other units), and optionally "
+    "weight",
+    plain=frozenset({"weight"}),
+)
+
+PROFILE = Columns(
+    "profile",
+    {"rho": "mm", "f": "mm"},
+    (frozenset({"rho", "f"}),),
+    frozenset({"rho", "f"}),
+    "rho_mm,f_um",
+    "rho_mm,f_um (or in other units)",
+    from_zero=True,
+)
+
+# The columns of the tables that a specification names, by the kind of its section.
+COLUMNS = {"sampled": TARGET, "profile": PROFILE}
+
+
+def read_columns(path: Path, columns: Columns) -> tuple[dict[str, list[Any]], bytes]:
+    """Return the entries of a table by key, as a specification would hold them, and the file's bytes."""
+    table = read_table(path, columns.example)
+    found = _found(table, columns)
+    table.report_unread([table.header[i] for i, _ in found.values()])
+    if not table.rows:
+        raise InvalidInput(f"{table.name} has no samples below its column names ({columns.example})")
+    entries: dict[str, list[Any]] = {name: [] for name in found}
+    before: dict[str, float] = {}
+    for line, row in table.entries():
+        for name, (column, unit) in found.items():
+            value = table.plain(row[column])
+            number = float(table.number(line, column, row[column]))
+            if name in columns.plain:
+                entries[name].append(number)
+                continue
+            # checked here, where the line is known; read again with the specification
+            key = f"{table.name}, line {line}: {table.header[column]} = {value}"
+            first = not entries[name]
+            if columns.from_zero and first and number != 0.0:
+                raise InvalidInput(f"{key} must be 0; the first line of a {columns.what} is its origin")
+            if number <= 0.0 and not (columns.from_zero and first):
+                origin = "" if columns.from_zero else "; omit the origin"
+                raise InvalidInput(f"{key} must be greater than 0{origin}")
+            if name in columns.rising and not first and number <= before[name]:
+                words = "load" if name == "rescaled_load" else name
+                raise InvalidInput(f"{key} must exceed the {words} of the previous line")
+            before[name] = number
+            entries[name].append(f"{value} {unit}")
+    return entries, table.content
+
+
+def _found(table: Table, columns: Columns) -> dict[str, tuple[int, str]]:
+    """Return index and unit of each column that is read."""
+    found: dict[str, tuple[int, str]] = {}
+    for column, title in enumerate(table.header):
+        name, _, unit = (title, "", "") if title in columns.plain else title.rpartition("_")
+        if name not in columns.units and name not in columns.plain:
+            continue
+        if name in found:
+            raise InvalidInput(f"{table.name}: {name} is in two columns; keep one")
+        if name in columns.units:
+            try:
+                factor(unit, columns.units[name])
+            except InvalidInput as error:
+                raise InvalidInput(f"{table.name}: column {printable(title, 40)} {error}") from None
+        found[name] = (column, unit)
+    if frozenset(found) - columns.plain not in columns.sets:
+        titles = printable(", ".join(table.header), 120)
+        raise InvalidInput(f"{table.name} has the columns {titles}; name its columns {columns.wanted}")
+    return found
