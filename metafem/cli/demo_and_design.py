@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 @model_option("that of the specification")
 @force_option
 @json_option
-def demo(name: str, model: str | None, force: bool, as_json: bool) -> None:
+def demo(name: str, model: str | None, contact: str | None, force: bool, as_json: bool) -> None:
     """Write the paper's specification NAME.toml here, and design its surface into the folder NAME.
 
     An edited NAME.toml is never replaced.
@@ -49,7 +49,7 @@ def demo(name: str, model: str | None, force: bool, as_json: bool) -> None:
                 f"{path} exists and differs from the demo's; run it by `metafem design {path} -o FOLDER`, "
                 "or rename it"
             ) from None
-    _run(path, folder, model, force, as_json)
+    _run(path, folder, (model, contact), force, as_json)
 
 
 @main.command(short_help="Design a surface from a specification.")
@@ -66,25 +66,36 @@ def demo(name: str, model: str | None, force: bool, as_json: bool) -> None:
 @force_option
 @json_option
 def design(
-    spec: Path, output: Path, model: str | None, chord_error: str | None, force: bool, as_json: bool
+    spec: Path,
+    output: Path,
+    model: str | None,
+    contact: str | None,
+    chord_error: str | None,
+    force: bool,
+    as_json: bool,
 ) -> None:
     """Design a surface from the specification SPEC.toml and write the result folder.
 
     A specification has the sections target (of kind operating-points, linear, bilinear, sampled, power or
     multilinear), material, lattice and limits. The sections friction, radii, block, layout, robust, model,
-    part and checks are optional. `metafem spec` prints every key with an example; `metafem demo` writes
-    example files.
+    contact, part and checks are optional. `metafem spec` prints every key with an example; `metafem demo`
+    writes example files.
     """
-    _run(spec, output, model, force, as_json, chord_error)
+    _run(spec, output, (model, contact), force, as_json, chord_error)
 
 
 def _run(
-    spec: Path, folder: Path, model: str | None, force: bool, as_json: bool, chord_error: str | None = None
+    spec: Path,
+    folder: Path,
+    law: tuple[str | None, str | None],
+    force: bool,
+    as_json: bool,
+    chord_error: str | None = None,
 ) -> None:
     import metafem as mf
     from metafem.files import (
         check_free,
-        model_named,
+        chosen_model,
         part_notes,
         planned,
         quantity,
@@ -101,7 +112,7 @@ def _run(
             specification = specification.with_chord_error(
                 quantity("--chord-error", chord_error, "mm", "1 um")
             )
-        chosen = model_named(model) if model else specification.model
+        chosen = chosen_model(specification.model, *law)
         with result_folder(folder, specification, force=force) as fresh:
             result = specification.design(chosen)
             text = page(result, specification.hardness)

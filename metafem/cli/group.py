@@ -18,6 +18,9 @@ DEMOS = ("operating-points", "linear", "bilinear")
 # The keys of `MODELS` in files/specification/models.py, repeated here so that --help imports nothing.
 MODELS = ("independent", "mean-field", "half-space", "layer", "block", "resolved", "automatic")
 
+# The contact laws in words, as `form` in files/specification/contacts.py states them.
+CONTACTS = ("hertz", "sphere", "power EXPONENT [COEFFICIENT]", "profile FILE")
+
 # Exit codes: a target that cannot be reached, and input that cannot be used.
 NOT_ACHIEVED, BAD_INPUT = 1, 2
 
@@ -88,10 +91,17 @@ class Commands(click.Group):
             raise BadInput("InvalidInput", f"{error.filename!s:.300}: {error.strerror}") from None
 
 
-def model_option(default: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """Return the decorator that adds --model to a command; `default` is its default in words."""
-    text = f"Model of the law, from single contacts to resolved ones. Default: {default}."
-    return click.option("--model", type=click.Choice(MODELS), help=text)
+def model_option(default: str, multiple: bool = False) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Return the decorator that adds --model and --contact; `default` is their default in words."""
+    again = " May be repeated, to compare laws." if multiple else ""
+    text = f"Model of the law, from single contacts to resolved ones.{again} Default: {default}."
+    model = click.option("--model", type=click.Choice(MODELS), multiple=multiple, help=text)
+    laws = f"Law of one contact, a kind and its values: {', '.join(CONTACTS)}."
+    text = (
+        f'{laws} For example --contact "power 4".{again} Default: {default.replace("independent", "hertz")}.'
+    )
+    contact = click.option("--contact", metavar="LAW", multiple=multiple, help=text)
+    return lambda command: model(contact(command))
 
 
 json_option = click.option(

@@ -57,14 +57,15 @@ BLOCK = ("width", "length", "thickness")
 @click.option(
     "--length", metavar="LENGTH", help='Length of that block along y, such as "20 mm"; for --model block.'
 )
-@model_option("that of the folder; independent for a table")
+@model_option("that of the folder; independent for a table", multiple=True)
 @click.option("-o", "--output", type=Name(), help="Also write the law to this CSV file.")
 @force_option
 @json_option
 def predict(
     source: Path,
     load: tuple[str, ...],
-    model: str | None,
+    model: tuple[str, ...],
+    contact: tuple[str, ...],
     output: Path | None,
     force: bool,
     as_json: bool,
@@ -75,14 +76,15 @@ def predict(
     SOURCE is a result folder of `metafem design`, or a CSV file with the columns x_mm, y_mm, height_um and
     radius_um (or in other units). A table needs --composite-modulus or --young-modulus. For --model layer it
     also needs --thickness, for --model block --thickness, --width and --length. With --shear-strength the
-    friction forces are printed too.
+    friction forces are printed too. Several models or contact laws are compared at the same loads: all models
+    with all contact laws.
     """
     import metafem as mf
     from metafem._given import printable
     from metafem.files import (
+        chosen_model,
         is_law_table,
         law_table,
-        model_named,
         quantity,
         refuse_existing,
         refuse_missing_block,
@@ -109,26 +111,38 @@ def predict(
             )
         with printing_messages():
             surface, used = _surface(source, given, model), mf.Independent()
+    pairs = [(name, law) for name in model or (None,) for law in contact or (None,)]
     if output is not None:
+        if len(pairs) > 1:
+            raise InvalidInput(f"--output holds one law, and {len(pairs)} are compared; choose one of them")
         refuse_existing(output, force, is_law_table)
     newtons = [quantity("--load", text, "N") for text in load]
-    chosen = model_named(model) if model else used
-    if model == "layer" and "thickness" in given and surface.block is None:
-        thickness = quantity("--thickness", given["thickness"], "mm")
-        chosen = mf.Interacting(substrate=mf.BondedLayer(thickness))
-    remedy = "the folder's design has no block; design it again with a section [block]"
-    refuse_missing_block(chosen, surface, remedy)
+    models = []
+    for name, law in pairs:
+        base, named = used, name
+        if name == "layer" and "thickness" in given and surface.block is None:
+            thickness = quantity("--thickness", given["thickness"], "mm")
+            base, named = mf.Interacting(substrate=mf.BondedLayer(thickness)), None
+        models.append(chosen_model(base, named, law))
+        remedy = "the folder's design has no block; design it again with a section [block]"
+        refuse_missing_block(models[-1], surface, remedy)
+    laws: list[FrictionLaw] = []
     with progress(), doing("predicting the law"):
-        law = mf.friction_law(surface, chosen, load=newtons or None)
+        for each in models:
+            loads = laws[0].load if laws else newtons or None
+            laws.append(mf.friction_law(surface, each, load=loads))
     if output is not None:
-        write_text(output, law_table(law), force=force, ours=is_law_table)
+        write_text(output, law_table(laws[0]), force=force, ours=is_law_table)
+    data = [_law_data(law) for law in laws] if as_json else []
     if as_json:
-        click.echo(json.dumps(_law_data(law)))
+        click.echo(json.dumps(data[0] if len(data) == 1 else {"laws": data}))
+    elif len(laws) == 1:
+        _print_law(laws[0], whole=bool(load))
     else:
-        _print_law(law, whole=bool(load))
+        _print_laws(laws, whole=bool(load))
 
 
-def _surface(source: Path, given: Mapping[str, str | float], model: str | None) -> Surface:
+def _surface(source: Path, given: Mapping[str, str | float], models: tuple[str, ...]) -> Surface:
     """Return the surface of a table of heights, with material, friction and block from the options."""
     from metafem._given import error_names
     from metafem.files import option_names, quantity, read_surface
@@ -161,19 +175,22 @@ def _surface(source: Path, given: Mapping[str, str | float], model: str | None) 
             if "shear_strength" in number
             else None
         )
-        block = _block({name: number[name] for name in BLOCK if name in number}, model)
+        block = _block({name: number[name] for name in BLOCK if name in number}, models)
     return read_surface(source, material, number.get("radius"), friction, block)
 
 
-def _block(given: dict[str, float], model: str | None) -> Block | None:
+def _block(given: dict[str, float], models: tuple[str, ...]) -> Block | None:
     """Return the block of a table from its given dimensions; a layer needs only the thickness."""
     from metafem.surface import Block
 
-    needed = {"layer": BLOCK[2:], "block": BLOCK}.get(model or "", BLOCK if given else ())
+    bounded = [
+        name for name in ("block", "layer") if name in models
+    ]  # the first needs all that the others do
+    needed = {"layer": BLOCK[2:], "block": BLOCK}.get("".join(bounded[:1]), BLOCK if given else ())
     missing = [f'--{name} "{7.2 if name == "thickness" else 20} mm"' for name in needed if name not in given]
     if missing:
-        what = f"--model {model}" if model in ("layer", "block") else "a block"
-        alone = "; for --model layer the thickness alone is enough" if model is None else ""
+        what = f"--model {bounded[0]}" if bounded else "a block"
+        alone = "" if models else "; for --model layer the thickness alone is enough"
         raise InvalidInput(
             f"{what} needs the block's dimensions, which a table does not hold; "
             f"add {' '.join(missing)}{alone}"
@@ -185,10 +202,8 @@ def _print_law(law: FrictionLaw, whole: bool) -> None:
     columns = ["load [N]", "area [mm²]", "separation [mm]", "stiffness [N/mm]"]
     if law.friction is not None:
         columns += ["friction [N]", "F/P"]
-    # Ten rows of a default grid; every load that the user gave.
-    step = 1 if whole else max(1, len(law.load) // 10)
     rows = []
-    for i in range(step - 1, len(law.load), step):
+    for i in _rows(law, whole):
         numbers = [law.load[i], law.area[i], law.separation[i], law.stiffness[i]]
         if law.friction is not None:
             numbers += [law.friction_force[i], law.friction_coefficient[i]]
@@ -197,6 +212,32 @@ def _print_law(law: FrictionLaw, whole: bool) -> None:
     print_table(console, columns, rows)
     console.print(f"model {law.model.name}, {law.status.value}", highlight=False, markup=False)
     print_notes(console, law.notes)
+
+
+def _print_laws(laws: list[FrictionLaw], whole: bool) -> None:
+    """Print the areas of laws at the same loads, with their change against the first."""
+    first = laws[0]
+    columns = ["load [N]", "1: area [mm²]"]
+    for number in range(2, len(laws) + 1):
+        columns += [f"{number}: area [mm²]", f"{number}: change"]
+    rows = []
+    for i in _rows(first, whole):
+        numbers = [f"{first.load[i]:.6g}", f"{first.area[i]:.6g}"]
+        for law in laws[1:]:
+            change = 100.0 * (law.area[i] / first.area[i] - 1.0) if first.area[i] > 0.0 else math.nan
+            numbers += [f"{law.area[i]:.6g}", f"{change:+.2g} %" if math.isfinite(change) else "-"]
+        rows.append(tuple(numbers))
+    console = terminal()
+    print_table(console, columns, rows)
+    for number, law in enumerate(laws, 1):
+        console.print(f"{number}: model {law.model.name}, {law.status.value}", highlight=False, markup=False)
+        print_notes(console, law.notes)
+
+
+def _rows(law: FrictionLaw, whole: bool) -> range:
+    """Return ten loads of a default grid, or every load that the user gave."""
+    step = 1 if whole else max(1, len(law.load) // 10)
+    return range(step - 1, len(law.load), step)
 
 
 def _law_data(law: FrictionLaw) -> dict[str, Any]:

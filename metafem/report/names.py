@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import fields, is_dataclass
 
+import numpy as np
+
 from metafem._values import percent
 from metafem.inversion import Design
 from metafem.models import Model
@@ -13,12 +15,15 @@ EXACT = 1e-9
 
 
 def in_python(value: object) -> str:
-    """Return a model as Python code, without arguments at their defaults."""
-    if not is_dataclass(value):
+    """Return a model as Python code, without arguments at their defaults; a table by its size alone."""
+    members = (
+        {field.name: getattr(value, field.name) for field in fields(value)} if is_dataclass(value) else {}
+    )
+    if not members or any(isinstance(member, np.ndarray) or callable(member) for member in members.values()):
         return repr(value)
     given = []
     for field in fields(value):
-        member = getattr(value, field.name)
+        member = members[field.name]
         default = field.default_factory() if callable(field.default_factory) else field.default
         if member != default:
             given.append(f"{field.name}={in_python(member)}")

@@ -172,6 +172,21 @@ def test_predict_reads_a_folder_and_a_table(run, demo):
     assert Path("law.csv").read_text("utf-8") == Path("linear/law.csv").read_text("utf-8")
 
 
+def test_predict_compares_contact_laws_and_models_at_the_same_loads(run, demo):
+    demo("linear")
+    laws = ("--contact", "hertz", "--contact", "power 2 0.5", "--contact", "sphere")
+    data = json.loads(run("predict", "linear", *laws, "--load", "0.1 N", "--load", "0.2 N", "--json").stdout)
+    first, same, sphere = (law["area_mm2"] for law in data["laws"])
+    assert same == pytest.approx(first, rel=1e-10)
+    assert all(0.96 < area / other < 0.99 for area, other in zip(sphere, first, strict=True))
+    models = ("--model", "half-space", "--model", "independent")
+    text = run("predict", "linear", *models).output
+    assert "2: change" in " ".join(text.split())
+    assert "1: model half-space, converged" in text
+    refused = run("predict", "linear", *laws, "-o", "law.csv")
+    assert (refused.exit_code, "holds one law, and 3 are compared" in refused.output) == (2, True)
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

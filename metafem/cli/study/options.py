@@ -79,9 +79,9 @@ law_options = with_options(
 
 def law_arguments(design: Design, options: Mapping[str, Any]) -> dict[str, Any]:
     """Return the arguments of the options of the law."""
-    from metafem.files import load_range, model_named, refuse_missing_block
+    from metafem.files import chosen_model, load_range, refuse_missing_block
 
-    model = model_named(options["model"]) if options["model"] else design.law.model
+    model = chosen_model(design.law.model, options["model"], options["contact"])
     refuse_missing_block(model, design.surface, "design the folder again with a section [block]")
     loads = load_range("--load-range", options["load_range"] or (), design.surface.material)
     return {"model": model, "load_range": loads}

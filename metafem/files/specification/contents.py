@@ -11,8 +11,10 @@ from metafem import _validate as check
 from metafem._given import error_section, formatted
 from metafem.errors import InvalidInput
 from metafem.files.part.plan import planned
+from metafem.files.specification.contacts import ContactSection, HertzSection
 from metafem.files.specification.cost import refuse_too_many
 from metafem.files.specification.fields import Section, says
+from metafem.files.specification.models import model_named
 from metafem.files.specification.sections import (
     BlockSection,
     ChecksSection,
@@ -58,11 +60,15 @@ class Sections(Section):
         RobustSection | None, says("errors of the part, under which the expected misfit is least")
     ] = None
     model: Annotated[ModelSection, says("model under which the target is to be met")] = ModelSection()
+    contact: Annotated[
+        ContactSection,
+        Field(discriminator="kind", description="law of one contact, of one of these kinds; default: hertz"),
+    ] = HertzSection(kind="hertz")
     part: Annotated[PartSection, says("options of the part files")] = PartSection()
     checks: Annotated[ChecksSection, says("further checks")] = ChecksSection()
 
     def build(self) -> tuple[dict[str, Any], list[str]]:
-        """Return target, template, limits, layout, radii, robust and part, and a list of problems."""
+        """Return target, template, model, limits, layout, radii, robust and part, and a list of problems."""
         problems: list[str] = []
 
         def made(section: str, kind: Any, values: dict[str, Any]) -> Any:
@@ -79,6 +85,11 @@ class Sections(Section):
         limits = made("limits", Limits, self.limits.model_dump())
         layout = made("layout", self.layout.layout, {})
         robust = self.robust and made("robust", self.robust.tolerances, {})
+        contact, model = made("contact", self.contact.law, {}), None
+        try:
+            model = contact and model_named(self.model.kind, contact)
+        except InvalidInput as error:
+            problems.append(f"model {error}")
         # Placeholders, so that the other sections are checked even if one of these is wrong.
         top = limits.offset + limits.max_height if limits else 1.0
         stuff = material or Material(1.0)
@@ -107,7 +118,7 @@ class Sections(Section):
                 heights = f"limits.offset + limits.max_height = {formatted('limits.max_height', top)}"
                 problems.append(f"with summits of {heights}, {error}")
         parts = {"target": target, "template": template, "limits": limits, "layout": layout, "radii": radii}
-        parts |= {"robust": robust, "part": part}
+        parts |= {"robust": robust, "part": part, "model": model}
         return parts, problems
 
     def _radius(self, problems: list[str]) -> tuple[float, RadiusRange | tuple[float, ...] | None, str]:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, get_args
 
 if TYPE_CHECKING:
     from pydantic import BaseModel
+    from pydantic.fields import FieldInfo
 
 HEAD = """\
 # Every section and key of a specification for `metafem design`, each with an example value. This is a list,
@@ -31,7 +32,7 @@ CHOICES = ("either: ", "or: ", "with it: ")
 
 @dataclass(frozen=True)
 class Key:
-    """A key of a section, for `target` of one kind, with an example and its default."""
+    """A key of a section, for sections with kinds of one of these, with an example and its default."""
 
     section: str
     kind: str | None
@@ -49,7 +50,7 @@ def all_keys() -> tuple[Key, ...]:
     return tuple(
         key
         for name, field in Sections.model_fields.items()
-        for model in _models(field.annotation)
+        for model in models_of(field.annotation)
         for key in _keys(name, model)
     )
 
@@ -69,10 +70,10 @@ def manual() -> str:
     lines = [HEAD]
     for name, field in Sections.model_fields.items():
         lines.append(_line(f"[{name}]", field.description or "", not field.is_required(), None))
-        for model in _models(field.annotation):
-            if name == "target":
+        for model in models_of(field.annotation):
+            if kind_of(model):
                 words = (model.__doc__ or "").splitlines()[0]
-                lines += ["", _line(f'kind = "{_kind(model)}"', words, False, None)]
+                lines += ["", _line(f'kind = "{kind_of(model)}"', words, False, None)]
             lines += [
                 _line(f"{key.name} = {as_toml(key.example)}", key.meaning, key.optional, key.default)
                 for key in _keys(name, model)
@@ -86,25 +87,31 @@ def as_toml(value: Any) -> str:
     return json.dumps(value)
 
 
-def _models(annotation: Any) -> Iterator[type[BaseModel]]:
-    """Yield the models of a section: that of the target has one for each kind."""
-    for model in get_args(annotation) or (annotation,):
-        if model is not type(None):
-            yield model
+def example(field: FieldInfo) -> Any:
+    """Return the valid value of a key that `says` states."""
+    return (field.examples or [None])[0]
 
 
-def _kind(model: type[BaseModel]) -> str:
-    """Return the kind of target that a model reads."""
-    return str(get_args(model.model_fields["kind"].annotation)[0])
+def models_of(annotation: Any) -> tuple[type[BaseModel], ...]:
+    """Return the sections of an annotation: one for each kind, or one."""
+    parts = get_args(annotation) or (annotation,)
+    return tuple(part for part in parts if hasattr(part, "model_fields"))
+
+
+def kind_of(section: type[BaseModel]) -> str:
+    """Return the kind that a section reads, empty for a section without kinds."""
+    kind = section.model_fields.get("kind")
+    words = () if kind is None else get_args(kind.annotation)
+    return str(words[0]) if words else ""
 
 
 def _keys(section: str, model: type[BaseModel]) -> Iterator[Key]:
-    kind = _kind(model) if section == "target" else None
+    kind = kind_of(model) or None
     for name, field in model.model_fields.items():
         if kind is None or name != "kind":
-            examples, words = field.examples or [None], field.description or ""
-            default = None if field.is_required() else field.default
-            yield Key(section, kind, name, examples[0], words, not field.is_required(), default)
+            words, required = field.description or "", field.is_required()
+            default = None if required else field.default
+            yield Key(section, kind, name, example(field), words, not required, default)
 
 
 def _line(start: str, meaning: str, optional: bool, default: Any) -> str:

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import fields, replace
 from difflib import get_close_matches
+from typing import Any, cast
 
 from metafem._given import printable
+from metafem.contact import Contact
 from metafem.errors import InvalidInput
 from metafem.models import Automatic, BoundaryElements, Independent, Interacting, MeanField, Model
+from metafem.models.model import PARABOLOID, contact_of
 from metafem.substrate import BondedLayer
 
 # Cell of the named resolved model [mm]: at least eight cells per contact radius at the source paper's
@@ -36,8 +40,8 @@ MODELS: Mapping[str, Callable[[], Model]] = {
 }
 
 
-def model_named(name: str) -> Model:
-    """Return the model of a name; raises InvalidInput with the known names.
+def model_named(name: str, contact: Contact = PARABOLOID) -> Model:
+    """Return the model of a name with a contact law; raises InvalidInput with the known names.
 
     Examples
     --------
@@ -46,7 +50,28 @@ def model_named(name: str) -> Model:
     """
     if name not in MODELS:
         raise InvalidInput(f'model "{printable(name, 60)}" is unknown{suggestion(name, MODELS)}')
-    return MODELS[name]()
+    return with_contact(MODELS[name](), contact)
+
+
+def with_contact(model: Model, contact: Contact) -> Model:
+    """Return a model with another contact law; raises InvalidInput, with its name, if it cannot use it."""
+    if contact == contact_of(model):
+        return model
+    value: Any = model
+    if "contact" not in {field.name for field in fields(value)}:
+        raise InvalidInput(f"{model.name}: the contacts of this model are paraboloids, not {contact!r}")
+    try:
+        return cast("Model", replace(value, contact=contact))
+    except InvalidInput as error:
+        raise InvalidInput(f"{model.name}: {error}") from None
+
+
+def chosen_model(model: Model, name: str | None, contact: str | None) -> Model:
+    """Return the model of the options ``--model`` and ``--contact``; what is not given is that of `model`."""
+    from metafem.files.specification.contacts import contact_named
+
+    law = contact_of(model) if contact is None else contact_named(contact)
+    return with_contact(model, law) if name is None else model_named(name, law)
 
 
 def suggestion(name: str, known: Mapping[str, object] | tuple[str, ...]) -> str:

@@ -130,8 +130,8 @@ def read_spec(path: str | Path) -> Specification:
     ----------
     path : str or Path
         A TOML file with the sections target, material, lattice and limits, and the optional sections
-        friction, radii, block, layout, robust, model, part and checks; ``metafem spec`` lists their keys.
-        Lengths, areas, forces, stresses and angles are strings with a unit, such as ``"120 um"``.
+        friction, radii, block, layout, robust, model, contact, part and checks; ``metafem spec`` lists their
+        keys. Lengths, areas, forces, stresses and angles are strings with a unit, such as ``"120 um"``.
 
     Returns
     -------
@@ -174,7 +174,6 @@ def read_spec(path: str | Path) -> Specification:
         raise _refused(name, problems)
     return Specification(
         **parts,
-        model=sections.model.model(),
         seed=sections.layout.seed,
         mixed=mixed,
         hardness=sections.checks.hardness,

@@ -12,7 +12,6 @@ from metafem.files.part.plan import PartOptions
 from metafem.files.specification.fields import Angle, Length, Number, Section, Stress, Whether, measured, says
 from metafem.files.specification.models import MODELS, suggestion
 from metafem.inversion import Layout, RadiusRange
-from metafem.models import Model
 from metafem.prediction import Tolerances
 from metafem.surface import Material
 
@@ -171,10 +170,6 @@ class ModelSection(Section):
         if kind not in MODELS:
             raise InvalidInput(f'= "{printable(kind, 60)}" is unknown{suggestion(kind, MODELS)}')
         return kind
-
-    def model(self) -> Model:
-        """Return the model of this kind."""
-        return MODELS[self.kind]()
 
 
 class PartSection(Section):

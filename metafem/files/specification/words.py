@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any, get_args
+from typing import TYPE_CHECKING, Any
 
 from metafem._given import printable
-from metafem.files.specification.manual import all_keys, as_toml
+from metafem.files.specification.manual import all_keys, as_toml, kind_of, models_of
 from metafem.files.specification.models import suggestion
 from metafem.files.units import as_written
 
@@ -32,23 +31,23 @@ MUST = {
 
 def worded(detail: Any, sections: type[BaseModel]) -> str:
     """Return one of pydantic's errors on one line."""
-    place, kind, given = [printable(str(part), 60) for part in detail["loc"]], detail["type"], detail["input"]
-    if place[0] == "target" and len(place) > 1 and kind != "union_tag_not_found":
-        del place[1]  # the kind of target, which pydantic includes in the location
+    kind, given = detail["type"], detail["input"]
+    keys, last, models = _located(detail["loc"], sections)
+    place = [printable(str(part), 60) for part in keys]
     name = next(part for part in reversed(place) if not part.isdigit())
     key = re.sub(r"\.(\d+)", r"[\1]", ".".join(place))
     if kind == "extra_forbidden":
         what = "section" if len(place) == 1 else "key"
-        return f"{key} is an unknown {what}{suggestion(name, tuple(_known(detail['loc'], sections)))}"
+        return f"{key} is an unknown {what}{suggestion(name, tuple(last.model_fields))}"
     if kind == "missing":
         return (
             f"section [{key}] is missing" if len(place) == 1 else f"{key} is missing{_example(place, name)}"
         )
     if kind == "union_tag_not_found":
-        return 'target.kind is missing; write for example kind = "linear"'
+        return f'{key}.kind is missing; write for example kind = "{kind_of(models[0])}"'
     if kind == "union_tag_invalid":
-        tag = str(detail["ctx"]["tag"])
-        return f'target.kind = "{printable(tag, 60)}" is unknown{suggestion(tag, tuple(_kinds(sections)))}'
+        tag, known = str(detail["ctx"]["tag"]), tuple(map(kind_of, models))
+        return f'{key}.kind = "{printable(tag, 60)}" is unknown{suggestion(tag, known)}'
     if kind == "value_error":
         return f"{key} {detail['ctx']['error']}"
     if kind in ("model_type", "model_attributes_type", "dict_type"):
@@ -57,26 +56,31 @@ def worded(detail: Any, sections: type[BaseModel]) -> str:
     return f"{key} = {as_written(given)} {must}{_example(place, name)}"
 
 
+def _located(
+    place: tuple[Any, ...], sections: type[BaseModel]
+) -> tuple[list[Any], type[BaseModel], tuple[type[BaseModel], ...]]:
+    """Return the keys of a location, the section in which the last one stands, and the sections behind it.
+
+    pydantic includes the kind of a section in the location.
+    """
+    keys: list[Any] = []
+    last, models = sections, (sections,)
+    for part in place:
+        of_kind = [model for model in models if keys and kind_of(model) == part]
+        if of_kind:
+            models = (of_kind[0],)
+            continue
+        keys.append(part)
+        if len(models) == 1:
+            last = models[0]
+        field = last.model_fields.get(part)
+        models = () if field is None else models_of(field.annotation)
+    return keys, last, models
+
+
 def _example(place: list[str], name: str) -> str:
     """Return an example of a key, for the end of an error."""
     for key in all_keys():
         if (key.section, key.name) == (place[0], name):
             return f"; write for example {name} = {as_toml(key.example)}"
     return ""
-
-
-def _known(place: tuple[Any, ...], sections: type[BaseModel]) -> Iterator[str]:
-    """Yield the known names at the location of an unknown one."""
-    if len(place) == 1:
-        yield from sections.model_fields
-        return
-    annotation = sections.model_fields[place[0]].annotation
-    for kind in get_args(annotation) or (annotation,):
-        fields = getattr(kind, "model_fields", {})
-        if place[0] != "target" or place[1] in get_args(fields["kind"].annotation):
-            yield from fields
-
-
-def _kinds(sections: type[BaseModel]) -> Iterator[str]:
-    for kind in get_args(sections.model_fields["target"].annotation):
-        yield from get_args(kind.model_fields["kind"].annotation)

@@ -8,7 +8,8 @@ from metafem.files.specification.contents import Sections
 from metafem.files.specification.manual import as_toml
 
 KEYS = all_keys()
-KINDS = sorted({key.kind for key in KEYS if key.kind})
+KINDS = sorted({key.kind for key in KEYS if key.section == "target"})
+LAWS = sorted({key.kind for key in KEYS if key.section == "contact"})
 
 # Keys that exclude others, and a table that is not there.
 FIRST = {
@@ -37,21 +38,24 @@ THIRD = FIRST - {"radius"} | {"tools"}
 
 
 @pytest.mark.parametrize("left_out", [FIRST, SECOND, THIRD], ids=["either", "or", "one radius"])
-@pytest.mark.parametrize("kind", KINDS)
-def test_the_examples_make_a_specification(tmp_path, kind, left_out):
-    lines = []
+@pytest.mark.parametrize(
+    ("kind", "law"), [*((kind, "hertz") for kind in KINDS), *(("linear", law) for law in LAWS)]
+)
+def test_the_examples_make_a_specification(tmp_path, kind, law, left_out):
+    lines, chosen = [], {"target": kind, "contact": law}
     for section in Sections.model_fields:
         keys = [
             key for key in KEYS
-            if key.section == section and key.kind in (None, kind) and key.name not in left_out
+            if key.section == section and key.kind in (None, chosen.get(section)) and key.name not in left_out
         ]  # fmt: skip
-        if keys:
+        if keys or section in chosen:
             lines.append(f"[{section}]")
-        if section == "target":
-            lines.append(f'kind = "{kind}"')
+        if section in chosen:
+            lines.append(f'kind = "{chosen[section]}"')
         lines += [f"{key.name} = {as_toml(key.example)}" for key in keys]
     path = tmp_path / "spec.toml"
-    path.write_text("\n".join(lines), "utf-8")
+    text = "\n".join(lines)
+    path.write_text(text if law == "hertz" else text.replace('"layer"', '"independent"'), "utf-8")
     assert isinstance(mf.read_spec(path), Specification)
 
 
@@ -60,7 +64,7 @@ def test_the_manual_lists_every_section_kind_and_key():
     for name, field in Sections.model_fields.items():
         assert f"[{name}]" in text
         assert field.description in text
-    assert all(f'\nkind = "{kind}"' in text for kind in KINDS)
+    assert all(f'\nkind = "{kind}"' in text for kind in [*KINDS, *LAWS])
     assert all(key.meaning and f"\n{key.name} = {as_toml(key.example)}" in text for key in KEYS)
 
 

@@ -1,0 +1,149 @@
+"""Contact laws of specifications and of options."""
+
+from dataclasses import dataclass
+
+import pytest
+
+import metafem as mf
+from metafem.cli.group import CONTACTS as COMMAND_CONTACTS
+from metafem.files.specification.contacts import CONTACTS, contact_named, form
+from metafem.files.specification.demos import demo_text
+from metafem.files.specification.models import chosen_model, with_contact
+
+PROFILE = "rho_mm,f_um\n0,0\n0.1,9.6\n0.2,39.5\n0.3,93.9\n"
+CAP = mf.AxisymmetricCap([[0.0, 0.1, 0.2, 0.3], [0.0, 9.6e-3, 39.5e-3, 93.9e-3]])
+
+# Words of each kind, its section, and the law.
+LAWS = {
+    "hertz": ("", mf.Hertz()),
+    "sphere": ("", mf.SphericalCap()),
+    "power 4 0.3": ("exponent = 4.0\ncoefficient = 0.3", mf.PowerCap(4, 0.3)),
+    "profile cap.csv": ('file = "cap.csv"', CAP),
+}
+
+
+@pytest.fixture
+def home(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "cap.csv").write_text(PROFILE, "utf-8")
+    return tmp_path
+
+
+def written(folder, section):
+    path = folder / "spec.toml"
+    path.write_text(f"{demo_text('linear')}\n[contact]\n{section}\n", "utf-8")
+    return path
+
+
+def test_laws_of_the_command_are_those_of_the_files():
+    assert tuple(form(kind) for kind in CONTACTS) == COMMAND_CONTACTS
+    assert [words.split()[0] for words in LAWS] == list(CONTACTS)
+
+
+@pytest.mark.parametrize("words", LAWS)
+def test_a_law_is_read_from_words_and_from_a_section(home, words):
+    keys, law = LAWS[words]
+    assert contact_named(words) == law
+    model = mf.read_spec(written(home, f'kind = "{words.split()[0]}"\n{keys}')).model
+    assert model == mf.Independent(contact=law)
+
+
+def test_a_profile_is_read_from_keys(home):
+    keys = 'kind = "profile"\nrho = ["0 um", "0.1 mm", "0.2 mm", "0.3 mm"]\n'
+    model = mf.read_spec(written(home, keys + 'f = ["0 um", "9.6 um", "39.5 um", "93.9 um"]')).model
+    assert model.contact == CAP
+
+
+def test_the_table_of_a_profile_is_kept(home):
+    (home / "law.csv").write_text(PROFILE, "utf-8")
+    kept = mf.read_spec(written(home, 'kind = "profile"\nfile = "law.csv"')).files
+    assert kept["wanted-law.csv"] == PROFILE.encode()
+    assert b'file = "wanted-law.csv"' in kept["spec.toml"]
+
+
+def test_tables_of_a_target_and_of_a_profile_are_both_kept(home):
+    for name, text in (("a", "load_N,friction_force_N\n0.1,0.2\n0.2,0.3\n"), ("b", PROFILE)):
+        (home / name).mkdir()
+        (home / name / "t.csv").write_text(text, "utf-8")
+    rest = demo_text("linear").split("[material]")[1]
+    target = f'[target]\nkind = "sampled"\nfile = "a/t.csv"\n[material]{rest}'
+    path = home / "spec.toml"
+    path.write_text(f'{target}\n[contact]\nkind = "profile"\nfile = "b/t.csv"\n', "utf-8")
+    spec = mf.read_spec(path)
+    (home / "out").mkdir()
+    for name, content in spec.files.items():
+        (home / "out" / name).write_bytes(content)
+    again = mf.read_spec(home / "out" / "spec.toml")
+    assert sorted(spec.files) == ["spec.toml", "t.csv", "wanted-t.csv"]
+    assert (again.target, again.model) == (spec.target, spec.model)
+
+
+@pytest.mark.parametrize(
+    ("section", "words"),
+    [
+        ("exponent = 4.0", r'contact.kind is missing; write for example kind = "hertz"'),
+        ('kind = "spher"', r'contact.kind = "spher" is unknown; did you mean sphere\?'),
+        ('kind = "sphere"\nexponent = 4.0', r"contact.exponent is an unknown key \(known: kind\)"),
+        ('kind = "power"', "contact.exponent is missing; write for example exponent = 4.0"),
+        ('kind = "power"\nexponent = "4"', "contact.exponent = '4' must be a number, without quotes"),
+        ('kind = "power"\nexponent = 0.5', "contact.exponent = 0.5 must be at least 1"),
+        ('kind = "power"\nexponent = 4.0\ncoefficient = 0.0', "contact.coefficient = 0 must be greater"),
+        ('kind = "profile"', "contact needs rho and f, or file"),
+        ('kind = "profile"\nrho = ["0 mm"]\nfile = "cap.csv"', "contact.file and contact.rho both give the"),
+        ('kind = "profile"\nrho = ["0 mm"]\nf = ["0 um", "1 um"]', "contact has 1 entries of rho and 2 of f"),
+        ('kind = "profile"\nfile = "none.csv"', "none.csv: no such file"),
+        ('kind = "profile"\nfile = "late.csv"', "late.csv, line 2: rho_mm = 0.1 must be 0; the first line"),
+        (
+            'kind = "profile"\nfile = "back.csv"',
+            "back.csv, line 4: f_um = 2 must exceed the f of the previous",
+        ),
+        (
+            'kind = "profile"\nfile = "bare.csv"',
+            "bare.csv has the columns rho, f; name its columns rho_mm,f_um",
+        ),
+    ],
+)
+def test_errors_name_the_key_the_value_and_the_remedy(home, section, words):
+    (home / "late.csv").write_text("rho_mm,f_um\n0.1,1\n0.2,3\n", "utf-8")
+    (home / "back.csv").write_text("rho_mm,f_um\n0,0\n0.2,3\n0.3,2\n", "utf-8")
+    (home / "bare.csv").write_text("rho,f\n0,0\n0.2,3\n", "utf-8")
+    with pytest.raises(mf.InvalidInput, match=words):
+        mf.read_spec(written(home, section))
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", r'contact law "" is unknown \(known: hertz, sphere, power'),
+        ("powr 4", r'contact law "powr" is unknown; did you mean power\?'),
+        ("sphere 3", r'"sphere": 3 is not one of its values \(sphere\)'),
+        ("power", r'"power": exponent is missing; .* \(power EXPONENT \[COEFFICIENT\]\)'),
+        ("power four", "\"power four\": exponent = 'four' must be a number"),
+        ("power 4 -1", '"power 4 -1": coefficient = -1 must be greater than 0'),
+        ("profile", r'"profile": needs rho and f, or file \(profile FILE\)'),
+        ("profile none.csv", "none.csv: no such file"),
+    ],
+)
+def test_errors_in_words_name_the_value_and_the_form(home, text, words):
+    with pytest.raises(mf.InvalidInput, match=words):
+        contact_named(text)
+
+
+def test_options_replace_the_model_and_the_law_each_alone():
+    folder = mf.Independent(contact=mf.SphericalCap())
+    assert chosen_model(folder, None, None) is folder
+    assert chosen_model(folder, None, "hertz") == mf.Independent()
+    assert chosen_model(folder, "independent", None) == folder
+    assert chosen_model(mf.MeanField(), "independent", "power 3") == mf.Independent(contact=mf.PowerCap(3))
+
+
+def test_a_model_that_cannot_use_a_law_is_named():
+    @dataclass(frozen=True)
+    class Own:
+        name = "own"
+
+    with pytest.raises(
+        mf.InvalidInput, match=r"own: the contacts of this model are paraboloids, not Spherical"
+    ):
+        with_contact(Own(), mf.SphericalCap())
+    assert with_contact(Own(), mf.Hertz()) == Own()
