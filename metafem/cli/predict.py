@@ -111,21 +111,22 @@ def predict(
             )
         with printing_messages():
             surface, used = _surface(source, given, model), mf.Independent()
-    pairs = [(name, law) for name in model or (None,) for law in contact or (None,)]
+    pairs = [(kind, words) for kind in model or (None,) for words in contact or (None,)]
     if output is not None:
         if len(pairs) > 1:
             raise InvalidInput(f"--output holds one law, and {len(pairs)} are compared; choose one of them")
         refuse_existing(output, force, is_law_table)
     newtons = [quantity("--load", text, "N") for text in load]
     models = []
-    for name, law in pairs:
-        base, named = used, name
-        if name == "layer" and "thickness" in given and surface.block is None:
+    for kind, words in pairs:
+        chosen = chosen_model(used, kind, words)
+        if kind == "layer" and "thickness" in given and surface.block is None:
             thickness = quantity("--thickness", given["thickness"], "mm")
-            base, named = mf.Interacting(substrate=mf.BondedLayer(thickness)), None
-        models.append(chosen_model(base, named, law))
+            layer = mf.Interacting(substrate=mf.BondedLayer(thickness))
+            chosen = chosen_model(layer, None, words)
         remedy = "the folder's design has no block; design it again with a section [block]"
-        refuse_missing_block(models[-1], surface, remedy)
+        refuse_missing_block(chosen, surface, remedy)
+        models.append(chosen)
     laws: list[FrictionLaw] = []
     with progress(), doing("predicting the law"):
         for each in models:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import fields, is_dataclass
+from typing import Any
 
 import numpy as np
 
@@ -14,16 +15,13 @@ from metafem.models import Model
 EXACT = 1e-9
 
 
-def in_python(value: object) -> str:
+def in_python(value: Any) -> str:
     """Return a model as Python code, without arguments at their defaults; a table by its size alone."""
-    members = (
-        {field.name: getattr(value, field.name) for field in fields(value)} if is_dataclass(value) else {}
-    )
+    members = {field: getattr(value, field.name) for field in fields(value)} if is_dataclass(value) else {}
     if not members or any(isinstance(member, np.ndarray) or callable(member) for member in members.values()):
         return repr(value)
     given = []
-    for field in fields(value):
-        member = members[field.name]
+    for field, member in members.items():
         default = field.default_factory() if callable(field.default_factory) else field.default
         if member != default:
             given.append(f"{field.name}={in_python(member)}")

@@ -6,7 +6,8 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, ValidationError, model_validator
+import numpy as np
+from pydantic import BaseModel, Field, ValidationError, model_validator
 from pydantic.fields import FieldInfo
 
 from metafem._given import ErrorNames, error_names, printable
@@ -81,13 +82,13 @@ class ProfileSection(Section):
 
     def law(self) -> Contact:
         """Return the law of these keys."""
-        return AxisymmetricCap([self.rho, self.f])
+        return AxisymmetricCap(np.array([self.rho, self.f]))
 
 
 ContactSection = HertzSection | SphereSection | PowerCapSection | ProfileSection
 
 # The section of each kind.
-CONTACTS: Mapping[str, type[Section]] = {kind_of(each): each for each in models_of(ContactSection)}
+CONTACTS: Mapping[str, type[BaseModel]] = {kind_of(each): each for each in models_of(ContactSection)}
 
 
 class _Words(Section):

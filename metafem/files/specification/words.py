@@ -64,7 +64,8 @@ def _located(
     pydantic includes the kind of a section in the location.
     """
     keys: list[Any] = []
-    last, models = sections, (sections,)
+    last = sections
+    models: tuple[type[BaseModel], ...] = (sections,)
     for part in place:
         of_kind = [model for model in models if keys and kind_of(model) == part]
         if of_kind:
