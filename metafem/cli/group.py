@@ -18,7 +18,7 @@ DEMOS = ("operating-points", "linear", "bilinear")
 # The keys of `MODELS` in files/specification/models.py, repeated here so that --help imports nothing.
 MODELS = ("independent", "mean-field", "half-space", "layer", "block", "resolved", "automatic")
 
-# The contact laws in words, as `form` in files/specification/contacts.py states them.
+# The contact laws in words, as `form` in files/specification/options.py states them.
 CONTACTS = ("hertz", "sphere", "power EXPONENT [COEFFICIENT]", "profile FILE")
 
 # Exit codes: a target that cannot be reached, and input that cannot be used.

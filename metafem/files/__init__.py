@@ -9,8 +9,9 @@ from metafem.files.result.study import stored_studies, study_data, study_path, w
 from metafem.files.result.tables import is_law_table, law_table, read_surface
 from metafem.files.specification.demos import demo_text
 from metafem.files.specification.manual import all_keys, manual
-from metafem.files.specification.models import MODELS, chosen_model
+from metafem.files.specification.models import MODELS
 from metafem.files.specification.named_tables import measured_pairs
+from metafem.files.specification.options import chosen_model
 from metafem.files.specification.read import Specification, read_spec, refuse_missing_block
 from metafem.files.units import member_names, option_names, quantity
 

@@ -66,14 +66,6 @@ def with_contact(model: Model, contact: Contact) -> Model:
         raise InvalidInput(f"{model.name}: {error}") from None
 
 
-def chosen_model(model: Model, name: str | None, contact: str | None) -> Model:
-    """Return the model of the options ``--model`` and ``--contact``; what is not given is that of `model`."""
-    from metafem.files.specification.contacts import contact_named
-
-    law = contact_of(model) if contact is None else contact_named(contact)
-    return with_contact(model, law) if name is None else model_named(name, law)
-
-
 def suggestion(name: str, known: Mapping[str, object] | tuple[str, ...]) -> str:
     """Return the end of an error: the nearest known name and all of them."""
     near = get_close_matches(name, list(known), 1)

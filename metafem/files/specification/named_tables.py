@@ -12,7 +12,7 @@ from typing import Any
 
 from metafem._given import printable, shown
 from metafem.errors import InvalidInput
-from metafem.files.specification.columns import COLUMNS, TARGET, read_columns
+from metafem.files.columns import COLUMNS, TARGET, read_columns
 from metafem.files.units import converted
 
 # Files of a design in its result folder, which also holds a copy of the table.

@@ -6,9 +6,9 @@ import pytest
 
 import metafem as mf
 from metafem.cli.group import CONTACTS as COMMAND_CONTACTS
-from metafem.files.specification.contacts import CONTACTS, contact_named, form
 from metafem.files.specification.demos import demo_text
-from metafem.files.specification.models import chosen_model, with_contact
+from metafem.files.specification.models import with_contact
+from metafem.files.specification.options import chosen_model, contact_named, contacts, form
 
 PROFILE = "rho_mm,f_um\n0,0\n0.1,9.6\n0.2,39.5\n0.3,93.9\n"
 CAP = mf.AxisymmetricCap([[0.0, 0.1, 0.2, 0.3], [0.0, 9.6e-3, 39.5e-3, 93.9e-3]])
@@ -36,8 +36,8 @@ def written(folder, section):
 
 
 def test_laws_of_the_command_are_those_of_the_files():
-    assert tuple(form(kind) for kind in CONTACTS) == COMMAND_CONTACTS
-    assert [words.split()[0] for words in LAWS] == list(CONTACTS)
+    assert tuple(form(kind) for kind in contacts()) == COMMAND_CONTACTS
+    assert [words.split()[0] for words in LAWS] == list(contacts())
 
 
 @pytest.mark.parametrize("words", LAWS)

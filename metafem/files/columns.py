@@ -1,4 +1,4 @@
-"""Columns of quantities in a table that a specification names."""
+"""Columns of quantities in tables: target laws and profiles."""
 
 from __future__ import annotations
 
