@@ -53,6 +53,7 @@ from .prediction import ContactState as ContactState
 from .prediction import FrictionLaw as FrictionLaw
 from .prediction import Tolerances as Tolerances
 from .prediction import equilibrium as equilibrium
+from .prediction import flattened as flattened
 from .prediction import friction_law as friction_law
 from .substrate import BondedLayer as BondedLayer
 from .substrate import HalfSpace as HalfSpace

@@ -31,11 +31,15 @@ class Contact(Protocol):
         Whether the law with all lengths over R is the same for all radii.
     adhesive : bool
         Whether contacts attract: the load is negative for some contact radii, and contacts jump.
+    individual : bool
+        Whether the parameters are arrays (n,) with one value for each asperity, the last axis of all
+        arguments; ``law.one(i)`` is then the law of asperity i.
     """
 
     largest_order: ClassVar[int] = 1
     similar: ClassVar[bool] = False
     adhesive: ClassVar[bool] = False
+    individual: ClassVar[bool] = False
 
     def for_material(self, material: Material) -> Contact:
         """Return the law for unit E* of a material; the law itself if it has no energy or stress."""
@@ -48,6 +52,13 @@ class Contact(Protocol):
     def largest_indentation(self, radius: Values) -> FloatArray:
         """Largest indentation [mm] that the law describes; infinite where there is none."""
         return np.full(np.shape(radius), math.inf)[()]
+
+    def unloaded(self, indentation: FloatArray, radius: FloatArray) -> tuple[Contact, FloatArray]:
+        """Return the law after the largest indentations (n,) [mm], and the loss of height (n,) [mm].
+
+        The law is that of the lowered summits. An elastic law returns itself.
+        """
+        return self, np.zeros(np.shape(indentation))
 
     def contact_radius(self, indentation: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Contact radius a [mm] at an indentation d [mm]; 0 where d is negative: an open contact."""

@@ -3,6 +3,7 @@
 from metafem.prediction.branch_fit import BranchFit, fit_branch
 from metafem.prediction.contact_state import ContactState
 from metafem.prediction.equilibrium import equilibrium
+from metafem.prediction.flattening import flattened
 from metafem.prediction.friction_law import default_loads, friction_law, law_of_curve
 from metafem.prediction.law import FrictionLaw
 from metafem.prediction.perturbation import Perturbed, Tolerances
@@ -16,6 +17,7 @@ __all__ = [
     "default_loads",
     "equilibrium",
     "fit_branch",
+    "flattened",
     "friction_law",
     "law_of_curve",
 ]

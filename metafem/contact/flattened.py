@@ -1,0 +1,110 @@
+"""Elastic unloading and second loading of asperities that a load has flattened."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields
+from typing import ClassVar
+
+import numpy as np
+
+from metafem._validate import FloatArray
+from metafem._values import Value
+from metafem.contact.by_indentation import LawByIndentation
+from metafem.contact.law import Values
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Flattened(Value, LawByIndentation):
+    """Law of asperities that an earlier load has flattened, one by one.
+
+    The indentation e is counted from the lowered summit. Up to the earlier indentation, ``e <= depth``, the
+    contact is elastic: ``P = load_before (e/depth)^load_exponent`` and
+    ``A = area_before (e/depth)^area_exponent``. Beyond, the first loading continues: the original law at the
+    indentation ``e + residual``. An asperity that has not yielded has depth 0. It is made by
+    `Contact.unloaded`; all arrays are (n,).
+
+    Attributes
+    ----------
+    law : LawByIndentation
+        Law of the first loading.
+    residual : ndarray
+        Loss of height [mm].
+    depth : ndarray
+        Earlier indentation less the loss of height [mm].
+    load_before, area_before : ndarray
+        P/E* and A at the earlier indentation [mm^2].
+    load_exponent, area_exponent : ndarray
+        Exponents of the elastic unloading [-].
+    """
+
+    individual: ClassVar[bool] = True
+
+    law: LawByIndentation
+    residual: FloatArray
+    depth: FloatArray
+    load_before: FloatArray
+    area_before: FloatArray
+    load_exponent: FloatArray
+    area_exponent: FloatArray
+
+    def __repr__(self) -> str:
+        """Return the original law and the largest loss of height."""
+        return f"Flattened({self.law!r}, by up to {float(np.max(self.residual)):.4g} mm)"
+
+    def one(self, i: int) -> Flattened:
+        """Return the law of one asperity."""
+        return Flattened(self.law, *(np.asarray(getattr(self, part.name)[i]) for part in fields(self)[1:]))
+
+    def breaks(self, radius: float) -> FloatArray:
+        """Contact radii [mm] between which the law of one asperity is smooth."""
+        before = math.sqrt(float(self.area_before) / math.pi)
+        later = self.law.breaks(radius)
+        return np.append([before] if before > 0.0 else [], later[later > before])
+
+    def largest_indentation(self, radius: Values) -> FloatArray:
+        """Largest indentation [mm] of the original law, from the lowered summit."""
+        return np.asarray(self.law.largest_indentation(radius) - self.residual)
+
+    def unloaded(self, indentation: FloatArray, radius: FloatArray) -> tuple[Flattened, FloatArray]:
+        """Return the law after larger indentations (n,) from these summits [mm], and the further loss."""
+        deeper, loss = self.law.unloaded(np.asarray(indentation) + self.residual, radius)
+        further = np.asarray(indentation) > self.depth
+        parts = (
+            np.where(further, getattr(deeper, part.name), getattr(self, part.name))
+            for part in fields(self)[1:]
+        )
+        return Flattened(self.law, *parts), np.where(further, loss - self.residual, 0.0)
+
+    def _end(self) -> str:
+        return self.law._end()
+
+    def _load_at(self, depth: FloatArray, radius: FloatArray) -> tuple[FloatArray, FloatArray]:
+        elastic, share = self._share(depth)
+        load = self.load_before * share**self.load_exponent
+        later = self.law._load_at(depth + self.residual, radius)
+        return _chosen(elastic, (load, load * self.load_exponent / depth), later)
+
+    def _area_at(self, depth: FloatArray, radius: FloatArray) -> tuple[FloatArray, FloatArray]:
+        elastic, share = self._share(depth)
+        area = self.area_before * share**self.area_exponent
+        later = self.law._area_at(depth + self.residual, radius)
+        return _chosen(elastic, (area, area * self.area_exponent / depth), later)
+
+    def _share(self, depth: FloatArray) -> tuple[np.ndarray, FloatArray]:
+        """Return where the contact is elastic, and e/depth there."""
+        elastic = depth < self.depth
+        return elastic, np.where(elastic, depth / np.where(elastic, self.depth, 1.0), 1.0)
+
+    def _depth_at(self, area: FloatArray, radius: FloatArray) -> FloatArray:
+        elastic = area < self.area_before
+        share = np.where(elastic, area / np.where(elastic, self.area_before, 1.0), 1.0)
+        later = self.law._depth_at(area, radius) - self.residual
+        return np.where(elastic, self.depth * share ** (1.0 / self.area_exponent), later)
+
+
+def _chosen(
+    elastic: np.ndarray, inside: tuple[FloatArray, FloatArray], later: tuple[FloatArray, FloatArray]
+) -> tuple[FloatArray, FloatArray]:
+    """Return value and derivative of the elastic part, or of the original law beyond it."""
+    return np.where(elastic, inside[0], later[0]), np.where(elastic, inside[1], later[1])

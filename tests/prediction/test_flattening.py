@@ -1,0 +1,41 @@
+"""Surfaces that a load has flattened: unloading and second loading."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import metafem as mf
+
+MATERIAL = mf.Material(1.36, 0.3)
+LAWS = [law.for_material(MATERIAL) for law in (mf.KogutEtsion(0.05), mf.JacksonGreen(0.01))]
+
+
+@pytest.fixture
+def surface():
+    height = 0.2 - np.random.default_rng(5).exponential(0.03, 16).clip(0.0, 0.15)
+    return mf.Surface.square_lattice(height, (4, 4), radius=0.526, material=MATERIAL)
+
+
+@pytest.mark.parametrize("law", LAWS, ids=repr)
+def test_a_second_loading_returns_to_the_first_at_the_earlier_load(surface, law):
+    model = mf.Independent(law)
+    largest = 0.05
+    after, second = mf.flattened(surface, model, load=largest)
+    load = largest * np.array([0.1, 0.5, 0.9, 1.0, 1.5])
+    first, again = mf.friction_law(surface, model, load=load), mf.friction_law(after, second, load=load)
+    assert_allclose(again.area[3:], first.area[3:], rtol=1e-9)
+    assert_allclose(again.separation[3:], first.separation[3:], rtol=1e-9)
+    # flattened contacts keep a larger area, and the plane stays nearer
+    assert (again.area[:3] > first.area[:3]).all()
+    assert (again.separation[:3] < first.separation[:3]).all()
+
+
+def test_an_elastic_law_and_a_load_of_zero_change_nothing(surface):
+    assert mf.flattened(surface, load=0.1) == (surface, mf.Independent())
+    after, _ = mf.flattened(surface, mf.Independent(LAWS[0]), load=0.0)
+    assert_allclose(after.height, surface.height, rtol=0)
+
+
+def test_a_negative_load_is_refused(surface):
+    with pytest.raises(mf.InvalidInput, match="load = -1 must be at least 0"):
+        mf.flattened(surface, load=-1.0)
