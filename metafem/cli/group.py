@@ -19,7 +19,10 @@ DEMOS = ("operating-points", "linear", "bilinear")
 MODELS = ("independent", "mean-field", "half-space", "layer", "block", "resolved", "automatic")
 
 # The contact laws in words, as `form` in files/specification/options.py states them.
-CONTACTS = ("hertz", "sphere", "power EXPONENT [COEFFICIENT]", "profile FILE")
+CONTACTS = (
+    *("hertz", "sphere", "power EXPONENT [COEFFICIENT]", "profile FILE"),
+    *("jkr ADHESION_ENERGY [CAP]", "kogut-etsion HARDNESS", "jackson-green YIELD_STRENGTH"),
+)
 
 # Exit codes: a target that cannot be reached, and input that cannot be used.
 NOT_ACHIEVED, BAD_INPUT = 1, 2
@@ -96,10 +99,9 @@ def model_option(default: str, multiple: bool = False) -> Callable[[Callable[...
     again = " May be repeated, to compare laws." if multiple else ""
     text = f"Model of the law, from single contacts to resolved ones.{again} Default: {default}."
     model = click.option("--model", type=click.Choice(MODELS), multiple=multiple, help=text)
-    laws = f"Law of one contact, a kind and its values: {', '.join(CONTACTS)}."
-    text = (
-        f'{laws} For example --contact "power 4".{again} Default: {default.replace("independent", "hertz")}.'
-    )
+    law = default.replace("independent", "hertz")
+    text = f"Law of one contact, a kind and its values: {', '.join(CONTACTS)}."
+    text += f' For example --contact "jkr 9 mJ/m^2 sphere".{again} Default: {law}.'
     contact = click.option("--contact", metavar="LAW", multiple=multiple, help=text)
     return lambda command: model(contact(command))
 

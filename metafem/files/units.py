@@ -35,12 +35,14 @@ _USUAL = {
     "kPa": ("MPa", Fraction(1, 1000)),
     "MPa": ("MPa", Fraction(1)),
     "GPa": ("MPa", Fraction(1000)),
+    "mJ/m^2": ("N/mm", Fraction(1, 1_000_000)),
 }
 
 EXAMPLES = {
     "mm": "120 um",
     "mm^2": "0.144 mm^2",
     "N": "0.2 N",
+    "N/mm": "9 mJ/m^2",
     "MPa": "1.36 MPa",
     "rad": "0.1 deg",
     "1": "0.85",
@@ -58,7 +60,7 @@ def quantity(key: str, given: Any, unit: str, example: str | None = None) -> flo
         Number and unit, such as ``"120 um"``; both micro signs are read, and ``mm^2``, ``mm2``,
         ``mm**2`` and ``mm²`` are the same.
     unit : str
-        "mm", "mm^2", "N", "MPa", "rad" or "1".
+        "mm", "mm^2", "N", "N/mm", "MPa", "rad" or "1".
     example : str, optional
         A valid value for the error.
 

@@ -6,12 +6,21 @@ from collections.abc import Callable, Mapping
 from dataclasses import MISSING, fields, is_dataclass
 from enum import Enum
 from importlib import import_module
+from inspect import isbuiltin, isfunction
 from typing import Any, get_type_hints
 
 import numpy as np
 
 from metafem._given import plain, printable, shown
-from metafem.contact import AxisymmetricCap, Hertz, PowerCap, SphericalCap
+from metafem.contact import (
+    JKR,
+    AxisymmetricCap,
+    Hertz,
+    JacksonGreen,
+    KogutEtsion,
+    PowerCap,
+    SphericalCap,
+)
 from metafem.errors import InvalidInput
 from metafem.files.result.hints import fits, in_words
 from metafem.inversion import (
@@ -42,7 +51,7 @@ VALUES: Mapping[str, type] = {
     kind.__name__: kind
     for kind in (
         *(Material, Friction, Block, Surface, HalfSpace, BondedLayer),
-        *(Hertz, PowerCap, SphericalCap, AxisymmetricCap),
+        *(Hertz, PowerCap, SphericalCap, AxisymmetricCap, JKR, KogutEtsion, JacksonGreen),
         *(Independent, MeanField, Interacting, BoundaryElements, Automatic),
         *(OperatingPoints, LinearLaw, BilinearLaw, SampledLaw, PowerLaw, MultilinearLaw),
         *(Limits, Layout, RadiusRange, Tolerances, Design, FrictionLaw),
@@ -113,8 +122,15 @@ def to_record(value: Any) -> Any:
     if isinstance(value, Enum) and type(value).__name__ in ENUMS:
         return {"type": type(value).__name__, "name": value.name, "message": value.value}
     if is_dataclass(value) and type(value).__name__ in {*VALUES, *LATE}:
-        members = {field.name: to_record(getattr(value, field.name)) for field in fields(value)}
-        return {"type": type(value).__name__, **members}
+        title = type(value).__name__
+        members = {field.name: getattr(value, field.name) for field in fields(value)}
+        for name, member in members.items():
+            if isfunction(member) or isbuiltin(member) or isinstance(member, np.ufunc):
+                raise InvalidInput(
+                    f"{title}.{name} = {member.__name__} is a function, which cannot be written to a record; "
+                    "give it as a table"
+                )
+        return {"type": title, **{name: to_record(member) for name, member in members.items()}}
     if isinstance(value, np.ndarray) and value.dtype.name in ARRAYS:
         return {value.dtype.name: value.tolist()}
     if isinstance(value, np.generic):

@@ -5,11 +5,20 @@ from __future__ import annotations
 from typing import Annotated, Literal, Self
 
 import numpy as np
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
-from metafem.contact import AxisymmetricCap, Contact, Hertz, PowerCap, SphericalCap
+from metafem.contact import (
+    JKR,
+    AxisymmetricCap,
+    Contact,
+    Hertz,
+    JacksonGreen,
+    KogutEtsion,
+    PowerCap,
+    SphericalCap,
+)
 from metafem.errors import InvalidInput
-from metafem.files.specification.fields import Length, Number, Section, says
+from metafem.files.specification.fields import Length, Number, Section, measured, says
 
 
 class HertzSection(Section):
@@ -76,4 +85,45 @@ class ProfileSection(Section):
         return AxisymmetricCap(np.array([self.rho, self.f]))
 
 
-ContactSection = HertzSection | SphereSection | PowerCapSection | ProfileSection
+CapSection = HertzSection | SphereSection | PowerCapSection | ProfileSection
+
+
+class JKRSection(Section):
+    """Elastic caps with adhesion, by the theory of Johnson, Kendall and Roberts."""
+
+    kind: Literal["jkr"]
+    adhesion_energy: Annotated[float, measured("N/mm"), says("w, from 0", "9 mJ/m^2")]
+    cap: Annotated[
+        CapSection,
+        Field(discriminator="kind"),
+        says("one of the kinds above, with its keys", {"kind": "sphere"}),
+    ] = HertzSection(kind="hertz")
+
+    def law(self) -> Contact:
+        """Return the law of these keys."""
+        return JKR(self.adhesion_energy, self.cap.law())
+
+
+class KogutEtsionSection(Section):
+    """Elastic-plastic spheres, by the formulas of Kogut and Etsion."""
+
+    kind: Literal["kogut-etsion"]
+    hardness: Annotated[float, measured("MPa", "10 MPa"), says("H of the softer material", "10 MPa")]
+
+    def law(self) -> Contact:
+        """Return the law of these keys."""
+        return KogutEtsion(self.hardness)
+
+
+class JacksonGreenSection(Section):
+    """Elastic-plastic spheres, by the formulas of Jackson and Green."""
+
+    kind: Literal["jackson-green"]
+    yield_strength: Annotated[float, measured("MPa", "4 MPa"), says("of the softer material", "4 MPa")]
+
+    def law(self) -> Contact:
+        """Return the law of these keys."""
+        return JacksonGreen(self.yield_strength)
+
+
+ContactSection = CapSection | JKRSection | KogutEtsionSection | JacksonGreenSection

