@@ -155,6 +155,11 @@ class PowerCap(ElasticCap):
         """Depth c R (rho/R)^n of the cap below its summit at a distance from the axis [mm]."""
         return np.asarray(self.coefficient * radius * np.divide(distance, radius) ** self.exponent)[()]
 
+    @property
+    def power(self) -> float:
+        """The exponent of the profile."""
+        return self.exponent
+
     def _factor(self) -> float:
         """C K [-]."""
         n = self.exponent

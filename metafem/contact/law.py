@@ -41,6 +41,16 @@ class Contact(Protocol):
     adhesive: ClassVar[bool] = False
     individual: ClassVar[bool] = False
 
+    @property
+    def power(self) -> float | None:
+        """n of a cap rho^n without adhesion, for which A grows as d^(2/n) and P as d^(1 + 1/n); or None."""
+        return None
+
+    @property
+    def cap(self) -> Contact:
+        """The law without adhesion; the law itself if it has none."""
+        return self
+
     def for_material(self, material: Material) -> Contact:
         """Return the law for unit E* of a material; the law itself if it has no energy or stress."""
         return self

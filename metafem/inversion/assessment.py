@@ -93,10 +93,10 @@ def misfit_of(candidate: Candidate, area: Callable[[FloatArray], FloatArray]) ->
     return _misfit(candidate, found[at_target], slopes)
 
 
-def independent_misfit(candidate: Candidate) -> float:
+def independent_misfit(candidate: Candidate, model: Independent) -> float:
     """Return the misfit of independent asperities; it does not depend on the sites."""
     height, radius = candidate.height, candidate.radius
-    return misfit_of(candidate, lambda load: Independent().curve_of(height, radius, load).area)
+    return misfit_of(candidate, lambda load: model.curve_of(height, radius, load).area)
 
 
 def model_misfit(candidate: Candidate, surface: Surface, model: Model) -> float:

@@ -51,9 +51,14 @@ def design_notes(
         law = candidate.target_law
         if candidate.density is not None:
             notes.append(_density(problem, found))
-        elif candidate.branches and law.pointwise and independent_misfit(candidate) > REACHED:
+        elif candidate.branches and law.pointwise and _missed(problem, candidate):
             notes.append(_line(problem, held))
     return tuple(notes)
+
+
+def _missed(problem: Problem, candidate: Candidate) -> bool:
+    """Whether independent asperities of these heights miss the target."""
+    return independent_misfit(candidate, problem.independent) > REACHED
 
 
 def step_note(limits: Limits, before: float, after: float) -> Note:

@@ -1,118 +1,57 @@
-"""Bounds on the friction of every surface of N independent asperities with radii between R1 and R2.
-
-With contact radii a_i, ``p = P/E* = 4/3 sum a_i^3/R_i`` and ``A0 = pi sum a_i^2``. At a given load A0 is
-least with one contact of radius R1 and largest with N equal contacts of radius R2. Along a law, ``dA0/dp =
-(pi/2) sum R_i / sum a_i``; Cauchy's inequality between the sums of a, a^2 and a^3 gives a bound that depends
-on A0 and p alone.
-
-The local exponent is ``d ln A0/d ln p = 2/3 (sum R sum a^3/R) / (sum a^2 sum a)``. With one radius it is
-never below 2/3, by Chebyshev's sum inequality. With several radii the ratio of the sums is least for two
-kinds of contact, large caps with a/R = x and small caps with a/R = s^2 x. With k^2 = R1/R2 and
-``1/(k^3 s^3)`` small caps for each large one the ratio is ``((1 + k s^3)/(s + k s^2))^2``, and it is least
-at the root s > 1 of ``k^2 s^4 + 2 k s^3 - 2 k s - 1``.
-"""
+"""Targets that break a bound, and what surfaces of independent asperities can reach."""
 
 from __future__ import annotations
 
 import math
 import warnings
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import brentq
 
 from metafem import _validate as check
 from metafem._calls import checked_call
 from metafem._validate import FloatArray
 from metafem._values import percent
-from metafem.contact import Hertz
+from metafem.contact import Contact
 from metafem.errors import Infeasible, InvalidInput, MetafemWarning
+from metafem.inversion.bounds import ROUNDING, Bounds
 from metafem.inversion.height_density import FINEST_SCALE_IN_SD, TruncatedExponential, uniform_slope
 from metafem.inversion.limits import Limits
 from metafem.inversion.radii import Radii, RadiusRange
+from metafem.models.model import PARABOLOID, checked_contact
 from metafem.surface import Surface
 
 if TYPE_CHECKING:
     from metafem.inversion.problem import Problem
     from metafem.inversion.targets.wording import Wording
 
-# A value this close to a bound counts as the bound: rounding must not refuse values taken from a surface.
-ROUNDING = 1e-9
-
 # The nearest target that can be reached is inside its bound by this relative distance.
 INSIDE = 1e-6
-
-# Exponent of a fixed number of equal contacts, the least for any surface of one radius.
-EQUAL_EXPONENT = 2.0 / 3.0
 
 # Limit of mostly elastic contact by Greenwood and Williamson.
 ELASTIC_LIMIT = 0.6
 
 
-def friction_bounds(load: FloatArray, radii: Radii, count: int) -> tuple[FloatArray, FloatArray]:
-    """Return the lowest and highest friction at rescaled loads, (k,) [mm^2]: one contact, and N equal."""
-    power = load**EQUAL_EXPONENT
-    return single_friction(radii.low) * power, single_friction(radii.high) * count ** (1.0 / 3.0) * power
-
-
-def single_friction(radius: float) -> float:
-    """Return c of the friction ``c p^(2/3)`` of a single asperity [mm^(2/3)]."""
-    return float(math.pi * radius * Hertz().indentation_at_load(1.0, radius))
-
-
-def least_exponent(radii: Radii) -> float:
-    """Return the least local exponent of a law: 2/3 for one radius, less for several."""
-    k, s = math.sqrt(radii.low / radii.high), relative_depth(radii)
-    return EQUAL_EXPONENT * ((1.0 + k * s**3) / (s + k * s * s)) ** 2
-
-
-def relative_depth(radii: Radii) -> float:
-    """Return s of the two kinds of contact: d/R of the small caps is s^4 times that of the large ones."""
-    if radii.single:
-        return 1.0
-    k = math.sqrt(radii.low / radii.high)
-
-    def slope(s: float) -> float:
-        return k * k * s**4 + 2.0 * k * s**3 - 2.0 * k * s - 1.0
-
-    # for s above 1 + (2/k)^(1/2) the terms 2 k s (s^2 - 1) > 4 s alone exceed 1: an upper bracket
-    return float(brentq(slope, 1.0, math.sqrt(2.0 / k) + 1.0))
-
-
-def largest_exponent(load_range: tuple[float, float], radii: Radii, count: int) -> float:
-    """Return the largest exponent over a range, ``2/3 + ln(N^(1/3) (R2/R1)^(2/3)) / ln(P2/P1)``."""
-    low, high = load_range
-    wider = math.log(count) / 3.0 + EQUAL_EXPONENT * math.log(radii.high / radii.low)
-    return EQUAL_EXPONENT + wider / math.log(high / low)
-
-
-def largest_load(radii: Radii, count: int, limits: Limits) -> float:
-    """Return the load P/E* [mm^2] that N asperities carry when the plane reaches the base plane."""
-    depth = limits.offset + limits.max_height
-    return count * float(Hertz().load_at_indentation(depth, radii.high))
-
-
 def broken_bound(
-    load: FloatArray, friction: FloatArray, radii: Radii, count: int, margin: float
+    load: FloatArray, friction: FloatArray, bounds: Bounds, margin: float
 ) -> tuple[int, str, float, FloatArray] | None:
     """Return a bound that points (k,) break by more than a margin (relative), or None.
 
     The first point beyond it, the bound in words and in mm^2, and frictions (k,) within the bounds.
     """
-    low, high = friction_bounds(load, radii, count)
-    exponent, slack = least_exponent(radii), margin + ROUNDING
+    low, high = bounds.friction(load)
+    exponent, slack = bounds.least_exponent, margin + ROUNDING
     least = load**exponent
     scaled = friction / least
     top = np.maximum.accumulate(scaled)
-    # A0^3 - K p^2 cannot rise along a law: its steepest slope is 2/3 K p/A0^2, with K of N equal contacts
-    rise = 9.0 / 16.0 * math.pi**3 * count * radii.high**2 * load**2
-    jump = np.cbrt(np.minimum.accumulate(np.insert(friction**3 - rise, 0, 0.0))[:-1] + rise)
-    power = "(2/3)" if radii.single else f"{exponent:.4g}"
+    jump = bounds.highest_after(load, friction)
+    power = "(2/3)" if exponent == 2.0 / 3.0 else f"{exponent:.4g}"
     for broken, words, bound in (
         (friction < low * (1.0 - slack), "below that of a single asperity", low),
-        (friction > high * (1.0 + slack), f"above that of {count} equal asperities", high),
+        (friction > high * (1.0 + slack), f"above that of {bounds.count} equal asperities", high),
         (
             scaled < top * (1.0 - slack),
             f"below that of the asperities in contact at smaller loads (F/P^{power} cannot fall)",
@@ -120,7 +59,7 @@ def broken_bound(
         ),
         (
             friction > jump * (1.0 + slack),
-            f"above that of {count} asperities that all come into contact after a smaller load",
+            f"above that of {bounds.count} asperities that all come into contact after a smaller load",
             jump,
         ),
     ):
@@ -133,7 +72,7 @@ def broken_bound(
 
 def refuse_load(load: float, problem: Problem, wording: Wording) -> None:
     """Raise Infeasible for a load beyond that at which the plane reaches the base plane."""
-    most = largest_load(problem.radii, problem.count, problem.limits)
+    most = problem.bounds.largest_load(problem.limits)
     if load > most:
         raise Infeasible(
             f"load {wording.loads(load)} is beyond {wording.loads(most)}, at which the plane reaches the "
@@ -153,12 +92,15 @@ def feasible_region(
     rescaled_load: ArrayLike,
     limits: Limits,
     radii: RadiusRange | Sequence[float] | None = None,
+    contact: Contact = PARABOLOID,
 ) -> tuple[FloatArray, FloatArray]:
     """Return the lowest and highest friction that any surface of independent asperities has at each load.
 
-    The lowest is ``pi R (3p/(4 sqrt R))^(2/3)`` with the least radius; the highest is the same with the
-    largest radius, times ``N^(1/3)``. Both are nan beyond the load at which, with N summits of the largest
-    height, the plane reaches the base plane.
+    The lowest is that of one asperity of the least radius, for Hertz contacts ``pi R (3p/(4 sqrt R))^(2/3)``;
+    the highest is that of N equal asperities of the largest radius. Both are nan beyond the load at which,
+    with N summits of the largest height, the plane reaches the base plane. They hold for every law whose load
+    is a convex function of the area, see `metafem.inversion.bounds`; for others, for laws with adhesion, and
+    for several radii of a law that does not scale with them, they are 0 and infinite.
 
     Parameters
     ----------
@@ -169,6 +111,8 @@ def feasible_region(
     limits : Limits
     radii : RadiusRange or sequence of float, optional
         Radii that each asperity may have [mm]; default: the radius of the template.
+    contact : Contact
+        Law of one contact; default: `Hertz()`.
 
     Returns
     -------
@@ -187,16 +131,23 @@ def feasible_region(
     >>> low, high = feasible_region(template, [0.1, 0.4], Limits(0.12))
     >>> (high / low).round(12)
     array([4., 4.])
+    >>> low, high = feasible_region(template, [0.1, 0.4], Limits(0.12), contact=mf.PowerCap(4))
+    >>> (high / low).round(4)
+    array([12.1257, 12.1257])
     """
     check.instance("template", template, Surface, "a metafem.Surface")
     check.instance("limits", limits, Limits, "metafem.Limits")
     load = check.array("rescaled_load", rescaled_load, shape=(None,))
     if load.min() <= 0.0:
         check.number("rescaled_load", float(load.min()), above=0.0)
-    choice = Radii.given(radii, template)
-    low, high = friction_bounds(load, choice, template.count)
-    beyond = load > largest_load(choice, template.count, limits)
-    return np.where(beyond, np.nan, low), np.where(beyond, np.nan, high)
+    law = checked_contact(contact).for_material(template.material)
+    bounds = Bounds(law, Radii.given(radii, template), template.count, float(load.max()))
+    within = load <= bounds.largest_load(limits)
+    low, high = np.full((2, len(load)), np.nan)
+    if within.any():
+        bounds = replace(bounds, last=float(load[within].max()))
+        low[within], high[within] = bounds.friction(load[within])
+    return low, high
 
 
 @checked_call

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
 from metafem import _validate as check
+from metafem.contact import Contact
+from metafem.inversion.bounds import Bounds
 from metafem.inversion.limits import Limits
 from metafem.inversion.placement.layout import Layout
 from metafem.inversion.radii import Radii, RadiusRange
 from metafem.inversion.search.options import DEFAULTS, SearchOptions
 from metafem.inversion.targets.target import Target
 from metafem.models import Independent, Model
-from metafem.models.model import model_of_paraboloids
+from metafem.models.model import contact_of
 from metafem.prediction.perturbation import Tolerances
 from metafem.surface import Surface
 
@@ -55,7 +58,6 @@ class Problem:
         check.instance("template", template, Surface, "a metafem.Surface")
         solver: Model = Independent() if model is None else model
         check.instance("model", solver, Model, "a model such as metafem.Independent()")
-        model_of_paraboloids(solver, "designs and their bounds")
         bounds = Limits(max_height=float(template.height.max())) if limits is None else limits
         check.instance("limits", bounds, Limits, "metafem.Limits")
         if layout is not None:
@@ -64,6 +66,23 @@ class Problem:
             check.instance("robust", robust, Tolerances, "metafem.Tolerances")
         choice = Radii.given(radii, template)
         return cls(target, template, choice, solver, bounds, layout, robust)
+
+    @cached_property
+    def contact(self) -> Contact:
+        """Law of one contact of the model, for the material of the template."""
+        return contact_of(self.model).for_material(self.template.material)
+
+    @cached_property
+    def independent(self) -> Independent:
+        """The model of the first heights: independent asperities of that law, without its adhesion."""
+        return Independent(contact=self.contact.cap)
+
+    @cached_property
+    def bounds(self) -> Bounds:
+        """Bounds of independent asperities up to the last load of the target."""
+        unlimited = Bounds(self.contact, self.radii, self.count, 0.0)
+        last = self.target.last_load or unlimited.largest_load(self.limits)
+        return replace(unlimited, last=last)
 
     @property
     def count(self) -> int:
@@ -81,5 +100,5 @@ class Problem:
             return 0.0
         equal = self.template.replaced(height=np.zeros(self.count), radius=self.radii.high)
         load = last * MARGIN_LOADS
-        change = self.model.curve(equal, load).area / Independent().curve(equal, load).area - 1.0
+        change = self.model.curve(equal, load).area / self.independent.curve(equal, load).area - 1.0
         return 2.0 * float(np.abs(change).max())

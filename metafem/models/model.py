@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Protocol, cast, runtime_checkable
 
 import numpy as np
 
+from metafem import _validate as check
 from metafem._given import shown
 from metafem._validate import FloatArray, IntArray
 from metafem.contact import Contact, Hertz
@@ -163,6 +164,13 @@ def checked_model(model: object) -> Model:
             f"model = {shown(model)} must be a model such as metafem.Independent(); loads go by load="
         )
     return cast("Model", model)
+
+
+def checked_contact(contact: object) -> Contact:
+    """Return a contact law, or raise InvalidInput for anything else."""
+    laws = "a contact law such as metafem.Hertz() or metafem.PowerCap(4)"
+    check.instance("contact", contact, Contact, laws)
+    return cast("Contact", contact)
 
 
 def contact_of(model: Model) -> Contact:

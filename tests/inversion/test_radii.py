@@ -123,13 +123,14 @@ def test_proportional_laws_and_branches_take_tools(template):
     assert mf.design(target, template, limits=LIMITS, radii=TOOLS).misfit <= 1e-3
 
 
-def test_gradients_by_radii_are_those_of_differences():
-    rng = np.random.default_rng(1)
+@pytest.mark.parametrize("cap", [mf.Hertz(), mf.PowerCap(4), mf.SphericalCap()], ids=repr)
+def test_gradients_by_radii_are_those_of_differences(cap):
+    model, rng = mf.Independent(contact=cap), np.random.default_rng(1)
     space = Asperities(1.0, 9, Radii(0.1, 2.0, None), 0.05)
     at = space.joined(rng.uniform(0.1, 0.2, 9), rng.uniform(0.2, 0.8, 9))
 
     def law(unknowns):
-        return space.residual(np.array([0.05, 0.2]), lambda area, gradient: (area, gradient))(unknowns)
+        return space.residual(model, np.array([0.05, 0.2]), lambda area, gradient: (area, gradient))(unknowns)
 
     step = 1e-5
     for i in range(9, 18):

@@ -117,8 +117,8 @@ def test_what_cannot_take_the_law_refuses_it():
             model(contact=mf.PowerCap(4))
 
 
-def test_designs_arrangements_and_studies_are_for_paraboloids():
-    template, target = lattice(np.full(4, 0.12)), mf.OperatingPoints([0.02], [0.15])
+def test_densities_arrangements_and_studies_are_for_paraboloids():
+    template, target = lattice(np.full(4, 0.12)), mf.LinearLaw(8.0)
     surface = lattice([0.1, 0.11, 0.12, 0.13])
     design = mf.design(target, template)
     for call in (

@@ -8,7 +8,7 @@ import numpy as np
 
 import metafem as mf
 from metafem.drawing import new_figure
-from metafem.inversion.feasibility import largest_exponent, least_exponent
+from metafem.inversion.bounds import Bounds
 from metafem.inversion.radii import Radii
 from validation.check import LINE_REQUIRED, REQUIRED, Check, Claim, below, near
 from validation.paper.surfaces import template
@@ -19,6 +19,7 @@ from validation.scenes.models import MODELS
 TOOLS = [0.2, 0.8]
 CHOICES = {"two tools": TOOLS, "any radius between": mf.RadiusRange(0.2, 0.8)}
 RANGE, LIMITS = (0.1, 0.4), mf.Limits(0.27, offset=0.05)
+BOUNDS = Bounds(mf.Hertz(), Radii.given(TOOLS), 64, RANGE[1])
 
 
 # Below 2/3 and above 1.51, the range of one radius within 1 %.
@@ -56,7 +57,7 @@ def claim() -> Claim:
 
 
 def _largest() -> Check:
-    bound = largest_exponent(RANGE, Radii.given(TOOLS), 64)
+    bound = BOUNDS.largest_exponent(RANGE)
     reached, beyond = 1.51, bound
     for _ in range(HALVINGS):
         middle = 0.5 * (reached + beyond)
@@ -73,7 +74,7 @@ def _largest() -> Check:
 
 def _least() -> list[Check]:
     """Exponents of random contacts of two radii are above the least exponent, and approach it."""
-    least = least_exponent(Radii.given(TOOLS))
+    least = BOUNDS.least_exponent
     rng = np.random.default_rng(0)
     R = rng.choice(TOOLS, (200_000, 12))
     a = (
@@ -82,7 +83,7 @@ def _least() -> list[Check]:
         * np.where(TOOLS[0] == R, rng.uniform(0.5, 2.0, (200_000, 1)), 1.0)
     )
     found = 2.0 / 3.0 * R.sum(axis=1) * (a**3 / R).sum(axis=1) / ((a**2).sum(axis=1) * a.sum(axis=1))
-    source = "closed form for Hertz contacts of two radii, metafem/inversion/feasibility.py, least_exponent"
+    source = "closed form for Hertz contacts of two radii, metafem/inversion/bounds.py"
     return [
         below(
             "least exponent minus the smallest of 200,000 random surfaces",

@@ -18,7 +18,7 @@ from metafem.inversion.search.multistart import search
 from metafem.inversion.search.nearest_law import residual_of_heights
 from metafem.inversion.search.options import SearchOptions
 from metafem.inversion.targets.target_law import TargetLaw
-from metafem.models import Independent, Sensitivity
+from metafem.models import Sensitivity
 from metafem.notes import information
 from metafem.progress import doing, each
 
@@ -31,9 +31,11 @@ def refined(problem: Problem, candidate: Candidate, rng: np.random.Generator) ->
     and the last steps use its gradients with the law of the model itself.
     """
     model, limits, options = problem.model, problem.limits, problem.options
-    if candidate.stepped or not (model.couples or candidate.density is not None):
+    # the strategies find heights for independent asperities without adhesion
+    moved = model.couples or problem.contact.adhesive
+    if candidate.stepped or not (moved or candidate.density is not None):
         return candidate
-    unrefined = np.inf if model.couples else independent_misfit(candidate)
+    unrefined = np.inf if moved else independent_misfit(candidate, problem.independent)
     if unrefined <= MISSED:
         return candidate
     with doing("refining the heights under the model"):
@@ -54,13 +56,18 @@ def refined(problem: Problem, candidate: Candidate, rng: np.random.Generator) ->
             if best.misfit <= EXACT or len(trial.height) == len(candidate.height):
                 break
         result = start.with_heights(below_limit(best.unknowns, limits))
-        if not model.couples and model_misfit(result, result.surface(problem.template), model) >= unrefined:
+        if not moved and model_misfit(result, result.surface(problem.template), model) >= unrefined:
             return candidate
     change = 1e3 * float(np.abs(result.height - start.height).max())
     added = len(start.height) - len(candidate.height)
     if change == 0.0 and not added:
         return candidate
-    cause = "the interaction of the asperities" if model.couples else "the scatter of so few asperities"
+    causes = {
+        "the interaction of the asperities": model.couples,
+        "their adhesion": problem.contact.adhesive,
+        "the scatter of so few asperities": not moved,
+    }
+    cause = " and ".join(words for words, acts in causes.items() if acts)
     more = f", and {added} asperities were added to raise the friction" if added else ""
     under = "" if solver == model else f"; the gradients were those of the model {solver.name}"
     note = information(f"heights were moved by at most {change:.3g} um for {cause}{more}{under}")
@@ -105,11 +112,11 @@ def _initial_guesses(
     law, options, surface = start.target_law, problem.options, start.surface(problem.template)
     if law.misfit(area) <= options.close:
         return [start.height]
-    ratio = area / Independent().curve(surface, law.load).area
+    ratio = area / problem.independent.curve(surface, law.load).area
     powers = np.vander(np.log(law.load / law.load[-1]), options.ratio_degree + 1)
     smooth = powers @ np.linalg.lstsq(powers, ratio, rcond=None)[0]
     divided = TargetLaw.fixed(law.load, law.law(area) / smooth, law.weight)
-    residual = residual_of_heights(surface.radius, law.load, divided.residual)
+    residual = residual_of_heights(problem.independent, surface.radius, law.load, divided.residual)
     space, restarts = Heights(problem.limits.span), options.ratio_restarts
     corrected = search(residual, [surface.height], space, options.goal, restarts, rng, options)
     # heights whose sites were chosen for this model should change as little as possible

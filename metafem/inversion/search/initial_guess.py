@@ -15,26 +15,28 @@ import numpy as np
 from scipy.optimize import brentq
 
 from metafem._validate import FloatArray
-from metafem.contact import Hertz
-from metafem.inversion.feasibility import relative_depth
+from metafem.contact import Contact
+from metafem.inversion.bounds import depth_at_pressure, relative_depth
 from metafem.inversion.radii import Radii
 from metafem.inversion.search.options import DEFAULTS, SearchOptions
+from metafem.models.contact_sums import contacts
 
 
 def initial_heights(
-    load: FloatArray, friction: FloatArray, radius: FloatArray, count: int, options: SearchOptions = DEFAULTS
-) -> tuple[FloatArray, FloatArray]:
+    law: Contact, load: FloatArray, friction: FloatArray, radius: FloatArray, count: int,
+    options: SearchOptions = DEFAULTS,
+) -> tuple[FloatArray, FloatArray]:  # fmt: skip
     """Return at most `count` heights, tallest first at 0, whose law is near the samples, and radii [mm].
 
     Asperities that enter at sample k have the k-th radius.
     """
-    # for equal contacts P/A0 is proportional to the square root of the indentation
-    depth = (load[0] / friction[0] / _pressure(radius[0])) ** 2
-    levels, numbers, kinds = [0.0], [friction[0] / (math.pi * radius[0] * depth)], [radius[0]]
+    depth = depth_at_pressure(law, load[0] / friction[0], radius[0])
+    first = float(contacts(law, np.array(depth), radius[:1]).area[0])
+    levels, numbers, kinds = [0.0], [friction[0] / first], [radius[0]]
     plane, widest = -depth, float(radius.max())
     for p, f, new in zip(load[1:], friction[1:], radius[1:], strict=True):
-        earlier = np.array(levels) - plane, np.array(kinds), np.array(numbers)
-        depth, number = _entering(*earlier, p, f, new, widest, options.shallowest)
+        earlier = _Earlier(law, np.array(levels) - plane, np.array(kinds), np.array(numbers))
+        depth, number = earlier.entering(p, f, new, widest, options.shallowest)
         if number > 0.0:
             levels.append(plane)
             numbers.append(number)
@@ -43,64 +45,94 @@ def initial_heights(
     return _spread(np.array(levels), np.array(numbers), np.array(kinds), plane, count)
 
 
-def _entering(
-    above: FloatArray, kind: FloatArray, number: FloatArray, load: float, friction: float, radius: float,
-    widest: float, shallowest: float,
-) -> tuple[float, float]:  # fmt: skip
-    """Return the depth of the plane below the new level, and the number of asperities that enter there.
+class _Earlier:
+    """Asperities in contact: `number` of each radius `kind` are `above` the new level."""
 
-    The earlier asperities, `number` of each radius `kind`, are `above` the new level.
-    """
-    per_depth = math.pi * kind * number
-    per_root = Hertz().load_at_indentation(1.0, kind) * number
-    total = float(per_depth.sum())
-    deepest = (friction - float(per_depth @ above)) / total
+    def __init__(self, law: Contact, above: FloatArray, kind: FloatArray, number: FloatArray) -> None:
+        self.law, self.above = law, above
+        self.most = float((law.largest_indentation(kind) - above).min())
+        self.sums = _sums(law, kind, number)
 
-    def carried(depth: float) -> float:
-        return float(per_root @ (above + depth) ** 1.5)
+    def at(self, depth: float) -> tuple[float, float]:
+        """Return their load and area where the plane is this far below the new level [mm^2]."""
+        return self.sums(self.above + depth)
 
-    if deepest > 0.0 and carried(deepest) > load:
-        pressure, low, area = _pressure(radius), shallowest * deepest, deepest * total
+    def depth(self, index: int, value: float, widest: float) -> float:
+        """Return the depth of the plane at which the load (0) or area (1) has a value, or the most."""
+        high = min(widest, self.most)
+        while self.at(high)[index] < value:
+            if high >= self.most:
+                return self.most
+            high = min(2.0 * high, self.most)
+        return _root(lambda depth: self.at(depth)[index] - value, 0.0, high, high)
 
-        def excess(depth: float) -> float:  # eq. S1: load, with as many new asperities as the area needs
-            return carried(depth) + (area - depth * total) * pressure * math.sqrt(depth) - load
+    def entering(
+        self, load: float, friction: float, radius: float, widest: float, shallowest: float
+    ) -> tuple[float, float]:
+        """Return the depth of the plane below the new level, and the number of asperities that enter."""
+        carried, area = self.at(0.0)
+        if area < friction:
+            deepest = self.depth(1, friction, widest)
+            if self.at(deepest)[0] > load:
+                one = _sums(self.law, np.array([radius]), np.ones(1))
 
-        depth = _root(excess, low, deepest, low) if excess(low) < 0.0 else low
-        return depth, (deepest - depth) * total / (math.pi * radius * depth)
-    if carried(0.0) >= load:
-        return 0.0, 0.0
-    high = widest
-    while carried(high) < load:
-        high *= 2.0
-    return _root(lambda depth: carried(depth) - load, 0.0, high, high), 0.0
+                def missing(depth: float) -> tuple[float, float]:
+                    """Return the missing load, and the number of asperities that have the missing area."""
+                    carried, area = self.at(depth)
+                    new_load, new_area = one(np.array([depth]))
+                    number = (friction - area) / new_area
+                    return carried + number * new_load - load, number  # eq. S1
+
+                low = shallowest * deepest
+                depth = _root(lambda d: missing(d)[0], low, deepest, low) if missing(low)[0] < 0.0 else low
+                return depth, max(missing(depth)[1], 0.0)
+        if carried >= load:
+            return 0.0, 0.0
+        return self.depth(0, load, widest), 0.0
+
+
+def _sums(
+    law: Contact, radius: FloatArray, number: FloatArray
+) -> Callable[[FloatArray], tuple[float, float]]:
+    """Return load and area [mm^2] of asperities, (q,), as a function of their indentations (q,) [mm]."""
+    n = law.power
+    if n is None:
+
+        def sums(depth: FloatArray) -> tuple[float, float]:
+            found = contacts(law, depth, radius)
+            return float(found.load @ number), float(found.area @ number)
+
+        return sums
+    unit = contacts(law, np.ones(len(radius)), radius)
+    loads, areas, by_load, by_area = unit.load * number, unit.area * number, 1.0 + 1.0 / n, 2.0 / n
+    return lambda depth: (float(loads @ depth**by_load), float(areas @ depth**by_area))
 
 
 def _root(function: Callable[[float], float], low: float, high: float, scale: float) -> float:
     return float(brentq(function, low, high, xtol=1e-12 * scale, rtol=1e-12))
 
 
-def slowest_law(load: float, friction: float, radii: Radii, count: int) -> tuple[FloatArray, FloatArray]:
-    """Return at most `count` heights, and radii [mm], of the law of least slope at a point."""
-    k, s = math.sqrt(radii.low / radii.high), relative_depth(radii)
+def slowest_law(
+    law: Contact, load: float, friction: float, radii: Radii, count: int
+) -> tuple[FloatArray, FloatArray]:
+    """Return at most `count` heights and radii [mm] of power caps with the law of least slope at a point."""
+    n = law.power or 2.0
+    k, s = math.sqrt(radii.low / radii.high), relative_depth(radii, n)
     small = 1.0 / (k * s) ** 3  # small caps for each large one
-    # sums of a^3/R and of a^2 for one large cap with a/R = 1 and its small caps
-    cubes, squares = (radii.high**2 * (1.0 + small * k**4 * s**power) for power in (6.0, 4.0))
-    # P/A0 where the large caps have a/R = 1, and their a/R
-    ratio = float(Hertz().load(1.0, 1.0)) * cubes / (math.pi * squares)
-    slope = load / friction / ratio
-    large = friction / (math.pi * squares * slope**2)
+    # sums over one large cap with a/R = 1 and its small caps, of P and of A relative to the large cap
+    loads, areas = (1.0 + small * k**4 * s ** (2.0 * power) for power in (n + 1.0, 2.0))
+    # a/R of the large caps, where their number has the load and the friction
+    pressure = load / friction * areas / loads
+    depth = depth_at_pressure(law, pressure, radii.high)
+    at = contacts(law, np.array(depth), np.array(radii.high))
+    large = friction / (areas * float(at.area))
     large *= min(1.0, count / (large * (1.0 + small)))
     numbers = max(1, round(large)), max(1, round(large * small))
-    deeper = radii.high * slope**2 - radii.low * (slope * s * s) ** 2
+    relative = float(at.contact_radius) / radii.high * s * s
+    deeper = depth - float(law.indentation(relative * radii.low, radii.low))
     height = np.repeat([0.0, -deeper], numbers)
     radius = np.repeat([radii.high, radii.low], numbers)
     return height[:count], radius[:count]
-
-
-def _pressure(radius: float) -> float:
-    """Return P/E* over A0 of a contact at unit indentation [1/mm^(1/2)]."""
-    law = Hertz()
-    return float(law.load_at_indentation(1.0, radius) / law.area(law.contact_radius(1.0, radius)))
 
 
 def _spread(

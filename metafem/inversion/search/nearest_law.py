@@ -15,6 +15,10 @@ from metafem.inversion.search.levenberg_marquardt import Heights, Residual, ends
 from metafem.inversion.search.multistart import search
 from metafem.inversion.search.options import DEFAULTS, SearchOptions
 from metafem.models import Independent
+from metafem.models.contact_sums import contacts
+
+# Relative step of the differences by the radius: the cube root of the rounding.
+RELATIVE = 6e-6
 
 # Relative differences (k,) [-] and their Jacobian (k, n) of a law A0 (k,) [mm^2] with its gradient (k, n).
 LawResidual = Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]
@@ -22,13 +26,14 @@ LawResidual = Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]
 
 @dataclass(frozen=True, eq=False)
 class LawSearch:
-    """A search for asperities whose law has the least differences from a target.
+    """A search for asperities whose law under `model` has the least differences from a target.
 
     `law_residual` is taken at rescaled loads `load` (k,) [mm^2]. The initial guesses have laws near
     `guesses`, (k,) [mm^2]. At most `count` asperities are used, with heights within `span` [mm]. The search
     ends at a misfit of `goal`.
     """
 
+    model: Independent
     load: FloatArray
     law_residual: LawResidual
     guesses: list[FloatArray]
@@ -55,9 +60,10 @@ class NearestLaw:
         return self.height[order] - self.height.max(), self.radius[order]
 
 
-def residual_of_heights(radius: float | FloatArray, load: FloatArray, law_residual: LawResidual) -> Residual:
+def residual_of_heights(
+    model: Independent, radius: float | FloatArray, load: FloatArray, law_residual: LawResidual
+) -> Residual:
     """Return the differences of independent asperities of given radii as a function of their heights."""
-    model = Independent()
 
     def residual(height: FloatArray) -> tuple[FloatArray, FloatArray]:
         found = model.sensitivity_of(height, np.broadcast_to(radius, height.shape), load)
@@ -68,11 +74,11 @@ def residual_of_heights(radius: float | FloatArray, load: FloatArray, law_residu
 
 def _heights_task(task: LawSearch, radius: float) -> tuple[Residual, list[FloatArray], Heights]:
     """Return the residual, the initial guesses and the limits of a search for heights."""
-    residual = residual_of_heights(radius, task.load, task.law_residual)
+    residual = residual_of_heights(task.model, radius, task.load, task.law_residual)
     starts = []
     for law in task.guesses:
         radii = np.full(len(law), radius)
-        height, _ = initial_heights(task.load, law, radii, task.count, task.options)
+        height, _ = initial_heights(task.model.contact, task.load, law, radii, task.count, task.options)
         inside = int((height >= height[0] - task.span).sum())
         fractions = task.options.low_fractions
         # where heights are deeper than the span, also with fewer of those too low
@@ -99,13 +105,15 @@ def nearest_law(task: LawSearch, radii: Radii) -> NearestLaw:
     best = min(singles, key=lambda found: found.misfit)
     rising, middle = np.geomspace(radii.low, radii.high, len(load)), len(load) // 2
     starts = [
-        initial_heights(load, law, ramp, task.count, options)
+        initial_heights(task.model.contact, load, law, ramp, task.count, options)
         for law in task.guesses
         for ramp in (rising, rising[::-1])
     ]
-    starts += [slowest_law(load[middle], law[middle], radii, task.count) for law in task.guesses]
+    if task.model.contact.power is not None:
+        point = task.model.contact, load[middle]
+        starts += [slowest_law(*point, law[middle], radii, task.count) for law in task.guesses]
     starts.append((best.height, best.radius))
-    depth = float(Independent().curve_of(best.height, best.radius, load[-1:]).approach[0])
+    depth = float(task.model.curve_of(best.height, best.radius, load[-1:]).approach[0])
     ranged = radii.tools is None
     tools = radii.extremes if ranged else radii
     between = Asperities(task.span, task.count, radii.between, depth)
@@ -164,23 +172,33 @@ class Asperities:
             drawn = rng.choice(np.array(self.radii.tools), len(height))
         return self.joined(height, np.where(anew, drawn, radius[source]))
 
-    def residual(self, load: FloatArray, law_residual: LawResidual) -> Residual:
+    def residual(self, model: Independent, load: FloatArray, law_residual: LawResidual) -> Residual:
         """Return the differences of independent asperities as a function of the unknowns.
 
-        At a fixed load, ``R_i dA0/dR_i = pi R_i d_i - (2/3) sqrt(R_i) d_i^(3/2) sum pi R / sum 2 sqrt(R d)``.
+        At a fixed load, ``R_i dA0/dR_i = R dA_i/dR - R dP_i/dR sum A' / sum P'`` with the derivatives A' and
+        P' by the indentation d. At a fixed d, ``R dA/dR = 2 A - d A'`` if lengths over R are the same for all
+        radii, and likewise for P.
         """
-        model = Independent()
+        law = model.contact
 
         def residual(unknowns: FloatArray) -> tuple[FloatArray, FloatArray]:
             height, radius = self.split(unknowns)
             found = model.sensitivity_of(height, radius, load)
             depth = np.maximum(found.indentation, 0.0)
-            root = np.sqrt(radius * depth)
-            slope = math.pi * np.where(depth > 0.0, radius, 0.0).sum(axis=1) / (2.0 * root.sum(axis=1))
-            by_radius = (math.pi * radius * depth - slope[:, None] * 2.0 / 3.0 * root * depth) / self.depth
+            size = np.broadcast_to(radius, depth.shape)
+            at = contacts(law, depth, size)
+            area_slope = law.area_slope(at.contact_radius, size)
+            slope = area_slope.sum(axis=1) / at.stiffness.sum(axis=1)
             if self.radii.tools is not None:
-                by_radius[:] = 0.0
-            return law_residual(found.curve.area, np.hstack([found.gradient, by_radius]))
+                by_radius = np.zeros(depth.shape)
+            elif law.similar:
+                by_radius = 2.0 * at.area - depth * area_slope
+                by_radius -= slope[:, None] * (2.0 * at.load - depth * at.stiffness)
+            else:
+                low, high = (contacts(law, depth, size * (1.0 + step)) for step in (-RELATIVE, RELATIVE))
+                by_radius = (high.area - low.area) / (2.0 * RELATIVE)
+                by_radius -= slope[:, None] * (high.load - low.load) / (2.0 * RELATIVE)
+            return law_residual(found.curve.area, np.hstack([found.gradient, by_radius / self.depth]))
 
         return residual
 
@@ -189,6 +207,6 @@ class Asperities:
     ) -> NearestLaw:
         """Search from heights and radii."""
         unknowns = [self.joined(height, radius) for height, radius in starts]
-        residual = self.residual(task.load, task.law_residual)
+        residual = self.residual(task.model, task.load, task.law_residual)
         found = search(residual, unknowns, self, task.goal, restarts, task.rng, task.options)
         return NearestLaw(*self.split(found.unknowns), found.misfit)

@@ -28,6 +28,7 @@ from metafem.inversion.height_density import (
 from metafem.inversion.limits import Limits
 from metafem.inversion.strategies.mixture import Mixture, best_mixture
 from metafem.inversion.targets.target_law import TargetLaw
+from metafem.models.model import model_of_paraboloids
 from metafem.notes import Note
 
 if TYPE_CHECKING:
@@ -49,11 +50,13 @@ SEPARATIONS = 61
 
 def linear(target: LinearLaw, problem: Problem) -> Candidate:
     """Return heights of the truncated exponential whose law has the target slope."""
+    model_of_paraboloids(problem.model, "height densities")
     return best_mixture(lambda mixture: _linear(target, mixture, problem.limits), problem)
 
 
 def bilinear(target: BilinearLaw, problem: Problem) -> Candidate:
     """Return heights of the two-branch exponential whose law has the target slopes and crossover."""
+    model_of_paraboloids(problem.model, "height densities")
     return best_mixture(lambda mixture: _bilinear(target, mixture, problem.limits), problem)
 
 

@@ -1,9 +1,9 @@
 """One level of asperities, and one adjustment asperity, that meet one operating point (eq. S1).
 
 All earlier asperities are in contact, and n of radius R are new at the level. For each indentation d of the
-level the area, linear in the indentations, fixes the indentation e of the adjustment asperity of radius R'.
-It is at the level where e = d and just touches where e = 0. For the right n the load minus that of the point
-changes its sign between the two. With one radius that n is unique.
+level the area, which grows with the indentations, fixes the indentation e of the adjustment asperity of
+radius R'. It is at the level where e = d and just touches where e = 0. For the right n the load minus that of
+the point changes its sign between the two. With one radius that n is unique for Hertz contacts.
 """
 
 from __future__ import annotations
@@ -16,12 +16,20 @@ import numpy as np
 from scipy.optimize import brentq
 
 from metafem._validate import FloatArray
-from metafem.contact import Hertz
+from metafem.contact import Contact
 from metafem.inversion.height_density import TIGHTEST
 from metafem.models import Independent
+from metafem.models.contact_sums import contacts
 
 # A friction this close to a bound counts as the bound: rounding must not add an asperity.
 ROUNDING = 1e-12
+
+# Relative error of the area of a level: a few times the rounding of a sum.
+SETTLED = 8.0 * np.finfo(float).eps
+
+# Most steps of Newton's method inside a bracket or of bisection, and the largest indentation in a search over
+# the radius of a contact with the whole area.
+MOST_STEPS, MOST_DEPTH = 100, 1e3
 
 
 @dataclass(frozen=True)
@@ -52,35 +60,64 @@ class Level:
 class Step:
     """One operating point: the earlier asperities, by kinds, are `above` the new level [mm]."""
 
-    def __init__(self, done: tuple[Level, ...], height: float, load: float, friction: float) -> None:
-        self.height, self.load, self.friction = height, load, friction
+    def __init__(
+        self, law: Contact, done: tuple[Level, ...], height: float, load: float, friction: float
+    ) -> None:
+        self.law, self.height, self.load, self.friction = law, height, load, friction
         kinds = [kind for level in done for kind in level.kinds]
         top, self.radius, self.number = np.array(kinds).reshape(-1, 3).T
         self.above = top - height
-        # eq. S1, area: sum R_i d_i missing as the plane meets the level [mm^2]; its derivative by the depth
-        self.missing = friction / math.pi - float(self.number @ (self.radius * self.above))
-        self.growth = float(self.number @ self.radius)
+        # eq. S1, area: missing as the plane meets the level [mm^2]
+        self.missing = friction - float(contacts(law, self.above, self.radius).area @ self.number)
         self.fewest = 0 if done else 1
 
-    def excess(self, depth: FloatArray, number: FloatArray | float, radius: float) -> FloatArray:
-        """Load minus that of the point at indentations of the level, (k,) [mm^2]."""
-        # eq. S1, load
-        earlier = Hertz().load_at_indentation(self.above + depth[:, None], self.radius) @ self.number
-        return np.asarray(earlier + number * Hertz().load_at_indentation(depth, radius) - self.load)
+    def at(self, depth: FloatArray, number: FloatArray, radius: FloatArray) -> tuple[FloatArray, ...]:
+        """Load and area minus those of the point, and the derivative of the area, at indentations (k,).
+
+        number: new asperities of the level, (k, q), of radii (q,).
+        """
+        above = np.concatenate([self.above, np.zeros(len(radius))])
+        size, old = np.concatenate([self.radius, radius]), np.tile(self.number, (len(depth), 1))
+        every = np.concatenate([old, number], axis=1)
+        found = contacts(self.law, above + depth[:, None], size)
+        growth = self.law.area_slope(found.contact_radius, size)
+        parts = (np.einsum("kq,kq->k", every, part) for part in (found.load, found.area, growth))
+        load, area, slope = parts
+        return load - self.load, area - self.friction, slope  # eq. S1
+
+    def depth(self, number: FloatArray, radius: FloatArray) -> FloatArray:
+        """Indentations of the level at which the area is that of the point, (k,) [mm]."""
+        # no contact has more than the whole area
+        widest = math.sqrt(self.friction / math.pi)
+        with np.errstate(all="ignore"):  # a contact radius beyond the range of the law
+            most = [self.law.indentation(widest, each) for each in (self.radius, radius)]
+        old, new = (np.where(np.isfinite(part), part, MOST_DEPTH * widest) for part in most)
+        high = np.where(number > 0.0, new, np.inf).min(axis=1)
+        high = np.minimum(high, np.min(old - self.above, initial=np.inf))
+        low, depth = np.zeros(len(number)), high
+        for _ in range(MOST_STEPS):
+            _, excess, growth = self.at(depth, number, radius)
+            low, high = np.where(excess <= 0.0, depth, low), np.where(excess >= 0.0, depth, high)
+            if (np.abs(excess) <= SETTLED * self.friction).all():
+                break
+            moved = depth - excess / growth
+            depth = np.where((moved > low) & (moved < high), moved, 0.5 * (low + high))
+        return np.asarray(depth)
 
     def friction_with(self, number: int, radius: float) -> float:
         """Friction at the load of the point with `number` new asperities at the level [mm^2]."""
         times = self.number.astype(np.int64)
         height = np.concatenate([np.repeat(self.above, times), np.zeros(number)])
         radii = np.concatenate([np.repeat(self.radius, times), np.full(number, radius)])
-        return float(Independent().curve_of(height, radii, np.array([self.load])).area[0])
+        model = Independent(contact=self.law)
+        return float(model.curve_of(height, radii, np.array([self.load])).area[0])
 
     def needed(self, radius: float) -> float:
         """Least number of new asperities, the adjustment asperity included, that meets the point."""
 
         def excess(number: float) -> float:
-            depth = self.missing / (self.growth + number * radius)
-            return float(self.excess(np.array([depth]), number, radius)[0])
+            new = np.array([[number]]), np.array([radius])
+            return float(self.at(self.depth(*new), *new)[0][0])
 
         low, high = float(self.fewest), 1.0
         while excess(high) > 0.0:
@@ -93,31 +130,35 @@ class Step:
         if self.missing <= 0.0 or not number.size:
             return
         for radius in tools:
-            growth = self.growth + number * radius
-            alone = self.excess(self.missing / growth, number, radius)
-            for n in number[np.abs(alone) <= ROUNDING * self.load]:
-                depth = self.missing / (self.growth + n * radius)
-                yield Level(self.height, int(n), radius, radius, depth, 0.0)
+            new = number[:, None], np.array([radius])
+            depth = self.depth(*new)
+            alone = self.at(depth, *new)[0]
+            met = np.abs(alone) <= ROUNDING * self.load
+            for n, d in zip(number[met], depth[met], strict=True):
+                yield Level(self.height, int(n), radius, radius, float(d), 0.0)
             for other in tools:
-                depth = self.missing / (growth + other)
-                both = self.excess(depth, number, radius) + Hertz().load_at_indentation(depth, other)
-                for n in number[(alone * both <= 0.0) & (np.abs(alone) > ROUNDING * self.load)]:
-                    if n < left:
-                        yield self._adjusted(int(n), radius, other)
+                new = np.stack([number, np.ones(len(number))], axis=1), np.array([radius, other])
+                level = self.depth(*new)
+                both = self.at(level, *new)[0]
+                for i in np.flatnonzero((alone * both <= 0.0) & ~met & (number < left)):
+                    yield self._adjusted(int(number[i]), radius, other, float(level[i]), float(depth[i]))
 
-    def _adjusted(self, number: int, radius: float, other: float) -> Level:
-        """Return the level whose adjustment asperity meets both the area and the load."""
-        growth = self.growth + number * radius
+    def _adjusted(self, number: int, radius: float, other: float, low: float, high: float) -> Level:
+        """Return the level whose adjustment asperity meets both the area and the load.
 
-        def adjustment(depth: float) -> float:
-            return max(0.0, float(self.missing - growth * depth) / other)
+        Its indentation is between that at which the adjustment asperity is level with it, and the one at
+        which that asperity only touches.
+        """
+        new = np.array([[float(number)]]), np.array([radius])
 
-        def excess(depth: float) -> float:
-            adjusted = float(Hertz().load_at_indentation(np.array(adjustment(depth)), other))
-            return float(self.excess(np.array([depth]), number, radius)[0]) + adjusted
+        def missing(depth: float) -> tuple[float, float]:
+            """Return the indentation of the adjustment asperity, and the load with it minus the point's."""
+            load, area, _ = self.at(np.array([depth]), *new)
+            own = self.law.indentation(math.sqrt(max(-float(area[0]), 0.0) / math.pi), other)
+            return float(own), float(load[0] + contacts(self.law, np.array(own), np.array(other)).load)
 
-        depth = _root(excess, self.missing / (growth + other), self.missing / growth)
-        return Level(self.height, number, radius, other, depth, adjustment(depth))
+        depth = _root(lambda depth: missing(depth)[1], low, high)
+        return Level(self.height, number, radius, other, depth, missing(depth)[0])
 
 
 def _root(function: Callable[[float], float], low: float, high: float) -> float:

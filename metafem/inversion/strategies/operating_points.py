@@ -14,11 +14,10 @@ import numpy as np
 
 from metafem.errors import Infeasible
 from metafem.inversion.candidate import Candidate, Parameter
-from metafem.inversion.feasibility import broken_bound, largest_load
+from metafem.inversion.feasibility import broken_bound
 from metafem.inversion.search.levenberg_marquardt import Heights, descend
 from metafem.inversion.search.nearest_law import LawSearch, nearest_law, residual_of_heights
 from metafem.inversion.strategies.level import Level, Step
-from metafem.models import Independent
 from metafem.notes import information
 
 if TYPE_CHECKING:
@@ -40,8 +39,8 @@ def candidate(target: OperatingPoints, problem: Problem, rng: np.random.Generato
     if paths:
         fewest = min(paths, key=lambda levels: sum(level.count for level in levels))
         return _with_levels(target, fewest, problem)
-    highest, given = largest_load(radii, problem.count, problem.limits), target.rescaled_friction
-    broken = broken_bound(target.rescaled_load, given, radii, problem.count, 0.0)
+    highest = problem.bounds.largest_load(problem.limits)
+    broken = broken_bound(target.rescaled_load, target.rescaled_friction, problem.bounds, 0.0)
     if not last.limited and target.last_load <= highest and broken is None:
         # the extreme radii leave more room for the refinement
         for choice in dict.fromkeys((radii.extremes, radii)):
@@ -82,13 +81,14 @@ def _without_levels(
     restarts = options.restarts if radii.single else options.restarts // options.mixed_restarts
     for goal in options.free_goals:
         task = LawSearch(
-            load, law.residual, [law.base], problem.count, limits.span, restarts, rng, goal, options
-        )
+            problem.independent, load, law.residual, [law.base], problem.count, limits.span, restarts, rng,
+            goal, options,
+        )  # fmt: skip
         height, radius = nearest_law(task, radii).sorted
-        residual = residual_of_heights(radius, load, law.residual)
+        residual = residual_of_heights(problem.independent, radius, load, law.residual)
         found = descend(residual, height, Heights(limits.span), options.point_goal, True, options)
         height = found.unknowns - found.unknowns.max()
-        approach = float(Independent().curve_of(height, radius, load[-1:]).approach[0])
+        approach = float(problem.independent.curve_of(height, radius, load[-1:]).approach[0])
         if found.misfit < misfit and approach <= top:
             misfit, order = found.misfit, np.argsort(-height, kind="stable")
             note = "no levels of equal heights meet the points: the heights were found by a search"
@@ -119,7 +119,8 @@ class _Search:
         if i == len(self.target.rescaled_load):
             return done
         level = done[-1].height - done[-1].depth if done else self.problem.limits.max_height
-        step = Step(done, level, self.target.rescaled_load[i], self.target.rescaled_friction[i])
+        point = self.target.rescaled_load[i], self.target.rescaled_friction[i]
+        step = Step(self.problem.independent.contact, done, level, *point)
         left = self.problem.count - sum(part.count for part in done)
         used = {part.radius for part in done}
         found = sorted(step.levels(self.tools, left), key=lambda each: (each.radius not in used, each.count))

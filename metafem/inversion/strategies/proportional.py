@@ -1,9 +1,11 @@
 """Lines through the origin, with one slope or two: bounds of their load range, and the range that is reached.
 
-The least friction of any surface is that of one contact, ``c p^(2/3)`` at the load p = P/E*, with
-``c = pi R (3/(4 sqrt R))^(2/3)`` for the least radius. A line of slope m lies above it for loads above
-``(c/m)^3``. The steepest slope of a law, that of N contacts of the largest radius which enter at once, is
-``(2/3) K p/A0^2`` with ``K = N c^3``. A line of slope m can therefore not go beyond ``(2/3) K/m^3``.
+The least friction of any surface is that of one contact, A1(p) at the load p = P/E*, for the least radius. A
+line of slope m lies above it for loads above that at which A1(p) = m p; with Hertz contacts that is
+``(c/m)^3`` with ``c = pi R (3/(4 sqrt R))^(2/3)``. The steepest slope of a law of Hertz contacts, that of N
+contacts of the largest radius which enter at once, is ``(2/3) K p/A0^2`` with ``K = N c^3``. A line of slope
+m can therefore not go beyond ``(2/3) K/m^3``. With other laws it cannot go beyond the friction of N equal
+contacts, see `metafem.inversion.bounds`.
 """
 
 from __future__ import annotations
@@ -18,21 +20,14 @@ import numpy as np
 
 from metafem.errors import Infeasible, InvalidInput
 from metafem.inversion.assessment import REACHED, independent_misfit
-from metafem.inversion.feasibility import (
-    INSIDE,
-    ROUNDING,
-    largest_load,
-    least_exponent,
-    margin_words,
-    refuse_load,
-    single_friction,
-)
+from metafem.inversion.bounds import ROUNDING, Bounds
+from metafem.inversion.feasibility import INSIDE, margin_words, refuse_load
 from metafem.inversion.problem import Problem
 from metafem.inversion.strategies import sampled
 
 if TYPE_CHECKING:
     from metafem.inversion.limits import Limits
-    from metafem.inversion.radii import Radii, RadiusRange
+    from metafem.inversion.radii import RadiusRange
     from metafem.inversion.targets.straight import BilinearLaw, LinearLaw, StraightLaw
     from metafem.surface import Surface
 
@@ -46,7 +41,7 @@ def refuse_line(target: StraightLaw, problem: Problem, margin: float) -> None:
     scope = f"for any surface of {problem.count} asperities of {problem.radii}{margin_words(margin)}"
     _refuse_second(target, problem, slack, scope)
     refuse_load(high, problem, wording)
-    start, end = line_range(target, problem.radii, problem.count, slack)
+    start, end = line_range(target, problem.bounds, slack)
     slope = wording.name()
     if low < start:
         raise _refused(
@@ -67,11 +62,11 @@ def refuse_line(target: StraightLaw, problem: Problem, margin: float) -> None:
 
 def _refuse_second(target: Any, problem: Problem, slack: float, scope: str) -> None:
     """Raise Infeasible for a slope that cannot follow the one before it."""
-    wording, radii, count = target.wording, problem.radii, problem.count
+    wording, bounds = target.wording, problem.bounds
     for (first, _), (second, load) in pairwise(target.lines):
         friction = float(target.line(np.array(load)))
-        least = least_exponent(radii) * friction / load * (1.0 - slack)
-        most = _steepest(radii, count, slack) * load / friction**2
+        least = bounds.least_exponent * friction / load * (1.0 - slack)
+        most = bounds.steepest(load, friction, slack)
         if least <= second <= most:
             continue
         inside = min(max(second, least * (1.0 + INSIDE)), most * (1.0 - INSIDE))
@@ -94,19 +89,11 @@ def _refused(words: str, nearest: StraightLaw | None, otherwise: str) -> Infeasi
     )
 
 
-def line_range(target: StraightLaw, radii: Radii, count: int, slack: float = 0.0) -> tuple[float, float]:
+def line_range(target: StraightLaw, bounds: Bounds, slack: float = 0.0) -> tuple[float, float]:
     """Return the loads P/E* [mm^2] between which surfaces can have the friction and slope of a line."""
     first, (last, load) = target.lines[0][0], target.lines[-1]
-    start = (single_friction(radii.low) * (1.0 - slack) / first) ** 3
-    # m (m p + b)^2 = (2/3) K p: the slope is possible between the two roots
-    intercept = (float(target.line(np.array(load))) - last * load) / last
-    half = 0.5 * _steepest(radii, count, slack) / last**3 - intercept
-    return start, half + math.sqrt(max(half**2 - intercept**2, 0.0))
-
-
-def _steepest(radii: Radii, count: int, slack: float) -> float:
-    """Return the factor (2/3) K [mm^2] of the steepest slope."""
-    return 2.0 / 3.0 * count * (single_friction(radii.high) * (1.0 + slack)) ** 3
+    intercept = float(target.line(np.array(load))) - last * load
+    return bounds.start_of_line(first / (1.0 - slack)), bounds.end_of_line(last, intercept, slack)
 
 
 def reached_line(target: Any, problem: Problem) -> StraightLaw | None:
@@ -115,8 +102,8 @@ def reached_line(target: Any, problem: Problem) -> StraightLaw | None:
     The range is narrowed towards the crossover load; for one line, towards its start or its end, whichever
     leaves the wider range. None if no range is reached.
     """
-    start, end = line_range(target, problem.radii, problem.count)
-    most = largest_load(problem.radii, problem.count, problem.limits)
+    start, end = line_range(target, problem.bounds)
+    most = problem.bounds.largest_load(problem.limits)
     low, high = problem.options.range_start * start * (1.0 + INSIDE), min(end, most) * (1.0 - INSIDE)
     if target.load_range is not None:
         low, high = max(low, target.load_range[0]), min(high, target.load_range[1])
@@ -140,7 +127,7 @@ def _narrowed(whole: Any, centre: float, problem: Problem) -> tuple[float, Strai
         ends = centre * (low / centre) ** fraction, centre * (high / centre) ** fraction
         trial = replace(whole, load_range=ends)
         found = sampled.candidate(trial, problem, np.random.default_rng(0), options.range_restarts)
-        if independent_misfit(found) <= options.range_misfit * REACHED:
+        if independent_misfit(found, problem.independent) <= options.range_misfit * REACHED:
             best, inside = trial, fraction
         else:
             outside = fraction

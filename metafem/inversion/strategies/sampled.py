@@ -7,9 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from metafem.inversion.candidate import Branch, Candidate, Parameter
-from metafem.inversion.feasibility import friction_bounds
 from metafem.inversion.search.nearest_law import LawSearch, nearest_law
-from metafem.models import Independent
 
 if TYPE_CHECKING:
     from metafem.inversion.problem import Problem
@@ -21,16 +19,16 @@ def candidate(
 ) -> Candidate:
     """Return heights and radii whose independent law is nearest to the target."""
     law, limits, options = target.curve(), problem.limits, problem.options
-    bounds = friction_bounds(law.load, problem.radii, problem.count)
-    guesses = target.guesses(law, bounds, options.level_fractions)
+    guesses = target.guesses(law, problem.bounds.region(law.load), options.level_fractions)
     most = options.restarts if restarts is None else restarts
     task = LawSearch(
-        law.load, law.residual, guesses, problem.count, limits.span, most, rng, options.goal, options
-    )
+        problem.independent, law.load, law.residual, guesses, problem.count, limits.span, most, rng,
+        options.goal, options,
+    )  # fmt: skip
     height, radius = nearest_law(task, problem.radii).sorted
     parameters: dict[str, Parameter] = {"span": float(-height[-1])}
     if law.is_open:
-        area = Independent().curve_of(height, radius, law.load).area
+        area = problem.independent.curve_of(height, radius, law.load).area
         parameters |= target.open_parameters(law, area)
     branches = tuple(
         # a line is fixed, and its friction at zero load is the intercept

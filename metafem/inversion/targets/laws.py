@@ -14,14 +14,8 @@ from metafem._calls import checked_class
 from metafem._validate import FloatArray
 from metafem._values import Value
 from metafem.errors import Infeasible, InvalidInput
-from metafem.inversion.feasibility import (
-    ROUNDING,
-    broken_bound,
-    largest_exponent,
-    least_exponent,
-    margin_words,
-    refuse_load,
-)
+from metafem.inversion.bounds import ROUNDING
+from metafem.inversion.feasibility import broken_bound, margin_words, refuse_load
 from metafem.inversion.strategies import operating_points, sampled
 from metafem.inversion.targets.target import Bounds, LoadRange, Target
 from metafem.inversion.targets.target_law import TargetLaw
@@ -177,7 +171,7 @@ class SampledLaw(Value, Target):
         """Raise Infeasible for samples that break a bound by more than a margin (relative)."""
         load, friction, wording = self.rescaled_load, self.rescaled_friction, self.wording
         refuse_load(float(load[-1]), problem, wording)
-        broken = broken_bound(load, friction, problem.radii, problem.count, margin)
+        broken = broken_bound(load, friction, problem.bounds, margin)
         if broken is not None:
             i, words, bound, nearest = broken
             raise Infeasible(
@@ -280,7 +274,8 @@ class PowerLaw(Target):
         """Raise Infeasible for an exponent or prefactor beyond its bound by more than a margin (relative)."""
         (low, high), radii, wording = self.load_range, problem.radii, self.wording
         refuse_load(high, problem, wording)
-        least, most = least_exponent(radii), largest_exponent(self.load_range, radii, problem.count)
+        bounds = problem.bounds
+        least, most = bounds.least_exponent, bounds.largest_exponent(self.load_range)
         slack = margin / math.log(high / low) + ROUNDING
         if not least - slack <= self.exponent <= most + slack:
             raise Infeasible(

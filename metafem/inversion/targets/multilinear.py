@@ -14,15 +14,8 @@ from metafem import _validate as check
 from metafem._calls import checked_class
 from metafem._validate import FloatArray
 from metafem.errors import Infeasible, InvalidInput
-from metafem.inversion.feasibility import (
-    EQUAL_EXPONENT,
-    ROUNDING,
-    friction_bounds,
-    least_exponent,
-    margin_words,
-    refuse_load,
-    single_friction,
-)
+from metafem.inversion.bounds import ROUNDING
+from metafem.inversion.feasibility import margin_words, refuse_load
 from metafem.inversion.strategies import sampled
 from metafem.inversion.targets.target import Bounds, LoadRange, Target
 from metafem.inversion.targets.target_law import TargetLaw
@@ -191,7 +184,7 @@ class MultilinearLaw(Target):
 
     def refuse(self, problem: Problem, margin: float) -> None:
         """Raise Infeasible where no intercept keeps connected branches within the bounds."""
-        radii, wording = problem.radii, self.wording
+        bounds, wording = problem.bounds, self.wording
         refuse_load(self.load_range[1], problem, wording)
         slack = margin + ROUNDING
         offset, low, high = 0.0, -math.inf, math.inf
@@ -202,17 +195,17 @@ class MultilinearLaw(Target):
                 offset, low, high = 0.0, -math.inf, math.inf
             # F = c + offset + slope p is straight and the bounds are concave: the lower bound is active at
             # the ends or where its slope is that of F, the upper bound only at the ends
-            steep = (EQUAL_EXPONENT * single_friction(radii.low) / slope) ** 3
-            load = np.array([start, end, min(max(steep, start), end)])
-            least, most = friction_bounds(load, radii, problem.count)
+            load = np.array([start, end, min(max(bounds.tangent_load(slope), start), end)])
+            least, most = bounds.friction(load)
             low = max(low, float((least * (1.0 - slack) - offset - slope * load).max()))
             high = min(high, float((most * (1.0 + slack) - offset - slope * load)[:2].min()))
             # F/p^b cannot fall: c + offset <= slope p (1/b - 1), first broken at the start
-            high = min(high, slope * start * (1.0 / least_exponent(radii) - 1.0 + slack) - offset)
+            if bounds.least_exponent > 0.0:
+                high = min(high, slope * start * (1.0 / bounds.least_exponent - 1.0 + slack) - offset)
             if low > high:
                 raise Infeasible(
                     f"branch {i + 1} of {wording.slopes(slope)} from {wording.loads(start, end)} leaves the "
-                    f"range of {problem.count} asperities of {radii} for every intercept"
+                    f"range of {problem.count} asperities of {problem.radii} for every intercept"
                     f"{margin_words(margin)}"
                 )
 

@@ -5,7 +5,7 @@ import pytest
 
 import metafem as mf
 from metafem.inversion import DesignStatus
-from metafem.inversion.feasibility import friction_bounds
+from metafem.inversion.bounds import Bounds
 from metafem.inversion.radii import Radii
 from metafem.inversion.strategies.proportional import line_range
 
@@ -22,9 +22,10 @@ def deviation(result):
 
 def test_range_ends_where_the_line_meets_the_bounds():
     for line in (mf.LinearLaw(7.0), mf.BilinearLaw((6.0, 9.0), 0.08), mf.BilinearLaw((6.0, 4.5), 0.08)):
-        low, high = line_range(line, ONE, 64)
+        bounds = Bounds(mf.Hertz(), ONE, 64, 1.0)
+        low, high = line_range(line, bounds)
         friction = line.line(np.array([low, high]))
-        least, _ = friction_bounds(np.array([low]), ONE, 64)
+        least, _ = bounds.friction(np.array([low]))
         assert least[0] == pytest.approx(friction[0])
         # of 64 contacts that enter at once, dA0/dp = (pi/2) N R/(N a) at p = 4/3 N a^3/R or A0 = N pi a^2
         together = 64 * (0.75 * 0.526 * high / friction[1] * np.pi) ** 2 * np.pi
@@ -71,7 +72,7 @@ def test_a_density_further_off_names_the_way(template, target):
 @pytest.mark.parametrize("slope", [7.0, 12.0])
 def test_the_widest_range_is_nearly_that_of_the_bounds(template, slope):
     low, high = mf.achievable_load_range(mf.LinearLaw(slope), template, TALL)
-    first, end = line_range(mf.LinearLaw(slope), ONE, 64)
+    first, end = line_range(mf.LinearLaw(slope), Bounds(mf.Hertz(), ONE, 64, 1.0))
     assert low == pytest.approx(1.4 * first, rel=1e-5)
     assert high > 0.9 * end
     assert deviation(mf.design(mf.LinearLaw(slope, (low, high)), template, limits=TALL)) < 0.01
