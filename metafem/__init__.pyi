@@ -10,6 +10,7 @@ from .contact import JacksonGreen as JacksonGreen
 from .contact import KogutEtsion as KogutEtsion
 from .contact import PowerCap as PowerCap
 from .contact import SphericalCap as SphericalCap
+from .contact import TabulatedContact as TabulatedContact
 from .errors import Infeasible as Infeasible
 from .errors import InvalidInput as InvalidInput
 from .errors import MetafemError as MetafemError

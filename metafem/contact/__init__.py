@@ -7,6 +7,7 @@ from metafem.contact.elastic import Hertz
 from metafem.contact.elastic_plastic import JacksonGreen, KogutEtsion
 from metafem.contact.law import Contact
 from metafem.contact.profile import AxisymmetricCap
+from metafem.contact.tabulated import TabulatedContact
 
 __all__ = [
     "JKR",
@@ -17,5 +18,6 @@ __all__ = [
     "KogutEtsion",
     "PowerCap",
     "SphericalCap",
+    "TabulatedContact",
     "pedestal_compliance",
 ]

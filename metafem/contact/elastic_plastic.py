@@ -15,7 +15,7 @@ from metafem._calls import checked_class
 from metafem._validate import FloatArray
 from metafem._values import percent
 from metafem.contact.by_indentation import LawByIndentation
-from metafem.contact.flattened import Flattened
+from metafem.contact.flattened import FlattenedContact
 from metafem.contact.law import Values
 from metafem.contact.log_cubic import LogCubic
 from metafem.errors import InvalidInput
@@ -147,7 +147,7 @@ class ElasticPlastic(LawByIndentation):
         """Indentation over the summit radius at which both radii are equal."""
         return float(self._yield * self._area.inverse(np.asarray(1.0 / self._yield)))
 
-    def unloaded(self, indentation: FloatArray, radius: FloatArray) -> tuple[Flattened, FloatArray]:
+    def unloaded(self, indentation: FloatArray, radius: FloatArray) -> tuple[FlattenedContact, FloatArray]:
         """Return the elastic law of flattened asperities (n,), and their loss of height [mm].
 
         With the largest indentation w_m and w* = w_m/w_c > 1, the loss of height is
@@ -166,7 +166,7 @@ class ElasticPlastic(LawByIndentation):
         # the work of unloading is P_m (w_m - w_r)/(n + 1)
         least = self._scaled_load(star)[0] * star * (1.0 - lost) / self._work(star) - 1.0
         residual = np.where(flattened, lost * deepest, 0.0)
-        law = Flattened(
+        law = FlattenedContact(
             self,
             residual,
             depth=np.where(flattened, deepest - residual, 0.0),

@@ -15,7 +15,7 @@ from metafem.contact.law import Values
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Flattened(Value, LawByIndentation):
+class FlattenedContact(Value, LawByIndentation):
     """Law of asperities that an earlier load has flattened, one by one.
 
     The indentation e is counted from the lowered summit. Up to the earlier indentation, ``e <= depth``, the
@@ -50,11 +50,13 @@ class Flattened(Value, LawByIndentation):
 
     def __repr__(self) -> str:
         """Return the original law and the largest loss of height."""
-        return f"Flattened({self.law!r}, by up to {float(np.max(self.residual)):.4g} mm)"
+        return f"FlattenedContact({self.law!r}, by up to {float(np.max(self.residual)):.4g} mm)"
 
-    def one(self, i: int) -> Flattened:
+    def one(self, i: int) -> FlattenedContact:
         """Return the law of one asperity."""
-        return Flattened(self.law, *(np.asarray(getattr(self, part.name)[i]) for part in fields(self)[1:]))
+        return FlattenedContact(
+            self.law, *(np.asarray(getattr(self, part.name)[i]) for part in fields(self)[1:])
+        )
 
     def breaks(self, radius: float) -> FloatArray:
         """Contact radii [mm] between which the law of one asperity is smooth."""
@@ -66,7 +68,7 @@ class Flattened(Value, LawByIndentation):
         """Largest indentation [mm] of the original law, from the lowered summit."""
         return np.asarray(self.law.largest_indentation(radius) - self.residual)
 
-    def unloaded(self, indentation: FloatArray, radius: FloatArray) -> tuple[Flattened, FloatArray]:
+    def unloaded(self, indentation: FloatArray, radius: FloatArray) -> tuple[FlattenedContact, FloatArray]:
         """Return the law after larger indentations (n,) from these summits [mm], and the further loss."""
         deeper, loss = self.law.unloaded(np.asarray(indentation) + self.residual, radius)
         further = np.asarray(indentation) > self.depth
@@ -74,7 +76,7 @@ class Flattened(Value, LawByIndentation):
             np.where(further, getattr(deeper, part.name), getattr(self, part.name))
             for part in fields(self)[1:]
         )
-        return Flattened(self.law, *parts), np.where(further, loss - self.residual, 0.0)
+        return FlattenedContact(self.law, *parts), np.where(further, loss - self.residual, 0.0)
 
     def _end(self) -> str:
         return self.law._end()

@@ -1,0 +1,156 @@
+"""A contact law from a table of load and area over the indentation."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from metafem import _validate as check
+from metafem._calls import checked_class
+from metafem._validate import FloatArray
+from metafem._values import Value
+from metafem.contact.by_indentation import LawByIndentation
+from metafem.contact.law import Values
+from metafem.contact.log_cubic import LogCubic
+from metafem.errors import InvalidInput
+from metafem.material import Material
+
+# Fewest points of a table without its origin: the slope of a cubic needs three.
+FEWEST = 3
+
+
+@checked_class
+@dataclass(frozen=True, eq=False, repr=False, init=False)
+class TabulatedContact(Value, LawByIndentation):
+    """Contact of one asperity and a rigid plane by a table, measured or computed.
+
+    The logarithms of load and area are monotone cubics of the logarithm of the indentation (PCHIP): load and
+    area increase and have continuous slopes, and powers are exact. Below the first point both are powers
+    through the first two points. All asperities have this one law, whatever their radius R, for loading and
+    unloading. The law couples by order 1. Fritsch and Butland, SIAM J. Sci. Stat. Comput. 5, 300 (1984),
+    doi:10.1137/0905021.
+
+    Parameters
+    ----------
+    indentation : array_like, (m,)
+        Indentation d [mm], increasing and positive; a first point of zeros is left out.
+    load : array_like, (m,)
+        Load P [N] of one asperity, increasing and positive.
+    area : array_like, (m,)
+        Real contact area A [mm^2] of one asperity, increasing and positive.
+    material : Material, optional
+        Material of the surface, whose E* divides the load; a model sets it by `for_material`.
+
+    Raises
+    ------
+    InvalidInput
+        For a table that does not increase, has less than 3 points or three lengths, and for indentations
+        beyond its last.
+
+    Examples
+    --------
+    >>> from metafem.material import Material
+    >>> d = np.array([0.0, 0.01, 0.02, 0.04])
+    >>> law = TabulatedContact(d, 1.36 * 4 / 3 * 0.526**0.5 * d**1.5, np.pi * 0.526 * d)
+    >>> bound = law.for_material(Material(1.36))
+    >>> a = bound.contact_radius(0.015, 0.526)
+    >>> a.round(9), bound.load(a, 0.526).round(9)  # as Hertz's
+    (np.float64(0.088825672), np.float64(0.001776513))
+    """
+
+    table: FloatArray  # (3, m): indentation, load and area, without a first point of zeros
+    material: Material | None
+
+    def __init__(
+        self, indentation: ArrayLike, load: ArrayLike, area: ArrayLike, *, material: Material | None = None
+    ) -> None:
+        given = {"indentation": indentation, "load": load, "area": area}
+        rows = {name: check.array(name, row, shape=(None,)) for name, row in given.items()}
+        lengths = {name: len(row) for name, row in rows.items()}
+        if len(set(lengths.values())) > 1:
+            counts = ", ".join(f"{count} of {name}" for name, count in lengths.items())
+            raise InvalidInput(f"the table has {counts}; give as many of all")
+        table = np.array(list(rows.values()))
+        if not table[:, 0].any():
+            table = table[:, 1:]
+        if table.shape[1] < FEWEST:
+            raise InvalidInput(
+                f"indentation has {table.shape[1]} positive points; a table needs at least {FEWEST}"
+            )
+        skipped = lengths["indentation"] - table.shape[1]
+        for name, row in zip(rows, table, strict=True):
+            if row[0] <= 0.0:
+                raise InvalidInput(
+                    f"{name}[{skipped}] = {row[0]:g} must be greater than 0, as only a first point of the "
+                    "table may be zero, in all three columns"
+                )
+            fall = np.diff(row) <= 0.0
+            if fall.any():
+                i = int(fall.argmax())
+                raise InvalidInput(
+                    f"{name}[{i + 1 + skipped}] = {row[i + 1]:g} must be greater than the {row[i]:g} before "
+                    "it: indentation, load and area must increase together; leave out or smooth such points"
+                )
+        table.flags.writeable = False
+        object.__setattr__(self, "table", table)
+        object.__setattr__(self, "material", material)
+
+    def __repr__(self) -> str:
+        """Return the class with the size of the table and its last indentation."""
+        return f"TabulatedContact(<{self.table.shape[1]} points>, up to {self.table[0, -1]:g} mm)"
+
+    def for_material(self, material: Material) -> TabulatedContact:
+        """Return the law for E* of a material; the law itself if it has a material."""
+        return self if self.material is not None else TabulatedContact(*self.table, material=material)
+
+    @cached_property
+    def _load(self) -> LogCubic:
+        """P/E* [mm^2] over d [mm]."""
+        if self.material is None:
+            raise InvalidInput(
+                f"{self!r} has no material yet: use it in a model, or call for_material(material)"
+            )
+        return _monotone(self.table[0], self.table[1] / self.material.composite_modulus)
+
+    @cached_property
+    def _area(self) -> LogCubic:
+        """A [mm^2] over d [mm]."""
+        return _monotone(self.table[0], self.table[2])
+
+    def breaks(self, radius: float) -> FloatArray:
+        """Contact radii [mm] at the points of the table."""
+        return np.asarray(np.sqrt(self.table[2] / math.pi))
+
+    def largest_indentation(self, radius: Values) -> FloatArray:
+        """Last indentation of the table [mm]."""
+        return np.full(np.shape(radius), self.table[0, -1])[()]
+
+    def _end(self) -> str:
+        return "the last of the table; use lighter loads or a longer table"
+
+    def _load_at(self, depth: FloatArray, radius: FloatArray) -> tuple[FloatArray, FloatArray]:
+        load, slope = self._load.at(depth)
+        return load, load * slope / depth
+
+    def _area_at(self, depth: FloatArray, radius: FloatArray) -> tuple[FloatArray, FloatArray]:
+        area, slope = self._area.at(depth)
+        return area, area * slope / depth
+
+    def _depth_at(self, area: FloatArray, radius: FloatArray) -> FloatArray:
+        return self._area.inverse(area)
+
+
+def _monotone(x: FloatArray, y: FloatArray) -> LogCubic:
+    """Return the monotone cubic of ln y over ln x, with the slope of the first secant at the first point."""
+    from scipy.interpolate import pchip_interpolate
+
+    u, v = np.log(x), np.log(y)
+    slope = np.asarray(pchip_interpolate(u, v, u, der=1))
+    secant = np.diff(v) / np.diff(u)
+    slope[0] = secant[0]
+    slope[-1] = slope[-1] or secant[-1]  # 0 where the last secants bend too much
+    return LogCubic(u, v, slope)
