@@ -6,7 +6,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar, Self, cast
 
 from metafem._validate import FloatArray
-from metafem.models.model import Model, areas_one_by_one
+from metafem.contact import Contact
+from metafem.models.model import PARABOLOID, Model, areas_one_by_one
 from metafem.substrate import HalfSpace, Substrate
 from metafem.surface import Surface
 
@@ -38,23 +39,29 @@ class WithoutGradients:
     couples: ClassVar[bool] = True
     title: ClassVar[str]
     substrate: Substrate
+    contact: Contact
 
     @property
     def name(self) -> str:
-        """Name of the model in texts; it includes a substrate other than the half-space."""
-        on = "" if self.substrate == HalfSpace() else f", {self.gradient_model.name}"
-        return f"{self.title}{on}"
+        """Name of the model in texts; it includes a substrate other than the half-space, and the law."""
+        parts = [self.title]
+        if self.substrate != HalfSpace():
+            # a user's substrate may have no name
+            parts.append(getattr(self.substrate, "name", type(self.substrate).__name__))
+        if self.contact != PARABOLOID:
+            parts.append(repr(self.contact))
+        return ", ".join(parts)
 
     @cached_property
     def gradient_model(self) -> Interacting:
-        """`Interacting` of order 3 on the same substrate."""
+        """`Interacting` contacts of the same law on the same substrate, of order 3 if the law has one."""
         from metafem.models.interacting.model import Interacting
 
-        return Interacting(substrate=self.substrate)
+        return Interacting(self.contact.largest_order, self.substrate, self.contact)
 
     @property
     def reference(self) -> Interacting:
-        """`Interacting` of order 3 on the same substrate."""
+        """The same."""
         return self.gradient_model
 
     def areas(

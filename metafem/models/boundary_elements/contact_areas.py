@@ -1,10 +1,12 @@
 """Load and contact area of each asperity from a resolved pressure, all in units of the cell.
 
-The pressure on a Hertzian ellipse has the area ``5 pi sqrt(<x^2><y^2> - <xy>^2)`` with its second moments
-about its centroid. Any other area is found from its edge, near which p^2 falls linearly: the squares of the
-pressure, without those of the two outermost rings of cells, which collocation distorts, are extrapolated
-outwards by quadratic functions along rows, columns and diagonals. The area is that where the result, linear
-in triangles between the centres of the cells, is positive.
+The second moments of the pressure about its centroid have ``s = sqrt(<x^2><y^2> - <xy>^2)``, and the
+pressure on a Hertzian ellipse has the area ``5 pi s``. For other caps s is M/(2 P), from which their law
+gives the area. That of any other contact is found from its edge, near which p^2 falls linearly: the squares
+of the pressure, over that of the law's smooth factor, without those of the two outermost rings of cells,
+which collocation distorts, are extrapolated outwards by quadratic functions along rows, columns and
+diagonals. The area is that where the result, linear in triangles between the centres of the cells, is
+positive.
 """
 
 from __future__ import annotations
@@ -17,6 +19,7 @@ from numpy.typing import NDArray
 
 from metafem._validate import FloatArray
 from metafem.models.boundary_elements.patches import IntArray, Patch
+from metafem.models.boundary_elements.summits import Summits
 
 # Rings of cells at the edge whose pressure is replaced by the extrapolation, and rings that are filled:
 # those, and three outside.
@@ -27,8 +30,9 @@ DISTORTED, FILLED = 2, 5
 EDGE, CURVED = 0.009, 0.22 * math.pi
 
 # With n cells per radius the areas from the edge and from the moments of a Hertz contact differ by up to this
-# and this times n, in cells over pi (measured at the same offsets).
-DIFFERENCE, DIFFERENCE_BY_CELL = 0.5, 0.002
+# and this times n, in cells over pi (measured at the same offsets); those of other caps by up to twice as
+# much (powers from 1 to 8, spheres and tables).
+DIFFERENCE, DIFFERENCE_BY_CELL, OTHER_CAPS = 0.5, 0.002, 2.0
 
 # In a gap between two contacts, up to twice this number of cells wide, the level of an open cell is at most
 # this negative multiple of that of a closed cell beside it: the edge is up to 0.62 cells beyond the centre of
@@ -52,15 +56,15 @@ class Contacts:
 
     load: FloatArray  # sum of p/E* over the cells on which the asperity is the highest
     area: FloatArray  # contact area on these cells
-    deformed: NDArray[
-        np.bool_
-    ]  # whether the contact is no Hertzian ellipse: its area is that within its edge
+    # whether the area is not that of the law with the second moments: it is that within the edge
+    deformed: NDArray[np.bool_]
     merged: IntArray  # pairs of asperities whose contacts share an edge of a cell, (m, 2)
 
 
-def measure(patches: list[Patch], pressure: list[FloatArray], count: int) -> Contacts:
+def measure(patches: list[Patch], pressure: list[FloatArray], summits: Summits) -> Contacts:
     """Add up the pressure of each asperity, and find contacts that have merged."""
-    load, area, ellipse = np.zeros((3, count))
+    count = len(summits.radius)
+    load, area, spread = np.zeros((3, count))
     pairs = []
     for patch, p in zip(patches, pressure, strict=True):
         closed = p > 0.0
@@ -68,23 +72,26 @@ def measure(patches: list[Patch], pressure: list[FloatArray], count: int) -> Con
             met = closed[a] & closed[b] & (patch.owner[a] != patch.owner[b])
             pairs.append(np.stack([patch.owner[a][met], patch.owner[b][met]], axis=1))
         load += np.bincount(patch.owner.ravel(), p.ravel(), count)
-        area += _areas(p, patch.owner, count)
         for i in np.unique(patch.owner[closed]):
-            ellipse[i] = _ellipse(np.where(patch.owner == i, p, 0.0) / load[i])
+            spread[i] = _spread(np.where(patch.owner == i, p, 0.0) / load[i])
+    lawful = summits.areas(spread, load)
+    for patch, p in zip(patches, pressure, strict=True):
+        shape = summits.pressure_shape(patch.corner, patch.owner, np.sqrt(lawful / math.pi))
+        area += _areas(p / shape, patch.owner, count)
     merged = np.unique(np.sort(np.concatenate(pairs), axis=1), axis=0)
     difference = DIFFERENCE * math.pi + DIFFERENCE_BY_CELL * np.sqrt(math.pi * area)
-    deformed = np.abs(area - ellipse) > difference
+    deformed = np.abs(area - lawful) > difference * (1.0 if summits.paraboloids else OTHER_CAPS)
     deformed[merged.ravel()] = True
-    return Contacts(load, np.where(deformed, area, ellipse), deformed, merged)
+    return Contacts(load, np.where(deformed, area, lawful), deformed, merged)
 
 
-def _ellipse(density: FloatArray) -> float:
-    """Return the area of the Hertzian ellipse with the second moments of a pressure."""
+def _spread(density: FloatArray) -> float:
+    """Return s, the root of the determinant of the second moments of a pressure about its centroid."""
     x, y = (np.arange(n, dtype=np.float64) for n in density.shape)
     along_x, along_y = density.sum(axis=1), density.sum(axis=0)
     x, y = x - x @ along_x, y - y @ along_y
     square = (x**2 @ along_x) * (y**2 @ along_y) - (x @ density @ y) ** 2
-    return 5.0 * math.pi * math.sqrt(max(square, 0.0))
+    return math.sqrt(max(square, 0.0))
 
 
 def _areas(pressure: FloatArray, owner: IntArray, count: int) -> FloatArray:

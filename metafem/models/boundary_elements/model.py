@@ -11,12 +11,15 @@ import numpy as np
 
 from metafem import _validate as check
 from metafem._calls import checked_class
+from metafem._given import shown
 from metafem._validate import FloatArray
+from metafem.contact import Contact, Hertz
+from metafem.contact.caps import ElasticCap
 from metafem.errors import InvalidInput
 from metafem.models.boundary_elements import far_field
 from metafem.models.boundary_elements.field import ContactField
 from metafem.models.boundary_elements.solve import COARSEST, TOLERANCE, InitialGuess, Scene, Solution
-from metafem.models.model import Curve, RescaledState, controlled
+from metafem.models.model import PARABOLOID, Curve, RescaledState, controlled
 from metafem.models.stand_in import WithoutGradients
 from metafem.notes import Note, information
 from metafem.progress import each
@@ -24,17 +27,25 @@ from metafem.substrate import HalfSpace, Radial
 from metafem.surface import Surface
 
 
+def resolvable(contact: object) -> bool:
+    """Whether a contact is an elastic cap without adhesion, whose profile cells can follow."""
+    if isinstance(contact, type) or not isinstance(contact, Contact):
+        return False
+    return contact.largest_order == 3 and not contact.adhesive and hasattr(contact, "depth_at")
+
+
 @checked_class
 @dataclass(frozen=True)
 class BoundaryElements(WithoutGradients):
-    """Elastic contact of paraboloids with a rigid plane, resolved by cells of constant pressure.
+    """Elastic contact of caps with a rigid plane, resolved by cells of constant pressure.
 
     Finds the pressures with ``p >= 0, u + gap - approach >= 0, p (u + gap - approach) = 0``, where u
     is Love's displacement of all cells plus what the substrate adds to a half-space. Cells cover the
     neighbourhoods of the contacts only. With n cells per contact radius the relative error of a Hertz
     contact at any position is at most 0.12/n^2 in load and 0.37/n^2 in area: 5e-5 and 1.5e-4 at n = 50.
     Areas come from the second moments of each contact's pressure, ``A = 5 pi sqrt(<x^2><y^2> - <xy>^2)``,
-    which is exact for Hertzian ellipses. Contacts of another shape and merged ones have the area within
+    which is exact for Hertzian ellipses; for other caps the factor 2/m with m = M/(P a^2) = 2/5 becomes that
+    of their law under an extra curvature. Contacts of another shape and merged ones have the area within
     their edges, with an error of up to seven cells for each asperity, and a note says so. The stiffness is
     that of flat punches on the cells in contact. Johnson, Contact Mechanics (1985), section 5.9,
     doi:10.1017/CBO9781139171731.
@@ -47,12 +58,15 @@ class BoundaryElements(WithoutGradients):
         the load.
     substrate : HalfSpace or BondedLayer
         A substrate whose influence depends on the distance alone.
+    contact : Hertz, PowerCap, SphericalCap or AxisymmetricCap
+        Elastic cap without adhesion, of which the profile is used; default: `Hertz()`.
 
     Raises
     ------
     InvalidInput
-        For a cell that is not positive, and another kind of substrate. When solving: for a cell too
-        coarse for the largest contact, and a scene that needs more memory than the machine has.
+        For a cell that is not positive, and another kind of substrate or contact. When solving: for a cell
+        too coarse for the largest contact, a contact wider than the profile, and a scene that needs more
+        memory than the machine has.
 
     Examples
     --------
@@ -67,6 +81,7 @@ class BoundaryElements(WithoutGradients):
 
     cell: float
     substrate: Radial = field(default_factory=HalfSpace)
+    contact: Hertz | ElasticCap = PARABOLOID
 
     def __post_init__(self) -> None:
         check.member(self, "cell", above=0.0)
@@ -74,6 +89,11 @@ class BoundaryElements(WithoutGradients):
             raise InvalidInput(
                 f"substrate = {self.substrate!r} must be one whose influence depends on the distance "
                 "alone: metafem.HalfSpace() or metafem.BondedLayer()"
+            )
+        if not resolvable(self.contact):
+            raise InvalidInput(
+                f"contact = {shown(self.contact)} must be an elastic cap without adhesion, such as "
+                "metafem.Hertz() or metafem.PowerCap(4): contacts of other laws cannot be resolved"
             )
 
     def curve(
@@ -85,7 +105,7 @@ class BoundaryElements(WithoutGradients):
         contacts are far smaller than their distances, and order 3 is more accurate.
         """
         values, by_load = controlled(load, approach)
-        scene = Scene(surface, self.cell, self.substrate)
+        scene = Scene(surface, self.cell, self.substrate, self.contact)
         guesses = [scene.initial_guess(value, by_load) if value > 0.0 else None for value in values.tolist()]
         fine = [guess is not None and scene.resolves(guess) for guess in guesses]
         light = fine.index(True) if any(fine) else 0
@@ -178,9 +198,11 @@ def _notes(scene: Scene, solution: Solution) -> tuple[Note, ...]:
             )
         )
     if contacts.deformed.any():
+        hertz = scene.law == PARABOLOID
+        shape = "a Hertzian ellipse" if hertz else f"{scene.law!r} on a surface of constant curvature"
         notes.append(
             information(
-                f"the pressure of {contacts.deformed.sum()} contacts is not that of a Hertzian ellipse: "
+                f"the pressure of {contacts.deformed.sum()} contacts is not that of {shape}: "
                 "their areas are those within their edges, with an error of up to seven cells each"
             )
         )
@@ -189,7 +211,7 @@ def _notes(scene: Scene, solution: Solution) -> tuple[Note, ...]:
         notes.append(
             information(
                 f"{len(contacts.merged)} pairs of contacts have merged, among them {shown}: their loads and "
-                "areas are split where the summits' paraboloids cross"
+                "areas are split where the summits' caps cross"
             )
         )
     radius = np.sqrt(contacts.area / math.pi)

@@ -15,7 +15,7 @@ from scipy.sparse.csgraph import connected_components
 
 from metafem._validate import FloatArray
 from metafem.models.boundary_elements.far_field import convergence_rate
-from metafem.surface import Surface
+from metafem.models.boundary_elements.summits import Summits
 
 IntArray = NDArray[np.int64]
 
@@ -42,23 +42,6 @@ class Patch:
     def centre(self) -> FloatArray:
         """Middle of the rectangle, (2,)."""
         return np.asarray(self.corner + 0.5 * (np.array(self.shape) - 1))
-
-
-@dataclass(frozen=True, eq=False)
-class Summits:
-    """Asperities in units of the cell: positions (n, 2), summit depths (n,), radii (n,)."""
-
-    position: FloatArray
-    depth: FloatArray
-    radius: FloatArray
-
-    @classmethod
-    def of(cls, surface: Surface, cell: float) -> Summits:
-        """Measure a surface in cells."""
-        low, high = surface.position.min(axis=0), surface.position.max(axis=0)
-        # halved before the sum, so that a corner far from the origin costs no digits
-        position = ((surface.position - low) - 0.5 * (high - low)) / cell
-        return cls(position, surface.gap / cell, surface.radius / cell)
 
 
 def box_rate(first: IntArray, last: IntArray) -> FloatArray:
@@ -98,8 +81,9 @@ def patch(summits: Summits, members: IntArray, first: IntArray, last: IntArray) 
     gap = np.full((len(x), len(y)), np.inf)
     owner = np.zeros(gap.shape, dtype=np.int64)
     for i in np.union1d(members, inside):
-        (cx, cy), radius = summits.position[i], summits.radius[i]
-        depth = summits.depth[i] + ((x - cx)[:, None] ** 2 + (y - cy)[None, :] ** 2) / (2.0 * radius)
+        cx, cy = summits.position[i]
+        square = (x - cx)[:, None] ** 2 + (y - cy)[None, :] ** 2
+        depth = summits.depth[i] + summits.depth_beside(i, square)
         higher = depth < gap
         gap[higher] = depth[higher]
         owner[higher] = i

@@ -9,13 +9,15 @@ import numpy as np
 
 from metafem._validate import FloatArray
 from metafem.contact import Hertz
+from metafem.contact.caps import ElasticCap
 from metafem.errors import InvalidInput, MetafemError
 from metafem.models._resources import require_memory
 from metafem.models.boundary_elements import quadratic_program
 from metafem.models.boundary_elements.contact_areas import Contacts, measure
 from metafem.models.boundary_elements.far_field import table_bytes
 from metafem.models.boundary_elements.influence import Influence
-from metafem.models.boundary_elements.patches import Patch, Summits, box_rate, boxes, patch
+from metafem.models.boundary_elements.patches import Patch, box_rate, boxes, patch
+from metafem.models.boundary_elements.summits import Summits
 from metafem.models.independent import Independent
 from metafem.models.interacting.model import Interacting
 from metafem.substrate import Radial
@@ -64,7 +66,7 @@ class Solution:
     contacts: Contacts
     patches: list[Patch]
     covered: bool  # no contact reaches the edge of its patch, and no asperity without cells is in contact
-    indentation: float  # largest A/(pi R), the indentation of a Hertz contact: the unit of the residuals
+    indentation: float  # largest one of undisturbed contacts with these areas: the unit of the residuals
     stiffness: float  # derivative of the load by the approach on the cells that carry pressure
 
 
@@ -79,11 +81,12 @@ class InitialGuess:
 class Scene:
     """One surface on one substrate, with the data that all loads share."""
 
-    def __init__(self, surface: Surface, cell: float, substrate: Radial) -> None:
+    def __init__(self, surface: Surface, cell: float, substrate: Radial, law: Hertz | ElasticCap) -> None:
         self.surface = surface
+        self.law = law
         self.cell = cell
         self.substrate = substrate.for_surface(surface)
-        self.summits = Summits.of(surface, cell)
+        self.summits = Summits.of(surface, law, cell)
         require_memory(8 * PAIR_MATRICES * surface.count**2, f"{surface.count} asperities")
         self.coupling = self.substrate.influence_matrix(surface)
         self.slope_x, self.slope_y, self.laplacian = self.substrate.influence_derivatives(surface)
@@ -95,14 +98,15 @@ class Scene:
         """
         control = {"load" if by_load else "approach": np.array([value])}
         try:
-            curve = Interacting(order=1, substrate=self.substrate).curve(self.surface, **control).checked()
+            point = Interacting(order=1, substrate=self.substrate, contact=self.law)
+            curve = point.curve(self.surface, **control).checked()
         except MetafemError:
-            curve = Independent().curve(self.surface, **control)
+            curve = Independent(self.law).curve(self.surface, **control)
         return InitialGuess(curve.last.indentation, float(curve.approach[0]))
 
     def largest(self, guess: InitialGuess) -> float:
         """Return the radius of the largest contact of an initial guess [mm]."""
-        return float(Hertz().contact_radius(guess.indentation, self.surface.radius).max())
+        return float(self.law.contact_radius(guess.indentation, self.surface.radius).max())
 
     def resolves(self, guess: InitialGuess) -> bool:
         """Whether the cells are fine enough for the largest contact of an initial guess."""
@@ -119,7 +123,7 @@ class Scene:
         d = guess.indentation
         half_width = np.where(d > -NEARLY_CLOSED * d.max(), self._reach(d, 1.0 + MARGIN_SHARE), 0.0)
         patches = self._patches(half_width)
-        pressure = self._hertz(d, patches)
+        pressure = self._expected(d, patches)
         if not pressure.any():
             pressure += 1.0  # summits below the surface of others: any initial guess works
         indentation = float(d.max()) / self.cell
@@ -129,8 +133,9 @@ class Scene:
             tolerance = 0.5 * TOLERANCE * indentation
             minimum = self._minimum(operator, patches, pressure, guess.approach, load, tolerance)
             parts = operator.split(minimum.pressure)
-            contacts = measure(patches, parts, self.surface.count)
-            indentation = float((contacts.area / (math.pi * self.summits.radius)).max())
+            contacts = measure(patches, parts, self.summits)
+            blunt = self.summits.bluntness(np.sqrt(contacts.area / math.pi))
+            indentation = float((contacts.area / (math.pi * self.summits.radius * blunt)).max())
             larger = self._enlarged(half_width, patches, parts, contacts, minimum)
             covered = bool((larger == half_width).all())
             if covered and minimum.error <= TOLERANCE * indentation:
@@ -138,6 +143,7 @@ class Scene:
             half_width, old = larger, patches
             patches = self._patches(half_width)
             pressure = _moved(old, parts, patches)
+        self.require_extent(contacts)
         face = minimum.pressure > 0.0
         ones = np.ones(operator.size)
         rise = quadratic_program.solve_on(operator, face, ones, STIFFNESS_TOLERANCE, MAX_ITERATIONS)
@@ -145,8 +151,20 @@ class Scene:
 
     def _reach(self, indentation: FloatArray, factor: float) -> FloatArray:
         """Extent of the cells around summits with these indentations."""
-        radius = np.sqrt(self.surface.radius * np.maximum(indentation, 0.0)) / self.cell
-        return np.asarray(factor * radius + MARGIN_CELLS)
+        most = self.law.largest_indentation(self.surface.radius)
+        radius = self.law.contact_radius(np.minimum(indentation, most), self.surface.radius)
+        return np.asarray(factor * (radius / self.cell) + MARGIN_CELLS)
+
+    def require_extent(self, contacts: Contacts) -> None:
+        """Raise InvalidInput where a contact is wider than the profile."""
+        radius = self.cell * np.sqrt(contacts.area / math.pi)
+        most = self.cell * self.summits.widest()
+        if (radius > most).any():
+            i = int((radius / most).argmax())
+            raise InvalidInput(
+                f"the contact of asperity {i} has the radius {radius[i]:.4g} mm, beyond {most[i]:.4g} mm, up "
+                f"to which {self.law!r} describes contacts; use lighter loads or a wider profile"
+            )
 
     def _patches(self, half_width: FloatArray) -> list[Patch]:
         members, first, last = boxes(self.summits, half_width)
@@ -164,19 +182,21 @@ class Scene:
             lambda r: np.asarray(h * substrate.regular(h * r)),
         )
 
-    def _hertz(self, indentation: FloatArray, patches: list[Patch]) -> FloatArray:
-        """Hertz's pressure at the expected indentations, corrected for the field of the neighbours.
+    def _expected(self, indentation: FloatArray, patches: list[Patch]) -> FloatArray:
+        """Hertz's pressure in contacts of the law's radii, corrected for the field of the neighbours.
 
         Half of the Laplacian of the field adds to the curvature of the summit, and its slope shifts the
         contact down the slope by R times the slope. Neighbours for which point loads are no approximation
         are left out.
         """
         surface, h = self.surface, self.cell
-        load = Hertz().load_at_indentation(indentation, surface.radius)
-        bend = 0.5 * surface.radius * (self.laplacian @ load)
-        radius = surface.radius / (1.0 + np.clip(bend, -0.5, 0.5)) / h
+        contact_radius = self.law.contact_radius(indentation, surface.radius)
+        load = self.law.load(contact_radius, surface.radius)
+        blunt = surface.radius * self.summits.bluntness(contact_radius / h)
+        bend = 0.5 * blunt * (self.laplacian @ load)
+        radius = blunt / (1.0 + np.clip(bend, -0.5, 0.5)) / h
         square = radius * np.maximum(indentation, 0.0) / h
-        shift = np.stack([self.slope_x @ load, self.slope_y @ load], axis=1) * surface.radius[:, None] / h
+        shift = np.stack([self.slope_x @ load, self.slope_y @ load], axis=1) * blunt[:, None] / h
         near = (shift**2).sum(axis=1) < 0.25 * square
         centre = self.summits.position - np.where(near[:, None], shift, 0.0)
         parts = []

@@ -6,7 +6,8 @@ import pytest
 from metafem._kernels import love
 from metafem.models.boundary_elements import far_field
 from metafem.models.boundary_elements.influence import Influence
-from metafem.models.boundary_elements.patches import Patch, Summits, boxes, patch
+from metafem.models.boundary_elements.patches import Patch, boxes, patch
+from metafem.models.boundary_elements.summits import Summits
 
 
 def point(r):

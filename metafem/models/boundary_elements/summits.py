@@ -1,0 +1,123 @@
+"""The caps of a surface in units of the cell, and what their contact law says of a resolved pressure."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from metafem._validate import FloatArray
+from metafem.contact import Hertz
+from metafem.contact.caps import ElasticCap
+from metafem.models.model import PARABOLOID
+from metafem.surface import Surface
+
+# Indentation over R up to which contacts of a law without a largest one are measured, where that of a sphere
+# has the radius R within 1e-8; and halvings of the contact radius, down to rounding.
+DEEPEST = 10.0
+BISECTIONS = 52
+
+# Load of the undisturbed contact with the radius of a contact, over the load of that contact: the field of
+# neighbours flattens a summit by less. Below this the equation for the radius is monotone for all power caps.
+MOST_LOAD = 2.0
+
+# Nodes of the quadrature for the shape of a pressure, distances at which it is computed, and the smallest and
+# the largest of these over the contact radius. Between them it is a power of the distance.
+NODES, DISTANCES = 16, 100
+NEAREST, FARTHEST = 0.1, 2.0
+
+
+@dataclass(frozen=True, eq=False)
+class Summits:
+    """Asperities in units of the cell: positions (n, 2), summit depths (n,), radii (n,), and their cap."""
+
+    position: FloatArray
+    depth: FloatArray
+    radius: FloatArray
+    cap: Hertz | ElasticCap = PARABOLOID
+    cell: float = 1.0  # [mm]
+
+    @classmethod
+    def of(cls, surface: Surface, cap: Hertz | ElasticCap, cell: float) -> Summits:
+        """Measure a surface in cells."""
+        low, high = surface.position.min(axis=0), surface.position.max(axis=0)
+        # halved before the sum, so that a corner far from the origin costs no digits
+        position = ((surface.position - low) - 0.5 * (high - low)) / cell
+        return cls(position, surface.gap / cell, surface.radius / cell, cap, cell)
+
+    @property
+    def paraboloids(self) -> bool:
+        """Whether the caps are paraboloids, for which closed forms hold."""
+        return self.cap == PARABOLOID
+
+    def depth_beside(self, i: int, square: FloatArray) -> FloatArray:
+        """Depth of the cap of asperity i below its summit, over the square of the distance."""
+        if self.paraboloids:  # without the square of a root
+            return np.asarray(square / (2.0 * self.radius[i]))
+        distance = self.cell * np.sqrt(square)
+        return np.asarray(self.cap.depth_at(distance, self.cell * self.radius[i]) / self.cell)
+
+    def widest(self) -> FloatArray:
+        """Largest contact radii that the law describes, (n,)."""
+        radius = self.cell * self.radius
+        most = self.cap.largest_indentation(radius)
+        deepest = np.where(np.isfinite(most), most, DEEPEST * radius)
+        return np.asarray(self.cap.contact_radius(deepest, radius) / self.cell)
+
+    def bluntness(self, contact_radius: FloatArray) -> FloatArray:
+        """Radius over R of the paraboloid with the same contact radius and indentation, (n,)."""
+        if self.paraboloids:
+            return np.ones(contact_radius.shape)
+        inside = np.minimum(contact_radius, self.widest())
+        closed = inside > 0.0
+        depth = self.cap.indentation(self.cell * inside, self.cell * self.radius) / self.cell
+        return np.where(closed, inside**2 / np.where(closed, self.radius * depth, 1.0), 1.0)
+
+    def areas(self, spread: FloatArray, load: FloatArray) -> FloatArray:
+        """Areas of contacts with the second moment M = 2 s P of the pressure and the load P, (n,).
+
+        The field of the neighbours adds an unknown curvature, whose own part of M is 2/5 a^2 of its part of
+        P, as for a paraboloid. So ``M - 2/5 P a^2 = M0(a) - 2/5 P0(a) a^2`` with the undisturbed contact on
+        the right, which is solved for a by bisection.
+        """
+        if self.paraboloids:
+            return 5.0 * math.pi * spread
+        radius, low, high = self.cell * self.radius, np.zeros(spread.shape), self.cell * self.widest()
+        carried = self.cell**2 * load
+        moment = 2.0 * self.cell**2 * spread * carried
+        for _ in range(BISECTIONS):
+            a = 0.5 * (low + high)
+            alone = self.cap.load(a, radius)
+            own = self.cap.second_moment(a, radius) - 0.4 * a**2 * alone
+            wide = (own > moment - 0.4 * a**2 * carried) | (alone > MOST_LOAD * carried)
+            low, high = np.where(wide, low, a), np.where(wide, a, high)
+        return np.where(load > 0.0, math.pi * (low / self.cell) ** 2, 0.0)
+
+    def pressure_shape(
+        self, corner: NDArray[np.int64], owner: NDArray[np.int64], contact_radius: FloatArray
+    ) -> FloatArray | float:
+        """Pressure over sqrt(a^2 - rho^2) on the cells of a patch, with any factor; smooth across the edge.
+
+        ``p = 1/pi int_rho^a D'(s)/sqrt(s^2 - rho^2) ds`` is ``sqrt(a^2 - rho^2)/pi`` times the mean of D'/s
+        over u with ``s^2 = rho^2 + (a^2 - rho^2) u^2``, 0 < u < 1. It is 1 for paraboloids.
+        """
+        if self.paraboloids:
+            return 1.0
+        shape = np.ones(owner.shape)
+        node, weight = np.polynomial.legendre.leggauss(NODES)
+        part = np.geomspace(NEAREST, FARTHEST, DISTANCES)
+        square = part[:, None] ** 2 + (1.0 - part[:, None] ** 2) * (0.5 * (node + 1.0)) ** 2
+        widest = self.widest()
+        for i in np.unique(owner):
+            a = min(contact_radius[i], widest[i])
+            if a == 0.0:
+                continue
+            here = owner == i
+            x, y = (np.argwhere(here) + corner - self.position[i]).T
+            s = self.cell * np.minimum(a * np.sqrt(square), widest[i])
+            mean = (1.0 / self.cap.area_slope(s, self.cell * self.radius[i])) @ weight
+            distance = np.log(np.maximum(np.hypot(x, y), NEAREST * a))
+            shape[here] = np.exp(np.interp(distance, np.log(a * part), np.log(mean / mean.max())))
+        return shape

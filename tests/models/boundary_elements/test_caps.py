@@ -1,0 +1,119 @@
+"""Resolved contacts of caps that are no paraboloids."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+import metafem as mf
+from metafem.contact.cap_geometry import sphere_profile
+from metafem.models.boundary_elements.contact_areas import Contacts
+from metafem.models.boundary_elements.solve import Scene
+from metafem.models.boundary_elements.summits import Summits
+from tests.models.interacting.dense_twin import Twin
+from tests.models.scenes import lattice, scene
+
+RADIUS, CONTACT = 0.526, 0.2
+MATERIAL = mf.Material(1.36)
+RHO = np.linspace(0.0, 0.45, 80)
+SPHERE = mf.AxisymmetricCap([RHO, sphere_profile(RHO, RADIUS)])
+LAWS = [*(mf.PowerCap(n) for n in (1, 1.5, 3, 4, 8)), mf.SphericalCap(), SPHERE]
+
+
+def lone(law, cells, offset=(0.3, 0.1), contact_radius=CONTACT):
+    """One contact of this radius, its centre off those of the cells, and the state of the law alone."""
+    cell = contact_radius / cells
+    far = [200.0 * cell + 2.0 * offset[0] * cell, 2.0 * offset[1] * cell]
+    surface = mf.Surface([[0.0, 0.0], far], [0.0, -10.0], RADIUS, MATERIAL)
+    approach = float(law.indentation(contact_radius, RADIUS))
+    models = mf.BoundaryElements(cell, contact=law), mf.Independent(contact=law)
+    return [mf.equilibrium(surface, model, approach=approach) for model in models]
+
+
+@pytest.mark.parametrize("law", LAWS, ids=repr)
+def test_one_contact_is_that_of_the_law(law):
+    width = 0.5 * RADIUS if law in (mf.SphericalCap(), SPHERE) else CONTACT
+    state, exact = lone(law, 50, contact_radius=width)
+    # the cells' error at 50 per radius
+    assert state.load == pytest.approx(exact.load, rel=1e-4)
+    assert state.area == pytest.approx(exact.area, rel=3e-4)
+    assert state.stiffness == pytest.approx(exact.stiffness, rel=5e-4)
+    assert state.model.contact == law
+
+
+@pytest.mark.parametrize("law", [mf.PowerCap(4), mf.SphericalCap()], ids=repr)
+def test_the_error_falls_as_the_square_of_the_cell(law):
+    counts = np.array([12, 24, 48])
+    found = [lone(law, n) for n in counts]
+    for name, least in (("load", 1.8), ("area", 1.5)):  # the sum over the edge scatters
+        errors = [abs(getattr(s, name) / getattr(e, name) - 1.0) for s, e in found]
+        assert -np.polyfit(np.log(counts), np.log(errors), 1)[0] > least
+
+
+def test_areas_from_moments_hold_for_any_extra_curvature():
+    surface = scene(radius=np.full(6, RADIUS))
+    a = np.linspace(0.1, 0.2, 6)
+    for law in (*LAWS, mf.PowerCap(2)):
+        kappa = np.linspace(-0.1, 0.4, 6) * law.indentation(a, RADIUS) / a**2
+        load, moment = (f(a, RADIUS, kappa) for f in (law.load, law.second_moment))
+        summits = Summits.of(surface, law, 0.01)
+        found = summits.areas(0.5 * moment / load / 1e-4, load / 1e-4)
+        np.testing.assert_allclose(1e-4 * found, np.pi * a**2, rtol=1e-12)
+        assert (summits.areas(np.zeros(6), np.zeros(6)) == 0.0).all()
+
+
+def test_a_power_of_two_is_the_paraboloid():
+    cells = mf.BoundaryElements(0.012), mf.BoundaryElements(0.012, contact=mf.PowerCap(2))
+    hertz, power = (mf.equilibrium(scene(), model, load=0.1) for model in cells)
+    assert power.area == pytest.approx(hertz.area, rel=1e-8)
+    np.testing.assert_allclose(power.asperity_load, hertz.asperity_load, rtol=1e-8)
+    again = mf.equilibrium(scene(), cells[1], approach=power.approach)
+    assert again.load == pytest.approx(0.1, rel=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("law", "surface"),
+    [(mf.PowerCap(4), lattice(0.5 * np.ones(9))), (mf.PowerCap(1.5), scene()), (mf.SphericalCap(), scene())],
+    ids=repr,
+)
+def test_coupled_contacts_are_those_of_order_3(law, surface):
+    twin, approach = Twin(surface, law), float(law.indentation(0.18, RADIUS))
+    load = twin.solve(approach=approach)[1].sum()
+    state = mf.equilibrium(surface, mf.BoundaryElements(0.008, contact=law), approach=approach)
+    # what is required up to a/L = 0.2
+    assert state.load / 1.36 == pytest.approx(load, rel=3e-4)
+    area = twin.solve(load=state.load / 1.36)[2].sum()
+    assert state.area == pytest.approx(area, rel=1e-3)
+    assert not any("not that of" in note.text for note in state.notes)
+
+
+def test_contacts_wider_than_the_profile_are_refused():
+    law = mf.AxisymmetricCap([RHO[:30], sphere_profile(RHO[:30], RADIUS)])
+    surface, model = mf.Surface([[0.0, 0.0]], [0.1], RADIUS, MATERIAL), mf.BoundaryElements(0.01, contact=law)
+    most = float(law.largest_indentation(RADIUS))
+    assert mf.equilibrium(surface, model, approach=0.98 * most).area == pytest.approx(
+        np.pi * law.contact_radius(0.98 * most, RADIUS) ** 2, rel=2e-3
+    )
+    with pytest.raises(mf.InvalidInput, match="exceeds"):
+        mf.equilibrium(surface, model, approach=1.1 * most)
+    scene_of_cells = Scene(surface, 0.01, mf.HalfSpace(), law)
+    contacts = Contacts(np.ones(1), np.full(1, 1500.0), np.zeros(1, bool), np.zeros((0, 2), np.int64))
+    with pytest.raises(mf.InvalidInput, match=r"has the radius 0\.2185 mm, beyond 0\.1652 mm, up to which"):
+        scene_of_cells.require_extent(contacts)
+
+
+@dataclass(frozen=True)
+class Sticky(mf.PowerCap):
+    adhesive = True
+
+
+@pytest.mark.parametrize("law", [Sticky(4.0), 4, mf.Hertz])
+def test_laws_that_cells_cannot_follow_are_refused_by_name(law):
+    with pytest.raises(mf.InvalidInput, match=r"contact = .* must be an elastic cap without adhesion"):
+        mf.BoundaryElements(0.01, contact=law)
+
+
+def test_names_state_the_law():
+    model = mf.BoundaryElements(0.01, mf.BondedLayer(), mf.PowerCap(4))
+    assert model.name == "resolved, layer, PowerCap(exponent=4.0, coefficient=0.5)"
+    assert mf.BoundaryElements(0.01).name == "resolved"
