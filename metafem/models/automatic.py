@@ -9,11 +9,12 @@ from typing import ClassVar
 from metafem import _validate as check
 from metafem._calls import checked_class
 from metafem._validate import FloatArray
+from metafem.contact import Contact
 from metafem.errors import MetafemError
 from metafem.models.boundary_elements.model import BoundaryElements
 from metafem.models.independent import Independent
 from metafem.models.interacting.model import DENSE_LIMIT, Interacting
-from metafem.models.model import Curve, controlled
+from metafem.models.model import PARABOLOID, Curve, controlled
 from metafem.models.stand_in import WithoutGradients
 from metafem.models.truncation import truncation
 from metafem.notes import Level, Note, information
@@ -72,10 +73,12 @@ class Automatic(WithoutGradients):
 
     tolerance: float = 1e-3
     substrate: Substrate = field(default_factory=HalfSpace)
+    contact: Contact = PARABOLOID
 
     def __post_init__(self) -> None:
         check.member(self, "tolerance", above=0.0)
-        Interacting(substrate=self.substrate)  # checks the substrate
+        check.instance("contact", self.contact, Contact, "a contact law such as metafem.Hertz()")
+        _ = self.gradient_model  # checks the substrate, and the contact on it
 
     def curve(
         self, surface: Surface, load: FloatArray | None = None, *, approach: FloatArray | None = None
