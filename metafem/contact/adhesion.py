@@ -18,6 +18,9 @@ from metafem.contact.law import Contact, Values
 from metafem.errors import InvalidInput
 from metafem.material import Material
 
+# The cap of a law that names no other.
+PARABOLOID = Hertz()
+
 # Largest number of steps of a bracket, each by a factor of WIDER in the indentation, and of the search in it.
 MOST_WIDENINGS, WIDER = 60, 64.0
 MOST_STEPS = 100
@@ -68,7 +71,7 @@ class JKR(Contact):
     adhesive: ClassVar[bool] = True
 
     adhesion_energy: float
-    cap: Contact = field(default_factory=Hertz)
+    cap: Contact = PARABOLOID  # a default factory would leave the property of the base class
     composite_modulus: float | None = field(default=None, kw_only=True, repr=False)
 
     def __post_init__(self) -> None:
