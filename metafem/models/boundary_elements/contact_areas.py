@@ -64,7 +64,7 @@ class Contacts:
 def measure(patches: list[Patch], pressure: list[FloatArray], summits: Summits) -> Contacts:
     """Add up the pressure of each asperity, and find contacts that have merged."""
     count = len(summits.radius)
-    load, area, spread = np.zeros((3, count))
+    load, area, spread, shift = np.zeros((4, count))
     pairs = []
     for patch, p in zip(patches, pressure, strict=True):
         closed = p > 0.0
@@ -73,8 +73,9 @@ def measure(patches: list[Patch], pressure: list[FloatArray], summits: Summits) 
             pairs.append(np.stack([patch.owner[a][met], patch.owner[b][met]], axis=1))
         load += np.bincount(patch.owner.ravel(), p.ravel(), count)
         for i in np.unique(patch.owner[closed]):
-            spread[i] = _spread(np.where(patch.owner == i, p, 0.0) / load[i])
-    lawful = summits.areas(spread, load)
+            spread[i], centroid = _moments(np.where(patch.owner == i, p, 0.0) / load[i])
+            shift[i] = np.linalg.norm(centroid + patch.corner - summits.position[i])
+    lawful = summits.areas(spread, load, shift)
     for patch, p in zip(patches, pressure, strict=True):
         shape = summits.pressure_shape(patch.corner, patch.owner, np.sqrt(lawful / math.pi))
         area += _areas(p / shape, patch.owner, count)
@@ -85,13 +86,14 @@ def measure(patches: list[Patch], pressure: list[FloatArray], summits: Summits) 
     return Contacts(load, np.where(deformed, area, lawful), deformed, merged)
 
 
-def _spread(density: FloatArray) -> float:
-    """Return s, the root of the determinant of the second moments of a pressure about its centroid."""
+def _moments(density: FloatArray) -> tuple[float, FloatArray]:
+    """Return s of a pressure, the root of the determinant of its second moments, and its centroid (2,)."""
     x, y = (np.arange(n, dtype=np.float64) for n in density.shape)
     along_x, along_y = density.sum(axis=1), density.sum(axis=0)
-    x, y = x - x @ along_x, y - y @ along_y
+    centroid = np.array([x @ along_x, y @ along_y])
+    x, y = x - centroid[0], y - centroid[1]
     square = (x**2 @ along_x) * (y**2 @ along_y) - (x @ density @ y) ** 2
-    return math.sqrt(max(square, 0.0))
+    return math.sqrt(max(square, 0.0)), centroid
 
 
 def _areas(pressure: FloatArray, owner: IntArray, count: int) -> FloatArray:

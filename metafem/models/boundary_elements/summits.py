@@ -23,6 +23,9 @@ BISECTIONS = 52
 # neighbours flattens a summit by less. Below this the equation for the radius is monotone for all power caps.
 MOST_LOAD = 2.0
 
+# Step of the contact radius for the derivative of D', relative.
+DIFFERENCE = 1e-3
+
 # Nodes of the quadrature for the shape of a pressure, distances at which it is computed, and the smallest and
 # the largest of these over the contact radius. Between them it is a power of the distance.
 NODES, DISTANCES = 16, 100
@@ -75,12 +78,16 @@ class Summits:
         depth = self.cap.indentation(self.cell * inside, self.cell * self.radius) / self.cell
         return np.where(closed, inside**2 / np.where(closed, self.radius * depth, 1.0), 1.0)
 
-    def areas(self, spread: FloatArray, load: FloatArray) -> FloatArray:
+    def areas(self, spread: FloatArray, load: FloatArray, shift: FloatArray) -> FloatArray:
         """Areas of contacts with the second moment M = 2 s P of the pressure and the load P, (n,).
+
+        shift: distances from the summits to the centroids of the pressure. M is about the centroid.
 
         The field of the neighbours adds an unknown curvature, whose own part of M is 2/5 a^2 of its part of
         P, as for a paraboloid. So ``M - 2/5 P a^2 = M0(a) - 2/5 P0(a) a^2`` with the undisturbed contact on
-        the right, which is solved for a by bisection.
+        the right, which is solved for a by bisection. The slope g of the field moves the centroid by
+        ``4/3 a^3 g/P`` and changes the area by the fraction ``-2 (a D''/D' - 1) (g/D')^2``, of which M shows
+        ``(10 - 20/3 a^2 D'/P) (g/D')^2``: both are zero for paraboloids.
         """
         if self.paraboloids:
             return 5.0 * math.pi * spread
@@ -93,7 +100,15 @@ class Summits:
             own = self.cap.second_moment(a, radius) - 0.4 * a**2 * alone
             wide = (own > moment - 0.4 * a**2 * carried) | (alone > MOST_LOAD * carried)
             low, high = np.where(wide, low, a), np.where(wide, a, high)
-        return np.where(load > 0.0, math.pi * (low / self.cell) ** 2, 0.0)
+        closed = load > 0.0
+        a, carried = np.where(closed, low, 0.5 * high), np.where(closed, carried, 1.0)
+        slope, before = (
+            2.0 * math.pi * x / self.cap.area_slope(x, radius) for x in (a, a * (1.0 - DIFFERENCE))
+        )
+        bend = np.log(slope / before) / -math.log1p(-DIFFERENCE)
+        turn = self.cell * shift * carried / (4.0 / 3.0 * a**3 * slope)
+        change = (2.0 * (bend - 1.0) + 10.0 - 20.0 / 3.0 * a**2 * slope / self.cap.load(a, radius)) * turn**2
+        return np.where(closed, math.pi * (a / self.cell) ** 2 * np.maximum(1.0 - change, 0.0), 0.0)
 
     def pressure_shape(
         self, corner: NDArray[np.int64], owner: NDArray[np.int64], contact_radius: FloatArray

@@ -7,6 +7,7 @@ import pytest
 
 import metafem as mf
 from metafem.contact.cap_geometry import sphere_profile
+from metafem.models.boundary_elements import contact_areas
 from metafem.models.boundary_elements.contact_areas import Contacts
 from metafem.models.boundary_elements.solve import Scene
 from metafem.models.boundary_elements.summits import Summits
@@ -57,9 +58,9 @@ def test_areas_from_moments_hold_for_any_extra_curvature():
         kappa = np.linspace(-0.1, 0.4, 6) * law.indentation(a, RADIUS) / a**2
         load, moment = (f(a, RADIUS, kappa) for f in (law.load, law.second_moment))
         summits = Summits.of(surface, law, 0.01)
-        found = summits.areas(0.5 * moment / load / 1e-4, load / 1e-4)
+        found = summits.areas(0.5 * moment / load / 1e-4, load / 1e-4, np.zeros(6))
         np.testing.assert_allclose(1e-4 * found, np.pi * a**2, rtol=1e-12)
-        assert (summits.areas(np.zeros(6), np.zeros(6)) == 0.0).all()
+        assert (summits.areas(*np.zeros((3, 6))) == 0.0).all()
 
 
 def test_a_power_of_two_is_the_paraboloid():
@@ -85,6 +86,19 @@ def test_coupled_contacts_are_those_of_order_3(law, surface):
     area = twin.solve(load=state.load / 1.36)[2].sum()
     assert state.area == pytest.approx(area, rel=1e-3)
     assert not any("not that of" in note.text for note in state.notes)
+
+
+@pytest.mark.parametrize("law", [mf.PowerCap(1.5), mf.PowerCap(4)], ids=repr)
+def test_areas_from_moments_are_those_within_the_edges_on_a_slope(law, monkeypatch):
+    """A neighbour's field has a slope, by which the area and the second moments change."""
+    surface = scene([[0.0, 0.0], [0.7, 0.3]], [0.1, 0.1], RADIUS)
+    model, approach = mf.BoundaryElements(0.003, contact=law), float(law.indentation(0.19, RADIUS))
+    state = mf.equilibrium(surface, model, approach=approach)
+    assert not any("not that of" in note.text for note in state.notes)
+    monkeypatch.setattr(contact_areas, "OTHER_CAPS", -1.0)
+    edges = mf.equilibrium(surface, model, approach=approach)
+    # without the terms of the slope 1.4e-4 and 2.2e-4
+    assert state.area == pytest.approx(edges.area, rel=1e-4)
 
 
 def test_contacts_wider_than_the_profile_are_refused():
