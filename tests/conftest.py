@@ -21,7 +21,10 @@ settings.load_profile("metafem")
 FIRST = ("models/test_contract.py", "fe/block3d/test_block3d.py")
 
 # Examples that solve finite elements for longer than a few seconds.
-SLOW_EXAMPLES = ("hertz_check", "cap_check", "cell_check", "layer_check", "FiniteContact", "press_finite")
+SLOW_EXAMPLES = (
+    *("hertz_check", "cap_check", "cell_check", "layer_check"),
+    *("FiniteContact", "press_finite", "tabulated_contact"),
+)
 
 
 @pytest.hookimpl(tryfirst=True)

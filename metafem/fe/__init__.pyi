@@ -8,4 +8,5 @@ from .block3d.substrate import Block3D as Block3D
 from .large_strain.body import NewtonStatus as NewtonStatus
 from .large_strain.press import FiniteContact as FiniteContact
 from .large_strain.press import press_finite as press_finite
+from .large_strain.table import tabulated_contact as tabulated_contact
 from .linear_solve import LinearStatus as LinearStatus

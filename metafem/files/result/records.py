@@ -52,11 +52,16 @@ VALUES: Mapping[str, type] = {
     for kind in (
         *(Material, Friction, Block, Surface, HalfSpace, BondedLayer),
         *(Hertz, PowerCap, SphericalCap, AxisymmetricCap, JKR, KogutEtsion, JacksonGreen),
+        *(TabulatedContact, FlattenedContact),
         *(Independent, MeanField, Interacting, BoundaryElements, Automatic),
         *(OperatingPoints, LinearLaw, BilinearLaw, SampledLaw, PowerLaw, MultilinearLaw),
         *(Limits, Layout, RadiusRange, Tolerances, Design, FrictionLaw),
         *(Note, Wording, Branch, BranchFit, TruncatedExponential, TwoBranchExponential),
     )
+}
+# Classes whose constructor takes the rows of a table.
+MAKERS: Mapping[str, Callable[..., Any]] = {
+    "TabulatedContact": lambda table, material: TabulatedContact(*table, material=material)
 }
 # Types whose modules are imported when a record holds one.
 LATE: Mapping[str, str] = {"Block3D": "metafem.fe"}
@@ -193,7 +198,7 @@ def _made(title: str, record: dict[str, Any], name: str) -> Any:
             raise InvalidInput(f"{name}.{key} = {shown(record[key])} must be {in_words(hints[key])}")
         members[key] = value
     try:
-        return kind(**members)
+        return MAKERS.get(title, kind)(**members)
     except InvalidInput as error:
         raise InvalidInput(f"{name}: {error}") from None
 
