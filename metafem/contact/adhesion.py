@@ -82,6 +82,11 @@ class JKR(Contact):
         if self.cap.adhesive or self.cap.largest_order < 3:
             raise InvalidInput(f"cap = {shown(self.cap)} must be {laws}")
 
+    @property
+    def without_adhesion(self) -> Contact:
+        """The law of the cap."""
+        return self.cap
+
     def for_material(self, material: Material) -> Contact:
         """Return the law with the composite modulus of a material; the cap itself if w is 0."""
         if self.composite_modulus is not None:

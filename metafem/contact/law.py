@@ -47,7 +47,7 @@ class Contact(Protocol):
         return None
 
     @property
-    def cap(self) -> Contact:
+    def without_adhesion(self) -> Contact:
         """The law without adhesion; the law itself if it has none."""
         return self
 

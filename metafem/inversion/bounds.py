@@ -76,7 +76,7 @@ class Bounds:
 
     def single(self, load: FloatArray, radius: float) -> tuple[FloatArray, FloatArray]:
         """Indentation [mm] and friction [mm^2] of one asperity without adhesion at rescaled loads, (k,)."""
-        law, n = self.law.cap, self.law.cap.power
+        law, n = self.law.without_adhesion, self.law.without_adhesion.power
         if n is None:
             depth, _, area, _ = Independent(contact=law).curves(np.zeros(1), radius, load)
             return depth[0], area[0]
@@ -108,7 +108,7 @@ class Bounds:
     @cached_property
     def _examined(self) -> tuple[Contacts, FloatArray]:
         """Contacts of the least radius up to the last load, and the derivatives of their areas [mm]."""
-        law, radius = self.law.cap, self.radii.low
+        law, radius = self.law.without_adhesion, self.radii.low
         deepest, _ = self.single(np.array([self.last]), radius)
         depth = deepest * np.geomspace(SHALLOWEST, 1.0, CONTACTS)
         found = contacts(law, depth, np.full(CONTACTS, radius))
@@ -161,7 +161,7 @@ class Bounds:
 
     def largest_load(self, limits: Limits) -> float:
         """Load P/E* [mm^2] that N asperities carry when the plane reaches the base plane."""
-        law, most = self.law.cap, 0.0
+        law, most = self.law.without_adhesion, 0.0
         for radius in (self.radii.low, self.radii.high):
             depth = min(limits.offset + limits.max_height, float(law.largest_indentation(radius)))
             most = max(most, float(contacts(law, np.array(depth), np.array(radius)).load))
@@ -169,7 +169,9 @@ class Bounds:
 
     def start_of_line(self, slope: float) -> float:
         """Load below which one asperity has more friction than a line through the origin [mm^2]."""
-        return load_at_pressure(self.law.cap, 1.0 / slope, self.radii.low) if self.convex else 0.0
+        return (
+            load_at_pressure(self.law.without_adhesion, 1.0 / slope, self.radii.low) if self.convex else 0.0
+        )
 
     def end_of_line(self, slope: float, intercept: float, margin: float = 0.0) -> float:
         """Load beyond which no law has the friction and slope of a line ``slope p + intercept`` [mm^2]."""
@@ -201,7 +203,7 @@ class Bounds:
 
     def tangent_load(self, slope: float) -> float:
         """Load at which the friction of one asperity has a slope [mm^2]."""
-        return load_at_pressure(self.law.cap, 1.0 / slope, self.radii.low, tangent=True)
+        return load_at_pressure(self.law.without_adhesion, 1.0 / slope, self.radii.low, tangent=True)
 
 
 def relative_depth(radii: Radii, power: float = 2.0) -> float:

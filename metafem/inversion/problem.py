@@ -75,7 +75,7 @@ class Problem:
     @cached_property
     def independent(self) -> Independent:
         """The model of the first heights: independent asperities of that law, without its adhesion."""
-        return Independent(contact=self.contact.cap)
+        return Independent(contact=self.contact.without_adhesion)
 
     @cached_property
     def bounds(self) -> Bounds:

@@ -27,9 +27,10 @@ def tabulated_contact(
 ) -> TabulatedContact:
     """Return the contact law of a soft spherical cap at large strain, from `press_finite`.
 
-    The plane slips on the cap. The indentation is that of the cap on a half-space, as in all contact laws:
-    a block of this thickness is stiffer by ``-P self_influence`` of `BondedLayer`, which coupled models add. The compliance of the cap's pedestal is part of the law. About 6 s for each contact radius; the load
-    is within 0.2 % where the mesh resolves the contact (`FiniteContact.error_estimate`).
+    The plane slips on the cap. The indentation is that of the cap on a half-space, as in all contact laws: a
+    block of this thickness is stiffer by ``-P self_influence`` of `BondedLayer`, which coupled models add.
+    The compliance of the cap's pedestal is part of the law. About 6 s for each contact radius; the load is
+    within 0.2 % where the mesh resolves the contact (`FiniteContact.error_estimate`).
 
     Parameters
     ----------

@@ -20,7 +20,9 @@ from metafem.contact import (
     KogutEtsion,
     PowerCap,
     SphericalCap,
+    TabulatedContact,
 )
+from metafem.contact.flattened import FlattenedContact
 from metafem.errors import InvalidInput
 from metafem.files.result.hints import fits, in_words
 from metafem.inversion import (

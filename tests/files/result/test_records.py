@@ -100,11 +100,15 @@ CAPS = (
     mf.SphericalCap(),
     mf.AxisymmetricCap([[0, 0.1, 0.2], [0, 0.01, 0.04]]),
 )
-OF_MATERIALS = (mf.JKR(9e-6), mf.JKR(9e-6, mf.PowerCap(4)), mf.KogutEtsion(10.0), mf.JacksonGreen(4.0))
+OF_MATERIALS = (
+    *(mf.JKR(9e-6), mf.JKR(9e-6, mf.PowerCap(4)), mf.KogutEtsion(10.0), mf.JacksonGreen(4.0)),
+    mf.TabulatedContact([0.0, 0.01, 0.02, 0.04], [0.0, 0.1, 0.3, 0.8], [0.0, 0.01, 0.02, 0.05]),
+)
+FLATTENED, _ = OF_MATERIALS[2].for_material(mf.Material(1.36)).unloaded(np.array([0.0, 0.01]), np.ones(2))
 
 
 @pytest.mark.parametrize(
-    "law", [*CAPS, *OF_MATERIALS, *(law.for_material(mf.Material(1.0)) for law in OF_MATERIALS)]
+    "law", [*CAPS, *OF_MATERIALS, *(law.for_material(mf.Material(1.0)) for law in OF_MATERIALS), FLATTENED]
 )
 def test_every_contact_law_reads_back_with_its_model(law):
     model = mf.Independent(contact=law)
