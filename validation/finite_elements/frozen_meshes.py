@@ -1,4 +1,4 @@
-"""Recipes of the frozen meshes: `python -m validation.finite_elements.frozen_meshes` writes `meshes/`."""
+"""Recipes of the frozen meshes and of the soft cap's table, which this module writes when it is run."""
 
 from __future__ import annotations
 
@@ -8,14 +8,21 @@ from pathlib import Path
 import numpy as np
 from skfem import MeshQuad
 
+from metafem._validate import FloatArray
+from metafem.fe import tabulated_contact
 from metafem.fe.axisymmetric.geometry import Cap
 from metafem.fe.axisymmetric.mesh import graded_mesh, half_space_mesh
+from metafem.material import Material
 from metafem.studies.element_checks import BLOCK_RADIUS, PITCH, RADIUS, THICKNESS
 
 FOLDER = Path(__file__).parents[2] / "meshes"
 
 # Height of the frozen cap and contact radii of the frozen cap and cell [mm].
 CAP_HEIGHT, CAP_CONTACT, CELL_CONTACT = 0.12, 0.10, 0.20
+
+# Height of the soft cap [mm], and the contact radii of its table, a/R from 0.02 to 0.5.
+SOFT_HEIGHT = 0.2
+SOFT_CONTACTS = RADIUS * np.geomspace(0.02, 0.5, 12)
 
 
 def cap() -> Cap:
@@ -33,6 +40,27 @@ def recipes() -> dict[str, MeshQuad]:
     }
 
 
+def soft_cap(contact_radius: FloatArray = SOFT_CONTACTS) -> FloatArray:
+    """Return the table of the soft cap at large strain for E* = 1 MPa: indentation, load and area, (m, 3)."""
+    law = tabulated_contact(
+        contact_radius,
+        RADIUS,
+        height=SOFT_HEIGHT,
+        thickness=THICKNESS,
+        block_radius=BLOCK_RADIUS,
+        material=Material(1.0),
+    )
+    return law.table.T
+
+
 if __name__ == "__main__":
     for name, mesh in recipes().items():
         mesh.save(FOLDER / f"{name}.vtu")
+    np.savetxt(
+        FOLDER / "soft_cap.csv",
+        soft_cap(),
+        "%.12e",
+        ",",
+        header="indentation_mm,load_N,area_mm2",
+        comments="",
+    )
