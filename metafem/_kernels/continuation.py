@@ -13,7 +13,7 @@ import numpy as np
 
 from metafem._kernels import projected_cg
 from metafem._kernels.compiled import compiled, inlined, inner
-from metafem._kernels.contact import hertz
+from metafem._kernels.contact.law import indentation_at_load, load_and_rate, part
 from metafem._kernels.coupling import State, copy, empty_state, quadratic_form
 from metafem._kernels.interacting import TOLERANCE, Scratch, empty_scratch, rates, refresh, settle
 
@@ -65,19 +65,19 @@ def empty_workspace(count: int, order: int) -> tuple[State, Memory, Scratch]:
 
 
 @compiled
-def uniform_approach(gap, radius, load):
+def uniform_approach(gap, law, load):
     """Return the approach [mm] at which independent asperities carry `load`, to a few percent."""
     x = math.inf
     for i in range(gap.size):  # a single asperity needs a larger approach: the smallest is an upper bound
-        x = min(x, gap[i] + hertz.indentation_at_load(radius[i], load))
+        x = min(x, gap[i] + indentation_at_load(law, i, load))
     for _ in range(60):
         p = slope = 0.0
         for i in range(gap.size):
             d = x - gap[i]
             if d > 0.0:
-                a = hertz.contact_radius(radius[i], d)
-                p += hertz.LOAD * a * d
-                slope += hertz.STIFFNESS * a
+                own, rate = load_and_rate(law, i, d)
+                p += own
+                slope += rate
         if p <= 1.01 * load:
             break
         x -= (p - load) / slope  # convex and increasing: from the right it cannot overshoot
@@ -85,7 +85,7 @@ def uniform_approach(gap, radius, load):
 
 
 @inner
-def extrapolate(memory, points, width, ahead, radius, z):
+def extrapolate(memory, points, width, ahead, law, z):
     """Fill z at a distance `ahead` beyond the last equilibrium; return the load and its slope there."""
     cubic = points > 1 and ahead <= REACH * width
     load = slope = 0.0
@@ -94,14 +94,14 @@ def extrapolate(memory, points, width, ahead, radius, z):
         cube = memory.cube[i] if cubic else 0.0
         z[i] = memory.last[i] + ahead * (memory.last_rate[i] + ahead * (square + ahead * cube))
         if z[i] > 0.0:
-            a = hertz.contact_radius(radius[i], z[i])
-            load += hertz.LOAD * a * z[i]
-            slope += hertz.STIFFNESS * a * (memory.last_rate[i] + ahead * (2.0 * square + 3.0 * ahead * cube))
+            own, rate = load_and_rate(law, i, z[i])
+            load += own
+            slope += rate * (memory.last_rate[i] + ahead * (2.0 * square + 3.0 * ahead * cube))
     return load, slope
 
 
 @inner
-def predict(memory, points, width, ahead, target, radius, z):
+def predict(memory, points, width, ahead, target, law, z):
     """Fill z for an approach `ahead` of the last, or for a target load > 0; return the distance."""
     if points > 1:
         for i in range(z.size):
@@ -110,20 +110,20 @@ def predict(memory, points, width, ahead, target, radius, z):
             f = (memory.before_rate[i] - memory.last_rate[i]) / width
             memory.square[i] = 3.0 * e + f
             memory.cube[i] = (2.0 * e + f) / width
-    load, slope = extrapolate(memory, points, width, ahead, radius, z)
+    load, slope = extrapolate(memory, points, width, ahead, law, z)
     if target > 0.0:
         for _ in range(PREDICTOR_STEPS):
             if not (slope > 0.0):
                 break
             ahead = max(0.0, ahead - (load - target) / slope)
-            load, slope = extrapolate(memory, points, width, ahead, radius, z)
+            load, slope = extrapolate(memory, points, width, ahead, law, z)
     return ahead
 
 
 @inlined
-def tangent(field, order, radius, self_term, state, count, points, memory, scratch):
+def tangent(field, order, self_term, state, count, points, memory, scratch):
     """Fill memory.last_rate = dz/dx and return dP/dx [mm]; dp/dP is stored in scratch.loads."""
-    matrix = refresh(field, order, radius, self_term, state, count, scratch, False)
+    matrix = refresh(field, order, self_term, state, count, scratch, False)
     load_rate = scratch.loads
     total = compliance = 0.0
     for k in range(count):
@@ -141,35 +141,34 @@ def tangent(field, order, radius, self_term, state, count, points, memory, scrat
         matrix, scratch.diagonal, state.closed, count, True, 1.0, scratch.rhs,
         TANGENT / compliance, warm, load_rate, scratch.work,
     )  # fmt: skip
-    rates(self_term, state, count, shift, scratch, memory.last_rate)
-    for i in range(radius.size):
+    rates(state, count, shift, scratch, memory.last_rate)
+    for i in range(load_rate.size):
         memory.last_rate[i] /= shift
-    form = quadratic_form(
-        field, order, radius, self_term, state, count, load_rate, scratch.work[1], scratch.work[2]
-    )
+    form = quadratic_form(field, order, self_term, state, count, load_rate, scratch.work[1], scratch.work[2])
     return 1.0 / form if good and form > 0.0 else math.inf
 
 
 @inlined
-def independent_start(gap, radius, control, by_load, z):
+def independent_start(gap, law, control, by_load, z):
     """Fill z with that of independent asperities, and return its approach."""
-    start = uniform_approach(gap, radius, control) if by_load else control
+    start = uniform_approach(gap, law, control) if by_load else control
     for i in range(z.size):
         z[i] = start - gap[i]
     return start
 
 
 @compiled
-def curves(field, order, radius, self_term, gap, control, by_load, results, state, memory, scratch, all_z):
+def curves(field, order, law, self_term, gap, control, by_load, results, state, memory, scratch, all_z):
     """Fill the results (m, k) of m surfaces, and z (k, n) of the last where `all_z` has room.
 
-    radius, self_term and gap are (m, n), control (k,) holds increasing loads or approaches.
+    self_term, gap and the arrays of the law are (m, n), control (k,) holds increasing loads or approaches.
     """
     n = gap.shape[1]
     load_rate = np.zeros(n)
     for row in range(gap.shape[0]):
         points = 0
         x = width = 0.0
+        law_of_row = part(law, row)
         for j in range(control.size):
             results.approach[row, j] = 0.0 if by_load else control[j]
             if control[j] <= 0.0:
@@ -184,12 +183,12 @@ def curves(field, order, radius, self_term, gap, control, by_load, results, stat
             alone = points == 0
             while True:
                 if alone:
-                    start = independent_start(gap[row], radius[row], control[j], by_load, state.z)
+                    start = independent_start(gap[row], law_of_row, control[j], by_load, state.z)
                 else:
                     ahead = 0.0 if by_load else control[j] - x
-                    start = x + predict(memory, points, width, ahead, target, radius[row], state.z)
+                    start = x + predict(memory, points, width, ahead, target, law_of_row, state.z)
                 new, count, load, residual = settle(
-                    field, order, radius[row], self_term[row], gap[row], start, target, state, scratch
+                    field, order, law_of_row, self_term[row], gap[row], start, target, state, scratch
                 )
                 if residual <= TOLERANCE or alone:
                     break
@@ -208,7 +207,7 @@ def curves(field, order, radius, self_term, gap, control, by_load, results, stat
             copy(state.z, memory.last)
             copy(load_rate, scratch.loads)
             results.stiffness[row, j] = tangent(
-                field, order, radius[row], self_term[row], state, count, points, memory, scratch
+                field, order, self_term[row], state, count, points, memory, scratch
             )
             copy(scratch.loads, load_rate)
             width = new - x

@@ -1,16 +1,17 @@
-"""Elastic coupling of Hertzian contacts, all in rescaled load p = P/E* [mm^2].
+"""Elastic coupling of contacts, all in rescaled load p = P/E* [mm^2].
 
 Order 3 is the gradient of one complementary energy of the loads,
 
-    W(p) = sum_i 3/5 p_i d_i + 1/2 p.G p - 1/2 sum_i p_i R_i |g_i|^2 - e.p
+    W(p) = sum_i w_i(p_i, k_i) + 1/2 p.G p - sum_i T_i(p_i) |g_i|^2 - e.p
 
-with the curvature k_i = 1/R_i + 1/2 sum_j p_j lap_i G_ij, the slope g_i = sum_j p_j grad_i G_ij and
-Hertz's d_i = (3 p_i/4)^(2/3) k_i^(1/3). Its derivative by k is the finite size of the sources,
-v_j = p_j a_j^2/10, and the derivative of the last term is the shift of the contacts by -R g: the
-three corrections belong together, and the Jacobian is symmetric.
+with the extra curvature k_i = 1/2 sum_j p_j lap_i G_ij, the slope g_i = sum_j p_j grad_i G_ij, and the
+energy w of the contact law, whose derivatives by p and k are the indentation d and half the second moment M
+of the pressure. The latter is the finite size of the sources, M_j/4, and T = 2/3 a^3 is the moment of a
+tilted contact: the three corrections belong together, and the Jacobian is symmetric. For Hertz's law
+w = 3/5 p d, M/4 = p a^2/10, T = 1/2 p R, and the contact is shifted by -R g.
 
-The unknown of a contact is z with p = 4/3 sqrt(R) z^(3/2), so that d = z (k R)^(1/3). Where z < 0 the
-asperity is open, with the gap -z.
+The unknown of a contact is its nominal indentation z, at which the law without extra curvature carries p.
+Where z < 0 the asperity is open, with the gap -z. `contact.law` evaluates the contact law.
 """
 
 from __future__ import annotations
@@ -21,11 +22,8 @@ from typing import NamedTuple
 import numpy as np
 
 from metafem._kernels.compiled import compiled, inner
-from metafem._kernels.contact import hertz
+from metafem._kernels.contact.law import bent, complementary, covers, nominal, untilted
 from metafem._kernels.vectors import add
-
-# Smallest k R: neighbours that flatten a summit further are outside the range of the expansion.
-LEAST_CURVATURE = 0.1
 
 
 class Coupling(NamedTuple):
@@ -49,13 +47,20 @@ class State(NamedTuple):
 
     z: np.ndarray  # nominal indentation [mm]
     load: np.ndarray  # p [mm^2]
+    rate: np.ndarray  # dp/dz [mm]
+    square: np.ndarray  # a^2 [mm^2]
+    widening: np.ndarray  # da^2/dp [-]
     indentation: np.ndarray  # d [mm]
     displacement: np.ndarray  # u at the contact [mm]
-    bend: np.ndarray  # (k R)^(1/3)
-    square: np.ndarray  # a^2 [mm^2]
+    bend: np.ndarray  # dd/dz; for Hertz (1 + k R)^(1/3)
+    moment: np.ndarray  # M/4 [mm^4]
+    lever: np.ndarray  # 2 T [mm^3]
+    lever_rate: np.ndarray  # 2 dT/dp [mm]
+    lever_bend: np.ndarray  # 2 d2T/dp2 [1/mm]
     slope_x: np.ndarray
     slope_y: np.ndarray
-    curvature: np.ndarray  # sum of p lap G [1/mm], twice what the neighbours add to 1/R
+    curvature: np.ndarray  # sum of p lap G [1/mm], twice k
+    outside: np.ndarray  # 1 where the law or its sharpness is beyond its range
     part: np.ndarray  # scratch
     other: np.ndarray  # scratch
     closed: np.ndarray  # indices of the asperities in contact
@@ -94,26 +99,49 @@ def add_rows(matrix, closed, count, weight, out):
 
 
 @compiled
-def respond(field, order, radius, self_term, state):
-    """Fill the state that follows from its z; return the number of contacts."""
-    z, load, closed = state.z, state.load, state.closed
-    n = z.size
+def press(law, state):
+    """Fill what follows from z without the neighbours; return the number of contacts."""
     count = 0
-    for i in range(n):
-        load[i] = 0.0
-        if z[i] > 0.0:
-            load[i] = hertz.load(radius[i], z[i])
-            closed[count] = i
+    for i in range(state.z.size):
+        state.load[i] = state.square[i] = state.moment[i] = state.lever[i] = state.outside[i] = 0.0
+        state.bend[i] = 1.0
+        state.indentation[i] = state.z[i]
+        if state.z[i] > 0.0:
+            (
+                state.load[i], state.rate[i], state.square[i], state.widening[i],
+                state.lever[i], state.lever_rate[i], state.lever_bend[i],
+            ) = nominal(law, i, state.z[i])  # fmt: skip
+            state.outside[i] = 0.0 if covers(law, i, state.z[i]) else 1.0
+            state.closed[count] = i
             count += 1
-    u = state.displacement
+        else:
+            state.lever_rate[i] = untilted(law, i)
+    return count
+
+
+@compiled
+def sharpen(law, state, count):
+    """Fill what changes by the curvature of the neighbours' field."""
+    for k in range(count):
+        i = state.closed[k]
+        wide, depth, bend, widening, moment, inside = bent(
+            law, i, state.z[i], state.load[i], state.square[i], 0.5 * state.curvature[i]
+        )
+        state.square[i], state.indentation[i], state.bend[i] = wide, depth, bend
+        state.widening[i], state.moment[i] = widening, moment
+        state.outside[i] = max(state.outside[i], 0.0 if inside else 1.0)
+
+
+@compiled
+def respond(field, order, law, self_term, state):
+    """Fill the state that follows from its z; return the number of contacts."""
+    load, closed, u = state.load, state.closed, state.displacement
+    n = load.size
+    count = press(law, state)
     for i in range(n):
         u[i] = self_term[i] * load[i]
     add_rows(field.influence, closed, count, load, u)
     if order == 1:
-        for i in range(n):
-            state.bend[i] = 1.0
-            state.indentation[i] = z[i]
-            state.square[i] = radius[i] * max(z[i], 0.0)
         return count
     gx, gy, curvature = state.slope_x, state.slope_y, state.curvature
     gx[:] = 0.0
@@ -123,40 +151,30 @@ def respond(field, order, radius, self_term, state):
     add_rows(field.slope_y_at, closed, count, load, gy)
     add_rows(field.laplacian_at, closed, count, load, curvature)
     for i in range(n):
-        state.bend[i] = 1.0
-        state.indentation[i] = z[i]
-        state.square[i] = 0.0
-        u[i] -= 0.5 * radius[i] * (gx[i] * gx[i] + gy[i] * gy[i])
-    size = state.part
-    for k in range(count):
-        i = closed[k]
-        bend = np.cbrt(max(1.0 + 0.5 * radius[i] * curvature[i], LEAST_CURVATURE))
-        state.bend[i] = bend
-        state.indentation[i] = z[i] * bend
-        state.square[i] = radius[i] * z[i] / (bend * bend)
-        size[i] = 0.1 * load[i] * state.square[i]
-    add_rows(field.laplacian, closed, count, size, u)
+        u[i] -= 0.5 * state.lever_rate[i] * (gx[i] * gx[i] + gy[i] * gy[i])
+    sharpen(law, state, count)
+    add_rows(field.laplacian, closed, count, state.moment, u)
     moment_x, moment_y = state.part, state.other
     for k in range(count):
         i = closed[k]
-        moment_x[i] = -load[i] * radius[i] * gx[i]
-        moment_y[i] = -load[i] * radius[i] * gy[i]
+        moment_x[i] = -state.lever[i] * gx[i]
+        moment_y[i] = -state.lever[i] * gy[i]
     add_rows(field.slope_x, closed, count, moment_x, u)
     add_rows(field.slope_y, closed, count, moment_y, u)
     return count
 
 
 @inner
-def assemble(field, radius, state, count, matrix):
-    """Fill the rows of contacts of dF/dp, without the diagonal of Hertz and `self_term`.
+def assemble(field, state, count, matrix):
+    """Fill the rows of contacts of dF/dp, without the diagonal of the law and `self_term`.
 
-    Two terms are left out, squares of the order-3 corrections; the residual contains them.
+    Terms that are squares of the order-3 corrections are left out; the residual contains them.
     """
-    n = radius.size
     tilt_x, tilt_y, third = state.part, state.other, state.square
+    n = third.size
     for i in range(n):
-        tilt_x[i] = radius[i] * state.slope_x[i]
-        tilt_y[i] = radius[i] * state.slope_y[i]
+        tilt_x[i] = state.lever_rate[i] * state.slope_x[i]
+        tilt_y[i] = state.lever_rate[i] * state.slope_y[i]
     for k in range(count):
         j = state.closed[k]
         bend, x, y = third[j] / 6.0, tilt_x[j], tilt_y[j]
@@ -174,7 +192,7 @@ def assemble(field, radius, state, count, matrix):
 
 
 @inner
-def quadratic_form(field, order, radius, self_term, state, count, y, out, rate):
+def quadratic_form(field, order, self_term, state, count, y, out, rate):
     """Return y.(d2W/dp2) y with every term; y vanishes on open asperities. out, rate: scratch."""
     closed = state.closed
     out[:] = 0.0
@@ -182,7 +200,7 @@ def quadratic_form(field, order, radius, self_term, state, count, y, out, rate):
     total = 0.0
     for k in range(count):
         i = closed[k]
-        compliance = state.bend[i] / hertz.stiffness(radius[i], state.z[i])
+        compliance = state.bend[i] / state.rate[i]
         total += y[i] * (out[i] + (compliance + self_term[i]) * y[i])
     if order == 1:
         return total
@@ -190,9 +208,9 @@ def quadratic_form(field, order, radius, self_term, state, count, y, out, rate):
     add_rows(field.laplacian_at, closed, count, y, rate)
     for k in range(count):
         i = closed[k]
-        square, bend = state.square[i], state.bend[i]
-        # k R = bend^3; v = p a^2/10 falls as k^(-2/3)
-        curved = state.load[i] * square * radius[i] / (30.0 * bend * bend * bend)
+        square = state.square[i]
+        # dd/dk = a^2/3 and dM/dk = -16/45 a^5 at a given load, for every elastic law
+        curved = 2.0 / 45.0 * square * square * math.sqrt(square)
         total += rate[i] * (square / 3.0 * y[i] - curved * rate[i])
     for axis in range(2):
         rate[:] = 0.0
@@ -201,39 +219,42 @@ def quadratic_form(field, order, radius, self_term, state, count, y, out, rate):
         add_rows(matrix, closed, count, y, rate)
         for k in range(count):
             i = closed[k]
-            total -= radius[i] * rate[i] * (2.0 * y[i] * slope[i] + state.load[i] * rate[i])
+            tilted = state.lever_rate[i] * y[i] * slope[i]
+            total -= rate[i] * (2.0 * tilted + state.lever[i] * rate[i])
+            total -= 0.5 * state.lever_bend[i] * (y[i] * slope[i]) ** 2
     return total
 
 
 @inner
-def energy(order, radius, gap, approach, state, count):
+def energy(order, law, gap, approach, state, count):
     """Return the complementary energy W [mm^3] of the state."""
     total = 0.0
     for k in range(count):
         i = state.closed[k]
-        p = state.load[i]
-        total += p * (0.6 * state.indentation[i] + 0.5 * state.displacement[i] - (approach - gap[i]))
+        p, extra = state.load[i], 0.5 * state.curvature[i] if order > 1 else 0.0
+        total += complementary(law, order, i, state.z[i], p, state.indentation[i], state.square[i], extra)
+        total += p * (0.5 * state.displacement[i] - (approach - gap[i]))
         if order > 1:
             slope = state.slope_x[i] ** 2 + state.slope_y[i] ** 2
-            total += p * (0.25 * radius[i] * slope - 0.05 * state.square[i] * state.curvature[i])
+            total += 0.25 * p * state.lever_rate[i] * slope - extra * state.moment[i]
     return total
 
 
 @inner
-def measure(order, radius, gap, approach, target, state, count):
+def measure(order, gap, approach, target, state, count):
     """Return the residual of the equations, and the load.
 
     The residual is the largest |d + u - e| of a contact or overlap of an open asperity, over the largest d,
     and the relative error of the load if `target` is positive.
     """
     worst = largest = load = rest = 0.0
-    for i in range(radius.size):
+    for i in range(gap.size):
         error = state.indentation[i] + state.displacement[i] - (approach - gap[i])
         if state.z[i] > 0.0:
             worst = max(worst, abs(error))
             largest = max(largest, state.indentation[i])
             load, rest = add(load, rest, state.load[i])
-            if order > 1 and 1.0 + 0.5 * radius[i] * state.curvature[i] <= LEAST_CURVATURE:
+            if state.outside[i] > 0.0:
                 worst = math.inf
         else:
             worst = max(worst, state.z[i] - error)

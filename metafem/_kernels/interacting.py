@@ -1,4 +1,4 @@
-"""Newton's method for interacting Hertzian contacts at one load or approach; see `coupling`."""
+"""Newton's method for interacting contacts at one load or approach; see `coupling`."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ import numpy as np
 
 from metafem._kernels import projected_cg
 from metafem._kernels.compiled import inlined, inner
-from metafem._kernels.contact import hertz
 from metafem._kernels.coupling import assemble, copy, energy, measure, respond
 
 # Largest residual of a solution, and the goal of Newton's method, smaller to allow for rounding.
@@ -25,7 +24,7 @@ INNER = 1e-5
 # Largest number of halvings of a step: smaller steps change the energy by less than rounding.
 MAX_CUTS = 30
 
-# If the energy is not convex (contacts that overlap, one of which opens in the end), Hertz's compliance is
+# If the energy is not convex (contacts that overlap, one of which opens in the end), the law's compliance is
 # multiplied by this factor, at most this many times, until the step decreases the energy.
 SOFTER = 4.0
 MOST_SOFTENINGS = 20
@@ -59,16 +58,19 @@ def empty_scratch(count: int, order: int) -> Scratch:
 
 
 @inner
-def refresh(field, order, radius, self_term, state, count, scratch, always):
+def refresh(field, order, self_term, state, count, scratch, always):
     """Fill the diagonal, and the matrix if needed; return the matrix."""
     for k in range(count):
         i = state.closed[k]
-        scratch.diagonal[i] = self_term[i] + state.bend[i] / hertz.stiffness(radius[i], state.z[i])
+        scratch.diagonal[i] = self_term[i] + state.bend[i] / state.rate[i]
+        if order > 1:
+            slope = state.slope_x[i] * state.slope_x[i] + state.slope_y[i] * state.slope_y[i]
+            scratch.diagonal[i] -= 0.5 * state.lever_bend[i] * slope
         always = always or not scratch.ready[i]
     if order == 1:
         return field.influence
     if always:
-        assemble(field, radius, state, count, scratch.matrix)
+        assemble(field, state, count, scratch.matrix)
         scratch.ready[:] = False
         for k in range(count):
             scratch.ready[state.closed[k]] = True
@@ -76,39 +78,39 @@ def refresh(field, order, radius, self_term, state, count, scratch, always):
 
 
 @inner
-def rates(self_term, state, count, shift, scratch, out):
+def rates(state, count, shift, scratch, out):
     """Fill the change of z on all rows for the last solution of loads and approach."""
     for i in range(out.size):
         out[i] = scratch.work[0, i] + shift
     for k in range(count):
         i = state.closed[k]
-        out[i] = (out[i] + (scratch.diagonal[i] - self_term[i]) * scratch.loads[i]) / state.bend[i]
+        out[i] = (out[i] + state.bend[i] / state.rate[i] * scratch.loads[i]) / state.bend[i]
 
 
 @inner
-def newton(field, order, radius, self_term, gap, approach, target, state, scratch):
+def newton(field, order, law, self_term, gap, approach, target, state, scratch):
     """Solve from state.z and the approach; a target load > 0 makes the approach an unknown.
 
     Return the approach, the number of contacts, the load and the residual.
     """
     free = target > 0.0
     x = approach
-    count = respond(field, order, radius, self_term, state)
-    residual, load = measure(order, radius, gap, x, target, state, count)
+    count = respond(field, order, law, self_term, state)
+    residual, load = measure(order, gap, x, target, state, count)
     always = True
     for _ in range(MAX_STEPS):
         if residual <= GOAL:
             break
         if count == 0:  # nothing to linearise: close all asperities that overlap
-            for i in range(radius.size):
+            for i in range(gap.size):
                 state.z[i] = x - gap[i]
-            count = respond(field, order, radius, self_term, state)
-            residual, load = measure(order, radius, gap, x, target, state, count)
+            count = respond(field, order, law, self_term, state)
+            residual, load = measure(order, gap, x, target, state, count)
             if count == 0:
                 break
-        matrix = refresh(field, order, radius, self_term, state, count, scratch, always)
+        matrix = refresh(field, order, self_term, state, count, scratch, always)
         largest = 0.0
-        for i in range(radius.size):
+        for i in range(gap.size):
             scratch.rhs[i] = (x - gap[i]) - state.indentation[i] - state.displacement[i]
             largest = max(largest, state.indentation[i])
         leave = largest * max(INNER * min(residual, 1.0), 0.1 * GOAL)
@@ -121,9 +123,9 @@ def newton(field, order, radius, self_term, gap, approach, target, state, scratc
         if not good:
             residual = max(residual, 1.0)
             break
-        rates(self_term, state, count, shift, scratch, scratch.step)
+        rates(state, count, shift, scratch, scratch.step)
         x, count, load, new, full = line_search(
-            field, order, radius, self_term, gap, x, shift, target, residual, count, state, scratch
+            field, order, law, self_term, gap, x, shift, target, residual, count, state, scratch
         )
         # a matrix is reused if it gains two digits per step
         always = not full or new > 1e-2 * residual
@@ -131,7 +133,7 @@ def newton(field, order, radius, self_term, gap, approach, target, state, scratc
         residual = new
         if stalled:
             break
-    for i in range(radius.size):  # z of open asperities is minus their gap, for predictions and sensitivities
+    for i in range(gap.size):  # z of open asperities is minus their gap, for predictions and sensitivities
         if state.z[i] <= 0.0:
             state.z[i] = min(x - gap[i] - state.displacement[i], 0.0)
             state.indentation[i] = state.z[i]
@@ -164,9 +166,7 @@ def downhill(self_term, matrix, state, count, leave, scratch):
 
 
 @inlined
-def line_search(
-    field, order, radius, self_term, gap, approach, shift, target, residual, count, state, scratch
-):
+def line_search(field, order, law, self_term, gap, approach, shift, target, residual, count, state, scratch):
     """Move z along the step until the energy, or the residual, falls enough; a full step is tried first.
 
     Return the approach, the number of contacts, the load, the residual, and whether the step is full. At a
@@ -176,21 +176,21 @@ def line_search(
     before = slope = 0.0
     copy(state.z, scratch.start)
     if not free:
-        before = energy(order, radius, gap, approach, state, count)
+        before = energy(order, law, gap, approach, state, count)
         for k in range(count):
             i = state.closed[k]
             slope -= scratch.rhs[i] * scratch.loads[i]
     length = 1.0
     for _ in range(MAX_CUTS):
-        for i in range(radius.size):
+        for i in range(gap.size):
             state.z[i] = scratch.start[i] + length * scratch.step[i]
         x = approach + length * shift
-        count = respond(field, order, radius, self_term, state)
-        new, load = measure(order, radius, gap, x, target, state, count)
+        count = respond(field, order, law, self_term, state)
+        new, load = measure(order, gap, x, target, state, count)
         if new <= (1.0 - 0.5 * length) * residual or new <= TOLERANCE:
             break
         if not free:
-            now = energy(order, radius, gap, x, state, count)
+            now = energy(order, law, gap, x, state, count)
             if now <= before + ARMIJO * length * slope and now < before:
                 break
         length *= 0.5
@@ -198,7 +198,7 @@ def line_search(
 
 
 @inlined
-def settle(field, order, radius, self_term, gap, approach, target, state, scratch):
+def settle(field, order, law, self_term, gap, approach, target, state, scratch):
     """Solve by Newton's method at a given load or, if the target is 0, at the approach.
 
     If it stalls at a load, equilibria at given approaches bracket the load, which increases with the
@@ -209,7 +209,7 @@ def settle(field, order, radius, self_term, gap, approach, target, state, scratc
     x = following = approach
     goal = target
     for _ in range(2 * MAX_BRACKET + 1):
-        end, count, load, residual = newton(field, order, radius, self_term, gap, x, goal, state, scratch)
+        end, count, load, residual = newton(field, order, law, self_term, gap, x, goal, state, scratch)
         if target == 0.0 or (goal > 0.0) == (residual <= TOLERANCE):
             break  # solved at the load, or not solved at the approach
         if goal > 0.0:

@@ -18,7 +18,9 @@ from metafem.substrate import Radial
 from metafem.surface import Surface
 
 if TYPE_CHECKING:
+    from metafem._kernels.contact.law import Law
     from metafem._kernels.continuation import Results
+    from metafem._kernels.coupling import State
 
 
 # In place of an array of results that are not recorded.
@@ -29,12 +31,13 @@ class LargeScene:
     """The sites of one surface, for any heights: a coarse model and fast sums."""
 
     def __init__(self, surface: Surface, substrate: Radial, order: int) -> None:
-        self.radius, self.order, self.substrate = np.array(surface.radius), order, substrate
+        self.order, self.substrate = order, substrate
         self.sums = fast_sums(surface, substrate, order)
         self.coarse = coarsen(surface.position, substrate)
 
     def follow(
         self,
+        law: Law,
         self_term: FloatArray,
         gap: FloatArray,
         control: FloatArray,
@@ -42,7 +45,7 @@ class LargeScene:
         results: Results,
         indentation: FloatArray = NOT_RECORDED,
         gradient: FloatArray = NOT_RECORDED,
-    ) -> Iterate:
+    ) -> State:
         """Fill the results (k,) at increasing loads or approaches, and return the last state.
 
         Nominal indentations and dA0/dh at fixed load are filled where there is room for them, (k, n) [mm].
@@ -50,7 +53,7 @@ class LargeScene:
         from metafem._kernels.continuation import uniform_approach
 
         gap, self_term = np.ascontiguousarray(gap), self_term + self.substrate.self_influence
-        equations = ContactEquations(self.sums, self.order, self.radius, self_term, gap, self.coarse)
+        equations = ContactEquations(self.sums, self.order, law, self_term, gap, self.coarse)
         x, rate = 0.0, None
         state = open_state(-gap)
         for j, value in enumerate(each("load", control.tolist())):
@@ -60,16 +63,16 @@ class LargeScene:
             else:
                 target = float(value) if by_load else 0.0
                 if rate is None:
-                    x = float(uniform_approach(gap, self.radius, target) if by_load else value)
+                    x = float(uniform_approach(gap, law, target) if by_load else value)
                     z = x - gap
                 else:
                     ahead = (
                         (target - results.load[j - 1]) / results.stiffness[j - 1] if by_load else value - x
                     )
-                    z, x = state.z + ahead * rate, x + float(ahead)
+                    z, x = state.state.z + ahead * rate, x + float(ahead)
                 state, x = equations.newton(z, x, target)
-                largest = float(state.indentation.max())
-                state.residual = max(state.residual, self.sums.error(state.load) / largest)
+                largest = float(state.state.indentation.max())
+                state.residual = max(state.residual, self.sums.error(state.state.load) / largest)
                 rate = None
                 if state.residual <= TOLERANCE:
                     results.stiffness[j], rate = equations.tangent(state)
@@ -77,15 +80,15 @@ class LargeScene:
                 if gradient.size:
                     gradient[j] = equations.area_gradient(state)
             if indentation.size:
-                indentation[j] = state.z
-        return state
+                indentation[j] = state.state.z
+        return state.state
 
     @staticmethod
     def _record(results: Results, j: int, approach: float, state: Iterate) -> None:
         results.approach[j] = approach
-        results.load[j] = math.fsum(state.load)
-        results.area[j] = math.pi * math.fsum(state.square)
-        results.radius[j] = math.sqrt(float(state.square.max()))
+        results.load[j] = math.fsum(state.state.load)
+        results.area[j] = math.pi * math.fsum(state.state.square)
+        results.radius[j] = math.sqrt(float(state.state.square.max()))
         results.residual[j] = state.residual
 
 

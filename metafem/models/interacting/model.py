@@ -16,18 +16,28 @@ from metafem._validate import FloatArray
 from metafem.contact import Contact, Hertz
 from metafem.errors import InvalidInput, NotConverged
 from metafem.models._resources import run_rows
+from metafem.models.contact_sums import contacts
+from metafem.models.contact_tables import deepest, rows_of, tables
 from metafem.models.interacting.cap_influence import pedestal_influence, pedestal_notes
 from metafem.models.interacting.kept_coupling import coupling_between
 from metafem.models.interacting.large import NOT_RECORDED, LargeScene
 from metafem.models.interacting.newton_krylov import TOLERANCE as FAST_TOLERANCE
-from metafem.models.interacting.newton_krylov import Iterate
 from metafem.models.interacting.sensitivity import area_gradients
-from metafem.models.model import Curve, RescaledState, Sensitivity, areas_one_by_one, controlled, solved
+from metafem.models.model import (
+    PARABOLOID,
+    Curve,
+    RescaledState,
+    Sensitivity,
+    areas_one_by_one,
+    controlled,
+    solved,
+)
 from metafem.notes import Note, information
 from metafem.substrate import HalfSpace, Radial, Substrate
 from metafem.surface import Surface
 
 if TYPE_CHECKING:
+    from metafem._kernels.contact.law import Law
     from metafem._kernels.continuation import Results
     from metafem._kernels.coupling import State
 
@@ -45,15 +55,17 @@ PAIRS_PER_THREAD = 200_000
 @checked_class
 @dataclass(frozen=True)
 class Interacting:
-    """Hertzian asperities coupled through an elastic substrate.
+    """Asperities coupled through an elastic substrate.
 
     The indentations are ``d_i = h_i - delta - u_i`` with the displacement ``u_i`` by the other asperities,
-    and ``P_i = 4/3 E* sqrt(R_i) d_i^(3/2)``.
+    and each contact has the load and area of its law; for Hertz contacts ``P_i = 4/3 E* sqrt(R_i) d_i^(3/2)``.
 
     Order 1 represents the other asperities by point loads, ``u_i = sum_j P_j/E* G(r_ij)``. Order 3 adds
-    all three terms of the next order: the finite size of the sources, ``a_j^2/10 lap G``; the curvature of
-    the field, ``1/R_i + sum_j P_j/E* lap G/2``; and its slope, which shifts the contact by ``-R grad u``.
-    They are the gradient of one energy, to first order in the shifts. Both orders include the regular self
+    all three terms of the next order: the finite size of the sources, ``M_j/4 lap G`` with the second moment
+    M of their pressure, for Hertz contacts ``a_j^2/10 lap G`` per load; the curvature of the field,
+    ``sum_j P_j/E* lap G/2``, which adds to that of the summit; and its slope, which tilts the contact and
+    for Hertz contacts shifts it by ``-R grad u``. They are the gradient of one energy, to first order in the
+    shifts. Contacts so flat that the slope D' at their edge is below 0.005 are tilted as one with that slope. Both orders include the regular self
     terms of the substrate.
 
     Against resolved contacts on a half-space, up to a/pitch = 0.32, the error of order 3 is at most 0.025 %
@@ -65,7 +77,7 @@ class Interacting:
     substrate : Substrate
         `HalfSpace()`, `BondedLayer()`, or any other.
     contact : Contact
-        Law of one contact: `Hertz()`.
+        Law of one contact; default: `Hertz()`. Laws known only as P(d), A(d) need order 1.
     pedestal : bool
         Add the compliance of the caps themselves in the limit of light loads; tabulated up to h/R = 0.6.
 
@@ -95,7 +107,13 @@ class Interacting:
         if not integer or self.order not in (1, 3):
             raise InvalidInput(f"order = {self.order!r} does not exist; it must be 1 or 3")
         check.instance("substrate", self.substrate, Substrate, "a substrate such as metafem.HalfSpace()")
-        check.instance("contact", self.contact, Hertz, "metafem.Hertz()")
+        laws = "a contact law such as metafem.Hertz() or metafem.PowerCap(4)"
+        check.instance("contact", self.contact, Contact, laws)
+        if self.order > self.contact.largest_order:
+            raise InvalidInput(
+                f"order = {self.order} needs the profile of the contacts, which {self.contact!r} does not "
+                "have; use order=1"
+            )
         check.instance("pedestal", self.pedestal, bool, "True or False")
 
     @property
@@ -104,7 +122,8 @@ class Interacting:
         # a user's substrate may have no name
         substrate = getattr(self.substrate, "name", type(self.substrate).__name__)
         order = "" if self.order == 3 else f", order {self.order}"
-        return f"{substrate}{order}{', with pedestals' if self.pedestal else ''}"
+        law = "" if self.contact == PARABOLOID else f", {self.contact!r}"
+        return f"{substrate}{order}{', with pedestals' if self.pedestal else ''}{law}"
 
     @property
     def gradient_model(self) -> Interacting:
@@ -113,8 +132,8 @@ class Interacting:
 
     @property
     def reference(self) -> Interacting:
-        """The same model of order 3."""
-        return replace(self, order=3)
+        """The same model of the largest order that its contact law allows."""
+        return replace(self, order=self.contact.largest_order)
 
     def curve(
         self, surface: Surface, load: FloatArray | None = None, *, approach: FloatArray | None = None
@@ -192,7 +211,8 @@ class Interacting:
         solution = self._solve(surface, heights[None, :], load, True, indentation, gradient)
         if self.pedestal:
             _, rate = pedestal_influence(heights, surface.radius)
-            gradient *= 1.0 - rate * Hertz().load_at_indentation(indentation, surface.radius)
+            law = self.contact.for_material(surface.material)
+            gradient *= 1.0 - rate * contacts(law, indentation, surface.radius).load
         return Sensitivity(self._curve(surface, solution), gradient, indentation)
 
     def areas(
@@ -252,15 +272,19 @@ class Interacting:
             self_term += pedestal_influence(height, surface.radius if radius is None else radius)[0]
         results = kernel.empty_results(len(height), len(control))
         bound = self.substrate.for_surface(surface)
+        size = np.broadcast_to(surface.radius if radius is None else radius, gap.shape)
+        law = tables(self.contact.for_material(surface.material), size)
         if surface.count > DENSE_LIMIT and isinstance(bound, Radial):
             large = LargeScene(surface, bound, self.order)
             for row in range(len(height)):
                 part = kernel.Results(*(array[row] for array in results))
-                last = large.follow(self_term[row], gap[row], control, by_load, part, indentation, gradient)
+                last = large.follow(
+                    rows_of(law, row), self_term[row], gap[row], control, by_load, part, indentation, gradient
+                )
+            self._refuse_deep(rows_of(law, -1), last)
             return _Solution(results, height[-1], last, FAST_TOLERANCE, (information(large.sums.note),))
         coupling, regular = coupling_between(surface, bound, self.order)
         self_term += regular
-        radius = np.array(np.broadcast_to(surface.radius if radius is None else radius, gap.shape), order="C")
         control = np.array(control)  # a read-only array would compile the kernel again
         states = {}
 
@@ -268,15 +292,27 @@ class Interacting:
             state, memory, scratch = kernel.empty_workspace(surface.count, self.order)
             part = kernel.Results(*(array[rows] for array in results))
             kernel.curves(
-                coupling, self.order, radius[rows], self_term[rows], gap[rows], control, by_load, part,
+                coupling, self.order, rows_of(law, rows), self_term[rows], gap[rows], control, by_load, part,
                 state, memory, scratch, indentation,
             )  # fmt: skip
             states[rows.stop] = state
 
         run_rows(run, len(gap), gap.size * surface.count * len(control), PAIRS_PER_THREAD)
+        for end, state in states.items():
+            self._refuse_deep(rows_of(law, end - 1), state)
         if gradient.size:
-            gradient[:] = area_gradients(coupling, self.order, surface.radius, self_term[-1], indentation)
+            gradient[:] = area_gradients(coupling, self.order, rows_of(law, -1), self_term[-1], indentation)
         return _Solution(results, height[-1], states[len(gap)], TOLERANCE)
+
+    def _refuse_deep(self, law: Law, state: State) -> None:
+        """Raise InvalidInput where contacts are deeper than their law describes."""
+        limit = deepest(law)
+        if (state.z > limit).any():
+            i = int((state.z > limit).argmax())
+            raise InvalidInput(
+                f"asperity {i} is indented by more than {limit[i]:.4g} mm, up to which {self.contact!r} is "
+                "described; use lighter loads or a law with a larger range"
+            )
 
     def _refuse_thin_layer(self, surface: Surface, results: Results) -> None:
         """Raise InvalidInput where contacts are wider than the layer is thick: no expansion holds there."""
@@ -295,7 +331,7 @@ class _Solution:
 
     results: Results
     height: FloatArray
-    last: State | Iterate
+    last: State
     tolerance: float
     notes: tuple[Note, ...] = ()
 

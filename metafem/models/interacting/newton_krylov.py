@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from metafem._validate import FloatArray
-from metafem.contact import Hertz
 from metafem.models.interacting.coarse import Coarse
 
 if TYPE_CHECKING:
+    from metafem._kernels.contact.law import Law
+    from metafem._kernels.coupling import State
     from metafem.models.interacting.ewald_sums import ScatteredSums
     from metafem.models.interacting.fft_sums import LatticeSums
 
@@ -39,28 +40,33 @@ SENSITIVITY = 1e-9
 
 @dataclass
 class Iterate:
-    """Quantities at given nominal indentations z, (n,) each."""
+    """Quantities at given nominal indentations."""
 
-    z: FloatArray
-    load: FloatArray
-    indentation: FloatArray
-    displacement: FloatArray
-    bend: FloatArray
-    square: FloatArray
-    slope: tuple[FloatArray, FloatArray]
+    state: State
     residual: float = math.inf
     error: FloatArray = field(default_factory=lambda: np.empty(0))
 
     @property
     def closed(self) -> NDArray[np.bool_]:
         """Whether each asperity is in contact."""
-        return np.asarray(self.z > 0.0)
+        return np.asarray(self.state.z > 0.0)
+
+    @property
+    def compliance(self) -> FloatArray:
+        """Derivative of the indentation by the load [1/mm]; 0 for open asperities."""
+        state = self.state
+        return np.asarray(
+            np.divide(state.bend, state.rate, out=np.zeros_like(state.bend), where=state.z > 0.0)
+        )
 
 
 def open_state(gap: FloatArray) -> Iterate:
     """Return the state without contact; gap: that of each summit, negative (n,) [mm]."""
-    zero = np.zeros_like(gap)
-    return Iterate(gap, zero, gap, zero, np.ones_like(gap), zero, (zero, zero), 0.0)
+    from metafem._kernels.coupling import empty_state
+
+    state = empty_state(len(gap))
+    state.z[:] = state.indentation[:] = gap
+    return Iterate(state, 0.0)
 
 
 @dataclass
@@ -72,33 +78,36 @@ class ContactEquations:
 
     sums: LatticeSums | ScatteredSums
     order: int
-    radius: FloatArray
+    law: Law
     self_term: FloatArray
     gap: FloatArray
     coarse: Coarse
 
     def respond(self, z: FloatArray, approach: float, target: float) -> Iterate:
         """Return the iterate of given z with its residual."""
-        closed = np.maximum(z, 0.0)
-        load = Hertz().load_at_indentation(z, self.radius)
+        from metafem._kernels.coupling import empty_state, press, sharpen
+
+        state = empty_state(len(z))
+        state.z[:] = z
+        count = press(self.law, state)
+        load, u = state.load, state.displacement
+        outside = False
         if self.order == 1:
-            u = self.self_term * load + self.sums.displacement(load)
-            state = Iterate(z, load, z, u, np.ones_like(z), self.radius * closed, (z, z))
+            u[:] = self.self_term * load + self.sums.displacement(load)
         else:
             curvature, x, y = self.sums.field(load)
-            bend = np.where(z > 0.0, np.cbrt(np.maximum(1.0 + 0.5 * self.radius * curvature, 0.1)), 1.0)
-            square = self.radius * closed / bend**2
-            moment = -load * self.radius
-            u = self.sums.displacement(load, 0.1 * load * square, moment * x, moment * y)
-            u += self.self_term * load - 0.5 * self.radius * (x**2 + y**2)
-            state = Iterate(z, load, z * bend, u, bend, square, (x, y))
-        state.error = state.indentation + state.displacement - (approach - self.gap)
-        overlap = np.where(z > 0.0, np.abs(state.error), z - state.error)
+            state.curvature[:], state.slope_x[:], state.slope_y[:] = curvature, x, y
+            sharpen(self.law, state, count)
+            outside = bool(state.outside.any())
+            u[:] = self.sums.displacement(load, state.moment, -state.lever * x, -state.lever * y)
+            u += self.self_term * load - 0.5 * state.lever_rate * (x**2 + y**2)
+        error = state.indentation + u - (approach - self.gap)
+        overlap = np.where(z > 0.0, np.abs(error), z - error)
         largest = float(state.indentation.max())
-        state.residual = float(max(overlap.max(), 0.0)) / largest if largest > 0.0 else 1.0
+        residual = float(max(overlap.max(), 0.0)) / largest if largest > 0.0 and not outside else 1.0
         if target > 0.0:
-            state.residual = max(state.residual, abs(math.fsum(load) - target) / target)
-        return state
+            residual = max(residual, abs(math.fsum(load) - target) / target)
+        return Iterate(state, residual, error)
 
     def newton(self, z: FloatArray, approach: float, target: float) -> tuple[Iterate, float]:
         """Solve from z and an approach; a target load > 0 makes the approach an unknown."""
@@ -109,19 +118,17 @@ class ContactEquations:
                 break
             if not state.closed.any():
                 state = self.respond(approach - self.gap, approach, target)
-            if self.diagonal(state).min() < 0.0:  # the regular self term exceeds Hertz's: ill-posed
+            if self.diagonal(state).min() < 0.0:  # the regular self term exceeds the law's: ill-posed
                 state.residual = max(state.residual, 1.0)
                 break
-            missing = target - float(state.load.sum()) if target > 0.0 else None
-            largest = float(state.indentation.max())
+            missing = target - float(state.state.load.sum()) if target > 0.0 else None
+            largest = float(state.state.indentation.max())
             goal = largest * max(forcing * min(state.residual, 1.0), 0.3 * GOAL)
             loads, shift, rest = self.solve(state, -state.error, missing, goal)
-            step = (
-                rest + shift + np.where(state.closed, self.diagonal(state) - self.self_term, 0.0) * loads
-            ) / state.bend
+            step = (rest + shift + state.compliance * loads) / state.state.bend
             length = 1.0
             for _ in range(MAX_CUTS):
-                new = self.respond(state.z + length * step, approach + length * shift, target)
+                new = self.respond(state.state.z + length * step, approach + length * shift, target)
                 if new.residual <= (1.0 - 0.25 * length) * state.residual or new.residual <= GOAL:
                     break
                 length *= 0.5
@@ -133,9 +140,7 @@ class ContactEquations:
 
     def diagonal(self, state: Iterate) -> FloatArray:
         """Return the diagonal of the Jacobian dF/dp; 0 for open asperities."""
-        root = np.sqrt(self.radius * np.maximum(state.z, 0.0))
-        hertz = np.divide(state.bend, 2.0 * root, out=np.zeros_like(root), where=root > 0.0)
-        return np.asarray(np.where(root > 0.0, hertz + self.self_term, 0.0))
+        return np.asarray(np.where(state.closed, state.compliance + self.self_term, 0.0))
 
     def tangent(self, state: Iterate) -> tuple[float, FloatArray]:
         """Return dP/dx [mm] and dz/dx (n,) at an equilibrium."""
@@ -144,11 +149,7 @@ class ContactEquations:
         alone = 1.0 / float((1.0 / diagonal[state.closed]).sum())
         none = np.zeros_like(diagonal)
         share, shift, rest = self.solve(state, none, 1.0, TANGENT * alone, exact=True)
-        rate = (
-            (rest + shift + np.where(state.closed, diagonal - self.self_term, 0.0) * share)
-            / state.bend
-            / shift
-        )
+        rate = (rest + shift + state.compliance * share) / state.state.bend / shift
         # y.H y is stationary at the tangent, and rest = -H y
         return -1.0 / float(share @ rest), rate
 
@@ -157,29 +158,31 @@ class ContactEquations:
 
         ``H l = c + x 1`` with the x for which the l of the contacts sum to zero.
         """
-        closed, none = state.closed, np.zeros_like(state.z)
-        root = 2.0 * np.sqrt(self.radius * np.maximum(state.z, 0.0))
-        widened = np.divide(self.radius, root * state.bend**2, out=none.copy(), where=closed)
+        closed, found, none = state.closed, state.state, np.zeros_like(self.gap)
+        widened = np.where(closed, found.widening, 0.0)
         if self.order == 3:
-            flattening = -state.square * self.radius / (3.0 * state.bend**3)
-            widened += self.sums.displacement(none, flattening, none, none)
+            flattening = -2.0 / 3.0 * found.square**1.5 * widened
+            widened = widened + self.sums.displacement(none, flattening, none, none)
         by_load = np.where(closed, math.pi * widened, 0.0)
         change, _, _ = self.solve(state, by_load, 0.0, SENSITIVITY * float(by_load.max()), exact=True)
         return change
 
     def jacobian(self, state: Iterate, loads: FloatArray, exact: bool) -> FloatArray:
-        """Return dF/dp times a change of the loads, without the diagonal of Hertz's law and self terms."""
+        """Return dF/dp times a change of the loads, without the diagonal of the law and self terms."""
         if self.order == 1 or not exact:
             return self.sums.displacement(loads)
-        third, radius = state.square / 6.0, self.radius
+        found = state.state
+        third, lever_rate = found.square / 6.0, found.lever_rate
         curvature, *slope = self.sums.field(loads)
-        flatter = state.load * state.square * radius / (30.0 * state.bend**3)
+        old = (found.slope_x, found.slope_y)
+        flatter = 2.0 / 45.0 * found.square**2.5
         moment = [
-            -radius * (old * loads + state.load * new) for old, new in zip(state.slope, slope, strict=True)
+            -lever_rate * before * loads - found.lever * new for before, new in zip(old, slope, strict=True)
         ]
         image = self.sums.displacement(loads, third * loads - flatter * curvature, *moment)
-        tilt = sum(old * new for old, new in zip(state.slope, slope, strict=True))
-        return image + third * curvature - radius * tilt
+        tilt = sum(before * new for before, new in zip(old, slope, strict=True))
+        bend = 0.5 * found.lever_bend * (old[0] ** 2 + old[1] ** 2)
+        return image + third * curvature - lever_rate * tilt - bend * loads
 
     def solve(
         self,

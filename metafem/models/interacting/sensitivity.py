@@ -14,6 +14,7 @@ import math
 import numpy as np
 from scipy.linalg.lapack import dgesv
 
+from metafem._kernels.contact.law import Law
 from metafem._kernels.coupling import Coupling, State, empty_state, respond
 from metafem._validate import FloatArray, IntArray
 
@@ -21,22 +22,21 @@ from metafem._validate import FloatArray, IntArray
 def area_gradients(
     field: Coupling,
     order: int,
-    radius: FloatArray,
+    law: Law,
     self_term: FloatArray,
     indentation: FloatArray,
 ) -> FloatArray:
     """Return dA0/dh at fixed load [mm], (k, n), for equilibria of nominal indentations z (k, n)."""
     gradients = np.zeros_like(indentation)
-    radius = np.array(radius)  # a read-only array would compile the kernel again
-    state = empty_state(len(radius))
+    state = empty_state(indentation.shape[1])
     influences = _influences(field, order)
     for row, z in enumerate(indentation):
         state.z[:] = z
-        count = respond(field, order, radius, self_term, state)
+        count = respond(field, order, law, self_term, state)
         if count == 0:
             continue
         closed = state.closed[:count]
-        hessian, by_load = _system(influences, radius, self_term, state, closed)
+        hessian, by_load = _system(influences, self_term, state, closed)
         _, _, found, failed = dgesv(hessian, np.column_stack([by_load, np.ones(count)]), overwrite_a=True)
         if failed:
             raise np.linalg.LinAlgError("the contact system of an equilibrium is singular")
@@ -55,26 +55,27 @@ def _influences(field: Coupling, order: int) -> FloatArray:
 
 
 def _system(
-    influences: FloatArray, radius: FloatArray, self_term: FloatArray, state: State, closed: IntArray
+    influences: FloatArray, self_term: FloatArray, state: State, closed: IntArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return d2W/dp2 on the asperities in contact, every term of `coupling.quadratic_form`, and dA0/dp [-].
 
     Each load changes the radius of its own contact and, by the curvature, those of the others:
-    ``d a^2 = -a^2 R/(3 b^3) dk``.
+    ``d a^2 = da^2/dp (dp - 2/3 a^3 dk)`` with twice the extra curvature k.
     """
-    R, p, z, bend = radius[closed], state.load[closed], state.z[closed], state.bend[closed]
     part = influences.take(closed, axis=1).take(closed, axis=2)
     matrix, rates = part[0], part[1:]
-    root = 2.0 * np.sqrt(R * z)
-    matrix[np.diag_indices(len(closed))] += bend / root + self_term[closed]
-    widened = R / (root * bend**2)
+    widened, square = state.widening[closed], state.square[closed]
+    matrix[np.diag_indices(len(closed))] += state.bend[closed] / state.rate[closed] + self_term[closed]
     if not len(rates):
         return matrix, math.pi * widened
-    square, cube = state.square[closed], bend**3
-    weights = np.stack([square / 3.0, -2.0 * R * state.slope_x[closed], -2.0 * R * state.slope_y[closed]])
+    slope_x, slope_y, lever = state.slope_x[closed], state.slope_y[closed], state.lever[closed]
+    tilt = -2.0 * state.lever_rate[closed]
+    weights = np.stack([square / 3.0, tilt * slope_x, tilt * slope_y])
     mixed = np.einsum("ki,kij->ij", weights, rates)
     matrix += 0.5 * (mixed + mixed.T)
-    weights = np.stack([p * square * R / (30.0 * cube), R * p, R * p])
+    cube = square * np.sqrt(square)
+    weights = np.stack([2.0 / 45.0 * square * cube, lever, lever])
     stacked = rates.reshape(-1, len(closed))
     matrix -= stacked.T @ (weights[:, :, None] * rates).reshape(-1, len(closed))
-    return matrix, math.pi * (widened - rates[0].T @ (square * R / (3.0 * cube)))
+    matrix[np.diag_indices(len(closed))] -= 0.5 * state.lever_bend[closed] * (slope_x**2 + slope_y**2)
+    return matrix, math.pi * (widened - rates[0].T @ (2.0 / 3.0 * cube * widened))

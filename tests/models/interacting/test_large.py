@@ -6,6 +6,7 @@ from numpy.testing import assert_allclose
 
 import metafem as mf
 from metafem._kernels.continuation import Results
+from metafem.models.contact_tables import tables
 from metafem.models.interacting import model as interacting
 from metafem.models.interacting.coarse import coarsen
 from metafem.models.interacting.ewald_sums import ScatteredSums
@@ -170,7 +171,12 @@ def test_products_do_not_grow_with_the_layer_s_lattice():
         large_scene = interacting.LargeScene(surface, SUBSTRATES[1], 1)
         results = [np.zeros(1) for _ in range(6)]
         large_scene.follow(
-            np.zeros(side**2), surface.gap, np.array([0.003 * side**2]), True, Results(*results)
+            tables(mf.Hertz(), surface.radius),
+            np.zeros(side**2),
+            surface.gap,
+            np.array([0.003 * side**2]),
+            True,
+            Results(*results),
         )
         counts.append(large_scene.sums.products)
     assert max(counts) < 40

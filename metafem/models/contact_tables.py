@@ -1,0 +1,207 @@
+"""Tables of contact laws for the compiled kernels."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Hashable
+from functools import lru_cache
+from typing import TYPE_CHECKING, NamedTuple, cast
+
+import numpy as np
+from numpy.polynomial import chebyshev
+
+from metafem._validate import FloatArray
+from metafem.contact import Contact, Hertz
+from metafem.models.contact_sums import contacts
+
+if TYPE_CHECKING:
+    from metafem._kernels.contact.law import Law
+
+# Degree of the polynomials in a panel, and the largest coefficient of the last two degrees of one that
+# resolves the logarithm of a function: a digit above the rounding of the functions.
+DEGREE, RESOLVED = 11, 3e-14
+
+# A panel is at most this wide in a logarithm and is halved at most this often, which resolves a pole or the
+# noise of a profile's quadrature as well as numbers can.
+WIDEST, MOST_HALVINGS = 3.0, 7
+
+# Smallest contact radius of a table over the scale: below it every smooth law is a power to rounding.
+SMALLEST = 1e-8
+
+# Smallest indentation of a table over the scale: products of powers up to 32 stay far above underflow.
+LIGHTEST = 1e-60
+
+# Largest indentation of a table over the scale, where the law has no largest one of its own.
+DEEPEST = 4.0
+
+# Slope D' of the edge of a contact below which T(p), the moment of a tilted contact, is proportional to the
+# load. A flat summit would otherwise be tilted without limit as its load vanishes. The slope of the
+# neighbours' field reaches this where contacts are as wide as a fifth of their distance.
+FLATTEST = 0.005
+
+# Nodes of a panel from -1 to 1 with the matrix from values there to coefficients, and the points of the
+# quadrature between two of them.
+NODES = np.cos(np.pi * np.arange(DEGREE, -1, -1) / DEGREE)
+TO_CHEBYSHEV = np.linalg.inv(chebyshev.chebvander(NODES, DEGREE)).T
+GAUSS = 8
+
+# Kept tables: each takes milliseconds to compute and about 30 kB.
+KEPT = 64
+
+
+class _Fit(NamedTuple):
+    """Functions of a logarithm in panels."""
+
+    edge: FloatArray  # (m + 1,)
+    value: FloatArray  # Chebyshev coefficients (m, functions, DEGREE + 1)
+
+
+def tables(law: Contact, radius: FloatArray) -> Law:
+    """Return the law of asperities of radii (..., n) [mm] for the kernels; `law` is that for unit E*."""
+    from metafem._kernels.contact.law import Law
+
+    size = np.array(radius, dtype=np.float64, order="C")
+    which = np.zeros(size.shape, dtype=np.int64)
+    if law == Hertz():
+        return Law(size, which - 1, size, *_stacked([]))
+    kinds = np.ones(1)
+    if not law.similar:
+        kinds, inverse = np.unique(size, return_inverse=True)
+        which += inverse.reshape(size.shape)
+    keeps = isinstance(law, Hashable)
+    return Law(size, which, size, *_stacked([_kept(law, float(kind)) if keeps else _table(law, float(kind)) for kind in kinds]))
+
+
+def rows_of(law: Law, rows: int | slice) -> Law:
+    """Return the law of some of many surfaces, whose radii are (m, n)."""
+    return law._replace(radius=law.radius[rows], which=law.which[rows], scale=law.scale[rows])
+
+
+def deepest(law: Law) -> FloatArray:
+    """Return the largest indentations [mm] that the tables hold, of each asperity."""
+    if not law.deepest.size:
+        return np.full(law.which.shape, math.inf)
+    return np.asarray(law.deepest[law.which] * law.scale)
+
+
+class _Table(NamedTuple):
+    """The table of one law, all lengths over the scale."""
+
+    depth: _Fit
+    radius: _Fit
+    deepest: float
+    lever: tuple[float, float, float]
+
+
+def _stacked(made: list[_Table]) -> tuple[FloatArray, ...]:
+    """Return the arrays of tables, those of fewer panels filled with zeros."""
+    count = np.array([[len(fit.value) for fit in (table.depth, table.radius)] for table in made]).reshape(
+        -1, 2
+    )
+    parts = []
+    # chebyshev coefficients to powers of the place, the highest first
+    powers = np.array(
+        [np.pad(chebyshev.cheb2poly(row), (0, DEGREE + 1))[: DEGREE + 1] for row in np.eye(DEGREE + 1)]
+    )
+    for which in range(2):
+        most = int(count[:, which].max(initial=0))
+        edge, value = np.zeros((len(made), most + 1)), np.zeros((len(made), most, 3, DEGREE + 1))
+        for row, table in enumerate(made):
+            fit = table.radius if which else table.depth
+            edge[row, : len(fit.edge)] = fit.edge
+            value[row, : len(fit.value)] = (fit.value @ powers)[..., ::-1]
+        parts += [edge, value]
+    lever = np.array([table.lever for table in made]).reshape(-1, 3).T.copy()
+    return (*parts, np.array([table.deepest for table in made]), count, *lever)
+
+
+@lru_cache(maxsize=KEPT)
+def _kept(law: Hashable, radius: float) -> _Table:
+    return _table(cast(Contact, law), radius)
+
+
+def _table(law: Contact, radius: float) -> _Table:
+    """Compute the table of a law for one radius [mm]."""
+    from metafem._kernels.contact.law import Law, nominal
+
+    last = min(float(law.largest_indentation(radius)), DEEPEST * radius)
+    ends = law.contact_radius(np.array([LIGHTEST * radius, last]), radius)
+    ends[0] = max(ends[0], SMALLEST * radius)
+    breaks = law.breaks(radius)
+    edge = np.concatenate([ends[:1], breaks[(breaks > ends[0]) & (breaks < ends[1])], ends[1:]])
+
+    def by_depth(x: FloatArray) -> FloatArray:
+        found = contacts(law, radius * np.exp(x), np.array(radius))
+        return np.log(np.stack([found.load / radius**2, found.area / (math.pi * radius**2)]))
+
+    def by_radius(y: FloatArray) -> FloatArray:
+        a = radius * np.exp(y)
+        parts = law.indentation(a, radius), law.load(a, radius), law.second_moment(a, radius)
+        return np.log([part / radius**power for part, power in zip(parts, (1, 2, 4), strict=True)])
+
+    depth = np.log(law.indentation(edge, radius) / radius)
+    depth[-1] = math.log(last / radius)
+    own = _fitted(by_depth, depth)
+    own = own._replace(value=np.concatenate([own.value, _energy(own)[:, None]], axis=1))
+    nothing = _Fit(np.zeros(1), np.zeros((0, 3, DEGREE + 1)))
+    elastic = _fitted(by_radius, np.log(edge / radius)) if law.largest_order > 1 else nothing
+    straight = float(np.abs(own.value[-1, :, 2:]).max()) < RESOLVED
+    table = _Table(own, elastic, math.inf if straight else last / radius, (0.0, 0.0, 0.0))
+    if law.largest_order == 1:
+        return table
+    # D' = 2 pi a/(dA/dd) grows along the profile
+    a = np.geomspace(float(ends[0]), float(ends[1]), 4000)
+    flat = np.flatnonzero(2.0 * math.pi * a / law.area_slope(a, radius) < FLATTEST)
+    if not flat.size:
+        return table
+    z = float(law.indentation(a[flat[-1]], radius)) / radius
+    one = np.ones(1)
+    found = nominal(Law(one, np.zeros(1, dtype=np.int64), one, *_stacked([table])), 0, z)
+    load, start, lever = found[0], 0.5 * found[5], 0.5 * found[4]
+    return table._replace(lever=(load, start, start * load - lever))
+
+
+def _fitted(functions: Callable[[FloatArray], FloatArray], ends: FloatArray) -> _Fit:
+    """Return polynomials of functions of x between ends, in panels that resolve them."""
+    low, high = ends[:-1], ends[1:]
+    done: list[tuple[FloatArray, FloatArray, FloatArray]] = []
+    pieces = np.maximum(np.ceil((high - low) / WIDEST), 1.0).astype(int)
+    low, high = (
+        np.concatenate([low[i] + (high[i] - low[i]) * (np.arange(n) + j) / n for i, n in enumerate(pieces)])
+        for j in (0, 1)
+    )
+    for halvings in range(MOST_HALVINGS + 1):
+        half, middle = 0.5 * (high - low), 0.5 * (high + low)
+        value = np.moveaxis(functions(middle[:, None] + half[:, None] * NODES) @ TO_CHEBYSHEV, 0, 1)
+        rough = np.abs(value[..., -2:]).max(axis=(1, 2)) > RESOLVED
+        rough &= halvings < MOST_HALVINGS
+        done.append((low[~rough], high[~rough], value[~rough]))
+        if not rough.any():
+            break
+        low, high = (
+            np.concatenate([low[rough], middle[rough]]),
+            np.concatenate([middle[rough], high[rough]]),
+        )
+    low, value = (np.concatenate([part[i] for part in done]) for i in (0, 2))
+    order = np.argsort(low)
+    return _Fit(np.append(low[order], ends[-1]), value[order])
+
+
+def _energy(fit: _Fit) -> FloatArray:
+    """Return the polynomials of the logarithm of ``int_0^z z dp = z p - int_0^z p dz``."""
+    half, middle = 0.5 * np.diff(fit.edge), 0.5 * (fit.edge[1:] + fit.edge[:-1])
+    load = fit.value[:, 0]
+    point, weight = np.polynomial.legendre.leggauss(GAUSS)
+    width = 0.5 * np.diff(NODES)
+    t = 0.5 * (NODES[1:] + NODES[:-1])[:, None] + width[:, None] * point  # (DEGREE, GAUSS)
+    inside = chebyshev.chebval(t, load.T)  # (m, DEGREE, GAUSS)
+    steps = (
+        (np.exp(inside + middle[:, None, None] + half[:, None, None] * t) @ weight) * width * half[:, None]
+    )
+    at = middle[:, None] + half[:, None] * NODES
+    whole = np.exp(chebyshev.chebval(NODES, load.T) + at)  # z p at the nodes
+    power = chebyshev.chebval(-1.0, chebyshev.chebder(load[0])) / half[0]
+    before = whole[0, 0] / (1.0 + power)
+    start = before + np.concatenate([[0.0], np.cumsum(steps.sum(axis=1))[:-1]])
+    total = start[:, None] + np.concatenate([np.zeros((len(half), 1)), np.cumsum(steps, axis=1)], axis=1)
+    return np.asarray(np.log(whole - total) @ TO_CHEBYSHEV)
