@@ -13,7 +13,7 @@ import numpy as np
 
 from metafem._kernels import projected_cg
 from metafem._kernels.compiled import compiled, inlined, inner
-from metafem._kernels.contact.law import indentation_at_load, load_and_rate, part
+from metafem._kernels.contact import hertz, tabulated
 from metafem._kernels.coupling import State, copy, empty_state, quadratic_form
 from metafem._kernels.interacting import TOLERANCE, Scratch, empty_scratch, rates, refresh, settle
 
@@ -64,18 +64,32 @@ def empty_workspace(count: int, order: int) -> tuple[State, Memory, Scratch]:
     return empty_state(count), empty_memory(count), empty_scratch(count, order)
 
 
+@inner
+def load_and_rate(radius, at, scale, data, z):
+    """Return p [mm^2] and dp/dz [mm] of one contact."""
+    if at < 0:
+        a = hertz.contact_radius(radius, z)
+        return hertz.LOAD * a * z, hertz.STIFFNESS * a
+    return tabulated.load_and_rate(data, at, scale, z)
+
+
 @compiled
 def uniform_approach(gap, law, load):
     """Return the approach [mm] at which independent asperities carry `load`, to a few percent."""
+    radius, which, scale, data = law
     x = math.inf
     for i in range(gap.size):  # a single asperity needs a larger approach: the smallest is an upper bound
-        x = min(x, gap[i] + indentation_at_load(law, i, load))
+        if which[i] < 0:
+            alone = hertz.indentation_at_load(radius[i], load)
+        else:
+            alone = tabulated.indentation_at_load(data, which[i], scale[i], load)
+        x = min(x, gap[i] + alone)
     for _ in range(60):
         p = slope = 0.0
         for i in range(gap.size):
             d = x - gap[i]
             if d > 0.0:
-                own, rate = load_and_rate(law, i, d)
+                own, rate = load_and_rate(radius[i], which[i], scale[i], data, d)
                 p += own
                 slope += rate
         if p <= 1.01 * load:
@@ -87,6 +101,7 @@ def uniform_approach(gap, law, load):
 @inner
 def extrapolate(memory, points, width, ahead, law, z):
     """Fill z at a distance `ahead` beyond the last equilibrium; return the load and its slope there."""
+    radius, which, scale, data = law
     cubic = points > 1 and ahead <= REACH * width
     load = slope = 0.0
     for i in range(z.size):
@@ -94,7 +109,7 @@ def extrapolate(memory, points, width, ahead, law, z):
         cube = memory.cube[i] if cubic else 0.0
         z[i] = memory.last[i] + ahead * (memory.last_rate[i] + ahead * (square + ahead * cube))
         if z[i] > 0.0:
-            own, rate = load_and_rate(law, i, z[i])
+            own, rate = load_and_rate(radius[i], which[i], scale[i], data, z[i])
             load += own
             slope += rate * (memory.last_rate[i] + ahead * (2.0 * square + 3.0 * ahead * cube))
     return load, slope
@@ -168,7 +183,7 @@ def curves(field, order, law, self_term, gap, control, by_load, results, state, 
     for row in range(gap.shape[0]):
         points = 0
         x = width = 0.0
-        law_of_row = part(law, row)
+        law_of_row = tabulated.part(law, row)
         for j in range(control.size):
             results.approach[row, j] = 0.0 if by_load else control[j]
             if control[j] <= 0.0:

@@ -11,7 +11,7 @@ tilted contact: the three corrections belong together, and the Jacobian is symme
 w = 3/5 p d, M/4 = p a^2/10, T = 1/2 p R, and the contact is shifted by -R g.
 
 The unknown of a contact is its nominal indentation z, at which the law without extra curvature carries p.
-Where z < 0 the asperity is open, with the gap -z. `contact.law` evaluates the contact law.
+Where z < 0 the asperity is open, with the gap -z. `contact.tabulated` evaluates laws other than Hertz's.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from typing import NamedTuple
 import numpy as np
 
 from metafem._kernels.compiled import compiled, inner
-from metafem._kernels.contact.law import bent, complementary, covers, nominal, untilted
+from metafem._kernels.contact import hertz, tabulated
 from metafem._kernels.vectors import add
 
 
@@ -49,7 +49,7 @@ class State(NamedTuple):
     load: np.ndarray  # p [mm^2]
     rate: np.ndarray  # dp/dz [mm]
     square: np.ndarray  # a^2 [mm^2]
-    widening: np.ndarray  # da^2/dp [-]
+    widening: np.ndarray  # da^2/dp [-], for Hertz contacts by `widen`
     indentation: np.ndarray  # d [mm]
     displacement: np.ndarray  # u at the contact [mm]
     bend: np.ndarray  # dd/dz; for Hertz (1 + k R)^(1/3)
@@ -99,37 +99,73 @@ def add_rows(matrix, closed, count, weight, out):
 
 
 @compiled
-def press(law, state):
+def press(law, order, state):
     """Fill what follows from z without the neighbours; return the number of contacts."""
+    radius, which, scale, data = law
     count = 0
     for i in range(state.z.size):
-        state.load[i] = state.square[i] = state.moment[i] = state.lever[i] = state.outside[i] = 0.0
+        z, at = state.z[i], which[i]
+        state.indentation[i] = z
         state.bend[i] = 1.0
-        state.indentation[i] = state.z[i]
-        if state.z[i] > 0.0:
-            (
-                state.load[i], state.rate[i], state.square[i], state.widening[i],
-                state.lever[i], state.lever_rate[i], state.lever_bend[i],
-            ) = nominal(law, i, state.z[i])  # fmt: skip
-            state.outside[i] = 0.0 if covers(law, i, state.z[i]) else 1.0
-            state.closed[count] = i
-            count += 1
-        else:
-            state.lever_rate[i] = untilted(law, i)
+        if order > 1:
+            state.lever_rate[i] = radius[i] if at < 0 else 2.0 * data[at, tabulated.LEVER_START] * scale[i]
+        if not z > 0.0:
+            state.load[i] = state.square[i] = 0.0
+            continue
+        state.closed[count] = i
+        count += 1
+        if at < 0:
+            state.square[i] = radius[i] * z
+            state.rate[i] = hertz.stiffness(radius[i], z)
+            state.load[i] = hertz.load(radius[i], z)
+            if order > 1:
+                state.lever[i] = state.load[i] * radius[i]
+            continue
+        state.load[i], state.rate[i], state.square[i], state.widening[i] = tabulated.pressed(
+            data, at, scale[i], z
+        )
+        state.outside[i] = 0.0 if tabulated.covers(data, at, scale[i], z) else 1.0
+        if order > 1:
+            state.lever[i], state.lever_rate[i], state.lever_bend[i] = tabulated.levers(
+                data, at, scale[i], z, state.load[i], state.square[i], state.widening[i]
+            )
     return count
 
 
 @compiled
 def sharpen(law, state, count):
     """Fill what changes by the curvature of the neighbours' field."""
+    radius, which, scale, data = law
     for k in range(count):
         i = state.closed[k]
-        wide, depth, bend, widening, moment, inside = bent(
-            law, i, state.z[i], state.load[i], state.square[i], 0.5 * state.curvature[i]
-        )
-        state.square[i], state.indentation[i], state.bend[i] = wide, depth, bend
-        state.widening[i], state.moment[i] = widening, moment
-        state.outside[i] = max(state.outside[i], 0.0 if inside else 1.0)
+        extra = 0.5 * state.curvature[i]
+        if which[i] < 0:
+            cube = 1.0 + radius[i] * extra
+            bend = np.cbrt(max(cube, tabulated.LEAST_CURVATURE))
+            state.bend[i] = bend
+            state.indentation[i] = state.z[i] * bend
+            state.square[i] = radius[i] * state.z[i] / (bend * bend)
+            state.moment[i] = 0.1 * state.load[i] * state.square[i]
+            inside = cube > tabulated.LEAST_CURVATURE
+        else:
+            wide, depth, bend, widening, moment, inside = tabulated.bent(
+                data, which[i], scale[i], state.load[i], state.square[i], state.widening[i], extra
+            )
+            state.square[i], state.indentation[i], state.bend[i] = wide, depth, bend
+            state.widening[i], state.moment[i] = widening, moment
+        if not inside:
+            state.outside[i] = 1.0
+        elif which[i] < 0:
+            state.outside[i] = 0.0
+
+
+@compiled
+def widen(law, state, count):
+    """Fill da^2/dp = R/(2 a b) of Hertz contacts, b = dd/dz; only sensitivities need it."""
+    for k in range(count):
+        i = state.closed[k]
+        if law.which[i] < 0:
+            state.widening[i] = law.radius[i] / (state.rate[i] * state.bend[i] * state.bend[i])
 
 
 @compiled
@@ -137,7 +173,7 @@ def respond(field, order, law, self_term, state):
     """Fill the state that follows from its z; return the number of contacts."""
     load, closed, u = state.load, state.closed, state.displacement
     n = load.size
-    count = press(law, state)
+    count = press(law, order, state)
     for i in range(n):
         u[i] = self_term[i] * load[i]
     add_rows(field.influence, closed, count, load, u)
@@ -232,7 +268,12 @@ def energy(order, law, gap, approach, state, count):
     for k in range(count):
         i = state.closed[k]
         p, extra = state.load[i], 0.5 * state.curvature[i] if order > 1 else 0.0
-        total += complementary(law, order, i, state.z[i], p, state.indentation[i], state.square[i], extra)
+        if law.which[i] < 0:
+            total += 0.6 * p * state.indentation[i]
+        else:
+            total += tabulated.complementary(
+                law.data, law.which[i], law.scale[i], order, state.z[i], state.square[i], extra
+            )
         total += p * (0.5 * state.displacement[i] - (approach - gap[i]))
         if order > 1:
             slope = state.slope_x[i] ** 2 + state.slope_y[i] ** 2

@@ -15,11 +15,11 @@ from metafem.contact import Contact, Hertz
 from metafem.models.contact_sums import contacts
 
 if TYPE_CHECKING:
-    from metafem._kernels.contact.law import Law
+    from metafem._kernels.contact.tabulated import Law
 
 # Degree of the polynomials in a panel, and the largest coefficient of the last two degrees of one that
 # resolves the logarithm of a function: a digit above the rounding of the functions.
-DEGREE, RESOLVED = 11, 3e-14
+DEGREE, RESOLVED = 7, 3e-14
 
 # A panel is at most this wide in a logarithm and is halved at most this often, which resolves a pole or the
 # noise of a profile's quadrature as well as numbers can.
@@ -44,6 +44,12 @@ FLATTEST = 0.005
 NODES = np.cos(np.pi * np.arange(DEGREE, -1, -1) / DEGREE)
 TO_CHEBYSHEV = np.linalg.inv(chebyshev.chebvander(NODES, DEGREE)).T
 GAUSS = 8
+TO_POWERS = np.array(
+    [np.pad(chebyshev.cheb2poly(row), (0, DEGREE + 1))[: DEGREE + 1] for row in np.eye(DEGREE + 1)]
+)
+
+# Bins per panel in which the panel of a number is looked up.
+BINS = 2
 
 # Kept tables: each takes milliseconds to compute and about 30 kB.
 KEPT = 64
@@ -55,21 +61,31 @@ class _Fit(NamedTuple):
     edge: FloatArray  # (m + 1,)
     value: FloatArray  # Chebyshev coefficients (m, functions, DEGREE + 1)
 
+    def row(self) -> FloatArray:
+        """Return the panels as `_kernels.contact.tabulated` reads them."""
+        panels = len(self.value)
+        bins = BINS * panels
+        width = (self.edge[-1] - self.edge[0]) / bins
+        first = np.searchsorted(self.edge[1:-1], self.edge[0] + width * np.arange(bins), side="right")
+        head = np.array([panels, bins, self.edge[0], 1.0 / width])
+        return np.concatenate([head, first, self.edge, (self.value @ TO_POWERS).ravel()])
+
 
 def tables(law: Contact, radius: FloatArray) -> Law:
     """Return the law of asperities of radii (..., n) [mm] for the kernels; `law` is that for unit E*."""
-    from metafem._kernels.contact.law import Law
+    from metafem._kernels.contact.tabulated import Law
 
     size = np.array(radius, dtype=np.float64, order="C")
     which = np.zeros(size.shape, dtype=np.int64)
     if law == Hertz():
-        return Law(size, which - 1, size, *_stacked([]))
+        return Law(size, which - 1, size, np.empty((0, 0)))
     kinds = np.ones(1)
     if not law.similar:
         kinds, inverse = np.unique(size, return_inverse=True)
         which += inverse.reshape(size.shape)
-    keeps = isinstance(law, Hashable)
-    return Law(size, which, size, *_stacked([_kept(law, float(kind)) if keeps else _table(law, float(kind)) for kind in kinds]))
+    if isinstance(law, Hashable):
+        return Law(size, which, size, _stacked([_kept(law, float(kind)) for kind in kinds]))
+    return Law(size, which, size, _stacked([_table(law, float(kind)) for kind in kinds]))
 
 
 def rows_of(law: Law, rows: int | slice) -> Law:
@@ -79,50 +95,27 @@ def rows_of(law: Law, rows: int | slice) -> Law:
 
 def deepest(law: Law) -> FloatArray:
     """Return the largest indentations [mm] that the tables hold, of each asperity."""
-    if not law.deepest.size:
+    from metafem._kernels.contact.tabulated import DEEPEST
+
+    if not law.data.size:
         return np.full(law.which.shape, math.inf)
-    return np.asarray(law.deepest[law.which] * law.scale)
+    return np.asarray(law.data[law.which, DEEPEST] * law.scale)
 
 
-class _Table(NamedTuple):
-    """The table of one law, all lengths over the scale."""
-
-    depth: _Fit
-    radius: _Fit
-    deepest: float
-    lever: tuple[float, float, float]
-
-
-def _stacked(made: list[_Table]) -> tuple[FloatArray, ...]:
-    """Return the arrays of tables, those of fewer panels filled with zeros."""
-    count = np.array([[len(fit.value) for fit in (table.depth, table.radius)] for table in made]).reshape(
-        -1, 2
-    )
-    parts = []
-    # chebyshev coefficients to powers of the place, the highest first
-    powers = np.array(
-        [np.pad(chebyshev.cheb2poly(row), (0, DEGREE + 1))[: DEGREE + 1] for row in np.eye(DEGREE + 1)]
-    )
-    for which in range(2):
-        most = int(count[:, which].max(initial=0))
-        edge, value = np.zeros((len(made), most + 1)), np.zeros((len(made), most, 3, DEGREE + 1))
-        for row, table in enumerate(made):
-            fit = table.radius if which else table.depth
-            edge[row, : len(fit.edge)] = fit.edge
-            value[row, : len(fit.value)] = (fit.value @ powers)[..., ::-1]
-        parts += [edge, value]
-    lever = np.array([table.lever for table in made]).reshape(-1, 3).T.copy()
-    return (*parts, np.array([table.deepest for table in made]), count, *lever)
+def _stacked(tables: list[FloatArray]) -> FloatArray:
+    """Return tables in rows, the shorter ones filled with zeros."""
+    size = max(len(row) for row in tables)
+    return np.stack([np.pad(row, (0, size - len(row))) for row in tables])
 
 
 @lru_cache(maxsize=KEPT)
-def _kept(law: Hashable, radius: float) -> _Table:
+def _kept(law: Hashable, radius: float) -> FloatArray:
     return _table(cast(Contact, law), radius)
 
 
-def _table(law: Contact, radius: float) -> _Table:
+def _table(law: Contact, radius: float) -> FloatArray:
     """Compute the table of a law for one radius [mm]."""
-    from metafem._kernels.contact.law import Law, nominal
+    from metafem._kernels.contact.tabulated import BY_DEPTH, HEADER, LEVER_EDGE, levers, pressed
 
     last = min(float(law.largest_indentation(radius)), DEEPEST * radius)
     ends = law.contact_radius(np.array([LIGHTEST * radius, last]), radius)
@@ -143,22 +136,23 @@ def _table(law: Contact, radius: float) -> _Table:
     depth[-1] = math.log(last / radius)
     own = _fitted(by_depth, depth)
     own = own._replace(value=np.concatenate([own.value, _energy(own)[:, None]], axis=1))
-    nothing = _Fit(np.zeros(1), np.zeros((0, 3, DEGREE + 1)))
-    elastic = _fitted(by_radius, np.log(edge / radius)) if law.largest_order > 1 else nothing
+    elastic = _fitted(by_radius, np.log(edge / radius)) if law.largest_order > 1 else None
     straight = float(np.abs(own.value[-1, :, 2:]).max()) < RESOLVED
-    table = _Table(own, elastic, math.inf if straight else last / radius, (0.0, 0.0, 0.0))
-    if law.largest_order == 1:
+    most = math.inf if straight else last / radius
+    parts = [own.row()] if elastic is None else [own.row(), elastic.row()]
+    begin = [HEADER, HEADER + len(parts[0])]
+    table = np.concatenate([[most, 0.0, 0.0, 0.0, *begin], *parts])
+    if elastic is None:
         return table
     # D' = 2 pi a/(dA/dd) grows along the profile
     a = np.geomspace(float(ends[0]), float(ends[1]), 4000)
     flat = np.flatnonzero(2.0 * math.pi * a / law.area_slope(a, radius) < FLATTEST)
-    if not flat.size:
-        return table
-    z = float(law.indentation(a[flat[-1]], radius)) / radius
-    one = np.ones(1)
-    found = nominal(Law(one, np.zeros(1, dtype=np.int64), one, *_stacked([table])), 0, z)
-    load, start, lever = found[0], 0.5 * found[5], 0.5 * found[4]
-    return table._replace(lever=(load, start, start * load - lever))
+    if flat.size:
+        z = float(law.indentation(a[flat[-1]], radius)) / radius
+        load, _, square, widening = pressed(table[None], 0, 1.0, z)
+        lever, rate, _ = levers(table[None], 0, 1.0, z, load, square, widening)
+        table[LEVER_EDGE:BY_DEPTH] = load, 0.5 * rate, 0.5 * (rate * load - lever)
+    return table
 
 
 def _fitted(functions: Callable[[FloatArray], FloatArray], ends: FloatArray) -> _Fit:

@@ -18,7 +18,7 @@ from metafem.substrate import Radial
 from metafem.surface import Surface
 
 if TYPE_CHECKING:
-    from metafem._kernels.contact.law import Law
+    from metafem._kernels.contact.tabulated import Law
     from metafem._kernels.continuation import Results
     from metafem._kernels.coupling import State
 

@@ -37,7 +37,7 @@ from metafem.substrate import HalfSpace, Radial, Substrate
 from metafem.surface import Surface
 
 if TYPE_CHECKING:
-    from metafem._kernels.contact.law import Law
+    from metafem._kernels.contact.tabulated import Law
     from metafem._kernels.continuation import Results
     from metafem._kernels.coupling import State
 
@@ -58,15 +58,15 @@ class Interacting:
     """Asperities coupled through an elastic substrate.
 
     The indentations are ``d_i = h_i - delta - u_i`` with the displacement ``u_i`` by the other asperities,
-    and each contact has the load and area of its law; for Hertz contacts ``P_i = 4/3 E* sqrt(R_i) d_i^(3/2)``.
+    and each contact has the load and area of its law, for Hertz's ``P_i = 4/3 E* sqrt(R_i) d_i^(3/2)``.
 
     Order 1 represents the other asperities by point loads, ``u_i = sum_j P_j/E* G(r_ij)``. Order 3 adds
     all three terms of the next order: the finite size of the sources, ``M_j/4 lap G`` with the second moment
     M of their pressure, for Hertz contacts ``a_j^2/10 lap G`` per load; the curvature of the field,
     ``sum_j P_j/E* lap G/2``, which adds to that of the summit; and its slope, which tilts the contact and
     for Hertz contacts shifts it by ``-R grad u``. They are the gradient of one energy, to first order in the
-    shifts. Contacts so flat that the slope D' at their edge is below 0.005 are tilted as one with that slope. Both orders include the regular self
-    terms of the substrate.
+    shifts. Contacts so flat that the slope D' at their edge is below 0.005 are tilted as one with that slope.
+    Both orders include the regular self terms of the substrate.
 
     Against resolved contacts on a half-space, up to a/pitch = 0.32, the error of order 3 is at most 0.025 %
     in the total load at fixed approach and 0.08 % in A0 at fixed load; that of order 1 is 0.08 % and 0.9 %.

@@ -13,7 +13,7 @@ from metafem._validate import FloatArray
 from metafem.models.interacting.coarse import Coarse
 
 if TYPE_CHECKING:
-    from metafem._kernels.contact.law import Law
+    from metafem._kernels.contact.tabulated import Law
     from metafem._kernels.coupling import State
     from metafem.models.interacting.ewald_sums import ScatteredSums
     from metafem.models.interacting.fft_sums import LatticeSums
@@ -89,7 +89,7 @@ class ContactEquations:
 
         state = empty_state(len(z))
         state.z[:] = z
-        count = press(self.law, state)
+        count = press(self.law, self.order, state)
         load, u = state.load, state.displacement
         outside = False
         if self.order == 1:
@@ -158,7 +158,10 @@ class ContactEquations:
 
         ``H l = c + x 1`` with the x for which the l of the contacts sum to zero.
         """
+        from metafem._kernels.coupling import widen
+
         closed, found, none = state.closed, state.state, np.zeros_like(self.gap)
+        widen(self.law, found, int(closed.sum()))
         widened = np.where(closed, found.widening, 0.0)
         if self.order == 3:
             flattening = -2.0 / 3.0 * found.square**1.5 * widened
@@ -182,7 +185,7 @@ class ContactEquations:
         image = self.sums.displacement(loads, third * loads - flatter * curvature, *moment)
         tilt = sum(before * new for before, new in zip(old, slope, strict=True))
         bend = 0.5 * found.lever_bend * (old[0] ** 2 + old[1] ** 2)
-        return image + third * curvature - lever_rate * tilt - bend * loads
+        return np.asarray(image + third * curvature - lever_rate * tilt - bend * loads)
 
     def solve(
         self,

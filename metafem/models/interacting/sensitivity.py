@@ -14,8 +14,8 @@ import math
 import numpy as np
 from scipy.linalg.lapack import dgesv
 
-from metafem._kernels.contact.law import Law
-from metafem._kernels.coupling import Coupling, State, empty_state, respond
+from metafem._kernels.contact.tabulated import Law
+from metafem._kernels.coupling import Coupling, State, empty_state, respond, widen
 from metafem._validate import FloatArray, IntArray
 
 
@@ -35,6 +35,7 @@ def area_gradients(
         count = respond(field, order, law, self_term, state)
         if count == 0:
             continue
+        widen(law, state, count)
         closed = state.closed[:count]
         hessian, by_load = _system(influences, self_term, state, closed)
         _, _, found, failed = dgesv(hessian, np.column_stack([by_load, np.ones(count)]), overwrite_a=True)
