@@ -110,8 +110,6 @@ def test_what_cannot_take_the_law_refuses_it():
         mf.Independent(contact=4)
     with pytest.raises(mf.InvalidInput, match="must be a contact law"):
         mf.Independent(contact=mf.PowerCap)
-    with pytest.raises(mf.InvalidInput, match=r"contact = PowerCap.* must be metafem\.Hertz\(\)"):
-        mf.Interacting(contact=mf.PowerCap(4))
     for model in (mf.MeanField,):
         with pytest.raises(mf.InvalidInput, match="has no argument contact"):
             model(contact=mf.PowerCap(4))
