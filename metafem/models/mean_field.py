@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 
 import numpy as np
 
 from metafem._calls import checked_class
 from metafem._validate import FloatArray
-from metafem.models.independent import Independent
-from metafem.models.model import Curve, RescaledState, Sensitivity, controlled
+from metafem.contact import Contact
+from metafem.errors import InvalidInput
+from metafem.models.independent import TOLERANCE, Independent
+from metafem.models.model import PARABOLOID, Curve, RescaledState, Sensitivity, controlled
 from metafem.models.stand_in import Uncoupled
 from metafem.notes import information
 from metafem.surface import Surface
@@ -19,7 +21,7 @@ from metafem.surface import Surface
 # Mean of 1/(pi r) over all pairs of points of a unit square: 4/pi [ln(1 + sqrt 2) - (sqrt 2 - 1)/3].
 MEAN_DISPLACEMENT = 4.0 / math.pi * (math.log(1.0 + math.sqrt(2.0)) - (math.sqrt(2.0) - 1.0) / 3.0)
 
-# Most Newton steps: the iterates decrease monotonically to the root of a convex function, in far fewer steps.
+# Most Newton steps: where the load is convex the iterates decrease monotonically to the root, in far fewer.
 MAX_STEPS = 200
 
 
@@ -33,6 +35,11 @@ class MeanField(Uncoupled):
     `Independent`. Valid for a half-space and many asperities. Ciavarella, Greenwood and Paggi, Wear 265, 729
     (2008), doi:10.1016/j.wear.2008.01.019.
 
+    Parameters
+    ----------
+    contact : Contact
+        Law of one contact, any that `Independent` uses; default: `Hertz()`.
+
     Examples
     --------
     >>> from metafem import Material, Surface, equilibrium
@@ -42,10 +49,24 @@ class MeanField(Uncoupled):
     (True, 0.0742)
     """
 
+    contact: Contact = PARABOLOID
+
+    def __post_init__(self) -> None:
+        _ = self._asperities  # checks the law
+
+    def __repr__(self) -> str:
+        """Return the constructor's call, without the default law."""
+        return repr(self._asperities).replace("Independent", "MeanField", 1)
+
     @property
     def name(self) -> str:
-        """Name of the model in texts and for ``--model``."""
-        return "mean-field"
+        """Name of the model in texts and for ``--model``, with a law other than Hertz's."""
+        return self._asperities.name.replace("independent", "mean-field", 1)
+
+    @cached_property
+    def _asperities(self) -> Independent:
+        """The asperities on the base that sinks."""
+        return Independent(self.contact)
 
     def curve(
         self, surface: Surface, load: FloatArray | None = None, *, approach: FloatArray | None = None
@@ -53,8 +74,8 @@ class MeanField(Uncoupled):
         """Equilibria at increasing rescaled loads P/E* [mm^2] or approaches [mm], (k,)."""
         values, by_load = controlled(load, approach)
         if by_load:
-            return self._sunk(surface, Independent().curve(surface, values))
-        local = Independent().curve(surface, approach=self._local(surface, values))
+            return self._sunk(surface, self._asperities.curve(surface, values))
+        local = self._asperities.curve(surface, approach=self._local(surface, values))
         sunk = self._sunk(surface, local)
         error = np.abs(sunk.approach - values) / np.where(local.approach > 0.0, local.approach, 1.0)
         return replace(sunk, approach=np.array(values), residual=error)
@@ -66,7 +87,7 @@ class MeanField(Uncoupled):
 
         height: summit heights (n,) [mm] in place of the surface's own; they are not checked.
         """
-        found = Independent().sensitivity(surface, load, height)
+        found = self._asperities.sensitivity(surface, load, height)
         return replace(found, curve=self._sunk(surface, found.curve))
 
     def areas(
@@ -78,7 +99,7 @@ class MeanField(Uncoupled):
         position: FloatArray | None = None,
     ) -> FloatArray:
         """A0 [mm^2] at increasing rescaled loads (k,) for many surfaces, (m, k), that of `Independent`."""
-        return Independent().areas(surface, load, height, radius)
+        return self._asperities.areas(surface, load, height, radius)
 
     def _sunk(self, surface: Surface, curve: Curve) -> Curve:
         """Return the curve of independent asperities on the base that sinks."""
@@ -95,17 +116,34 @@ class MeanField(Uncoupled):
         return replace(curve.last, model=self, notes=() if surface.count > 1 else (lone,))
 
     def _local(self, surface: Surface, approach: FloatArray) -> FloatArray:
-        """Return the approaches y relative to the sunken base, y + compliance P(y) = approach."""
-        compliance = _compliance(surface)
-        local = np.array(approach)
+        """Return the approaches y relative to the sunken base, y + compliance P(y) = approach.
+
+        By Newton's method from above, which decreases to the root where P is convex; inside a bracket, as
+        the load of contacts that yield is not convex.
+        """
+        compliance, gap = _compliance(surface), surface.gap
+        law = self.contact.for_material(surface.material)
+        most = float((gap + law.largest_indentation(surface.radius)).min())
+        local = np.minimum(approach, most)
+        low, high = np.minimum(0.0, approach), local
         for _ in range(MAX_STEPS):
-            curve = Independent().curve(surface, approach=local)
+            curve = self._asperities.curve(surface, approach=local)
             excess = local + compliance * curve.load - approach
+            short = (local == most) & (excess < 0.0)
+            if short.any():
+                raise InvalidInput(
+                    f"the approach {approach[short].max():.4g} mm needs more than {most:.4g} mm relative to "
+                    f"the sunken base, up to which {law!r} describes all contacts; use smaller approaches or "
+                    "a law with a larger range"
+                )
             step = excess / (1.0 + compliance * curve.stiffness)
-            lower = np.where(excess > 0.0, local - step, local)
-            if (lower == local).all() or (np.abs(step) <= np.finfo(float).eps * np.abs(local)).all():
-                return lower
-            local = lower
+            low, high = np.where(excess < 0.0, local, low), np.where(excess > 0.0, local, high)
+            far = (excess > 0.0) | (step < -TOLERANCE * np.abs(local))
+            new = np.where(far, local - step, local)
+            new = np.where((new >= low) & (new <= high), new, 0.5 * (low + high))
+            if (new == local).all() or (np.abs(step) <= np.finfo(float).eps * np.abs(local)).all():
+                return new
+            local = new
         return local
 
 

@@ -110,9 +110,9 @@ def test_what_cannot_take_the_law_refuses_it():
         mf.Independent(contact=4)
     with pytest.raises(mf.InvalidInput, match="must be a contact law"):
         mf.Independent(contact=mf.PowerCap)
-    for model in (mf.MeanField,):
-        with pytest.raises(mf.InvalidInput, match="has no argument contact"):
-            model(contact=mf.PowerCap(4))
+    for model in (mf.Interacting, mf.MeanField, mf.Automatic):
+        with pytest.raises(mf.InvalidInput, match="contact = 4 must be a contact law such as"):
+            model(contact=4)
 
 
 def test_densities_arrangements_and_studies_are_for_paraboloids():

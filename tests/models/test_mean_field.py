@@ -1,0 +1,52 @@
+"""The mean field with any contact law."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import metafem as mf
+from metafem.contact.cap_geometry import sphere_profile
+from metafem.models.mean_field import MEAN_DISPLACEMENT, nominal_area
+from tests.models.scenes import lattice, scene
+
+RHO = np.linspace(0.0, 0.4, 60)
+LAWS = [
+    *(mf.PowerCap(n) for n in (1, 4)),
+    mf.SphericalCap(),
+    mf.AxisymmetricCap([RHO, sphere_profile(RHO, 0.526)]),
+    mf.KogutEtsion(hardness=1.0).for_material(mf.Material(1.36)),
+    mf.JacksonGreen(yield_strength=0.01).for_material(mf.Material(1.36)),
+]
+APPROACHES = np.concatenate([[-0.1, 0.0], np.geomspace(1e-9, 0.15, 30)])
+
+
+@pytest.mark.parametrize("law", LAWS, ids=repr)
+def test_the_base_sinks_in_proportion_to_the_load(law):
+    alone, sunk = mf.Independent(contact=law), mf.MeanField(law)
+    for surface in (scene(), lattice(0.12 - 0.01 * np.arange(9.0))):
+        load = np.geomspace(1e-6, 0.02, 12)
+        found, expected = (model.curve(surface, load) for model in (sunk, alone))
+        assert_allclose(found.area, expected.area, rtol=0.0)
+        sinking = MEAN_DISPLACEMENT / np.sqrt(nominal_area(surface)) * found.load
+        assert_allclose(found.approach, expected.approach + sinking, rtol=1e-14)
+        assert found.last.model == sunk
+        at = sunk.curve(surface, approach=APPROACHES)
+        assert at.converged
+        assert (at.load[:2] == 0.0).all()
+        assert_allclose(sunk.curve(surface, at.load[2:]).approach, APPROACHES[2:], rtol=1e-10)
+        assert_allclose(*(model.sensitivity(surface, load).gradient for model in (sunk, alone)), rtol=0.0)
+
+
+def test_approaches_beyond_the_law_are_refused():
+    cap = mf.AxisymmetricCap([RHO, sphere_profile(RHO, 0.526)])
+    with pytest.raises(mf.InvalidInput, match=r"the approach 2 mm needs more than .* to the sunken base"):
+        mf.MeanField(cap).curve(lattice(np.full(9, 0.1)), approach=np.array([0.1, 2.0]))
+
+
+def test_names_state_the_law():
+    model = mf.MeanField(mf.PowerCap(4))
+    assert repr(mf.MeanField()) == "MeanField()"
+    assert repr(model) == "MeanField(contact=PowerCap(exponent=4.0, coefficient=0.5))"
+    assert model.name == "mean-field, PowerCap(exponent=4.0, coefficient=0.5)"
+    assert mf.MeanField().name == "mean-field"
+    assert mf.MeanField(mf.Hertz()) == mf.MeanField() != model
