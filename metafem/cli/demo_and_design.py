@@ -103,6 +103,7 @@ def _run(
         write_all,
     )
     from metafem.inversion import DesignStatus
+    from metafem.models.model import contact_of
     from metafem.report import all_notes, page
 
     check_free(folder, force)
@@ -117,7 +118,8 @@ def _run(
             result = specification.design(chosen)
             text = page(result, specification.hardness)
             write_all(result, fresh, specification, {"report.html": text})
-    part = planned(result.surface, result.template, specification.part)
+    contact = contact_of(result.law.model)
+    part = planned(result.surface, result.template, specification.part, contact)
     notes = all_notes(result, specification.hardness) + part_notes(part, specification.part)
     _print_design(result, specification, folder, notes, part, as_json)
     if result.status is DesignStatus.MISSED:

@@ -13,6 +13,7 @@ from metafem import _validate as check
 from metafem._calls import checked_class
 from metafem._given import shown
 from metafem._validate import FloatArray
+from metafem.contact.cap_geometry import CapShape
 from metafem.contact.elastic import Hertz
 from metafem.contact.law import Contact, Values
 from metafem.errors import InvalidInput
@@ -94,6 +95,10 @@ class JKR(Contact):
         if self.adhesion_energy == 0.0:
             return self.cap
         return replace(self, composite_modulus=material.composite_modulus)
+
+    def shape(self) -> CapShape:
+        """Shape of the caps of a part."""
+        return self.cap.shape()
 
     @property
     def length(self) -> float:

@@ -1,11 +1,28 @@
-"""Geometry of spherical caps."""
+"""Geometry of caps: the spheres of most laws, or surfaces of revolution of any profile."""
 
 from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from metafem._validate import FloatArray
-from metafem.contact.law import Values
+from metafem.errors import InvalidInput
+
+Values = FloatArray | float
+
+# Distance of neighbours on a ring of a mesh: 60 degrees in a ring of six points, an arc of pi/3 spacings.
+RING_ARC = math.pi / 3.0
+
+# Points along a meridian from which its length and curvature are computed, and ring spacings at which the
+# chord error is.
+POINTS, SPACINGS = 4097, 129
+
+# Nodes of the quadrature of a cap's volume: 1e-7 for tables, rounding for smooth profiles.
+NODES = 64
 
 
 def foot_radius(height: Values, radius: Values) -> FloatArray:
@@ -16,3 +33,210 @@ def foot_radius(height: Values, radius: Values) -> FloatArray:
 def sphere_profile(r: FloatArray, radius: Values) -> FloatArray:
     """Depth R - sqrt(R^2 - r^2) of a sphere below its summit at radii r <= R [mm], without cancellation."""
     return np.asarray(r**2 / (radius + np.sqrt((radius - r) * (radius + r))))
+
+
+class CapShape(Protocol):
+    """Shape of caps of heights h and radii R, (n,) [mm], on their base plane."""
+
+    def tallest(self, radius: FloatArray) -> FloatArray:
+        """Largest height of a cap [mm]."""
+        ...
+
+    def foot_radius(self, height: FloatArray, radius: FloatArray) -> FloatArray:
+        """Radius of the circle in which a cap meets its base plane [mm]."""
+        ...
+
+    def depth_at(self, distance: FloatArray, radius: float) -> FloatArray:
+        """Depth below the summit at distances from the axis within the foot [mm]."""
+        ...
+
+    def volume(self, height: FloatArray, radius: FloatArray) -> FloatArray:
+        """Volume between a cap and its base plane [mm^3]."""
+        ...
+
+    def largest_area(self, height: FloatArray, radius: FloatArray) -> FloatArray:
+        """Area of a cap, or more [mm^2]."""
+        ...
+
+    def ring_count(self, height: FloatArray, radius: FloatArray, chord_error: float) -> FloatArray:
+        """Number of rings of a mesh that keep its triangles within the chord error [mm] of a cap.
+
+        The rings of 6, 12, 18, ... points are at equal distances along the meridian.
+        """
+        ...
+
+    def rings(self, height: FloatArray, radius: FloatArray, count: int) -> tuple[FloatArray, FloatArray]:
+        """Distances of the summit and the rings from the axis, and their heights, (n, count + 1) [mm]."""
+        ...
+
+
+class Spheres:
+    """Spherical caps of height h <= R."""
+
+    def tallest(self, radius: FloatArray) -> FloatArray:
+        """Largest height of a cap, R [mm]."""
+        return radius
+
+    def foot_radius(self, height: FloatArray, radius: FloatArray) -> FloatArray:
+        """Radius of the circle in which a cap meets its base plane [mm]."""
+        return foot_radius(height, radius)
+
+    def depth_at(self, distance: FloatArray, radius: float) -> FloatArray:
+        """Depth below the summit [mm], of the equator beyond it."""
+        return np.asarray(radius - np.sqrt(np.maximum(radius**2 - distance**2, 0.0)))
+
+    def volume(self, height: FloatArray, radius: FloatArray) -> FloatArray:
+        """Volume pi h^2 (3 R - h)/3 [mm^3]."""
+        return np.asarray(math.pi * height**2 * (3.0 * radius - height) / 3.0)
+
+    def largest_area(self, height: FloatArray, radius: FloatArray) -> FloatArray:
+        """Area 2 pi R h [mm^2]."""
+        return np.asarray(2.0 * math.pi * radius * height)
+
+    def ring_count(self, height: FloatArray, radius: FloatArray, chord_error: float) -> FloatArray:
+        """Number of rings that keep triangles within the chord error [mm] of the spheres.
+
+        Neighbouring rings are at most D apart along a meridian and pi/3 D along a ring, so no triangle has a
+        circumradius above that of the right triangle of these sides, which lies
+        ``(1 + (pi/3)^2) D^2 / (8 R)`` below the sphere.
+        """
+        step = np.sqrt(8.0 * chord_error / ((1.0 + RING_ARC**2) * radius))
+        return np.asarray(self._opening(height, radius) / step)
+
+    def rings(self, height: FloatArray, radius: FloatArray, count: int) -> tuple[FloatArray, FloatArray]:
+        """Distances of the summit and the rings from the axis, and their heights, at equal polar angles."""
+        polar = self._opening(height, radius)[:, None] * np.arange(count + 1) / count
+        across = radius[:, None] * np.sin(polar)
+        z = height[:, None] - 2.0 * radius[:, None] * np.sin(0.5 * polar) ** 2
+        across[:, -1] = foot_radius(height, radius)
+        z[:, -1] = 0.0
+        return across, z
+
+    def _opening(self, height: FloatArray, radius: FloatArray) -> FloatArray:
+        """Polar angles of rims, from ``h = R (1 - cos) = 2 R sin^2(angle/2)``."""
+        return np.asarray(2.0 * np.arcsin(np.sqrt(0.5 * height / radius)))
+
+
+SPHERES = Spheres()
+
+
+class _Meridian(NamedTuple):
+    """A meridian from the summit down; all lengths over the scale of the profile."""
+
+    across: FloatArray  # (POINTS,), distance from the axis
+    along: FloatArray  # (POINTS,), length from the summit
+    spacing: FloatArray  # (SPACINGS,), of rings
+    error: FloatArray  # (SPACINGS,), largest chord error with this spacing
+
+
+@dataclass(frozen=True)
+class ProfileCaps:
+    """Caps with any increasing profile f(rho) from the summit down.
+
+    `profile` returns depths at distances for the scale 1. If `scaled`, lengths scale with R; otherwise all
+    caps have this one profile. It ends at `extent` [mm], if there is one.
+    """
+
+    profile: Callable[[FloatArray], FloatArray]
+    scaled: bool
+    extent: float = math.inf
+
+    def tallest(self, radius: FloatArray) -> FloatArray:
+        """Largest height of a cap [mm]: the depth at the extent."""
+        if math.isinf(self.extent):
+            return np.full_like(radius, math.inf)
+        return np.asarray(self._scale(radius) * float(self.profile(np.array(self.extent))))
+
+    def foot_radius(self, height: FloatArray, radius: FloatArray) -> FloatArray:
+        """Distance at which the depth is the height [mm]; raises InvalidInput beyond the extent."""
+        scale = self._scale(radius)
+        return np.asarray(scale * self._foot(np.asarray(height / scale)))
+
+    def depth_at(self, distance: FloatArray, radius: float) -> FloatArray:
+        """Depth below the summit [mm]."""
+        scale = radius if self.scaled else 1.0
+        return np.asarray(scale * self.profile(distance / scale))
+
+    def volume(self, height: FloatArray, radius: FloatArray) -> FloatArray:
+        """Volume 2 pi int rho (h - f) drho [mm^3], by quadrature."""
+        node, weight = np.polynomial.legendre.leggauss(NODES)
+        scale = self._scale(radius)[:, None]
+        foot = self.foot_radius(height, radius)[:, None]
+        rho = 0.5 * foot * (node + 1.0)
+        inside = height[:, None] - scale * self.profile(rho / scale)
+        return np.asarray(math.pi * foot[:, 0] * ((rho * inside) @ weight))
+
+    def largest_area(self, height: FloatArray, radius: FloatArray) -> FloatArray:
+        """Area of a cap, or more: that of its foot and of a cylinder around it [mm^2]."""
+        foot = self.foot_radius(height, radius)
+        return np.asarray(math.pi * foot * (foot + 2.0 * height))
+
+    def ring_count(self, height: FloatArray, radius: FloatArray, chord_error: float) -> FloatArray:
+        """Number of rings that keep triangles within the chord error [mm] of the caps."""
+        scale = self._scale(radius)
+        line, foot = self._meridian(height / scale)
+        wanted = np.log(chord_error / scale)
+        found = np.interp(wanted, np.log(line.error), np.log(line.spacing))
+        found += np.minimum(
+            wanted - math.log(line.error[0]), 0.0
+        )  # finer: no error grows slower than linearly
+        return np.asarray(np.interp(foot, line.across, line.along) / np.exp(found))
+
+    def rings(self, height: FloatArray, radius: FloatArray, count: int) -> tuple[FloatArray, FloatArray]:
+        """Distances of the summit and the rings from the axis, and their heights, (n, count + 1) [mm]."""
+        scale = self._scale(radius)[:, None]
+        line, foot = self._meridian(height / scale[:, 0])
+        length = np.interp(foot, line.across, line.along)
+        x = np.interp(length[:, None] * np.arange(count + 1) / count, line.along, line.across)
+        x[:, -1] = foot
+        z = height[:, None] - scale * self.profile(x)
+        z[:, -1] = 0.0
+        return np.asarray(scale * x), np.asarray(z)
+
+    def _scale(self, radius: FloatArray) -> FloatArray:
+        return np.asarray(radius) if self.scaled else np.ones_like(radius)
+
+    def _foot(self, height: FloatArray) -> FloatArray:
+        """Distance at which the depth is the height, by bisection to rounding; all over the scale."""
+        if math.isinf(self.extent):
+            high = np.array(height, dtype=np.float64)
+            while (short := self.profile(high) < height).any():
+                high = np.where(short, 2.0 * high, high)
+        else:
+            most = float(self.profile(np.array(self.extent)))
+            if (height > most).any():
+                raise InvalidInput(
+                    f"contact.profile: the profile ends {most:.4g} mm below the summit, at its extent of "
+                    f"{self.extent:g} mm; a cap of the height {height.max():.4g} mm needs a wider profile"
+                )
+            high = np.full_like(height, self.extent, dtype=np.float64)
+        low = np.zeros_like(high)
+        while True:
+            middle = 0.5 * (low + high)
+            if ((middle == low) | (middle == high)).all():
+                return high
+            deep = self.profile(middle) >= height
+            low, high = np.where(deep, low, middle), np.where(deep, middle, high)
+
+    def _meridian(self, height: FloatArray) -> tuple[_Meridian, FloatArray]:
+        """Return the meridian down to the foot of the tallest cap, and all feet; all over the scale.
+
+        A triangle lies within ``D^2/8 (k1 + (pi/3)^2 k2)`` of the cap, with the curvatures k1 along the
+        meridian and k2 across it. Where the curvature at the summit is infinite, rings of the spacing D begin
+        at D, and k1 is taken from D/4 on.
+        """
+        foot = self._foot(height)
+        across = foot.max() * np.linspace(0.0, 1.0, POINTS)
+        depth = self.profile(across)
+        angle = np.arctan(np.gradient(depth, across))
+        along = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(across), np.diff(depth)))])
+        k1 = np.abs(np.gradient(angle, along))
+        k2 = np.abs(np.sin(angle)) / np.maximum(across, across[1])
+        most1, most2 = (np.maximum.accumulate(k[::-1])[::-1] for k in (k1, k2))
+        spacing = along[-1] * np.geomspace(4.0 / POINTS, 1.0, SPACINGS)
+        bend = (
+            most1[np.searchsorted(along, 0.25 * spacing)]
+            + RING_ARC**2 * most2[np.searchsorted(along, spacing)]
+        )
+        error = np.maximum.accumulate(spacing**2 / 8.0 * bend)
+        return _Meridian(across, along, spacing, error), foot

@@ -6,6 +6,7 @@ import math
 from abc import abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import ClassVar
 
 import numpy as np
@@ -13,7 +14,7 @@ import numpy as np
 from metafem import _validate as check
 from metafem._calls import checked_class
 from metafem._validate import FloatArray
-from metafem.contact.cap_geometry import sphere_profile
+from metafem.contact.cap_geometry import SPHERES, CapShape, ProfileCaps, sphere_profile
 from metafem.contact.law import Contact, Values
 
 # Largest exponent of a power cap: a nearly flat punch. Beyond, (a/R)^n underflows for small contacts.
@@ -68,6 +69,10 @@ class ElasticCap(Contact):
     @abstractmethod
     def _closed_radius(self, depth: FloatArray, radius: FloatArray, curvature: FloatArray) -> FloatArray:
         """Contact radius [mm] of contacts that are indented, depth > 0 [mm]."""
+
+    def shape(self) -> CapShape:
+        """Shape of the caps of a part."""
+        return ProfileCaps(partial(self.depth_at, radius=1.0), scaled=True)
 
     def contact_radius(self, indentation: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Contact radius a [mm]: the root of D(a) + k a^2 = d, to rounding; 0 where the contact is open.
@@ -211,6 +216,10 @@ class SphericalCap(ElasticCap):
     >>> a.round(6), sphere.load(a, 0.526).round(6)
     (np.float64(0.222061), np.float64(0.029997))
     """
+
+    def shape(self) -> CapShape:
+        """Shape of the caps of a part."""
+        return SPHERES
 
     def depth_at(self, distance: Values, radius: Values) -> FloatArray:
         """Depth R - sqrt(R^2 - rho^2) of the sphere below its summit at a distance from the axis [mm].

@@ -8,9 +8,10 @@ from typing import ClassVar, Protocol, runtime_checkable
 import numpy as np
 
 from metafem._validate import FloatArray
+from metafem.contact.cap_geometry import SPHERES, CapShape, Values
 from metafem.material import Material
 
-Values = FloatArray | float
+__all__ = ["Contact", "Values"]
 
 
 @runtime_checkable
@@ -69,6 +70,10 @@ class Contact(Protocol):
         The law is that of the lowered summits. An elastic law returns itself.
         """
         return self, np.zeros(np.shape(indentation))
+
+    def shape(self) -> CapShape:
+        """Shape of the caps of a part; spheres of radius R, unless the law has another profile."""
+        return SPHERES
 
     def contact_radius(self, indentation: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Contact radius a [mm] at an indentation d [mm]; 0 where d is negative: an open contact."""

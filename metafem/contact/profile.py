@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 import numpy as np
@@ -15,6 +15,7 @@ from metafem._calls import checked_class
 from metafem._given import shown
 from metafem._validate import FloatArray
 from metafem._values import Value
+from metafem.contact.cap_geometry import CapShape, ProfileCaps
 from metafem.contact.caps import ElasticCap, root
 from metafem.contact.law import Values
 from metafem.errors import InvalidInput
@@ -124,6 +125,10 @@ class AxisymmetricCap(Value, ElasticCap):
         else:
             shape = f"<{self.profile.shape[1]} points>"
         return f"{type(self).__name__}({shape}, extent={self.extent:g})"
+
+    def shape(self) -> CapShape:
+        """Shape of the caps of a part: this profile for every radius."""
+        return ProfileCaps(partial(self.depth_at, radius=1.0), scaled=False, extent=self._panels.edge[-1])
 
     def depth_at(self, distance: Values, radius: Values) -> FloatArray:
         """Depth f of the cap below its summit at a distance from the axis [mm], for any radius.

@@ -17,11 +17,11 @@ import numpy as np
 
 from metafem._validate import FloatArray, IntArray
 from metafem._values import percent
-from metafem.contact.cap_geometry import foot_radius
+from metafem.contact.cap_geometry import SPHERES, CapShape
 from metafem.errors import MetafemError, NotConverged
 from metafem.models import Curve, Interacting, Model
 from metafem.models.interacting.model import DENSE_LIMIT
-from metafem.models.model import has_paraboloids
+from metafem.models.model import contact_of, has_paraboloids
 from metafem.models.truncation import COMPARED, crowding, truncation
 from metafem.notes import Note, information
 from metafem.substrate import BondedLayer, HalfSpace
@@ -66,7 +66,7 @@ def left_out_notes(surface: Surface, model: Model, curve: Curve, notes: tuple[No
         *_base_notes(surface, model, curve),
         *_wide_notes(surface, model, curve),
         *_interaction_notes(surface, model, curve),
-        *_surface_notes(surface),
+        *_surface_notes(surface, contact_of(model).shape()),
     )
 
 
@@ -239,18 +239,26 @@ def _wide_notes(surface: Surface, model: Model, curve: Curve) -> list[Note]:
     return [Note(text) if ratio > TOO_WIDE else information(text)]
 
 
-def _surface_notes(surface: Surface) -> list[Note]:
+def _surface_notes(surface: Surface, shape: CapShape) -> list[Note]:
     """State where the surface cannot be made as a part."""
     notes = []
-    high = int((surface.height > surface.radius).sum())
-    if high:
+    most = shape.tallest(surface.radius)
+    high = int((surface.height > most).sum())
+    if high and shape is not SPHERES:
+        notes.append(
+            Note(
+                f"{high} of {surface.count} summits stand higher than their profile is deep and cannot be "
+                f"made as caps: lower them to {float(most.min()):.4g} mm, or give a wider profile"
+            )
+        )
+    elif high:
         notes.append(
             Note(
                 f"{high} of {surface.count} summits stand higher than their radius and cannot be made as "
                 f"caps: lower them to {float(surface.radius.min()):g} mm, or use larger radii"
             )
         )
-    buried = _overlapping_caps(surface)
+    buried = _overlapping_caps(surface, shape)
     if buried:
         notes.append(
             Note(
@@ -272,12 +280,12 @@ def _surface_notes(surface: Surface) -> list[Note]:
     return notes
 
 
-def _overlapping_caps(surface: Surface) -> int:
-    """Return how many pairs of spherical caps overlap."""
+def _overlapping_caps(surface: Surface, shape: CapShape) -> int:
+    """Return how many pairs of caps overlap."""
     from scipy.spatial import cKDTree
 
-    height = np.clip(surface.height, 0.0, surface.radius)
-    foot = foot_radius(height, surface.radius)
+    height = np.clip(surface.height, 0.0, shape.tallest(surface.radius))
+    foot = shape.foot_radius(height, surface.radius)
     pairs = cKDTree(surface.position).query_pairs(2.0 * float(foot.max()), output_type="ndarray")
     distance = np.hypot(*(surface.position[pairs[:, 0]] - surface.position[pairs[:, 1]]).T)
     return int((distance < foot[pairs].sum(axis=1)).sum())

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from metafem.contact.cap_geometry import foot_radius
+from metafem.contact.cap_geometry import SPHERES, CapShape
 from metafem.drawing import FloatArray
 
 # Single precision is enough for the pixels of a picture.
@@ -52,9 +52,14 @@ def projected(position: FloatArray, height: float = 0.0) -> FloatArray:
 
 
 def relief(
-    position: FloatArray, height: FloatArray, radius: FloatArray, colour: FloatArray, corners: FloatArray
+    position: FloatArray,
+    height: FloatArray,
+    radius: FloatArray,
+    colour: FloatArray,
+    corners: FloatArray,
+    shape: CapShape = SPHERES,
 ) -> Relief:
-    """Draw caps of colours (n, 4) on the rectangle between two corners (2, 2) [mm]."""
+    """Draw caps of a shape and of colours (n, 4) on the rectangle between two corners (2, 2) [mm]."""
     distance = math.sqrt(float(np.prod(corners[1] - corners[0])) / len(height))
     ideal = TALL * distance / max(float(height.max()), 1e-300)
     factor = max(each for each in FACTORS if each <= max(1.0, ideal))
@@ -64,7 +69,7 @@ def relief(
     step = float(np.ptp(right)) / (PIXELS * SAMPLES)
     u = np.arange(right.min() + 0.5 * step, right.max(), step)
     v = np.arange(away.min() + 0.5 * step, away.max(), step)
-    z, owner = _field(u, v, position, factor * height, radius, factor)
+    z, owner = _field(u, v, position, factor * height, radius, factor, shape)
     inside = _inside(u, v, corners)
     up = np.where(inside, (v[:, None] * math.sin(RISE)).astype(np.float32) + z * math.cos(RISE), -np.inf)
     top = np.maximum.accumulate(up, axis=0)
@@ -87,18 +92,25 @@ def relief(
 
 
 def _field(
-    u: FloatArray, v: FloatArray, position: FloatArray, top: FloatArray, radius: FloatArray, factor: int
+    u: FloatArray,
+    v: FloatArray,
+    position: FloatArray,
+    top: FloatArray,
+    radius: FloatArray,
+    factor: int,
+    shape: CapShape,
 ) -> tuple[Single, NDArray[np.int32]]:
     """Return the drawn height on the grid (v, u), and the index of the cap there; -1 for the base."""
     z, owner = np.zeros((len(v), len(u)), np.float32), np.full((len(v), len(u)), -1, np.int32)
     right, away = turned(position)
+    most = shape.tallest(radius)
     for i in np.flatnonzero(top > 0.0):
-        drop = min(top[i] / factor, radius[i])
-        foot = float(foot_radius(drop, radius[i]))
+        drop = np.minimum(top[i : i + 1] / factor, most[i])
+        foot = float(shape.foot_radius(drop, radius[i : i + 1])[0])
         a, b = np.searchsorted(v, (away[i] - foot, away[i] + foot))
         c, d = np.searchsorted(u, (right[i] - foot, right[i] + foot))
         square = (v[a:b, None] - away[i]) ** 2 + (u[c:d] - right[i]) ** 2
-        cap = top[i] - factor * (radius[i] - np.sqrt(np.maximum(radius[i] ** 2 - square, 0.0)))
+        cap = top[i] - factor * shape.depth_at(np.sqrt(square), radius[i])
         higher = (square < foot**2) & (cap > z[a:b, c:d])
         z[a:b, c:d][higher] = cap[higher]
         owner[a:b, c:d][higher] = i

@@ -13,6 +13,7 @@ from metafem._validate import FloatArray
 from metafem._values import MICROMETRES
 from metafem.drawing import QUIET, new_figure
 from metafem.inversion import Design
+from metafem.models.model import contact_of
 from metafem.prediction import equilibrium
 from metafem.report.relief import SIDE, projected, relief
 from metafem.surface import Surface
@@ -81,8 +82,9 @@ def shape_figure(design: Design) -> Figure:
     corners, shown = _shown(surface)
     height = surface.height[shown]
     scale = drawing.height_scale(surface.height)
+    shape = contact_of(design.law.model).shape()
     colour = np.asarray(scale.to_rgba(MICROMETRES * height))
-    seen = relief(surface.position[shown], height, surface.radius[shown], colour, corners)
+    seen = relief(surface.position[shown], height, surface.radius[shown], colour, corners, shape)
     figure = new_figure(8.0, 4.4, (0.1, 0.5, 0.1, 0.4))
     ax = figure.add_subplot()
     ax.imshow(seen.image, extent=seen.extent, origin="lower", interpolation="none")

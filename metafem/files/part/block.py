@@ -1,4 +1,4 @@
-"""The part and its mould as closed meshes: spherical caps on a block, or cavities in a plate."""
+"""The part and its mould as closed meshes: caps on a block, or cavities in a plate."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from metafem._validate import FloatArray, IntArray
+from metafem.contact.cap_geometry import SPHERES, CapShape
 from metafem.errors import MetafemError
 from metafem.files.part.cap import cap_faces, cap_vertices, ring_count
 from metafem.files.part.mesh import Mesh
@@ -24,11 +25,11 @@ _CORNERS = 8
 _SINGLE = float(np.finfo(np.float32).eps)
 
 
-def block_mesh(surface: Surface, block: Block, chord_error: float) -> Mesh:
-    """Mesh the part: true spherical caps on the block, the base plane at z = 0.
+def block_mesh(surface: Surface, block: Block, chord_error: float, shape: CapShape = SPHERES) -> Mesh:
+    """Mesh the part: caps of a shape on the block, the base plane at z = 0.
 
-    The caps have ``0 < h <= R`` and base circles that neither overlap nor leave the block. The chord error is
-    the largest depth of a face below its sphere [mm].
+    The caps have base circles that neither overlap nor leave the block. The chord error is the largest depth
+    of a face below its cap [mm].
 
     Examples
     --------
@@ -38,14 +39,17 @@ def block_mesh(surface: Surface, block: Block, chord_error: float) -> Mesh:
     >>> mesh.closed, round(float(mesh.vertices[:, 2].max()), 12)
     (True, 0.1)
     """
-    mesh = _welded(surface, block, chord_error)
+    mesh = _welded(surface, block, chord_error, shape)
     if not mesh.closed:
         raise MetafemError("the mesh of the part is not closed; the part files were not written")
-    _certify(mesh, "part", surface, block.width * block.length * block.thickness, 1.0, chord_error)
+    box = block.width * block.length * block.thickness
+    _certify(mesh, "part", surface, box, 1.0, chord_error, shape)
     return mesh
 
 
-def mould_mesh(part: Mesh, surface: Surface, block: Block, chord_error: float) -> Mesh:
+def mould_mesh(
+    part: Mesh, surface: Surface, block: Block, chord_error: float, shape: CapShape = SPHERES
+) -> Mesh:
     """Return the negative of a part's mesh: a plate with the block's outline and a cavity for each cap.
 
     It is seen from its open face, z = 0, as the mirror image of the part. Below the deepest cavity the
@@ -57,31 +61,33 @@ def mould_mesh(part: Mesh, surface: Surface, block: Block, chord_error: float) -
     # summits point down, and what was inside is outside
     mesh = Mesh(mirrored(vertices) * (1.0, 1.0, -1.0), part.faces[:, ::-1])
     plate = block.width * block.length * (block.thickness + tallest)
-    _certify(mesh, "mould", surface, plate, -1.0, chord_error)
+    _certify(mesh, "mould", surface, plate, -1.0, chord_error, shape)
     return mesh
 
 
-def triangle_count(height: FloatArray, radius: FloatArray, chord_error: float) -> int:
+def triangle_count(
+    height: FloatArray, radius: FloatArray, chord_error: float, shape: CapShape = SPHERES
+) -> int:
     """Return the number of faces of a part or its mould, without making them.
 
     A plane of V vertices with n holes has ``V + 2 n - 2`` triangles.
     """
-    rings = ring_count(height, radius, chord_error)
+    rings = ring_count(height, radius, chord_error, shape)
     plane = 4 + 6 * rings.sum() + 2 * len(rings) - 2
     return int(6 * (rings**2).sum() + plane + len(_BOX))
 
 
-def _welded(surface: Surface, block: Block, chord_error: float) -> Mesh:
+def _welded(surface: Surface, block: Block, chord_error: float, shape: CapShape) -> Mesh:
     """Return the caps on a base plane that is triangulated between their rims, and the block below."""
     x, y = 0.5 * block.width, 0.5 * block.length
     corners = np.array([(-x, -y), (x, -y), (x, y), (-x, y)])
     vertices = [np.column_stack([corners, np.full(4, z)]) for z in (0.0, -block.thickness)]
     faces, outline, points = [_BOX], [np.arange(4)], [1, 1, 1, 1]
     count = _CORNERS
-    every = ring_count(surface.height, surface.radius, chord_error)
+    every = ring_count(surface.height, surface.radius, chord_error, shape)
     for rings in np.unique(every).tolist():
         which = np.flatnonzero(every == rings)
-        caps = cap_vertices(surface.height[which], surface.radius[which], rings)
+        caps = cap_vertices(surface.height[which], surface.radius[which], rings, shape)
         caps[:, :, :2] += surface.position[which, None]
         size = caps.shape[1]
         first = count + size * np.arange(len(which))
@@ -113,16 +119,26 @@ def _plane(points: FloatArray, owner: IntArray) -> IntArray:
     return outward
 
 
-def _certify(mesh: Mesh, what: str, surface: Surface, box: float, sign: float, chord_error: float) -> None:
+def _certify(
+    mesh: Mesh,
+    what: str,
+    surface: Surface,
+    box: float,
+    sign: float,
+    chord_error: float,
+    shape: CapShape,
+) -> None:
     """Check the mesh against closed forms; an error here is a fault of the program."""
     h, R = surface.height, surface.radius
-    caps = math.fsum(math.pi * h**2 * (3.0 * R - h) / 3.0)
+    caps = math.fsum(shape.volume(h, R))
     exact = box + sign * caps
-    shell = chord_error * math.fsum(2.0 * math.pi * R * h)  # chord error times the caps' area
+    shell = chord_error * math.fsum(shape.largest_area(h, R))
     lost = sign * (exact - mesh.volume)
     tallest = float(h.max())
     top = float((sign * mesh.vertices[_CORNERS:, 2]).max())
-    if not -_SINGLE * exact <= lost <= shell + _SINGLE * exact:
+    # faces lie below spheres, but above a profile that curves the other way
+    gained = 0.0 if shape is SPHERES else shell
+    if not -gained - _SINGLE * exact <= lost <= shell + _SINGLE * exact:
         raise MetafemError(f"the mesh of the {what} misses the caps' volume; the part files were not written")
     if abs(top - tallest) > _SINGLE * tallest:
         raise MetafemError(

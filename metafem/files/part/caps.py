@@ -6,7 +6,7 @@ import numpy as np
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
-from metafem.contact.cap_geometry import foot_radius
+from metafem.contact.cap_geometry import SPHERES, CapShape
 from metafem.errors import InvalidInput
 from metafem.surface import Block, Surface
 
@@ -30,28 +30,32 @@ def alignment_positions(template: Surface) -> FloatArray:
     return np.array([(west, south), (east, south), (west, north), (east, north)])
 
 
-def with_alignment(surface: Surface, template: Surface, height: float | None) -> Surface:
+def with_alignment(
+    surface: Surface, template: Surface, height: float | None, shape: CapShape = SPHERES
+) -> Surface:
     """Return the asperities of a part and, after them, four alignment asperities of a height [mm], if any.
 
-    Their radius is the smallest in use that is not below their height: the part needs no further tool, and
-    no other of its tools makes narrower caps of that height. Raise InvalidInput if the height does not exceed
-    the tallest summit, or exceeds the largest radius in use.
+    Their radius is the smallest in use with which a cap can be so high, for spheres one that is not below
+    their height: the part needs no further tool, and no other of its tools makes narrower caps of that
+    height. Raise InvalidInput if the height does not exceed the tallest summit, or exceeds that of all caps.
     """
     if height is None:
         return surface
-    tallest, largest = float(surface.height.max()), float(surface.radius.max())
+    tallest, most = float(surface.height.max()), shape.tallest(surface.radius)
     top = check.number("part.alignment_height", height)
     if top <= tallest:
         raise InvalidInput(
             f"part.alignment_height = {top:g} mm must exceed the tallest summit, {tallest:g} mm, "
             "so that the alignment asperities touch first"
         )
-    if top > largest:
-        raise InvalidInput(
-            f"part.alignment_height = {top:g} mm exceeds the largest radius in use, {largest:g} mm; a cap is "
-            "at most as high as its radius"
+    if top > most.max():
+        limit = (
+            f"the largest radius in use, {most.max():g} mm; a cap is at most as high as its radius"
+            if shape is SPHERES
+            else f"{most.max():.4g} mm, where the profile of the caps ends"
         )
-    radius = float(surface.radius[surface.radius >= top].min())
+        raise InvalidInput(f"part.alignment_height = {top:g} mm exceeds {limit}")
+    radius = float(surface.radius[most >= top].min())
     return surface.replaced(
         position=np.vstack([surface.position, alignment_positions(template)]),
         height=np.append(surface.height, np.full(4, top)),
@@ -59,8 +63,8 @@ def with_alignment(surface: Surface, template: Surface, height: float | None) ->
     )
 
 
-def refuse_impossible(surface: Surface, block: Block, asperities: int) -> None:
-    """Raise InvalidInput for heights outside 0 < h <= R, and for caps that overlap or leave the block.
+def refuse_impossible(surface: Surface, block: Block, asperities: int, shape: CapShape = SPHERES) -> None:
+    """Raise InvalidInput for heights that caps cannot have, and for caps that overlap or leave the block.
 
     Those after the first `asperities` are for alignment.
     """
@@ -74,12 +78,15 @@ def refuse_impossible(surface: Surface, block: Block, asperities: int) -> None:
         return f"alignment asperity {i - asperities} {where} (part.alignment_height)"
 
     h, R = surface.height, surface.radius
-    for i in np.flatnonzero((h <= 0.0) | (h > R))[:1]:
-        raise InvalidInput(
-            f"{name(i)} has the height {h[i]:g} mm; a cap of radius {R[i]:g} mm needs a height above 0 "
-            "and at most its radius"
+    most = shape.tallest(R)
+    for i in np.flatnonzero((h <= 0.0) | (h > most))[:1]:
+        needs = (
+            f"a cap of radius {R[i]:g} mm needs a height above 0 and at most its radius"
+            if shape is SPHERES
+            else f"a cap needs a height above 0 and at most {most[i]:.4g} mm, where its profile ends"
         )
-    base = foot_radius(h, R)
+        raise InvalidInput(f"{name(i)} has the height {h[i]:g} mm; {needs}")
+    base = shape.foot_radius(h, R)
     room = 0.5 * np.array([block.width, block.length])
     for i in np.flatnonzero((np.abs(surface.position) + base[:, None] >= room).any(axis=1))[:1]:
         raise InvalidInput(

@@ -12,8 +12,10 @@ from html import escape
 import numpy as np
 
 from metafem._validate import FloatArray
-from metafem.contact.cap_geometry import foot_radius
+from metafem.contact import Contact
+from metafem.contact.cap_geometry import SPHERES
 from metafem.files.part.mirror import mirrored
+from metafem.models.model import PARABOLOID
 from metafem.surface import Block, Surface
 
 # Scales of ISO 5455, largest first, and the size of the plan view on an A3 sheet [mm].
@@ -45,17 +47,17 @@ _TOOLS = (
 _SAME = 1e-9
 
 
-def mould_drawing(surface: Surface, asperities: int, block: Block) -> str:
+def mould_drawing(surface: Surface, asperities: int, block: Block, contact: Contact = PARABOLOID) -> str:
     """Return the drawing of the holes of a mould, seen from its open face.
 
-    The caps of the surface after the first `asperities` are for alignment.
+    The caps of the surface after the first `asperities` are for alignment. Their shape is that of the law.
     """
     position = mirrored(surface.position)
     scale = next((s for s in _SCALES if s * max(block.width, block.length) <= _PLAN), _SCALES[-1])
     wide, high = scale * block.width, scale * block.length
     left = _LEFT + 0.5 * max(_NARROWEST - _LEFT - _RIGHT - wide, 0.0)
     tools = _tools(surface)
-    notes = _notes(surface, asperities, block, scale)
+    notes = _notes(surface, asperities, block, scale, contact)
     bottom = _TOP + high
     sheet = (max(_NARROWEST, _LEFT + wide + _RIGHT), bottom + _BELOW + _LINE * (len(notes) + len(tools) + 1))
     lines = [
@@ -69,7 +71,7 @@ def mould_drawing(surface: Surface, asperities: int, block: Block) -> str:
         _centre_lines(left, wide, high),
     ]
     x, y = left + 0.5 * wide + scale * position[:, 0], _TOP + 0.5 * high - scale * position[:, 1]
-    rim = scale * foot_radius(surface.height, surface.radius)
+    rim = scale * contact.shape().foot_radius(surface.height, surface.radius)
     for (colour, dashes), (which, _) in zip(_TOOLS, tools, strict=False):
         lines.append(f'<g stroke="{colour}" stroke-width=".25" stroke-dasharray="{dashes or "none"}">')
         lines += [f'<circle cx="{x[i]:.6g}" cy="{y[i]:.6g}" r="{rim[i]:.3g}"/>' for i in which]
@@ -123,7 +125,7 @@ def _depths(height: FloatArray) -> str:
     return f"depth {low:.5g}" if low == high else f"depths from {low:.5g} to {high:.5g}"
 
 
-def _notes(surface: Surface, asperities: int, block: Block, scale: float) -> list[str]:
+def _notes(surface: Surface, asperities: int, block: Block, scale: float, contact: Contact) -> list[str]:
     ratio = f"{scale:g}:1" if scale >= 1.0 else f"1:{1.0 / scale:g}"
     rows = "by its number" if surface.count <= _MOST_NUMBERED else "one row for each"
     notes = [
@@ -132,6 +134,8 @@ def _notes(surface: Surface, asperities: int, block: Block, scale: float) -> lis
         f"Position, depth and tool radius of each hole: mould.csv, {rows}.",
         f"Depths are below the face; the part above it is {block.thickness:.7g} thick.",
     ]
+    if contact.shape() is not SPHERES:
+        notes.insert(3, f"The holes are no spheres: their profile is that of {contact!r}.")
     if asperities < surface.count:
         notes.insert(3, "Holes with a cross: alignment asperities, which are cut off the part in the end.")
     return notes

@@ -10,11 +10,14 @@ from typing import Any
 from metafem import _validate as check
 from metafem._given import shown
 from metafem._values import MICROMETRES
+from metafem.contact import Contact
+from metafem.contact.cap_geometry import SPHERES
 from metafem.errors import InvalidInput
 from metafem.files.part.block import block_mesh, mould_mesh, triangle_count
 from metafem.files.part.caps import refuse_impossible, with_alignment
 from metafem.files.part.formats import WRITERS, stl_size
 from metafem.files.part.mould_drawing import mould_drawing
+from metafem.models.model import PARABOLOID
 from metafem.notes import Note, information
 from metafem.progress import doing, message
 from metafem.surface import Block, Surface
@@ -45,7 +48,7 @@ class PartOptions:
     alignment_height : float, optional
         Height of four alignment asperities outside the corners of the template [mm].
     chord_error : float, optional
-        Largest depth of the faces of the caps below their spheres [mm]. At a given separation it changes
+        Largest depth of the faces of the mesh below the true caps [mm]. At a given separation it changes
         the real contact area of an asperity by at most ``pi R`` times the chord error, like an error of
         height; most of this is a shift of all caps, which does not change A0(P). Default: 4e-4 of the
         smallest radius, or more if a solid would have over two million triangles.
@@ -80,11 +83,19 @@ class Part:
     chord_error: float  # [mm]
     coarsened: bool  # whether the chord error was increased for the size of the files
     formats: tuple[str, ...]
+    contact: Contact  # whose shape the caps have
 
     @cached_property
     def triangles(self) -> int:
         """Number of triangles of the part, and of its mould."""
-        return triangle_count(self.surface.height, self.surface.radius, self.chord_error)
+        return triangle_count(
+            self.surface.height, self.surface.radius, self.chord_error, self.contact.shape()
+        )
+
+    @property
+    def caps(self) -> str:
+        """What the caps are, in words."""
+        return "spheres" if self.contact.shape() is SPHERES else "caps"
 
     def record(self) -> dict[str, Any]:
         """Return a description of the files for JSON."""
@@ -101,50 +112,56 @@ class Part:
         stl = f", {stl_size(self.triangles) / 1e6:.3g} MB as STL" if "stl" in self.formats else ""
         return (
             f"{names}: {self.triangles:,} triangles each{stl}, "
-            f"at most {self.chord_error * MICROMETRES:.2g} um below the spheres"
+            f"at most {self.chord_error * MICROMETRES:.2g} um below the {self.caps}"
         )
 
     def write(self, folder: Path) -> None:
         """Write the solids and the drawing of the mould into a folder."""
         (folder / "mould.svg").write_text(
-            mould_drawing(self.surface, self.asperities, self.block), encoding="utf-8", newline="\n"
+            mould_drawing(self.surface, self.asperities, self.block, self.contact),
+            encoding="utf-8",
+            newline="\n",
         )
         if not self.formats:
             return
         message(self.size())
         with doing("meshing the part"):
-            block = block_mesh(self.surface, self.block, self.chord_error)
-            mould = mould_mesh(block, self.surface, self.block, self.chord_error)
+            block = block_mesh(self.surface, self.block, self.chord_error, self.contact.shape())
+            mould = mould_mesh(block, self.surface, self.block, self.chord_error, self.contact.shape())
         with doing("writing the part"):
             for kind in self.formats:
                 WRITERS[kind](block, folder / f"block.{kind}", "block")
                 WRITERS[kind](mould, folder / f"mould.{kind}", "mould")
 
 
-def planned(surface: Surface, template: Surface, options: PartOptions) -> Part | None:
-    """Return the part of a surface, or None where it has no block.
+def planned(
+    surface: Surface, template: Surface, options: PartOptions, contact: Contact = PARABOLOID
+) -> Part | None:
+    """Return the part of a surface, or None where it has no block; its caps have the shape of a contact law.
 
     Raises
     ------
     InvalidInput
         For caps that cannot be made, and for a chord error that needs too many triangles.
     """
-    whole = with_alignment(surface, template, options.alignment_height)
+    whole = with_alignment(surface, template, options.alignment_height, contact.shape())
     if surface.block is None:
         return None
-    refuse_impossible(whole, surface.block, surface.count)
+    refuse_impossible(whole, surface.block, surface.count, contact.shape())
     fine = FINE * float(whole.radius.min())
     chosen = fine if options.chord_error is None else options.chord_error
-    height, radius = whole.height, whole.radius
+    height, radius, shape = whole.height, whole.radius, contact.shape()
     if options.chord_error is None:
-        while triangle_count(height, radius, chosen) > MOST_BY_DEFAULT and chosen < float(radius.max()):
+        while triangle_count(height, radius, chosen, shape) > MOST_BY_DEFAULT and chosen < float(
+            radius.max()
+        ):
             chosen *= COARSER
-    elif (count := triangle_count(height, radius, chosen)) > MOST:
+    elif (count := triangle_count(height, radius, chosen, shape)) > MOST:
         raise InvalidInput(
             f"part.chord_error = {chosen * MICROMETRES:g} um needs {count:.2g} triangles; at most {MOST:,} "
             "are written; choose a larger one, or leave it out"
         )
-    return Part(whole, surface.count, surface.block, chosen, chosen > fine, options.formats)
+    return Part(whole, surface.count, surface.block, chosen, chosen > fine, options.formats, contact)
 
 
 def part_notes(part: Part | None, options: PartOptions) -> tuple[Note, ...]:
@@ -159,7 +176,7 @@ def part_notes(part: Part | None, options: PartOptions) -> tuple[Note, ...]:
         return (
             information(
                 f"the solids have {part.triangles:,} triangles, "
-                f"up to {part.chord_error * MICROMETRES:.2g} um below the spheres; "
+                f"up to {part.chord_error * MICROMETRES:.2g} um below the {part.caps}; "
                 "part.chord_error or --chord-error sets this depth"
             ),
         )

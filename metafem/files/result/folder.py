@@ -27,6 +27,7 @@ from metafem.files.result.vtu import write_surface
 from metafem.files.specification.named_tables import RESULT_FILES
 from metafem.files.specification.read import Specification
 from metafem.inversion import Design
+from metafem.models.model import contact_of
 from metafem.progress import doing
 
 NO_PAGES: Mapping[str, str] = MappingProxyType({})
@@ -109,8 +110,9 @@ def write_all(
     """Write all files of a design into an existing folder."""
     surface = design.surface
     options = part or (PartOptions() if specification is None else specification.part)
-    made = planned(surface, design.template, options)
-    whole = with_alignment(surface, design.template, options.alignment_height)
+    contact = contact_of(design.law.model)
+    made = planned(surface, design.template, options, contact)
+    whole = with_alignment(surface, design.template, options.alignment_height, contact.shape())
     texts = {
         "design.json": json.dumps(_record(design, specification, made, options), indent=1, allow_nan=False)
         + "\n",

@@ -9,6 +9,7 @@ from pydantic import Field
 
 from metafem import _validate as check
 from metafem._given import error_section, formatted
+from metafem.contact.cap_geometry import SPHERES
 from metafem.errors import InvalidInput
 from metafem.files.part.plan import planned
 from metafem.files.specification.contacts import ContactSection, HertzSection
@@ -37,6 +38,7 @@ from metafem.files.specification.targets import (
     SampledSection,
 )
 from metafem.inversion import Limits, RadiusRange
+from metafem.models.model import PARABOLOID
 from metafem.surface import Block, Friction, Material, Surface
 
 
@@ -104,7 +106,8 @@ class Sections(Section):
         pair = friction or (Friction(1.0) if self.friction else None)
         target = made("target", self.target.target, {"material": stuff, "friction": pair})
         largest = radius if radii is None else radii.high if isinstance(radii, RadiusRange) else max(radii)
-        if limits and block and not lost and top > largest:
+        shape = (contact or PARABOLOID).shape()
+        if limits and block and not lost and shape is SPHERES and top > largest:
             heights = f"limits.offset + limits.max_height = {formatted('limits.max_height', top)}"
             problems.append(
                 f"{heights} exceed the radius of {formatted(source, largest)}: a cap cannot be "
@@ -113,7 +116,7 @@ class Sections(Section):
         part = self.part.options()
         if template and radii is None and not problems:
             try:
-                planned(template, template, part)
+                planned(template, template, part, contact or PARABOLOID)
             except InvalidInput as error:
                 heights = f"limits.offset + limits.max_height = {formatted('limits.max_height', top)}"
                 problems.append(f"with summits of {heights}, {error}")

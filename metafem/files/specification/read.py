@@ -28,6 +28,7 @@ from metafem.inversion import (
     design,
 )
 from metafem.models import Model
+from metafem.models.model import contact_of
 from metafem.prediction import Tolerances
 from metafem.substrate import Substrate
 from metafem.surface import Surface
@@ -107,7 +108,7 @@ class Specification:
             If it is not positive, or so small that the part's files would be too large.
         """
         part = replace(self.part, chord_error=chord_error)
-        planned(self.template, self.template, part)
+        planned(self.template, self.template, part, contact_of(self.model))
         return replace(self, part=part)
 
 

@@ -182,7 +182,7 @@ class PartSection(Section):
     chord_error: Annotated[
         Annotated[float, measured("mm", "1 um"), Field(gt=0.0)] | None,
         says(
-            "largest distance of the mesh from the spheres; default: 4e-4 R, at most 2 million triangles",
+            "largest distance of the mesh from the caps; default: 4e-4 R, at most 2 million triangles",
             "1 um",
         ),
     ] = None

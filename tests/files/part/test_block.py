@@ -92,3 +92,30 @@ def test_each_cap_has_its_own_radius():
     own = np.linalg.norm(caps[:, None, :2] - part.position, axis=2).argmin(axis=1)
     centre = np.column_stack([part.position, height - radius])
     np.testing.assert_allclose(np.linalg.norm(caps - centre[own], axis=1), radius[own], rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        mf.PowerCap(4),
+        mf.PowerCap(1.5, 0.4),
+        mf.AxisymmetricCap([np.linspace(0.0, 0.6, 20), np.linspace(0.0, 0.6, 20) ** 2]),
+    ],
+    ids=["quartic", "pointed", "table"],
+)
+def test_caps_of_any_profile_are_closed_and_have_their_volume(law):
+    part = lattice(np.array([0.01, 0.05, 0.08, 0.1, 0.11, 0.12]))
+    made = planned(part, part, PartOptions(chord_error=1e-3), law)
+    shape = law.shape()
+    block = block_mesh(part, BLOCK, 1e-3, shape)
+    mould = mould_mesh(block, part, BLOCK, 1e-3, shape)
+    assert block.closed
+    assert mould.closed
+    assert len(block.faces) == made.triangles
+    volume = 8.0 * 7.0 * 3.0 + float(shape.volume(part.height, part.radius).sum())
+    assert block.volume == pytest.approx(
+        volume, abs=1e-3 * float(shape.largest_area(part.height, part.radius).sum())
+    )
+    rim = block.vertices[8:][block.vertices[8:, 2] == 0.0]
+    reach = np.linalg.norm(rim[:, None, :2] - part.position, axis=2).min(axis=1)
+    np.testing.assert_allclose(reach.max(), shape.foot_radius(part.height, part.radius).max(), rtol=1e-12)

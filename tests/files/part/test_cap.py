@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+import metafem as mf
 from metafem.files.part.cap import cap_faces, cap_vertices, ring_count
 
 RADIUS = 0.526
@@ -46,3 +47,39 @@ def test_the_rim_is_the_only_border(height):
     border = {edge for edge in directed if edge[::-1] not in directed}
     assert len(directed) == len(edges)
     assert border == set(zip(rim.tolist(), np.roll(rim, -1).tolist(), strict=True))
+
+
+def law_of(name):
+    """A smooth profile, one with an infinite curvature at the summit, a tip, and a table with a bulge."""
+    rho = np.linspace(0.0, 0.9, 40)
+    return {
+        "quartic": mf.PowerCap(4, 0.5),
+        "blunt": mf.PowerCap(12, 0.5),
+        "pointed": mf.PowerCap(1.3, 0.4),
+        "cone": mf.PowerCap(1, 0.3),
+        "table": mf.AxisymmetricCap([rho, 0.5 * rho**2 + 0.004 * (1.0 - np.cos(20.0 * rho))]),
+    }[name]
+
+
+@pytest.mark.parametrize("chord_error", [2e-4, 1e-3])
+@pytest.mark.parametrize("height", [0.005, 0.12])
+@pytest.mark.parametrize("name", ["quartic", "blunt", "pointed", "cone", "table"])
+def test_faces_of_any_profile_stay_within_the_chord_error(name, height, chord_error):
+    law = law_of(name)
+    shape = law.shape()
+    h, R = np.array([height, 0.12]), np.array([RADIUS, RADIUS])
+    rings = int(ring_count(h, R, chord_error, shape)[0])
+    vertices = cap_vertices(h, R, rings, shape)[0]
+    place = np.linalg.norm(vertices[:, :2], axis=1)
+    np.testing.assert_allclose(height - vertices[:, 2], law.depth_at(place, RADIUS), atol=1e-12)
+    assert (np.diff(np.unique(place.round(12))) > 0.0).all()
+    # depth along the axis, which is at least that along the normal, at points of each face
+    corner = vertices[cap_faces(rings)]
+    share = np.array([[1, 1, 1], [1, 1, 0], [0, 1, 1], [1, 0, 1], [4, 1, 1], [1, 4, 1], [1, 1, 4], [2, 1, 0]])
+    point = np.einsum("sk,fkx->fsx", share / share.sum(axis=1, keepdims=True), corner)
+    depth = height - law.depth_at(np.linalg.norm(point[..., :2], axis=-1), RADIUS) - point[..., 2]
+    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    depth *= (normal[:, 2] / np.linalg.norm(normal, axis=1))[:, None]
+    assert np.abs(depth).max() <= chord_error
+    if rings > 8:  # and the mesh is not much finer than it must be
+        assert np.abs(depth).max() >= 0.1 * chord_error

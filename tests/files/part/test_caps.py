@@ -48,3 +48,22 @@ def test_the_holes_of_the_alignment_are_made_by_the_smallest_tool_that_is_large_
 def test_what_cannot_be_made_is_refused_by_asperity(part, alignment, message):
     with pytest.raises(mf.InvalidInput, match=message):
         planned(part, part, PartOptions(alignment))
+
+
+TABLE = mf.AxisymmetricCap([[0.0, 0.1, 0.2, 0.3], [0.0, 0.01, 0.04, 0.09]])
+
+
+@pytest.mark.parametrize(("part", "law", "alignment", "message"), [
+    (surface(0.1), TABLE, None, r"asperity 0 .* height 0\.1 mm; .* at most 0\.09 mm, where its profile ends"),
+    (surface(0.05), TABLE, 0.1, r"part\.alignment_height = 0\.1 mm exceeds 0\.09 mm, where the profile"),
+    (surface(0.08, pitch=0.5), TABLE, None, "asperity 0 .* and asperity 1 .* overlap"),
+    (surface(pitch=0.8), mf.PowerCap(4), None, r"overlap: their caps have base radii of 0\.413"),
+])  # fmt: skip
+def test_caps_of_other_profiles_are_refused_by_their_own_feet(part, law, alignment, message):
+    with pytest.raises(mf.InvalidInput, match=message):
+        planned(part, part, PartOptions(alignment), law)
+
+
+def test_caps_of_other_profiles_may_be_higher_than_their_radius():
+    part = surface(0.6)
+    assert planned(part, part, PartOptions(chord_error=1e-3), mf.PowerCap(4, 2.0)).asperities == 6
