@@ -62,11 +62,11 @@ class ProfileSection(Section):
     kind: Literal["profile"]
     rho: Annotated[
         list[Length] | None,
-        says("either: distances from the axis, from 0", ["0 um", "100 um", "200 um", "300 um"]),
+        says("either: distances from the axis, from 0", ["0 um", "200 um", "400 um", "600 um"]),
     ] = None
     f: Annotated[
         list[Length] | None,
-        says("with it: depths below the summit, from 0", ["0 um", "10 um", "42 um", "105 um"]),
+        says("with it: depths below the summit, from 0", ["0 um", "39 um", "184 um", "600 um"]),
     ] = None
     file: Annotated[str | None, says("or: a table with columns such as rho_mm,f_um", "cap.csv")] = None
 

@@ -6,8 +6,8 @@ import metafem as mf
 from metafem.files.specification.demos import demo_text
 from metafem.files.specification.options import contact_named, contacts
 
-PROFILE = "rho_mm,f_um\n0,0\n0.1,9.6\n0.2,39.5\n0.3,93.9\n"
-CAP = mf.AxisymmetricCap([[0.0, 0.1, 0.2, 0.3], [0.0, 9.6e-3, 39.5e-3, 93.9e-3]])
+PROFILE = "rho_mm,f_um\n0,0\n0.2,39.5\n0.4,184\n0.6,600\n"
+CAP = mf.AxisymmetricCap([[0.0, 0.2, 0.4, 0.6], [0.0, 39.5e-3, 0.184, 0.6]])
 
 # Words of each kind, its section, and the law.
 LAWS = {
@@ -55,8 +55,8 @@ def test_a_law_is_read_from_words_and_from_a_section(home, words):
 
 
 def test_a_profile_is_read_from_keys(home):
-    keys = 'kind = "profile"\nrho = ["0 um", "0.1 mm", "0.2 mm", "0.3 mm"]\n'
-    model = mf.read_spec(written(home, keys + 'f = ["0 um", "9.6 um", "39.5 um", "93.9 um"]')).model
+    keys = 'kind = "profile"\nrho = ["0 um", "0.2 mm", "0.4 mm", "0.6 mm"]\n'
+    model = mf.read_spec(written(home, keys + 'f = ["0 um", "39.5 um", "184 um", "600 um"]')).model
     assert model.contact == CAP
 
 
@@ -128,6 +128,7 @@ def test_tables_of_a_target_and_of_a_profile_are_both_kept(home):
 def test_errors_name_the_key_the_value_and_the_remedy(home, section, words):
     (home / "late.csv").write_text("rho_mm,f_um\n0.1,1\n0.2,3\n", "utf-8")
     (home / "back.csv").write_text("rho_mm,f_um\n0,0\n0.2,3\n0.3,2\n", "utf-8")
+    (home / "low.csv").write_text("rho_mm,f_um\n0,0\n0.2,40\n0.3,100\n", "utf-8")
     (home / "bare.csv").write_text("rho,f\n0,0\n0.2,3\n", "utf-8")
     with pytest.raises(mf.InvalidInput, match=words):
         mf.read_spec(written(home, section))
