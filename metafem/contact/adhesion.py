@@ -50,8 +50,8 @@ class JKR(Contact):
     cap : Contact
         Elastic law without adhesion: `Hertz()`, the default, `SphericalCap()`, `PowerCap(...)` or
         `AxisymmetricCap(...)`.
-    composite_modulus : float, optional
-        E* [MPa]. Models fill it in by `for_material`; the methods need it.
+    material : Material, optional
+        Material of the surface; a model sets it by `for_material`.
 
     Raises
     ------
@@ -73,11 +73,10 @@ class JKR(Contact):
 
     adhesion_energy: float
     cap: Contact = PARABOLOID  # a default factory would leave the property of the base class
-    composite_modulus: float | None = field(default=None, kw_only=True, repr=False)
+    material: Material | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         check.member(self, "adhesion_energy", at_least=0.0)
-        check.member(self, "composite_modulus", optional=True, above=0.0)
         laws = "an elastic law without adhesion, such as metafem.Hertz() or metafem.PowerCap(4)"
         check.instance("cap", self.cap, Contact, laws)
         if self.cap.adhesive or self.cap.largest_order < 3:
@@ -89,12 +88,10 @@ class JKR(Contact):
         return self.cap
 
     def for_material(self, material: Material) -> Contact:
-        """Return the law with the composite modulus of a material; the cap itself if w is 0."""
-        if self.composite_modulus is not None:
+        """Return the law for E* of a material; the law itself if it has a material, the cap if w is 0."""
+        if self.material is not None:
             return self
-        if self.adhesion_energy == 0.0:
-            return self.cap
-        return replace(self, composite_modulus=material.composite_modulus)
+        return self.cap if self.adhesion_energy == 0.0 else replace(self, material=material)
 
     def shape(self) -> CapShape:
         """Shape of the caps of a part."""
@@ -103,11 +100,11 @@ class JKR(Contact):
     @property
     def length(self) -> float:
         """w/E* [mm]."""
-        if self.composite_modulus is None:
+        if self.material is None:
             raise InvalidInput(
-                f"{self!r} needs a composite modulus; use for_material(material) or composite_modulus=..."
+                f"{self!r} has no material yet: use it in a model, or call for_material(material)"
             )
-        return self.adhesion_energy / self.composite_modulus
+        return self.adhesion_energy / self.material.composite_modulus
 
     def deficit(self, contact_radius: Values) -> FloatArray:
         """Indentation s = sqrt(2 pi w a/E*) [mm] that adhesion takes from the cap's."""

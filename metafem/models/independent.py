@@ -15,6 +15,12 @@ from metafem._validate import FloatArray
 from metafem.contact import Contact
 from metafem.errors import InvalidInput
 from metafem.models._resources import run_rows
+from metafem.models.adhesion.curves import (
+    curve_of_heights,
+    independent_areas,
+    independent_curve,
+    independent_sensitivity,
+)
 from metafem.models.contact_sums import approach_at_load, contacts, sums
 from metafem.models.model import PARABOLOID, Curve, RescaledState, Sensitivity, controlled
 from metafem.models.stand_in import Uncoupled
@@ -83,12 +89,23 @@ class Independent(Uncoupled):
         return self.contact == PARABOLOID
 
     def curve(
-        self, surface: Surface, load: FloatArray | None = None, *, approach: FloatArray | None = None
+        self,
+        surface: Surface,
+        load: FloatArray | None = None,
+        *,
+        approach: FloatArray | None = None,
+        unloading: bool = False,
     ) -> Curve:
-        """Equilibria at increasing rescaled loads P/E* [mm^2] or approaches [mm], (k,)."""
+        """Equilibria at increasing rescaled loads P/E* [mm^2] or approaches [mm], (k,).
+
+        unloading: at these on the way back from the largest; loads of adhesive contacts may be negative.
+        """
         from metafem._kernels import independent as kernel
 
         values, by_load = controlled(load, approach)
+        law = self.contact.for_material(surface.material)
+        if law.adhesive:
+            return independent_curve(self, law, surface, values, by_load, unloading)
         if by_load:
             return self.curve_of(surface.height, surface.radius, values)
         last = partial(self._last, surface.height, surface.radius, 0.0, values[-1])
@@ -104,6 +121,8 @@ class Independent(Uncoupled):
         """As `curve` at loads, for heights and radii (n,) without a surface, which takes as long to check."""
         from metafem._kernels import independent as kernel
 
+        if self.contact.adhesive:
+            return curve_of_heights(self, self.contact, height, radius, load)
         if not self._hertz:
             approach, carried, area, slope = self._solved(height, radius, load)
             error = np.abs(carried - load) / np.where(load > 0.0, load, 1.0)
@@ -146,10 +165,16 @@ class Independent(Uncoupled):
         contact; with Hertz contacts ``pi R_i - sum_j pi R_j sqrt(R_i d_i) / sum_j sqrt(R_j d_j)``.
         height: summit heights (n,) [mm] in place of the surface's own; they are not checked.
         """
-        return self.sensitivity_of(surface.height if height is None else height, surface.radius, load)
+        heights = surface.height if height is None else height
+        law = self.contact.for_material(surface.material)
+        if law.adhesive:
+            return independent_sensitivity(self, law, heights, surface.radius, load)
+        return self.sensitivity_of(heights, surface.radius, load)
 
     def sensitivity_of(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> Sensitivity:
         """As `sensitivity`, for heights and radii (n,) without a surface."""
+        if self.contact.adhesive:
+            return independent_sensitivity(self, self.contact, height, radius, load)
         curve = self.curve_of(height, radius, load)
         indentation = curve.approach[:, None] - (height.max() - height)
         if self._hertz:
@@ -233,6 +258,9 @@ class Independent(Uncoupled):
         from metafem._kernels import independent as kernel
 
         given = surface.radius if radius is None else radius
+        law = self.contact.for_material(surface.material)
+        if law.adhesive:
+            return independent_areas(law, height, given, load)
         if not self._hertz:
             every = np.broadcast_to(given, height.shape)
             curves = [self.curve_of(*row, load) for row in zip(height, every, strict=True)]

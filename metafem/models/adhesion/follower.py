@@ -1,0 +1,365 @@
+"""Adhesive contacts followed while the plane approaches, and while it recedes.
+
+At a given approach the contacts stay in equilibrium. An open asperity jumps into contact where its gap closes;
+a contact breaks where its branch ends: there dF/da is singular. Under a given load the plane moves on until
+the load is carried again, so that a state at a load is the first one on the way: forward where the load first
+rises to it, back where it first falls to it. Both are stable under that load.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+
+from metafem._validate import FloatArray, IntArray
+from metafem.errors import NotConverged
+from metafem.models.adhesion.scene import Contacts, Scene
+from metafem.models.adhesion.solve import Condition, State, at_approach, at_load, at_radius, solve, touching
+
+# Largest relative change of a contact radius that the tangent may predict for one step, forward and back.
+FORWARD, BACK = 3.0, 0.4
+
+# Relative step in the radius of the contact that shrinks fastest, and the smallest one.
+STEP, LEAST_STEP = 0.2, 1e-6
+
+# Gap relative to the largest indentation of a cap that is rounding.
+CLOSED = 1e-11
+
+# The end of a branch and the lowest load are located to this part of a contact radius. There the load is
+# stationary, so that its error is the square of this.
+LOCATED = 1e-7
+
+# Most steps between two loads, and in the search for one point.
+MOST_STEPS = 10_000
+MOST_SEARCHES = 60
+
+
+class Jump(NamedTuple):
+    """A jump at a given load."""
+
+    load: float  # [mm^2]
+    before: float  # area [mm^2]
+    after: float
+
+
+class Goal(NamedTuple):
+    """A load [mm^2] or an approach [mm] at which a state is wanted."""
+
+    value: float
+    by_load: bool
+
+    def condition(self) -> Condition:
+        """Return the condition of Newton's method."""
+        return at_load(self.value) if self.by_load else at_approach(self.value)
+
+    def measure(self, state: State) -> float:
+        """Return the load or the approach of a state."""
+        return state.load if self.by_load else state.x
+
+    def stable(self, state: State) -> bool:
+        """Whether the contacts are stable under this control."""
+        return state.stable if self.by_load else state.holds
+
+    def shift(self, state: State) -> float:
+        """Return the change of the approach that the tangent predicts [mm]."""
+        missing = self.value - self.measure(state)
+        return missing / state.stiffness if self.by_load else missing
+
+
+@dataclass
+class Follower:
+    """One surface on its way; `state` is None while nothing is in contact."""
+
+    scene: Scene
+    record: bool = True  # whether jumps are recorded
+    state: State | None = None
+    jumps: list[Jump] = field(default_factory=list)
+    extreme: float = -np.inf  # load up to which the way is known: the largest forward, the lowest back
+
+    def press(self, goal: Goal) -> State | None:
+        """Move forward to a goal; return the state, or None if nothing is in contact there."""
+        for _ in range(MOST_STEPS):
+            if self.state is None:
+                if not goal.by_load and goal.value < self._first_touch():
+                    return None
+                self._enter_first()
+                continue
+            state = self.state
+            if goal.by_load and goal.measure(state) >= goal.value:
+                return state
+            trial = self._forward(state, goal)
+            if trial is None:
+                raise NotConverged(f"the adhesive contacts cannot be followed beyond {state.x:.6g} mm")
+            others = self._open(trial)
+            if (trial.overlap(others) > self._rounding(trial)).any():
+                self._enter(state, trial, goal)
+                continue
+            self.state = trial
+            if goal.measure(trial) >= goal.value - self._unit(trial, goal):
+                return trial
+        raise NotConverged("the adhesive contacts do not settle")
+
+    def withdraw(self, goal: Goal) -> State | None:
+        """Move back to a goal; return the state, or None if all contacts broke before."""
+        for _ in range(MOST_STEPS):
+            state = self.state
+            if state is None:
+                return None
+            if goal.measure(state) <= goal.value + self._unit(state, goal):
+                if goal.stable(state):
+                    return state
+            near = self._directly(state, goal)
+            if near is not None:
+                self.state = near
+                return near
+            self._shrink(state, goal)
+        raise NotConverged("the adhesive contacts do not settle")
+
+    def _unit(self, state: State, goal: Goal) -> float:
+        """Return what is rounding in a load or an approach."""
+        depth = state.found.depth
+        return 1e-12 * float((state.a * depth).sum() if goal.by_load else depth.max())
+
+    def _rounding(self, state: State) -> float:
+        return CLOSED * float(state.found.depth.max())
+
+    def _open(self, state: State) -> IntArray:
+        return np.setdiff1d(np.arange(len(self.scene.gap)), state.closed, assume_unique=True)
+
+    def _first_touch(self) -> float:
+        return float(self.scene.gap.min())
+
+    # Forward
+
+    def _forward(self, state: State, goal: Goal) -> State | None:
+        """Return the state at the goal without new contacts, or one on the way to it."""
+        if goal.stable(state):
+            shift = goal.shift(state)
+            change = state.rate * shift
+            if shift >= 0.0 and float((change / state.a).max()) <= FORWARD:
+                trial = self._from(state, shift, goal.condition())
+                if trial is not None and trial.x >= state.x and goal.stable(trial):
+                    return trial
+        length = 0.5 / float((state.rate / state.a).max())
+        if not goal.by_load:
+            length = min(length, 0.5 * (goal.value - state.x))
+        for _ in range(MOST_SEARCHES):
+            trial = self._from(state, length, at_approach(state.x + length))
+            if trial is not None and trial.holds:
+                return trial
+            length *= 0.5
+        return None
+
+    def _from(self, state: State, shift: float, condition: Condition) -> State | None:
+        """Solve from the prediction of the tangent at a shift of the approach."""
+        change = state.rate * shift
+        moved = state.linear.along(change)
+        a = np.maximum(state.a + change, 0.3 * state.a)
+        return solve(state.contacts, a, state.p + moved, state.x + shift, condition)
+
+    def _enter_first(self) -> None:
+        """Let the tallest asperities jump into contact."""
+        first = self._first_touch()
+        entering = np.flatnonzero(self.scene.gap <= first)
+        self.extreme = 0.0
+        self._join(np.empty(0, dtype=np.int64), np.empty(0), np.empty(0), first, entering, np.zeros(0))
+        self._land(0.0, 0.0, self.press)
+
+    def _enter(self, state: State, trial: State, goal: Goal) -> None:
+        """Locate the first gap that closes between two states, and let the asperity jump into contact."""
+        others = self._open(state)
+        gap = state.overlap(others)
+        for _ in range(MOST_SEARCHES):
+            over = trial.overlap(others)
+            rounding = self._rounding(trial)
+            ahead = np.flatnonzero(over > rounding)
+            if not ahead.size:
+                break
+            part = np.clip(gap[ahead] / (gap[ahead] - over[ahead]), 0.0, 1.0)
+            k, share = ahead[part.argmin()], float(part.min())
+            a = state.a + share * (trial.a - state.a)
+            p = state.p + share * (trial.p - state.p)
+            x = state.x + share * (trial.x - state.x)
+            found = solve(state.contacts, a, p, x, touching(state.contacts, int(others[k])))
+            if found is None or not found.holds:
+                middle = self._from(state, 0.5 * (trial.x - state.x), at_approach(0.5 * (state.x + trial.x)))
+                if middle is None:
+                    raise NotConverged(f"the gap of asperity {others[k]} cannot be followed")
+                if (middle.overlap(others) > self._rounding(middle)).any():
+                    trial = middle
+                else:
+                    state, gap = middle, middle.overlap(others)
+                continue
+            trial = found
+        entering = others[trial.overlap(others) >= -self._rounding(trial)]
+        begins = trial.load >= self.extreme
+        load, area = trial.load, trial.area
+        if begins:
+            self.extreme = load
+        curvature = trial.contacts.curvature_at(trial.p, entering)
+        self._join(trial.closed, trial.a, trial.p, trial.x, entering, curvature)
+        if begins and goal.by_load:
+            self._land(load, area, self.press)
+
+    def _join(
+        self,
+        closed: IntArray,
+        a: FloatArray,
+        p: FloatArray,
+        x: float,
+        entering: IntArray,
+        curvature: FloatArray,
+    ) -> None:
+        """Solve at an approach with asperities that jump into contact, and with those that follow them."""
+        scene, law = self.scene, self.scene.law
+        while True:
+            radius = scene.radius[entering]
+            k = curvature if len(curvature) else np.zeros(len(entering))
+            new = law.contact_radius(np.zeros(len(entering)), radius, k)
+            whole = np.concatenate([closed, entering])
+            order = np.argsort(whole)
+            a = np.concatenate([a, new])[order]
+            p = np.concatenate([p, law.load(new, radius, k)])[order]
+            contacts = Contacts(scene, whole[order])
+            state = solve(contacts, a, p, x, at_approach(x))
+            if state is None or not state.holds:
+                raise NotConverged(f"no equilibrium after asperities {entering.tolist()} came into contact")
+            others = self._open(state)
+            entering = others[state.overlap(others) > self._rounding(state)]
+            if not entering.size:
+                self.state = state
+                return
+            closed, a, p = state.closed, state.a, state.p
+            curvature = contacts.curvature_at(p, entering)
+
+    def _land(self, load: float, area: float, move: Callable[[Goal], State | None]) -> None:
+        """Follow a jump at a load up to its end, and record it."""
+        if self.record:
+            landed = move(Goal(load, by_load=True))
+            self.jumps.append(Jump(load, area, 0.0 if landed is None else landed.area))
+
+    # Back
+
+    def _directly(self, state: State, goal: Goal) -> State | None:
+        """Return the state at the goal if it is near and no contact comes or goes before."""
+        if not goal.stable(state):
+            return None
+        shift = goal.shift(state)
+        if float(np.abs(state.rate * shift / state.a).max()) > BACK:
+            return None
+        trial = self._from(state, shift, goal.condition())
+        if trial is None or not goal.stable(trial) or trial.x > state.x + self._rounding(state):
+            return None
+        others = self._open(trial)
+        if (trial.overlap(others) > self._rounding(trial)).any():
+            return None
+        if float(np.abs(trial.a / state.a - 1.0).max()) > 1.5 * BACK:
+            return None
+        return trial
+
+    def _shrink(self, state: State, goal: Goal) -> None:
+        """Let the contact that shrinks fastest shrink by a step, at most to the end of its branch."""
+        i = int((state.rate / state.a).argmax())
+        step = STEP
+        while True:
+            new = self._at_radius(state, i, state.a[i] * (1.0 - step))
+            if new is not None and self._within(state, new, i):
+                break
+            step *= 0.5
+            if step < LEAST_STEP:
+                self._leave(state, goal)
+                return
+        others = self._open(new)
+        entering = others[new.overlap(others) > self._rounding(new)]
+        if entering.size:
+            raise NotConverged(f"asperities {entering.tolist()} come into contact while the plane recedes")
+        end = new
+        if not new.holds:
+            end = self._search(state, new, i, lambda s: 1.0 / s.rate[i])
+        if goal.by_load and state.stiffness > 0.0:
+            if end.stiffness <= 0.0:
+                lowest = self._search(state, end, i, lambda s: s.stiffness)
+                if lowest.load > goal.value:
+                    if lowest.load < self.extreme:
+                        self.extreme = lowest.load
+                        self.state = end
+                        if not new.holds:
+                            self._leave(end, goal)
+                        self._land(lowest.load, lowest.area, self.withdraw)
+                        return
+                else:
+                    end = lowest
+            if end.load <= goal.value:
+                self.state = self._between(state, end, goal)
+                return
+        elif not goal.by_load and end.x <= goal.value:
+            self.state = self._between(state, end, goal)
+            return
+        self.state = end
+        if not new.holds and end is not new:
+            self._leave(end, goal)
+
+    def _within(self, state: State, new: State, i: int) -> bool:
+        """Whether no other contact changes much more than the one whose radius is set."""
+        change = np.abs(new.a / state.a - 1.0)
+        return bool(change.max() <= 2.0 * change[i])
+
+    def _at_radius(self, state: State, i: int, radius: float) -> State | None:
+        """Solve for a radius of contact i from the tangent."""
+        shift = (radius - state.a[i]) / state.rate[i]
+        change = state.rate * shift
+        a, p = np.maximum(state.a + change, 0.3 * state.a), state.p + state.linear.along(change)
+        return solve(state.contacts, a, p, state.x + shift, at_radius(state.contacts, i, radius))
+
+    def _search(self, state: State, new: State, i: int, value: Callable[[State], float]) -> State:
+        """Return the last state before the root of a value that changes its sign, by false position."""
+        low, high = state, new
+        below, above = value(low), value(high)
+        for _ in range(MOST_SEARCHES):
+            width = low.a[i] - high.a[i]
+            if width <= LOCATED * low.a[i]:
+                break
+            share = below / (below - above)
+            if not 0.0 < share < 1.0:
+                share = 0.5
+            radius = low.a[i] - min(max(share, 0.02), 0.98) * width
+            part = (low.a[i] - radius) / width
+            a, p = low.a + part * (high.a - low.a), low.p + part * (high.p - low.p)
+            x = low.x + part * (high.x - low.x)
+            middle = solve(low.contacts, a, p, x, at_radius(low.contacts, i, radius))
+            if middle is None:
+                break
+            here = value(middle)
+            if (here > 0.0) == (below > 0.0):
+                low, below, above = middle, here, 0.5 * above
+            else:
+                high, above, below = middle, here, 0.5 * below
+        return low
+
+    def _between(self, state: State, end: State, goal: Goal) -> State:
+        """Return the state at a goal between two states."""
+        share = (goal.measure(state) - goal.value) / (goal.measure(state) - goal.measure(end))
+        a, p = state.a + share * (end.a - state.a), state.p + share * (end.p - state.p)
+        found = solve(state.contacts, a, p, state.x + share * (end.x - state.x), goal.condition())
+        if found is None:
+            raise NotConverged("the adhesive contacts cannot be followed to the end of a branch")
+        return found
+
+    def _leave(self, state: State, goal: Goal) -> None:
+        """Break the contact that shrinks fastest, and those that break with it, at the same approach."""
+        rate = np.abs(state.rate / state.a)
+        closed, a, p = state.closed, state.a, state.p
+        while len(closed):
+            kept = np.arange(len(closed)) != rate.argmax()
+            closed, a, p, rate = closed[kept], a[kept], p[kept], rate[kept]
+            if not len(closed):
+                break
+            contacts = Contacts(self.scene, closed)
+            found = solve(contacts, a, p, state.x, at_approach(state.x))
+            if found is not None and found.holds and float(np.abs(found.a / a - 1.0).max()) < BACK:
+                self.state = found
+                return
+        self.state = None

@@ -1,0 +1,218 @@
+"""Equations of adhesive contacts under one plane, and their derivatives; loads are P/E* [mm^2].
+
+The unknowns are the contact radii a_i and the approach x. With the law of one contact under the curvature k
+of the displacement by the others, physics of order 3 as in `_kernels.coupling`:
+
+    F_i = d(a_i, k_i) + u_i - (x - gap_i) = 0,    p_i = P(a_i, k_i),    k = L p/2,    g = S p,
+    u = G p + L^T M/4 - S^T (Q g) - r |g|^2/2
+
+with the influence G, its Laplacian L and its gradient S between the sites. A contact on a slope g moves down
+the slope. For a paraboloid the slope is a shift by R g, so that r = R and Q = p R: u is then the derivative
+of the energy sum U*(p, k) - p R |g|^2/2 + p.G p/2. In general ``r = 2 a/c`` with c = dd/da of the cap, and
+``Q = 4/3 a^3 - r 2 a s``: the moment of a tilted circle, less what the moving edge of an adhesive contact
+takes, where s is the indentation that adhesion takes. As without adhesion, the radius of this term is that
+of a contact with the same load of the cap and k = 0. Order 1 has L = S = 0.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from scipy.linalg.lapack import dgetrf, dgetrs
+
+from metafem._kernels.coupling import Coupling
+from metafem._validate import FloatArray, IntArray
+from metafem.contact import JKR, Hertz
+
+# Newton's steps from a radius that is right to a few hundredths, to rounding.
+MOST_STEPS = 20
+
+# Relative step of the difference that gives the derivative of r, a factor of a small term.
+STEP = 1e-5
+
+
+@dataclass(frozen=True)
+class Scene:
+    """Asperities with an adhesive law and their influence on each other; arrays (n,)."""
+
+    law: Contact  # with its material
+    radius: FloatArray
+    gap: FloatArray
+    coupling: Coupling
+    self_term: FloatArray
+
+    @cached_property
+    def order(self) -> int:
+        """1 for point loads, 3 with the terms of the next order."""
+        return 3 if self.coupling.laplacian.size else 1
+
+    @cached_property
+    def paraboloid(self) -> bool:
+        """Whether the cap is Hertz's, whose radius of curvature is the same everywhere."""
+        return self.law.cap == Hertz()
+
+
+class Fields(NamedTuple):
+    """Fields at the contacts (m,), and the law there."""
+
+    load: FloatArray  # P(a, k) [mm^2]
+    moment: FloatArray  # M [mm^4]
+    curvature: FloatArray  # k [1/mm]
+    slope_x: FloatArray
+    slope_y: FloatArray
+    tilt: FloatArray  # Q [mm^3]
+    turn: FloatArray  # r [mm]
+    displacement: FloatArray  # u [mm]
+    depth: FloatArray  # indentation of the cap, d + s [mm]
+    indentation: FloatArray  # d [mm]
+
+
+class Contacts:
+    """The equations of some asperities that are in contact."""
+
+    def __init__(self, scene: Scene, closed: IntArray) -> None:
+        self.scene, self.closed = scene, closed
+        self.radius = scene.radius[closed]
+        self.gap = scene.gap[closed]
+        coupling = scene.coupling
+        rows = np.ix_(closed, closed)
+        self.influence = coupling.influence[rows].T.copy()
+        self.influence[np.diag_indices(len(closed))] += scene.self_term[closed]
+        if scene.order == 3:
+            self.fields = np.stack([coupling.laplacian[rows], coupling.slope_x[rows], coupling.slope_y[rows]])
+
+    def respond(self, a: FloatArray, p: FloatArray) -> Fields:
+        """Return the fields of contacts with radii a [mm] and loads p [mm^2]."""
+        law, radius, none = self.scene.law, self.radius, np.zeros(len(a))
+        if self.scene.order == 1:
+            load, moment = law.load(a, radius), none
+            depth = law.cap.indentation(a, radius)
+            u = self.influence @ p
+            return Fields(load, moment, none, none, none, none, none, u, depth, depth - law.deficit(a))
+        doubled, gx, gy = self.fields @ p
+        k = 0.5 * doubled
+        load, moment = law.load(a, radius, k), law.second_moment(a, radius, k)
+        depth = law.cap.indentation(a, radius, k)
+        tilt, turn = (radius * p, radius) if self.scene.paraboloid else self._tilt(a, k)[:2]
+        u = self.influence @ p - 0.5 * turn * (gx**2 + gy**2)
+        for matrix, weight in zip(self.fields, (0.25 * moment, -tilt * gx, -tilt * gy), strict=True):
+            u += weight @ matrix
+        return Fields(load, moment, k, gx, gy, tilt, turn, u, depth, depth - law.deficit(a))
+
+    def _tilt(self, a: FloatArray, k: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """Return Q [mm^3] and r [mm], the radius a0 of the same load of the cap at k = 0, and dr/da0."""
+        law, radius = self.scene.law, self.radius
+        carried = law.cap.load(a, radius, k)
+        lost = 2.0 * a * law.deficit(a)
+        own = a
+        for _ in range(MOST_STEPS):
+            step = (law.cap.load(own, radius) - carried) / (2.0 * own * law.profile_slope(own, radius))
+            own = own - step
+            if (np.abs(step) <= 4.0 * np.finfo(np.float64).eps * own).all():
+                break
+        low, turn, high = (law.cap.area_slope(own * t, radius) / np.pi for t in (1 - STEP, 1.0, 1 + STEP))
+        rate = (high - low) / (2.0 * STEP * own)
+        return 4.0 / 3.0 * own**3 - turn * lost, turn, own, rate
+
+    def _add_tilt(
+        self,
+        a: FloatArray,
+        found: Fields,
+        slope: FloatArray,
+        s: FloatArray,
+        by_loads: FloatArray,
+        direct: FloatArray,
+    ) -> None:
+        """Add the derivatives by p and a that change Q and r: both follow from the load of the cap."""
+        lap, sx, sy = self.fields
+        gx, gy, turn = found.slope_x, found.slope_y, found.turn
+        *_, own, bend = self._tilt(a, found.curvature)
+        cap_a, cap_k = 2.0 * a * slope, 4.0 / 3.0 * a**3
+        turning = bend * turn / (4.0 * own**2)  # dr/dp_cap
+        tilting = turn - 2.0 * a * s * turning  # dQ/dp_cap
+        raised = 0.5 * (gx**2 + gy**2) * turning
+        by_loads -= (0.5 * raised * cap_k)[:, None] * lap
+        direct[np.diag_indices(len(a))] -= raised * cap_a
+        by_curve, by_radius = 0.5 * tilting * cap_k, tilting * cap_a - 3.0 * s * turn
+        for field, gradient in ((sx, gx), (sy, gy)):
+            by_loads -= (field.T * (gradient * by_curve)) @ lap
+            direct -= field.T * (gradient * by_radius)
+
+    def overlap(self, a: FloatArray, p: FloatArray, found: Fields, x: float, others: IntArray) -> FloatArray:
+        """Return how far open asperities would penetrate the plane [mm]; a gap is negative."""
+        coupling, scene, closed = self.scene.coupling, self.scene, self.closed
+        u = p @ coupling.influence[np.ix_(closed, others)]
+        if scene.order == 3:
+            at, source = np.ix_(others, closed), np.ix_(closed, others)
+            gx, gy = coupling.slope_x[at] @ p, coupling.slope_y[at] @ p
+            u += 0.25 * found.moment @ coupling.laplacian[source]
+            u -= (found.tilt * found.slope_x) @ coupling.slope_x[source]
+            u -= (found.tilt * found.slope_y) @ coupling.slope_y[source]
+            if scene.paraboloid:
+                u -= 0.5 * scene.radius[others] * (gx**2 + gy**2)
+        return np.asarray(x - scene.gap[others] - u)
+
+    def curvature_at(self, p: FloatArray, others: IntArray) -> FloatArray:
+        """Return the curvature [1/mm] of the displacement at other asperities."""
+        if self.scene.order == 1:
+            return np.zeros(len(others))
+        return np.asarray(0.5 * self.scene.coupling.laplacian[np.ix_(others, self.closed)] @ p)
+
+    def linearise(self, a: FloatArray, found: Fields) -> Linear:
+        """Return the derivatives of F and p by the contact radii."""
+        law, radius, k = self.scene.law, self.radius, found.curvature
+        slope, s = law.profile_slope(a, radius, k), law.deficit(a)
+        by_depth = slope - 0.5 * s / a  # dd/da
+        by_load = 2.0 * a * slope - 3.0 * s  # dP/da
+        diagonal = np.diag_indices(len(a))
+        if self.scene.order == 1:
+            matrix = self.influence * by_load
+            matrix[diagonal] += by_depth
+            return Linear(matrix, self.influence, by_load, None)
+        lap, sx, sy = self.fields
+        gx, gy, tilt, turn = found.slope_x, found.slope_y, found.tilt, found.turn
+        by_moment = 4.0 / 3.0 * a**3 * slope - 14.0 / 3.0 * a**2 * s  # dM/da
+        # half of dM/dk, and the squares of curvature and slope
+        factors = np.stack([a**5 / 15.0, -tilt, -tilt])
+        by_loads = self.fields.reshape(-1, len(a)).T @ (factors[:, :, None] * self.fields).reshape(-1, len(a))
+        by_loads += self.influence + (0.5 * a**2)[:, None] * lap
+        by_loads -= (turn * gx)[:, None] * sx + (turn * gy)[:, None] * sy
+        direct = lap.T * (0.25 * by_moment)
+        direct[diagonal] += by_depth
+        if self.scene.paraboloid:
+            by_loads -= sx.T * (turn * gx) + sy.T * (turn * gy)
+        else:
+            self._add_tilt(a, found, slope, s, by_loads, direct)
+        mixed = (-2.0 / 3.0 * a**3)[:, None] * lap
+        mixed[diagonal] += 1.0
+        factor, pivot, _ = dgetrf(mixed)
+        loads = dgetrs(factor, pivot, np.diag(by_load))[0]
+        return Linear(direct + by_loads @ loads, by_loads, loads, (factor, pivot))
+
+
+@dataclass(frozen=True)
+class Linear:
+    """Derivatives of the equations of contacts."""
+
+    by_radius: FloatArray  # dF/da with the loads that follow, (m, m) [-]
+    by_loads: FloatArray  # dF/dp, (m, m) [1/mm]
+    loads: FloatArray  # dp/da, (m, m) or its diagonal [mm]
+    mixed: tuple[FloatArray, IntArray] | None = field(repr=False)  # factors of the equations of p
+
+    @property
+    def total(self) -> FloatArray:
+        """Derivative of the sum of the loads by the radii (m,)."""
+        return self.loads if self.loads.ndim == 1 else np.asarray(self.loads.sum(axis=0))
+
+    def along(self, change: FloatArray) -> FloatArray:
+        """Return the change of the loads with one of the radii (m,)."""
+        return np.asarray(self.loads * change if self.loads.ndim == 1 else self.loads @ change)
+
+    def corrected(self, error: FloatArray) -> FloatArray:
+        """Return the change of the loads that removes an error of p = P(a, k)."""
+        if self.mixed is None:
+            return -error
+        return np.asarray(-dgetrs(*self.mixed, error)[0])

@@ -1,0 +1,200 @@
+"""Newton's method for adhesive contacts under one further condition: a load, an approach, a radius, a touch."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.linalg.lapack import dgetrf, dgetrs
+
+from metafem._validate import FloatArray, IntArray
+from metafem.models.adhesion.scene import Contacts, Fields, Linear
+
+# Largest residual of a converged state; Newton's method aims lower to allow for rounding.
+TOLERANCE = 1e-12
+GOAL = 2e-13
+
+# Steps with any matrix, and the least progress of a step with the matrix of an earlier one.
+MOST_STEPS = 40
+PROGRESS = 0.1
+
+# Largest relative change of a contact radius in one step.
+LONGEST = 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """Contacts in equilibrium, arrays (m,) over those in contact."""
+
+    contacts: Contacts
+    a: FloatArray  # contact radii [mm]
+    p: FloatArray  # P/E* [mm^2]
+    x: float  # approach [mm]
+    found: Fields
+    residual: float
+
+    @property
+    def closed(self) -> IntArray:
+        """Indices of the asperities in contact."""
+        return self.contacts.closed
+
+    @property
+    def load(self) -> float:
+        """Sum of the loads [mm^2]."""
+        return float(self.p.sum())
+
+    @property
+    def area(self) -> float:
+        """Real contact area [mm^2]."""
+        return float(np.pi * (self.a**2).sum())
+
+    @cached_property
+    def linear(self) -> Linear:
+        """Derivatives of the equations."""
+        return self.contacts.linearise(self.a, self.found)
+
+    @cached_property
+    def factors(self) -> tuple[FloatArray, IntArray]:
+        """LU factors of dF/da."""
+        factor, pivot, _ = dgetrf(self.linear.by_radius)
+        return factor, pivot
+
+    @cached_property
+    def holds(self) -> bool:
+        """Whether the determinant of dF/da is positive: contacts are stable at this approach.
+
+        It is positive for contacts far from their ends, and its first change of sign is the end of a branch.
+        """
+        factor, pivot = self.factors
+        swaps = np.count_nonzero(pivot != np.arange(len(pivot)))
+        return bool(((np.diagonal(factor) < 0.0).sum() + swaps) % 2 == 0)
+
+    @cached_property
+    def rate(self) -> FloatArray:
+        """Derivative of the contact radii by the approach (m,)."""
+        return np.asarray(dgetrs(*self.factors, np.ones(len(self.a)))[0])
+
+    @cached_property
+    def stiffness(self) -> float:
+        """Derivative of the load by the approach [mm]."""
+        return float(self.linear.total @ self.rate)
+
+    @property
+    def stable(self) -> bool:
+        """Whether the contacts are stable at this load."""
+        return self.holds and self.stiffness > 0.0
+
+    def overlap(self, others: IntArray) -> FloatArray:
+        """Return how far open asperities would penetrate the plane [mm]; a gap is negative."""
+        return self.contacts.overlap(self.a, self.p, self.found, self.x, others)
+
+
+@dataclass(frozen=True)
+class Condition:
+    """A condition on the contacts: its error, and its derivatives by loads, radii and approach."""
+
+    error: Callable[[FloatArray, FloatArray, float, Fields], float]
+    by_loads: FloatArray | float = 0.0
+    by_radii: FloatArray | float = 0.0
+    by_approach: float = 0.0
+    of_loads: bool = False  # its error is a load [mm^2], not a length [mm]
+
+
+def at_load(load: float) -> Condition:
+    """Return the condition of a load [mm^2]."""
+    return Condition(lambda a, p, x, found: float(p.sum()) - load, by_loads=1.0, of_loads=True)
+
+
+def at_approach(approach: float) -> Condition:
+    """Return the condition of an approach [mm]."""
+    return Condition(lambda a, p, x, found: x - approach, by_approach=1.0)
+
+
+def at_radius(contacts: Contacts, i: int, radius: float) -> Condition:
+    """Return the condition of the radius [mm] of one contact."""
+    unit = np.zeros(len(contacts.closed))
+    unit[i] = 1.0
+    return Condition(lambda a, p, x, found: float(a[i]) - radius, by_radii=unit)
+
+
+def touching(contacts: Contacts, k: int) -> Condition:
+    """Return the condition that an open asperity touches the plane."""
+    other = np.array([k])
+
+    def error(a: FloatArray, p: FloatArray, x: float, found: Fields) -> float:
+        return float(contacts.overlap(a, p, found, x, other)[0])
+
+    row = -contacts.scene.coupling.influence[contacts.closed, k]
+    return Condition(error, by_loads=row, by_approach=1.0)
+
+
+def solve(contacts: Contacts, a: FloatArray, p: FloatArray, x: float, condition: Condition) -> State | None:
+    """Return the state near a start that meets the condition, or None if the steps do not converge."""
+    step: Callable[[FloatArray, FloatArray, float], tuple[FloatArray, FloatArray, float]] | None = None
+    last = np.inf
+    for _ in range(MOST_STEPS):
+        found = contacts.respond(a, p)
+        force = found.indentation + found.displacement - (x - contacts.gap)
+        excess = p - found.load
+        wrong = condition.error(a, p, x, found)
+        residual = _residual(contacts, a, found, force, excess, wrong, condition)
+        if not np.isfinite(residual):
+            return None
+        if residual <= GOAL or (residual <= TOLERANCE and residual > PROGRESS * last):
+            return State(contacts, a, p, x, found, residual)
+        if step is None or residual > PROGRESS * last:
+            step = _linear_step(contacts.linearise(a, found), condition)
+        last = residual
+        change, moved, shift = step(force, excess, wrong)
+        if not np.isfinite(change).all():
+            return None
+        longest = float((np.abs(change) / a).max())
+        length = LONGEST / longest if longest > LONGEST else 1.0
+        if length < 1.0:
+            step = None
+        a, p, x = a + length * change, p + length * moved, x + length * shift
+    return None
+
+
+def _residual(
+    contacts: Contacts,
+    a: FloatArray,
+    found: Fields,
+    force: FloatArray,
+    excess: FloatArray,
+    wrong: float,
+    condition: Condition,
+) -> float:
+    """Largest error over the largest indentation of a cap, or over the largest load of a cap."""
+    depth = float(found.depth.max())
+    loads = a * found.depth  # of the order of the loads of the caps
+    unit = float(loads.sum()) if condition.of_loads else depth
+    errors = (np.abs(force).max() / depth, np.abs(excess).max() / loads.max(), abs(wrong) / unit)
+    return float(max(errors))
+
+
+def _linear_step(
+    linear: Linear, condition: Condition
+) -> Callable[[FloatArray, FloatArray, float], tuple[FloatArray, FloatArray, float]]:
+    """Return the function that solves the linear equations for errors of F, of p and of the condition."""
+    count = len(linear.by_radius)
+    matrix = np.empty((count + 1, count + 1))
+    matrix[:count, :count] = linear.by_radius
+    matrix[:count, count] = -1.0
+    weights = np.broadcast_to(np.asarray(condition.by_loads, dtype=np.float64), (count,))
+    by_loads = linear.loads * weights if linear.loads.ndim == 1 else weights @ linear.loads
+    matrix[count, :count] = condition.by_radii + by_loads
+    matrix[count, count] = condition.by_approach
+    factor, pivot, _ = dgetrf(matrix, overwrite_a=True)
+
+    def step(force: FloatArray, excess: FloatArray, wrong: float) -> tuple[FloatArray, FloatArray, float]:
+        loads = linear.corrected(excess)
+        right = np.empty(count + 1)
+        right[:count] = -force - linear.by_loads @ loads
+        right[count] = -wrong - float(weights @ loads)
+        change = dgetrs(factor, pivot, right)[0]
+        return change[:count], loads + linear.along(change[:count]), float(change[count])
+
+    return step
