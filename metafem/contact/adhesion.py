@@ -177,8 +177,17 @@ class JKR(Contact):
     def pull_off_radius(self, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Contact radius [mm] at which the load is smallest, c = 3/2 s/a; the load there is negative."""
 
+        return self._steep(1.5, radius, curvature)
+
+    def break_radius(self, radius: Values, curvature: Values = 0.0) -> FloatArray:
+        """Contact radius [mm] at which the indentation is smallest, c = 1/2 s/a: the end of the branch."""
+        return self._steep(0.5, radius, curvature)
+
+    def _steep(self, share: float, radius: Values, curvature: Values) -> FloatArray:
+        """Return the contact radius [mm] at which c = share s/a."""
+
         def excess(a: FloatArray, _: FloatArray) -> FloatArray:
-            return np.asarray(np.log(self.profile_slope(a, *given) * a / (1.5 * self.deficit(a))))
+            return np.asarray(np.log(self.profile_slope(a, *given) * a / (share * self.deficit(a))))
 
         given = self._spread(radius, curvature)
         return self._radius_where(excess, np.zeros(given[0].shape), *given)[()]

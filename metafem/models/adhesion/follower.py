@@ -102,6 +102,10 @@ class Follower:
                 return trial
         raise NotConverged("the adhesive contacts do not settle")
 
+    def turn(self) -> None:
+        """Begin the way back."""
+        self.jumps, self.extreme = [], np.inf
+
     def withdraw(self, goal: Goal) -> State | None:
         """Move back to a goal; return the state, or None if all contacts broke before."""
         for _ in range(MOST_STEPS):

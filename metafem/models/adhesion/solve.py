@@ -86,6 +86,12 @@ class State:
         """Whether the contacts are stable at this load."""
         return self.holds and self.stiffness > 0.0
 
+    def area_gradient(self) -> FloatArray:
+        """Derivative of A0 by the heights of the contacts at a given load [mm], (m,)."""
+        both = np.column_stack([2.0 * np.pi * self.a, self.linear.total])
+        by_area, by_load = dgetrs(*self.factors, both, trans=1)[0].T
+        return np.asarray(by_area - by_area.sum() / by_load.sum() * by_load)
+
     def overlap(self, others: IntArray) -> FloatArray:
         """Return how far open asperities would penetrate the plane [mm]; a gap is negative."""
         return self.contacts.overlap(self.a, self.p, self.found, self.x, others)

@@ -1,0 +1,238 @@
+"""Adhesive asperities that do not interact, followed while the plane approaches, and while it recedes.
+
+All is a function of the approach x: forward, an asperity is in contact where x reaches its gap; back, it stays
+in contact down to the end of its branch, ``d > d_end``. Between two such points the load is a convex function
+of x. A state at a load is the first one on the way; see `follower`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from metafem._validate import FloatArray
+from metafem.contact import JKR
+from metafem.errors import InvalidInput
+from metafem.models.adhesion.follower import Jump
+
+# Newton's steps and halvings to rounding. At the end of a branch, a double root, Newton's error halves.
+MOST_STEPS = 80
+ROUNDING = 4.0 * np.finfo(np.float64).eps
+
+# Doublings of the approach up to any load.
+MOST_DOUBLINGS = 200
+
+
+class Sums(NamedTuple):
+    """Sums over the contacts at approaches (k,)."""
+
+    load: FloatArray  # [mm^2]
+    area: FloatArray  # [mm^2]
+    stiffness: FloatArray  # dP/dx [mm]
+    contact_radius: FloatArray  # (k, n) [mm], 0 for open ones
+
+
+@dataclass(frozen=True)
+class Lone:
+    """Asperities (n,) on a base that sinks by `compliance` times the load."""
+
+    law: JKR  # with its material
+    radius: FloatArray
+    gap: FloatArray
+    compliance: float = 0.0  # [1/mm]
+
+    @cached_property
+    def _sizes(self) -> tuple[FloatArray, np.ndarray]:
+        sizes, which = np.unique(self.radius, return_inverse=True)
+        return sizes, which
+
+    @cached_property
+    def entry_radius(self) -> FloatArray:
+        """Contact radius (n,) [mm] after the jump into contact, at d = 0."""
+        sizes, which = self._sizes
+        return np.asarray(self.law.contact_radius(np.zeros(len(sizes)), sizes)[which])
+
+    @cached_property
+    def end_radius(self) -> FloatArray:
+        """Contact radius (n,) [mm] at the end of the branch at a given approach."""
+        sizes, which = self._sizes
+        return np.asarray(self.law.break_radius(sizes)[which])
+
+    @cached_property
+    def end(self) -> FloatArray:
+        """Indentation (n,) [mm] at the end of the branch, negative."""
+        return np.asarray(self.law.indentation(self.end_radius, self.radius))
+
+    def held_radius(self, indentation: FloatArray, closed: np.ndarray) -> FloatArray:
+        """Return the contact radii (k, n) [mm] of the closed contacts, 0 for the others.
+
+        Newton's method for the convex d(a), from the right of its minimum.
+        """
+        law, cap = self.law, self.law.cap
+        d = np.where(closed, indentation, 0.0)
+        radius = np.broadcast_to(self.radius, d.shape)
+        most = np.broadcast_to(cap.largest_indentation(self.radius), d.shape)
+        if (d > law.largest_indentation(self.radius)).any():
+            cap.contact_radius(np.full(d.shape, np.where(np.isfinite(most), 2.0 * most, 0.0)), radius)
+        a = np.maximum(self.entry_radius, cap.contact_radius(np.maximum(d, 0.0), radius))
+        top = cap.contact_radius(np.minimum(1e3 * (radius + np.maximum(d, 0.0)), most), radius)
+        for _ in range(MOST_STEPS):
+            s = law.deficit(a)
+            slope = law.profile_slope(a, radius) - 0.5 * s / a
+            with np.errstate(divide="ignore", invalid="ignore"):
+                step = (cap.indentation(a, radius) - s - d) / slope
+            new = np.clip(np.where(slope > 0.0, a - step, self.end_radius), self.end_radius, top)
+            done = np.abs(new - a) <= ROUNDING * a
+            a = new
+            if done.all():
+                break
+        return np.where(closed, a, 0.0)
+
+    def sums(self, approach: FloatArray, closed: np.ndarray) -> Sums:
+        """Return the sums at approaches (k,) [mm] over the closed contacts (k, n)."""
+        a = self.held_radius(approach[:, None] - self.gap, closed)
+        law, one = self.law, np.where(closed, a, 1.0 * self.entry_radius)
+        load = np.where(closed, law.load(one, self.radius), 0.0)
+        stiffness = np.where(closed, law.stiffness(one, self.radius), 0.0)
+        return Sums(load.sum(axis=1), np.pi * (a**2).sum(axis=1), stiffness.sum(axis=1), a)
+
+    def _measure(self, x: FloatArray, closed: np.ndarray, by_load: bool) -> tuple[FloatArray, FloatArray]:
+        """Return the load, or the approach with the sinking base, and its derivative by x."""
+        found = self.sums(x, closed)
+        if by_load:
+            return found.load, found.stiffness
+        return x + self.compliance * found.load, 1.0 + self.compliance * found.stiffness
+
+    def forward(self, goal: FloatArray, by_load: bool) -> Way:
+        """Return the way forward to the largest of the goals."""
+        start = np.unique(self.gap)
+        closed = self.gap <= start[:, None]
+        stop = np.append(start[1:], np.inf)
+        last = np.empty(len(start))
+        inner = np.isfinite(stop)
+        if inner.any():
+            last[inner] = self._measure(stop[inner], closed[inner], by_load)[0]
+        last[-1] = np.inf
+        if goal.max() <= last[:-1].max(initial=-np.inf):
+            stop[-1] = start[-1]
+        else:
+            stop[-1] = self._beyond(start[-1], float(goal.max()), by_load)
+        best = np.maximum.accumulate(last)
+        return Way(self, by_load, closed, start, stop, best, forward=True)
+
+    def _beyond(self, x: float, goal: float, by_load: bool) -> float:
+        """Return an approach at which all contacts exceed the goal."""
+        every = np.ones((1, len(self.gap)), dtype=bool)
+        most = float((self.gap + self.law.largest_indentation(self.radius)).min())
+        width = float(self.law.indentation(2.0 * self.entry_radius, self.radius).max()) if most == np.inf else 0.0
+        width = width or 0.01 * most
+        for _ in range(MOST_DOUBLINGS):
+            x = min(x + width, most)
+            if self._measure(np.array([x]), every, by_load)[0][0] >= goal:
+                return x
+            if x >= most:
+                break
+            width *= 2.0
+        raise InvalidInput(
+            f"the {'load' if by_load else 'approach'} {goal:.4g} {'mm^2' if by_load else 'mm'} needs an "
+            f"approach beyond {most:.4g} mm, up to which {self.law!r} describes all contacts; use lighter "
+            "loads or a law with a larger range"
+        )
+
+    def back(self, largest: float, by_load: bool) -> Way:
+        """Return the way back from an approach x [mm]."""
+        held = self.gap <= largest
+        ends = np.unique((self.gap + self.end)[held])[::-1]
+        start = np.append(largest, ends[:-1])
+        closed = held & (self.gap + self.end <= ends[:, None])
+        lowest = self._lowest(start, ends, closed, by_load)
+        best = np.minimum.accumulate(self._measure(lowest, closed, by_load)[0])
+        return Way(self, by_load, closed, start, lowest, best, forward=False)
+
+    def _lowest(self, start: FloatArray, stop: FloatArray, closed: np.ndarray, by_load: bool) -> FloatArray:
+        """Return where a convex measure is smallest between two approaches (k,), by bisection."""
+        low, high = stop.copy(), start.copy()
+        for _ in range(MOST_STEPS):
+            middle = 0.5 * (low + high)
+            rising = self._measure(middle, closed, by_load)[1] > 0.0
+            low, high = np.where(rising, low, middle), np.where(rising, middle, high)
+            if (high - low <= ROUNDING * (np.abs(high) + np.abs(start - stop))).all():
+                break
+        return high
+
+
+@dataclass(frozen=True)
+class Way:
+    """Pieces (m,) of a way, in their order, in each of which the measure rises (forward) or falls to `best`."""
+
+    lone: Lone
+    by_load: bool
+    closed: np.ndarray  # (m, n)
+    start: FloatArray  # approach [mm]
+    stop: FloatArray
+    best: FloatArray  # the largest measure up to the stop, back the smallest
+    forward: bool
+
+    def piece(self, goal: FloatArray) -> np.ndarray:
+        """Return the piece (k,) in which each goal is reached first; m where it is not."""
+        sign = 1.0 if self.forward else -1.0
+        return np.searchsorted(sign * self.best, sign * goal)
+
+    def approach(self, goal: FloatArray) -> tuple[FloatArray, np.ndarray]:
+        """Return the approaches x (k,) [mm] at the goals, and the closed contacts (k, n)."""
+        piece = self.piece(goal)
+        closed = self.closed[piece]
+        # between the end where the goal is reached and the other one
+        low, high = (self.start, self.stop) if self.forward else (self.stop, self.start)
+        low, high = low[piece], high[piece]
+        x = high
+        for _ in range(MOST_STEPS):
+            value, slope = self.lone._measure(x, closed, self.by_load)
+            excess = value - goal
+            low, high = np.where(excess < 0.0, x, low), np.where(excess >= 0.0, x, high)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                new = x - excess / slope
+            settled = np.abs(new - x) <= ROUNDING * np.maximum(np.abs(x), np.abs(self.stop - self.start)[piece])
+            inside = (new >= low) & (new <= high) & np.isfinite(new)
+            new = np.where(inside, new, 0.5 * (low + high))
+            done = (settled & inside) | (high - low <= 0.0)
+            x = new
+            if done.all():
+                break
+        return x, closed
+
+    def jumps(self, goal: float) -> list[Jump]:
+        """Return the jumps up to a goal, the largest forward, the smallest back."""
+        sums, found = self.lone.sums, []
+        if self.forward:
+            first = 0.0 if self.by_load else self.start[0]
+            sign, best = 1.0, np.maximum.accumulate(np.append(first, self.best[:-1]))
+        else:
+            sign, best = -1.0, self.best
+        fresh = np.append(True, np.diff(sign * best) > 0.0) & (sign * best <= sign * goal)
+        for j in np.flatnonzero(fresh):
+            level = np.array([best[j]])
+            inner = j - 1 if self.forward else j
+            before = 0.0
+            if inner >= 0:
+                before = float(sums(self.stop[[inner]], self.closed[[inner]]).area[0])
+            after = self._after(level, j)
+            found.append(Jump(float(best[j]), before, after))
+        return found
+
+    def _after(self, level: FloatArray, j: int) -> float:
+        """Return the area after the jump that begins at a measure, at the start of piece j or the stop."""
+        sign = 1.0 if self.forward else -1.0
+        piece = int(np.searchsorted(sign * self.best, sign * level[0], side="right"))
+        if piece >= len(self.best):
+            return 0.0
+        rest = Way(
+            self.lone, self.by_load, self.closed[piece:], self.start[piece:], self.stop[piece:],
+            self.best[piece:], self.forward,
+        )  # fmt: skip
+        x, closed = rest.approach(level)
+        return float(self.lone.sums(x, closed).area[0])
