@@ -100,6 +100,8 @@ class JKR(Contact):
     @property
     def length(self) -> float:
         """w/E* [mm]."""
+        if self.adhesion_energy == 0.0:
+            return 0.0
         if self.material is None:
             raise InvalidInput(
                 f"{self!r} has no material yet: use it in a model, or call for_material(material)"

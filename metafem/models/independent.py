@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import partial
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,6 +17,7 @@ from metafem.contact import Contact
 from metafem.errors import InvalidInput
 from metafem.models._resources import run_rows
 from metafem.models.adhesion.curves import (
+    adhesive_law,
     curve_of_heights,
     independent_areas,
     independent_curve,
@@ -68,6 +70,8 @@ class Independent(Uncoupled):
     0.021002
     """
 
+    unloads: ClassVar[bool] = True
+
     contact: Contact = PARABOLOID
 
     def __post_init__(self) -> None:
@@ -103,8 +107,8 @@ class Independent(Uncoupled):
         from metafem._kernels import independent as kernel
 
         values, by_load = controlled(load, approach)
-        law = self.contact.for_material(surface.material)
-        if law.adhesive:
+        law = adhesive_law(self.contact, surface.material)
+        if law is not None:
             return independent_curve(self, law, surface, values, by_load, unloading)
         if by_load:
             return self.curve_of(surface.height, surface.radius, values)
@@ -121,8 +125,9 @@ class Independent(Uncoupled):
         """As `curve` at loads, for heights and radii (n,) without a surface, which takes as long to check."""
         from metafem._kernels import independent as kernel
 
-        if self.contact.adhesive:
-            return curve_of_heights(self, self.contact, height, radius, load)
+        law = adhesive_law(self.contact)
+        if law is not None:
+            return curve_of_heights(self, law, height, radius, load)
         if not self._hertz:
             approach, carried, area, slope = self._solved(height, radius, load)
             error = np.abs(carried - load) / np.where(load > 0.0, load, 1.0)
@@ -166,15 +171,16 @@ class Independent(Uncoupled):
         height: summit heights (n,) [mm] in place of the surface's own; they are not checked.
         """
         heights = surface.height if height is None else height
-        law = self.contact.for_material(surface.material)
-        if law.adhesive:
+        law = adhesive_law(self.contact, surface.material)
+        if law is not None:
             return independent_sensitivity(self, law, heights, surface.radius, load)
         return self.sensitivity_of(heights, surface.radius, load)
 
     def sensitivity_of(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> Sensitivity:
         """As `sensitivity`, for heights and radii (n,) without a surface."""
-        if self.contact.adhesive:
-            return independent_sensitivity(self, self.contact, height, radius, load)
+        law = adhesive_law(self.contact)
+        if law is not None:
+            return independent_sensitivity(self, law, height, radius, load)
         curve = self.curve_of(height, radius, load)
         indentation = curve.approach[:, None] - (height.max() - height)
         if self._hertz:
@@ -258,8 +264,8 @@ class Independent(Uncoupled):
         from metafem._kernels import independent as kernel
 
         given = surface.radius if radius is None else radius
-        law = self.contact.for_material(surface.material)
-        if law.adhesive:
+        law = adhesive_law(self.contact, surface.material)
+        if law is not None:
             return independent_areas(law, height, given, load)
         if not self._hertz:
             every = np.broadcast_to(given, height.shape)

@@ -239,6 +239,21 @@ class Model(Protocol):
         ...
 
 
+class Unloading(Model, Protocol):
+    """A model that unloads: a class attribute ``unloads = True`` marks it."""
+
+    def curve(
+        self,
+        surface: Surface,
+        load: FloatArray | None = None,
+        *,
+        approach: FloatArray | None = None,
+        unloading: bool = False,
+    ) -> Curve:
+        """As `Model.curve`, or if `unloading` on the way back from the largest load or approach."""
+        ...
+
+
 def areas_one_by_one(
     model: Model,
     surface: Surface,

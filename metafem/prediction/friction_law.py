@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from functools import partial
+from typing import cast
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -10,7 +13,7 @@ from metafem._calls import checked_call
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput, NotConverged
 from metafem.models import Curve, Independent, Model
-from metafem.models.model import checked_model
+from metafem.models.model import Unloading, checked_model, contact_of
 from metafem.notes import when_read
 from metafem.prediction.law import FrictionLaw
 from metafem.prediction.validity import REMEDY, left_out_notes
@@ -33,8 +36,12 @@ def friction_law(
     *,
     load: ArrayLike | None = None,
     separation: ArrayLike | None = None,
+    unloading: bool = False,
 ) -> FrictionLaw:
     """Predict the friction law of a surface.
+
+    Adhesive contacts jump in and break at different loads: `unloading` gives the way back. Under a given load
+    every state is stable, and the notes state the jumps.
 
     Parameters
     ----------
@@ -42,10 +49,13 @@ def friction_law(
     model : Model, optional
         Default: `Independent()`.
     load : array_like, (k,), optional
-        Normal loads P [N], at least 0.
+        Normal loads P [N], at least 0; with `unloading` down to the load at which the last contacts break.
     separation : array_like, (k,), optional
         Separations [mm]. Default, if neither is given: 100 loads up to the one at which the lowest asperity
         is indented by 0.04 R or the plane reaches the base plane.
+    unloading : bool
+        Whether the states are those on the way back from the largest load; default: False. Elastic contacts
+        without adhesion have one law for both ways.
 
     Returns
     -------
@@ -55,7 +65,8 @@ def friction_law(
     Raises
     ------
     InvalidInput
-        For negative or non-finite loads, non-finite separations, or both at once.
+        For loads that are not finite, negative on loading, or beyond pull-off on unloading; for separations
+        that are not finite, or of adhesive contacts; for both at once.
     NotConverged
         If a residual exceeds the model's tolerance.
 
@@ -71,18 +82,32 @@ def friction_law(
     solver = checked_model(Independent() if model is None else model)
     if load is not None and separation is not None:
         raise InvalidInput("only one of load and separation can be given")
+    check.instance("unloading", unloading, bool, "True or False")
+    compute = solver.curve
+    if unloading:
+        if not getattr(solver, "unloads", False):
+            raise InvalidInput(
+                f"unloading = True: the model {solver.name} has no unloading; use independent, mean-field, "
+                "half-space or layer"
+            )
+        compute = partial(cast("Unloading", solver).curve, unloading=True)
     if separation is not None:
+        if contact_of(solver).for_material(surface.material).adhesive:
+            raise InvalidInput(
+                "separation cannot be given with adhesive contacts: at a given separation their load falls "
+                "where they jump into contact; give load"
+            )
         distance = np.sort(check.array("separation", separation, shape=(None,)))[::-1]
-        curve = solver.curve(surface, approach=surface.height.max() - distance)
+        curve = compute(surface, approach=surface.height.max() - distance)
         return law_of_curve(surface, solver, curve, curve.load, distance)
     if load is None:
         rescaled = default_loads(surface, solver)
     else:
         newtons = np.sort(check.array("load", load, shape=(None,)))
-        if newtons[0] < 0.0:
+        if newtons[0] < 0.0 and not unloading:
             raise InvalidInput(f"load holds {newtons[0]:g} N; loads must be at least 0 N")
         rescaled = newtons / surface.material.composite_modulus
-    return law_of_curve(surface, solver, solver.curve(surface, rescaled), rescaled)
+    return law_of_curve(surface, solver, compute(surface, rescaled), rescaled)
 
 
 def default_loads(surface: Surface, model: Model) -> FloatArray:

@@ -28,6 +28,9 @@ if TYPE_CHECKING:
 # Arrays of a law, with one entry for each load.
 ARRAYS = ("rescaled_load", "area", "separation", "approach", "rescaled_stiffness", "residual")
 
+# Those that may be negative: loads only between adhesive contacts that are pulled apart.
+SIGNED = ("rescaled_load", "separation", "approach")
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FrictionLaw(Value):
@@ -40,6 +43,7 @@ class FrictionLaw(Value):
     ----------
     rescaled_load : ndarray
         Normal load over composite modulus, P/E* [mm^2]; the given loads, not the sums over the asperities.
+        Negative where adhesive contacts hold on unloading.
     area : ndarray
         Real contact area A0 [mm^2].
     separation, approach : ndarray
@@ -94,7 +98,8 @@ class FrictionLaw(Value):
 
     def _refuse_impossible(self, arrays: Mapping[str, FloatArray]) -> None:
         for name, values in arrays.items():
-            bad = ~np.isfinite(values) if name in ("separation", "approach") else ~(values >= 0.0)
+            signed = name in SIGNED
+            bad = ~np.isfinite(values) if signed else ~(values >= 0.0)
             if bad.any():
                 i = int(bad.argmax())
                 raise InvalidInput(f"{name}[{i}] = {values[i]:g} is impossible in a converged law")

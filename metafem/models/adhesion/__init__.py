@@ -1,0 +1,1 @@
+"""Adhesive contacts followed along their branches, with jumps."""

@@ -8,9 +8,11 @@ from functools import partial
 
 import numpy as np
 
+from metafem._given import shown
 from metafem._validate import FloatArray
-from metafem.contact import JKR
+from metafem.contact import JKR, Contact
 from metafem.errors import InvalidInput
+from metafem.material import Material
 from metafem.models.adhesion.follower import Follower, Goal, Jump
 from metafem.models.adhesion.lone import Lone, Sums, Way
 from metafem.models.adhesion.scene import Scene
@@ -18,6 +20,18 @@ from metafem.models.adhesion.solve import TOLERANCE, State
 from metafem.models.model import Curve, Model, RescaledState, Sensitivity
 from metafem.notes import Note, information
 from metafem.surface import Surface
+
+
+def adhesive_law(contact: Contact, material: Material | None = None) -> JKR | None:
+    """Return the adhesive law of a material, or None for a law without adhesion."""
+    law = contact if material is None else contact.for_material(material)
+    if not law.adhesive:
+        return None
+    if not isinstance(law, JKR):
+        raise InvalidInput(
+            f"contact = {shown(law)}: the branches of adhesive laws other than metafem.JKR are unknown"
+        )
+    return law
 
 
 def refuse_merging(law: JKR, surface: Surface) -> None:
@@ -33,9 +47,9 @@ def refuse_merging(law: JKR, surface: Surface) -> None:
     if room.min() <= 0.0:
         i, j = np.unravel_index(room.argmin(), room.shape)
         raise InvalidInput(
-            f"adhesion_energy = {law.adhesion_energy:g} N/mm lets asperities {min(i, j)} and {max(i, j)} merge "
-            f"without load: their contact radii are {reach[i]:.3g} and {reach[j]:.3g} mm at a distance of "
-            f"{distance[i, j]:.3g} mm; use a smaller energy, a larger modulus or a larger pitch"
+            f"adhesion_energy = {law.adhesion_energy:g} N/mm: the contacts of asperities {min(i, j)} and "
+            f"{max(i, j)} would merge without load, with radii of {reach[i]:.3g} and {reach[j]:.3g} mm at a "
+            f"distance of {distance[i, j]:.3g} mm; use a smaller energy, a larger modulus or a larger pitch"
         )
 
 
@@ -94,7 +108,9 @@ class LoneCurve:
     def residual(self) -> FloatArray:
         """Error of the load or the approach over the sum of the contact radii times indentations."""
         found, lone = self.sums, self.lone
-        carried = (found.contact_radius * lone.law.cap.indentation(found.contact_radius, lone.radius)).sum(axis=1)
+        carried = (found.contact_radius * lone.law.cap.indentation(found.contact_radius, lone.radius)).sum(
+            axis=1
+        )
         if self.way.by_load:
             error = found.load - self.control
             return np.asarray(np.abs(error) / np.where(carried > 0.0, carried, 1.0))
@@ -136,6 +152,24 @@ def independent_curve(
     if by_load:
         notes = jump_notes(found.way.jumps(values[0] if unloading else values[-1]), modulus, unloading)
     return _curve_of(model, found, surface.height, notes)
+
+
+def curve_of_heights(
+    model: Model, law: JKR, height: FloatArray, radius: FloatArray, load: FloatArray
+) -> Curve:
+    """Return the curve at increasing loads (k,) for heights and radii (n,), without notes."""
+    gap = height.max() - height
+    lone = Lone(law, np.broadcast_to(radius, gap.shape), gap)
+    return _curve_of(model, lone_curve(lone, load, True, False, 1.0), height)
+
+
+def independent_areas(law: JKR, height: FloatArray, radius: FloatArray, load: FloatArray) -> FloatArray:
+    """Return A0 [mm^2] at increasing loads (k,) of many lists of heights (m, n), (m, k)."""
+    found = []
+    for heights, radii in zip(height, np.broadcast_to(radius, height.shape), strict=True):
+        lone = Lone(law, radii, heights.max() - heights)
+        found.append(lone_curve(lone, load, True, False, 1.0).sums.area)
+    return np.array(found)
 
 
 def _curve_of(model: Model, found: LoneCurve, height: FloatArray, notes: tuple[Note, ...] = ()) -> Curve:
@@ -234,7 +268,14 @@ class Followed:
         return found
 
 
-def follow(scene: Scene, values: FloatArray, by_load: bool, unloading: bool, modulus: float = 1.0, record: bool = True) -> Followed:
+def follow(
+    scene: Scene,
+    values: FloatArray,
+    by_load: bool,
+    unloading: bool,
+    modulus: float = 1.0,
+    record: bool = True,
+) -> Followed:
     """Follow interacting asperities through increasing loads or approaches (k,), or back from the largest."""
     way = Follower(scene, record)
     if not unloading:

@@ -1,9 +1,9 @@
 """Adhesive contacts followed while the plane approaches, and while it recedes.
 
-At a given approach the contacts stay in equilibrium. An open asperity jumps into contact where its gap closes;
-a contact breaks where its branch ends: there dF/da is singular. Under a given load the plane moves on until
-the load is carried again, so that a state at a load is the first one on the way: forward where the load first
-rises to it, back where it first falls to it. Both are stable under that load.
+At a given approach the contacts stay in equilibrium. An open asperity jumps into contact where its gap
+closes; a contact breaks where its branch ends: there dF/da is singular. Under a given load the plane moves on
+until the load is carried again, so that a state at a load is the first one on the way: forward where the load
+first rises to it, back where it first falls to it. Both are stable under that load.
 """
 
 from __future__ import annotations
@@ -112,9 +112,8 @@ class Follower:
             state = self.state
             if state is None:
                 return None
-            if goal.measure(state) <= goal.value + self._unit(state, goal):
-                if goal.stable(state):
-                    return state
+            if goal.measure(state) <= goal.value + self._unit(state, goal) and goal.stable(state):
+                return state
             near = self._directly(state, goal)
             if near is not None:
                 self.state = near

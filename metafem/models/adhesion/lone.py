@@ -1,13 +1,12 @@
 """Adhesive asperities that do not interact, followed while the plane approaches, and while it recedes.
 
-All is a function of the approach x: forward, an asperity is in contact where x reaches its gap; back, it stays
-in contact down to the end of its branch, ``d > d_end``. Between two such points the load is a convex function
-of x. A state at a load is the first one on the way; see `follower`.
+All is a function of the approach x: forward, an asperity is in contact where x reaches its gap; back, it
+stays in contact down to the end of its branch, ``d > d_end``. Between two such points the load is a convex
+function of x. A state at a load is the first one on the way; see `follower`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -128,7 +127,9 @@ class Lone:
         """Return an approach at which all contacts exceed the goal."""
         every = np.ones((1, len(self.gap)), dtype=bool)
         most = float((self.gap + self.law.largest_indentation(self.radius)).min())
-        width = float(self.law.indentation(2.0 * self.entry_radius, self.radius).max()) if most == np.inf else 0.0
+        width = (
+            float(self.law.indentation(2.0 * self.entry_radius, self.radius).max()) if most == np.inf else 0.0
+        )
         width = width or 0.01 * most
         for _ in range(MOST_DOUBLINGS):
             x = min(x + width, most)
@@ -167,7 +168,7 @@ class Lone:
 
 @dataclass(frozen=True)
 class Way:
-    """Pieces (m,) of a way, in their order, in each of which the measure rises (forward) or falls to `best`."""
+    """Pieces (m,) of a way, in order: the load or the approach rises to `best`, or on the way back falls."""
 
     lone: Lone
     by_load: bool
@@ -196,7 +197,9 @@ class Way:
             low, high = np.where(excess < 0.0, x, low), np.where(excess >= 0.0, x, high)
             with np.errstate(divide="ignore", invalid="ignore"):
                 new = x - excess / slope
-            settled = np.abs(new - x) <= ROUNDING * np.maximum(np.abs(x), np.abs(self.stop - self.start)[piece])
+            settled = np.abs(new - x) <= ROUNDING * np.maximum(
+                np.abs(x), np.abs(self.stop - self.start)[piece]
+            )
             inside = (new >= low) & (new <= high) & np.isfinite(new)
             new = np.where(inside, new, 0.5 * (low + high))
             done = (settled & inside) | (high - low <= 0.0)
@@ -220,12 +223,12 @@ class Way:
             before = 0.0
             if inner >= 0:
                 before = float(sums(self.stop[[inner]], self.closed[[inner]]).area[0])
-            after = self._after(level, j)
+            after = self._after(level)
             found.append(Jump(float(best[j]), before, after))
         return found
 
-    def _after(self, level: FloatArray, j: int) -> float:
-        """Return the area after the jump that begins at a measure, at the start of piece j or the stop."""
+    def _after(self, level: FloatArray) -> float:
+        """Return the area after the jump that begins at a measure (1,)."""
         sign = 1.0 if self.forward else -1.0
         piece = int(np.searchsorted(sign * self.best, sign * level[0], side="right"))
         if piece >= len(self.best):

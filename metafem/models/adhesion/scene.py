@@ -38,7 +38,7 @@ STEP = 1e-5
 class Scene:
     """Asperities with an adhesive law and their influence on each other; arrays (n,)."""
 
-    law: Contact  # with its material
+    law: JKR  # with its material
     radius: FloatArray
     gap: FloatArray
     coupling: Coupling
@@ -137,9 +137,9 @@ class Contacts:
         by_loads -= (0.5 * raised * cap_k)[:, None] * lap
         direct[np.diag_indices(len(a))] -= raised * cap_a
         by_curve, by_radius = 0.5 * tilting * cap_k, tilting * cap_a - 3.0 * s * turn
-        for field, gradient in ((sx, gx), (sy, gy)):
-            by_loads -= (field.T * (gradient * by_curve)) @ lap
-            direct -= field.T * (gradient * by_radius)
+        for matrix, gradient in ((sx, gx), (sy, gy)):
+            by_loads -= (matrix.T * (gradient * by_curve)) @ lap
+            direct -= matrix.T * (gradient * by_radius)
 
     def overlap(self, a: FloatArray, p: FloatArray, found: Fields, x: float, others: IntArray) -> FloatArray:
         """Return how far open asperities would penetrate the plane [mm]; a gap is negative."""

@@ -1,4 +1,4 @@
-"""Newton's method for adhesive contacts under one further condition: a load, an approach, a radius, a touch."""
+"""Newton's method for adhesive contacts with one further condition: a load, approach, radius or touch."""
 
 from __future__ import annotations
 

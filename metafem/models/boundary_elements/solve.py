@@ -96,12 +96,12 @@ class Scene:
 
         On very thin layers there is none, and independent asperities are used.
         """
-        control = {"load" if by_load else "approach": np.array([value])}
+        load, approach = (np.array([value]), None) if by_load else (None, np.array([value]))
         try:
             point = Interacting(order=1, substrate=self.substrate, contact=self.law)
-            curve = point.curve(self.surface, **control).checked()
+            curve = point.curve(self.surface, load, approach=approach).checked()
         except MetafemError:
-            curve = Independent(self.law).curve(self.surface, **control)
+            curve = Independent(self.law).curve(self.surface, load, approach=approach)
         return InitialGuess(curve.last.indentation, float(curve.approach[0]))
 
     def largest(self, guess: InitialGuess) -> float:

@@ -15,6 +15,7 @@ from metafem.models.adhesion.scene import Scene
 from metafem.models.interacting.cap_influence import pedestal_influence, pedestal_notes
 from metafem.models.interacting.kept_coupling import coupling_between
 from metafem.models.model import Curve, RescaledState, Sensitivity
+from metafem.notes import Note
 from metafem.surface import Surface
 
 if TYPE_CHECKING:
@@ -73,9 +74,7 @@ def adhesive_areas(
     return found
 
 
-def _scene(
-    model: Interacting, law: JKR, surface: Surface, height: FloatArray, radius: FloatArray
-) -> Scene:
+def _scene(model: Interacting, law: JKR, surface: Surface, height: FloatArray, radius: FloatArray) -> Scene:
     """Return the asperities with their influence on each other."""
     if surface.count > MOST:
         raise InvalidInput(
@@ -93,7 +92,7 @@ def _last(model: Interacting, surface: Surface, height: FloatArray, found: Follo
     """Return the last state."""
     load, area, indentation = found.last()
     base = height - indentation
-    notes = ()
+    notes: tuple[Note, ...] = ()
     if model.pedestal:
         base = base - pedestal_influence(height, surface.radius)[0] * load
         notes = pedestal_notes(surface)

@@ -16,8 +16,10 @@ from metafem._validate import FloatArray
 from metafem.contact import Contact, Hertz
 from metafem.errors import InvalidInput, NotConverged
 from metafem.models._resources import run_rows
+from metafem.models.adhesion.curves import adhesive_law
 from metafem.models.contact_sums import contacts
 from metafem.models.contact_tables import deepest, rows_of, tables
+from metafem.models.interacting.adhesive import adhesive_areas, adhesive_curve, adhesive_sensitivity
 from metafem.models.interacting.cap_influence import pedestal_influence, pedestal_notes
 from metafem.models.interacting.kept_coupling import coupling_between
 from metafem.models.interacting.large import NOT_RECORDED, LargeScene
@@ -96,6 +98,7 @@ class Interacting:
     """
 
     couples: ClassVar[bool] = True
+    unloads: ClassVar[bool] = True
 
     order: int = 3
     substrate: Substrate = field(default_factory=HalfSpace)
@@ -136,10 +139,21 @@ class Interacting:
         return replace(self, order=self.contact.largest_order)
 
     def curve(
-        self, surface: Surface, load: FloatArray | None = None, *, approach: FloatArray | None = None
+        self,
+        surface: Surface,
+        load: FloatArray | None = None,
+        *,
+        approach: FloatArray | None = None,
+        unloading: bool = False,
     ) -> Curve:
-        """Equilibria at increasing rescaled loads P/E* [mm^2] or approaches [mm], (k,)."""
+        """Equilibria at increasing rescaled loads P/E* [mm^2] or approaches [mm], (k,).
+
+        unloading: at these on the way back from the largest; loads of adhesive contacts may be negative.
+        """
         values, by_load = controlled(load, approach)
+        law = adhesive_law(self.contact, surface.material)
+        if law is not None:
+            return adhesive_curve(self, law, surface, values, by_load, unloading)
         solution = self._solve(surface, surface.height[None, :], values, by_load)
         self._refuse_thin_layer(surface, solution.results)
         return self._curve(surface, solution)
@@ -207,6 +221,9 @@ class Interacting:
         height: summit heights (n,) [mm] in place of the surface's own; they are not checked.
         """
         heights = surface.height if height is None else height
+        law = adhesive_law(self.contact, surface.material)
+        if law is not None:
+            return adhesive_sensitivity(self, law, surface, load, heights)
         indentation, gradient = np.zeros((2, len(load), surface.count))
         solution = self._solve(surface, heights[None, :], load, True, indentation, gradient)
         if self.pedestal:
@@ -230,6 +247,9 @@ class Interacting:
         """
         if position is not None or (radius is not None and surface.count > DENSE_LIMIT):
             return areas_one_by_one(self, surface, load, height, radius, position)
+        law = adhesive_law(self.contact, surface.material)
+        if law is not None:
+            return adhesive_areas(self, law, surface, load, height, radius)
         solution = self._solve(surface, height, load, True, radius=radius)
         self._refuse_thin_layer(surface, solution.results)
         return np.where(solution.solved, solution.results.area, np.nan)
