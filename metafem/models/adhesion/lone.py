@@ -96,7 +96,8 @@ class Lone:
         a = self.held_radius(approach[:, None] - self.gap, closed)
         law, one = self.law, np.where(closed, a, 1.0 * self.entry_radius)
         load = np.where(closed, law.load(one, self.radius), 0.0)
-        stiffness = np.where(closed, law.stiffness(one, self.radius), 0.0)
+        with np.errstate(divide="ignore"):  # -inf at the end of a branch
+            stiffness = np.where(closed, law.stiffness(one, self.radius), 0.0)
         return Sums(load.sum(axis=1), np.pi * (a**2).sum(axis=1), stiffness.sum(axis=1), a)
 
     def _measure(self, x: FloatArray, closed: np.ndarray, by_load: bool) -> tuple[FloatArray, FloatArray]:

@@ -151,9 +151,9 @@ class Interacting:
         unloading: at these on the way back from the largest; loads of adhesive contacts may be negative.
         """
         values, by_load = controlled(load, approach)
-        law = adhesive_law(self.contact, surface.material)
-        if law is not None:
-            return adhesive_curve(self, law, surface, values, by_load, unloading)
+        adhesive = adhesive_law(self.contact, surface.material)
+        if adhesive is not None:
+            return adhesive_curve(self, adhesive, surface, values, by_load, unloading)
         solution = self._solve(surface, surface.height[None, :], values, by_load)
         self._refuse_thin_layer(surface, solution.results)
         return self._curve(surface, solution)
@@ -221,9 +221,9 @@ class Interacting:
         height: summit heights (n,) [mm] in place of the surface's own; they are not checked.
         """
         heights = surface.height if height is None else height
-        law = adhesive_law(self.contact, surface.material)
-        if law is not None:
-            return adhesive_sensitivity(self, law, surface, load, heights)
+        adhesive = adhesive_law(self.contact, surface.material)
+        if adhesive is not None:
+            return adhesive_sensitivity(self, adhesive, surface, load, heights)
         indentation, gradient = np.zeros((2, len(load), surface.count))
         solution = self._solve(surface, heights[None, :], load, True, indentation, gradient)
         if self.pedestal:
@@ -247,9 +247,9 @@ class Interacting:
         """
         if position is not None or (radius is not None and surface.count > DENSE_LIMIT):
             return areas_one_by_one(self, surface, load, height, radius, position)
-        law = adhesive_law(self.contact, surface.material)
-        if law is not None:
-            return adhesive_areas(self, law, surface, load, height, radius)
+        adhesive = adhesive_law(self.contact, surface.material)
+        if adhesive is not None:
+            return adhesive_areas(self, adhesive, surface, load, height, radius)
         solution = self._solve(surface, height, load, True, radius=radius)
         self._refuse_thin_layer(surface, solution.results)
         return np.where(solution.solved, solution.results.area, np.nan)
