@@ -22,6 +22,7 @@ MODELS = ("independent", "mean-field", "half-space", "layer", "block", "resolved
 CONTACTS = (
     *("hertz", "sphere", "power EXPONENT [COEFFICIENT]", "profile FILE"),
     *("jkr ADHESION_ENERGY [CAP]", "kogut-etsion HARDNESS", "jackson-green YIELD_STRENGTH"),
+    "tabulated FILE",
 )
 
 # Exit codes: a target that cannot be reached, and input that cannot be used.

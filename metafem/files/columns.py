@@ -23,7 +23,7 @@ class Columns:
     rising: frozenset[str]  # those whose entries increase
     example: str  # a valid first line
     wanted: str  # what the first line must be
-    from_zero: bool = False  # whether entries begin with 0; else they are above 0
+    from_zero: bool | None = False  # whether the first entries are 0; None: they may be; others are above 0
     plain: frozenset[str] = frozenset()  # optional columns of numbers without a unit
 
 
@@ -48,8 +48,18 @@ PROFILE = Columns(
     from_zero=True,
 )
 
+MEASURED = Columns(
+    "law",
+    {"indentation": "mm", "load": "N", "area": "mm^2"},
+    (frozenset({"indentation", "load", "area"}),),
+    frozenset({"indentation", "load", "area"}),
+    "indentation_um,load_mN,area_mm2",
+    "indentation_um,load_mN,area_mm2 (or in other units)",
+    from_zero=None,
+)
+
 # The columns of the tables that a specification names, by the kind of its section.
-COLUMNS = {"sampled": TARGET, "profile": PROFILE}
+COLUMNS = {"sampled": TARGET, "profile": PROFILE, "tabulated": MEASURED}
 
 
 def read_columns(path: Path, columns: Columns) -> tuple[dict[str, list[Any]], bytes]:
@@ -71,11 +81,12 @@ def read_columns(path: Path, columns: Columns) -> tuple[dict[str, list[Any]], by
             # checked here, where the line is known; read again with the specification
             key = f"{table.name}, line {line}: {table.header[column]} = {value}"
             first = not entries[name]
+            origin = first and columns.from_zero is not False
             if columns.from_zero and first and number != 0.0:
                 raise InvalidInput(f"{key} must be 0; the first line of a {columns.what} is its origin")
-            if number <= 0.0 and not (columns.from_zero and first):
-                origin = "" if columns.from_zero else "; omit the origin"
-                raise InvalidInput(f"{key} must be greater than 0{origin}")
+            if number < 0.0 or (number == 0.0 and not origin):
+                remedy = "; omit the origin" if columns.from_zero is False else ""
+                raise InvalidInput(f"{key} must be greater than 0{remedy}")
             if name in columns.rising and not first and number <= before[name]:
                 words = "load" if name == "rescaled_load" else name
                 raise InvalidInput(f"{key} must exceed the {words} of the previous line")

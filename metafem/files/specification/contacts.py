@@ -16,9 +16,10 @@ from metafem.contact import (
     KogutEtsion,
     PowerCap,
     SphericalCap,
+    TabulatedContact,
 )
 from metafem.errors import InvalidInput
-from metafem.files.specification.fields import Length, Number, Section, measured, says
+from metafem.files.specification.fields import Area, Force, Length, Number, Section, measured, says
 
 
 class HertzSection(Section):
@@ -126,4 +127,33 @@ class JacksonGreenSection(Section):
         return JacksonGreen(self.yield_strength)
 
 
-ContactSection = CapSection | JKRSection | KogutEtsionSection | JacksonGreenSection
+class TabulatedSection(Section):
+    """A table of load and area over the indentation of one asperity, whatever its radius.
+
+    A `file` is replaced by its content before the section is read.
+    """
+
+    kind: Literal["tabulated"]
+    indentation: Annotated[list[Length] | None, says("either: d, increasing", ["5 um", "20 um", "90 um"])] = (
+        None
+    )
+    load: Annotated[list[Force] | None, says("with it: P at these", ["0.46 mN", "3.7 mN", "35 mN"])] = None
+    area: Annotated[
+        list[Area] | None, says("with it: A at these", ["0.0083 mm^2", "0.033 mm^2", "0.15 mm^2"])
+    ] = None
+    file: Annotated[
+        str | None, says("or: a table with columns such as indentation_um,load_mN,area_mm2", "contact.csv")
+    ] = None
+
+    @model_validator(mode="after")
+    def _all(self) -> Self:
+        if self.indentation is None or self.load is None or self.area is None:
+            raise InvalidInput("needs indentation, load and area, or file")
+        return self
+
+    def law(self) -> Contact:
+        """Return the law of these keys."""
+        return TabulatedContact(self.indentation or [], self.load or [], self.area or [])
+
+
+ContactSection = CapSection | JKRSection | KogutEtsionSection | JacksonGreenSection | TabulatedSection

@@ -78,9 +78,8 @@ def form(kind: str) -> str:
     >>> form("power")
     'power EXPONENT [COEFFICIENT]'
     """
-    needed = {"profile": ("file",)}.get(kind, ())
     names = (
-        name.upper() if field.is_required() or name in needed else f"[{name.upper()}]"
+        name.upper() if field.is_required() or name == "file" else f"[{name.upper()}]"
         for name, field in _worded_keys(kind)
     )
     return " ".join([kind, *names])

@@ -9,6 +9,8 @@ from metafem.files.specification.options import contact_named, contacts
 PROFILE = "rho_mm,f_um\n0,0\n0.2,39.5\n0.4,184\n0.6,600\n"
 CAP = mf.AxisymmetricCap([[0.0, 0.2, 0.4, 0.6], [0.0, 39.5e-3, 0.184, 0.6]])
 
+MEASURED = [[0.005, 0.02, 0.09], [0.00046, 0.0037, 0.035], [0.0083, 0.033, 0.15]]
+
 # Words of each kind, its section, and the law.
 LAWS = {
     "hertz": ("", mf.Hertz()),
@@ -26,6 +28,7 @@ LAWS = {
     ),
     "kogut-etsion 10 MPa": ('hardness = "10 MPa"', mf.KogutEtsion(10.0)),
     "jackson-green 4000kPa": ('yield_strength = "4 MPa"', mf.JacksonGreen(4.0)),
+    "tabulated contact.csv": ('file = "contact.csv"', mf.TabulatedContact(*MEASURED)),
 }
 
 
@@ -33,6 +36,8 @@ LAWS = {
 def home(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "cap.csv").write_text(PROFILE, "utf-8")
+    rows = "5,0.46,0.0083\n20,3.7,0.033\n90,35,0.15\n"
+    (tmp_path / "contact.csv").write_text(f"indentation_um,load_mN,area_mm2\n0,0,0\n{rows}", "utf-8")
     return tmp_path
 
 
@@ -110,6 +115,9 @@ def test_tables_of_a_target_and_of_a_profile_are_both_kept(home):
             "contact.cap.exponent is missing; write for example exponent = 4.0",
         ),
         ('kind = "kogut-etsion"\nhardness = "0 MPa"', "contact.hardness = 0 MPa must be greater than 0"),
+        ('kind = "tabulated"', "contact needs indentation, load and area, or file"),
+        ('kind = "tabulated"\nfile = "cap.csv"', "name its columns indentation_um,load_mN,area_mm2"),
+        ('kind = "tabulated"\nfile = "less.csv"', r"less.csv, line 3: area_mm2 = 0 must be greater than 0"),
         ('kind = "profile"', "contact needs rho and f, or file"),
         ('kind = "profile"\nrho = ["0 mm"]\nfile = "cap.csv"', "contact.file and contact.rho both give the"),
         ('kind = "profile"\nrho = ["0 mm"]\nf = ["0 um", "1 um"]', "contact has 1 entries of rho and 2 of f"),
@@ -129,6 +137,7 @@ def test_errors_name_the_key_the_value_and_the_remedy(home, section, words):
     (home / "late.csv").write_text("rho_mm,f_um\n0.1,1\n0.2,3\n", "utf-8")
     (home / "back.csv").write_text("rho_mm,f_um\n0,0\n0.2,3\n0.3,2\n", "utf-8")
     (home / "low.csv").write_text("rho_mm,f_um\n0,0\n0.2,40\n0.3,100\n", "utf-8")
+    (home / "less.csv").write_text("indentation_um,load_mN,area_mm2\n5,1,2\n6,2,0\n", "utf-8")
     (home / "bare.csv").write_text("rho,f\n0,0\n0.2,3\n", "utf-8")
     with pytest.raises(mf.InvalidInput, match=words):
         mf.read_spec(written(home, section))
