@@ -74,20 +74,10 @@ class Bounds:
         """Exponent 2/(n + 1) of the friction of a fixed number of equal power caps."""
         return 2.0 / (1.0 + (self.law.power or math.inf))
 
-    def single(self, load: FloatArray, radius: float) -> tuple[FloatArray, FloatArray]:
-        """Indentation [mm] and friction [mm^2] of one asperity without adhesion at rescaled loads, (k,)."""
-        law, n = self.law.without_adhesion, self.law.without_adhesion.power
-        if n is None:
-            depth, _, area, _ = Independent(contact=law).curves(np.zeros(1), radius, load)
-            return depth[0], area[0]
-        unit = contacts(law, np.ones(1), np.array([radius]))
-        relative = load / unit.load
-        return relative ** (n / (n + 1.0)), unit.area * relative ** (2.0 / (n + 1.0))
-
     def region(self, load: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Friction of one asperity and of N equal ones at rescaled loads, (k,) [mm^2]."""
-        equal = self.count * self.single(load / self.count, self.radii.high)[1]
-        return self.single(load, self.radii.low)[1], equal
+        equal = self.count * at_load(self.law.without_adhesion, load / self.count, self.radii.high)[1]
+        return at_load(self.law.without_adhesion, load, self.radii.low)[1], equal
 
     def friction(self, load: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Lowest and highest friction at rescaled loads, (k,) [mm^2]."""
@@ -109,7 +99,7 @@ class Bounds:
     def _examined(self) -> tuple[Contacts, FloatArray]:
         """Contacts of the least radius up to the last load, and the derivatives of their areas [mm]."""
         law, radius = self.law.without_adhesion, self.radii.low
-        deepest, _ = self.single(np.array([self.last]), radius)
+        deepest, _ = at_load(law, np.array([self.last]), radius)
         depth = deepest * np.geomspace(SHALLOWEST, 1.0, CONTACTS)
         found = contacts(law, depth, np.full(CONTACTS, radius))
         return found, law.area_slope(found.contact_radius, np.full(CONTACTS, radius))
@@ -155,7 +145,7 @@ class Bounds:
         elastic = self.law.largest_order > 1 and self.radii.single
         if not elastic or (n is None and not _rises(-self._examined[1])):
             return np.full(len(load), math.inf)
-        moved = np.diff(self.single(load, self.radii.low)[0], prepend=0.0)
+        moved = np.diff(at_load(self.law, load, self.radii.low)[0], prepend=0.0)
         new = self.count * contacts(self.law, moved, np.full(len(load), self.radii.low)).area
         return np.asarray(new + np.insert(friction, 0, 0.0)[:-1])
 
@@ -169,9 +159,9 @@ class Bounds:
 
     def start_of_line(self, slope: float) -> float:
         """Load below which one asperity has more friction than a line through the origin [mm^2]."""
-        return (
-            load_at_pressure(self.law.without_adhesion, 1.0 / slope, self.radii.low) if self.convex else 0.0
-        )
+        if not self.convex:
+            return 0.0
+        return load_at_pressure(self.law, 1.0 / slope, self.radii.low)
 
     def end_of_line(self, slope: float, intercept: float, margin: float = 0.0) -> float:
         """Load beyond which no law has the friction and slope of a line ``slope p + intercept`` [mm^2]."""
@@ -204,6 +194,17 @@ class Bounds:
     def tangent_load(self, slope: float) -> float:
         """Load at which the friction of one asperity has a slope [mm^2]."""
         return load_at_pressure(self.law.without_adhesion, 1.0 / slope, self.radii.low, tangent=True)
+
+
+def at_load(law: Contact, load: FloatArray, radius: float) -> tuple[FloatArray, FloatArray]:
+    """Return indentation [mm] and friction [mm^2] of one asperity at rescaled loads, (k,)."""
+    n = law.power
+    if n is None:
+        depth, _, area, _ = Independent(contact=law).curves(np.zeros(1), radius, load)
+        return depth[0], area[0]
+    unit = contacts(law, np.ones(1), np.array([radius]))
+    relative = load / unit.load
+    return relative ** (n / (n + 1.0)), unit.area * relative ** (2.0 / (n + 1.0))
 
 
 def relative_depth(radii: Radii, power: float = 2.0) -> float:

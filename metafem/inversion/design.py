@@ -249,7 +249,8 @@ def _radii_in_use(problem: Problem, surface: Surface) -> dict[str, Parameter]:
     if radii.tools is None and len(used) > MOST_LISTED:
         parameters = {"lowest_radius": float(used[0]), "highest_radius": float(used[-1])}
     if template.friction is not None:
-        reach = np.array(achievable_friction_coefficients(template, problem.limits, radii.given_as))
+        given = problem.limits, radii.given_as, problem.contact
+        reach = np.array(achievable_friction_coefficients(template, *given))
         parameters |= {"tried_radii": radii.tried, **_coefficients(problem, radii.tried)}
         parameters["reachable_coefficients"] = reach[np.isfinite(reach)]
     return parameters
@@ -259,8 +260,9 @@ def _coefficients(problem: Problem, radii: FloatArray) -> dict[str, Parameter]:
     """Return bounds of the friction coefficients of linear laws with each radius alone."""
     if problem.template.friction is None:
         return {}
-    template, limits = problem.template, problem.limits
-    bounds = np.array([achievable_friction_coefficients(template, limits, [r]) for r in radii.tolist()])
+    template, limits, law = problem.template, problem.limits, problem.contact
+    each_radius = ([radius] for radius in radii.tolist())
+    bounds = np.array([achievable_friction_coefficients(template, limits, r, law) for r in each_radius])
     reach: dict[str, Parameter] = {"lowest_coefficients": bounds[:, 0]}
     if np.isfinite(bounds).all():
         reach["highest_coefficients"] = bounds[:, 1]

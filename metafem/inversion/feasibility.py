@@ -152,11 +152,15 @@ def feasible_region(
 
 @checked_call
 def achievable_friction_coefficients(
-    template: Surface, limits: Limits, radii: RadiusRange | Sequence[float] | None = None
+    template: Surface,
+    limits: Limits,
+    radii: RadiusRange | Sequence[float] | None = None,
+    contact: Contact = PARABOLOID,
 ) -> tuple[float, float]:
-    """Bounds on the friction coefficient of a linear law.
+    """Bounds on the friction coefficient of a linear law from an exponential density of heights.
 
-    The lower bound is that of uniformly distributed heights, ``3 pi/4 sqrt(R/h_m) sigma B / E*``. The
+    The lower bound is that of uniformly distributed heights, ``A(h_m)/P(h_m) sigma B / E*`` with area and
+    load of one contact, for Hertz contacts ``3 pi/4 sqrt(R/h_m) sigma B / E*``. The
     upper bound is that of the smallest scale that can be made, ten times `limits.height_sd`; without a
     `height_sd` it is infinite. Where each asperity may have one of several radii, the lower bound is that
     of the least radius and the upper bound that of the largest; mixtures reach all values between.
@@ -168,6 +172,8 @@ def achievable_friction_coefficients(
     limits : Limits
     radii : RadiusRange or sequence of float, optional
         Radii that each asperity may have [mm]; default: the radius of the template.
+    contact : Contact
+        Law of one contact; default: `Hertz()`. With adhesion the bounds are those of the law without it.
 
     Returns
     -------
@@ -199,11 +205,12 @@ def achievable_friction_coefficients(
     choice = Radii.given(radii, template)
     stress = template.friction.shear_strength * template.friction.area_ratio
     per_slope = stress / template.material.composite_modulus
-    low = uniform_slope(choice.low, limits.span)
+    law = checked_contact(contact).for_material(template.material).without_adhesion
+    low = uniform_slope(choice.low, limits.span, law)
     high = math.inf
     if limits.height_sd:
         finest = TruncatedExponential(FINEST_SCALE_IN_SD * limits.height_sd, limits.span)
-        high = finest.asymptotic_slope(choice.high)
+        high = finest.asymptotic_slope(choice.high, law)
     return low * per_slope, high * per_slope
 
 

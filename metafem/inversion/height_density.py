@@ -4,6 +4,12 @@ The densities are functions of the height h above the foot of the distribution [
 lower incomplete gamma function gamma(s, x) every integral is a sum of positive terms: the same values as
 equations S2 to S8 of Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234, without
 cancellation. `metafem.reference.height_densities` has them as printed.
+
+For any contact law A(d), P(d) without adhesion, an exponential density has a law that is straight but for its
+ends: ``A0`` and ``p`` are integrals of ``exp(-h/lambda)`` times A(h - delta) and P(h - delta), and both are
+proportional to ``exp(-delta/lambda)``. Of a uniform density the slope is A(h_m)/P(h_m). With a power cap
+rho^n, A grows as d^(2/n) and P as d^(1 + 1/n), and the integrals are incomplete gamma functions; with other
+laws they are computed by quadrature.
 """
 
 from __future__ import annotations
@@ -16,8 +22,10 @@ from numpy.typing import ArrayLike
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
-from metafem.contact import Hertz
+from metafem.contact import Contact
 from metafem.errors import InvalidInput
+from metafem.models.contact_sums import Contacts, contacts
+from metafem.models.model import PARABOLOID
 
 __all__ = [
     "FINEST_SCALE_IN_SD",
@@ -37,6 +45,11 @@ FINEST_SCALE_IN_SD = 10.0
 
 # The tightest relative tolerance that brentq accepts.
 TIGHTEST = 4.0 * np.finfo(float).eps
+
+
+# Nodes of the quadrature over a piece, in each of as many intervals of the fourth root of the indentation, in
+# which fractional powers are smooth; indentations beyond this many scales carry less than rounding.
+NODES, INTERVALS, DEEPEST = 24, 4, 45.0
 
 
 def slope_excess(x: ArrayLike) -> FloatArray:
@@ -69,25 +82,47 @@ def slope_excess(x: ArrayLike) -> FloatArray:
     return np.asarray(np.where(value < 1.0, difference / total, direct))
 
 
-def scale_from_slope(slope: float, radius: float, max_height: float) -> float:
+def scale_from_slope(slope: float, radius: float, max_height: float, law: Contact = PARABOLOID) -> float:
     """Return the scale lambda [mm] at which the truncated exponential has this slope (eqs. S3, S7).
 
     The slope must exceed `uniform_slope`, the bound of the uniform density.
     """
     from scipy.optimize import brentq
 
-    bound = uniform_slope(radius, max_height)
+    bound = uniform_slope(radius, max_height, law)
     excess = (slope - bound) / bound
-    # k(x) <= 1 makes the ratio exceed sqrt(x) (1 - e^-x)/Gamma(5/2): the root lies below `upper`.
-    upper = 2.0 * (math.gamma(2.5) * (1.0 + excess)) ** 2
-    # the excess is nearly x/10, so x tends to 10 excess
-    x = brentq(lambda x: float(slope_excess(x)) - excess, 0.0, upper, xtol=TIGHTEST * excess, rtol=TIGHTEST)
-    return max_height / float(x)  # eq. S3 solved for lambda
+    if law.power == PARABOLOID.power:
+        # k(x) <= 1 makes the ratio exceed sqrt(x) (1 - e^-x)/Gamma(5/2): the root lies below `upper`.
+        upper = 2.0 * (math.gamma(2.5) * (1.0 + excess)) ** 2
+        # the excess is nearly x/10, so x tends to 10 excess
+        given = {"xtol": TIGHTEST * excess, "rtol": TIGHTEST}
+        x = brentq(lambda x: float(slope_excess(x)) - excess, 0.0, upper, **given)
+        return max_height / float(x)  # eq. S3 solved for lambda
+
+    def missing(logarithm: float) -> float:
+        density = TruncatedExponential(max_height * math.exp(-logarithm), max_height)
+        return density.asymptotic_slope(radius, law) / slope - 1.0
+
+    low, high = math.log(excess), 1.0
+    while missing(low) > 0.0:
+        low -= 1.0
+    while missing(high) < 0.0:
+        high += 1.0
+    return max_height * math.exp(-brentq(missing, low, high, xtol=1e-14))
 
 
-def uniform_slope(radius: float, max_height: float) -> float:
-    """Return the smallest slope 3 pi/4 sqrt(R/h_m) [-], that of uniformly distributed heights."""
-    return 0.75 * math.pi * math.sqrt(radius / max_height)
+def uniform_slope(radius: float, max_height: float, law: Contact = PARABOLOID) -> float:
+    """Return the smallest slope A(h_m)/P(h_m) [-], that of uniformly distributed heights.
+
+    For Hertz contacts it is ``3 pi/4 sqrt(R/h_m)``.
+    """
+    found = _contact(law, max_height, radius)
+    return float(found.area / found.load)
+
+
+def _contact(law: Contact, indentation: float, radius: float) -> Contacts:
+    """Return one contact at an indentation [mm]."""
+    return contacts(law, np.array(indentation), np.array(radius))
 
 
 @dataclass(frozen=True)
@@ -149,19 +184,62 @@ class PiecewiseExponential:
             total = total + piece.alpha * (high - low)
         return np.asarray(lam ** (q + 1.0) * math.gamma(q + 1.0) * np.exp(-delta / lam) * total)
 
-    def area(self, separation: ArrayLike, count: float, radius: float) -> FloatArray:
-        """Expected real contact area A0 = N pi R <d> [mm^2] (eq. S2)."""
-        return count * math.pi * radius * self.moment(1.0, separation)  # eq. S2, F/(sigma B)
+    def area(
+        self, separation: ArrayLike, count: float, radius: float, law: Contact = PARABOLOID
+    ) -> FloatArray:
+        """Expected real contact area A0 [mm^2]; with Hertz contacts N pi R <d> (eq. S2)."""
+        return count * self._means(separation, radius, law)[1]  # eq. S2, F/(sigma B)
 
-    def rescaled_load(self, separation: ArrayLike, count: float, radius: float) -> FloatArray:
-        """Expected load P/E* = N 4/3 sqrt(R) <d^(3/2)> [mm^2] (eq. S2)."""
-        single = float(Hertz().load_at_indentation(1.0, radius))
-        return count * single * self.moment(1.5, separation)  # eq. S2, P/E*
+    def rescaled_load(
+        self, separation: ArrayLike, count: float, radius: float, law: Contact = PARABOLOID
+    ) -> FloatArray:
+        """Expected load P/E* [mm^2]; with Hertz contacts N 4/3 sqrt(R) <d^(3/2)> (eq. S2)."""
+        return count * self._means(separation, radius, law)[0]  # eq. S2, P/E*
 
-    def slope(self, separation: ArrayLike, radius: float) -> FloatArray:
-        """Slope dA0/d(P/E*) = pi sqrt(R)/2 <1>/<sqrt d> [-] at separations below h_m [mm]."""
-        closed = self.mass(separation, self.max_height)
-        return np.asarray(0.5 * math.pi * math.sqrt(radius) * closed / self.moment(0.5, separation))
+    def slope(self, separation: ArrayLike, radius: float, law: Contact = PARABOLOID) -> FloatArray:
+        """Slope dA0/d(P/E*) [-] at separations below h_m [mm]; with Hertz contacts pi sqrt(R)/2 <1>/<sqrt d>.
+
+        For a power cap it is ``2/(n + 1) A(1)/P(1) <d^(2/n - 1)>/<d^(1/n)>``. For other laws -dA0/d(delta) is
+        integrated by parts: A0/lambda, and A(h - delta) at the ends of each piece times the density there.
+        """
+        n = law.power
+        if n is None:
+            delta = np.asarray(separation, dtype=np.float64)
+            by_load, by_area = (mean / self.scale for mean in self._means(delta, radius, law))
+            for piece in self.pieces:
+                for end, sign in ((piece.high, 1.0), (piece.low, -1.0)):
+                    weight = sign * piece.alpha * math.exp(-end / self.scale)
+                    found = contacts(law, end - delta, np.full(delta.shape, radius))
+                    by_load, by_area = by_load + weight * found.load, by_area + weight * found.area
+            return np.asarray(by_area / by_load)
+        unit = _contact(law, 1.0, radius)
+        closed = (
+            self.moment(2.0 / n - 1.0, separation) if n != 2.0 else self.mass(separation, self.max_height)
+        )
+        ratio = 2.0 / (n + 1.0) * unit.area / unit.load
+        return np.asarray(ratio * closed / self.moment(1.0 / n, separation))
+
+    def _means(self, separation: ArrayLike, radius: float, law: Contact) -> tuple[FloatArray, FloatArray]:
+        """Mean load and area [mm^2] of an asperity at separations [mm]."""
+        n = law.power
+        if n is not None:
+            unit = _contact(law, 1.0, radius)
+            by_load, by_area = self.moment(1.0 + 1.0 / n, separation), self.moment(2.0 / n, separation)
+            return unit.load * by_load, unit.area * by_area
+        node, weight = np.polynomial.legendre.leggauss(NODES)
+        root = (np.arange(INTERVALS)[:, None] + 0.5 * (node + 1.0)).ravel() / INTERVALS
+        weights = np.tile(0.5 * weight, INTERVALS) / INTERVALS * 4.0 * root**3
+        delta = np.asarray(separation, dtype=np.float64)
+        total = np.zeros((2, *delta.shape))
+        for piece in self.pieces:
+            low, high = (np.maximum(end - delta, 0.0) for end in (piece.low, piece.high))
+            wide = np.minimum(high - low, DEEPEST * self.scale)
+            depth = low[..., None] + wide[..., None] * root**4
+            found = contacts(law, depth, np.full(depth.shape, radius))
+            density = piece.alpha * np.exp(-(delta[..., None] + depth) / self.scale)
+            for k, values in enumerate((found.load, found.area)):
+                total[k] += wide * ((density * values) @ weights)
+        return total[0], total[1]
 
 
 @dataclass(frozen=True)
@@ -191,20 +269,25 @@ class TruncatedExponential(PiecewiseExponential):
         alpha = 1.0 / (self.scale * float(_exponential_mass(0.0, top, self.scale)))
         return (Piece(0.0, top, alpha),)
 
-    def asymptotic_slope(self, radius: float) -> float:
-        """Slope m of the law for large loads [-] (eq. S3)."""
+    def asymptotic_slope(self, radius: float, law: Contact = PARABOLOID) -> float:
+        """Slope m of the law for large loads [-] (eq. S3), that where the plane reaches the foot."""
+        if law.power != PARABOLOID.power:
+            return float(self.slope(0.0, radius, law))
         excess = float(slope_excess(self.max_height / self.scale))
-        return uniform_slope(radius, self.max_height) * (1.0 + excess)  # eq. S3
+        return uniform_slope(radius, self.max_height, law) * (1.0 + excess)  # eq. S3
 
-    def intercept(self, count: float, radius: float) -> float:
-        """Intercept alpha = pi N R lambda Gamma(x) of the asymptote [mm^2].
+    def intercept(self, count: float, radius: float, law: Contact = PARABOLOID) -> float:
+        """Intercept of the asymptote [mm^2]; with Hertz contacts alpha = pi N R lambda Gamma(x).
 
         ``Gamma(x) = x e^-x/(1 - e^-x) (4/(3 sqrt(pi)) sqrt(x) g(x) - 1)``, whose bracket is
         `slope_excess`.
         """
+        if law.power != PARABOLOID.power:
+            load, area = self._means(0.0, radius, law)
+            return count * float(area - self.asymptotic_slope(radius, law) * load)
         x = self.max_height / self.scale
         factor = x * math.exp(-x) / -math.expm1(-x) * float(slope_excess(x))
-        return math.pi * count * radius * self.scale * factor
+        return count * float(_contact(law, 1.0, radius).area) * self.scale * factor
 
 
 @dataclass(frozen=True)
@@ -256,18 +339,18 @@ class TwoBranchExponential(PiecewiseExponential):
         lower = max(0.0, 1.0 - self.upper_mass) / (lam * float(_exponential_mass(0.0, mid, lam)))  # alpha_1
         return Piece(0.0, mid, lower), Piece(mid, top, upper)
 
-    def asymptotic_slopes(self, radius: float) -> tuple[float, float]:
+    def asymptotic_slopes(self, radius: float, law: Contact = PARABOLOID) -> tuple[float, float]:
         """Slopes m_1 and m_2 of the two branches for large loads [-] (eqs. S7, S8).
 
         m_2 is the slope where the plane reaches the foot. m_1 is the same for the upper density continued
         down to the foot.
         """
-        first = TruncatedExponential(self.scale, self.max_height).asymptotic_slope(radius)  # eq. S7
-        return first, float(self.slope(0.0, radius))  # eq. S8, m_2
+        first = TruncatedExponential(self.scale, self.max_height).asymptotic_slope(radius, law)  # eq. S7
+        return first, float(self.slope(0.0, radius, law))  # eq. S8, m_2
 
-    def crossover_load(self, count: float, radius: float) -> float:
+    def crossover_load(self, count: float, radius: float, law: Contact = PARABOLOID) -> float:
         """Load P_c/E* [mm^2] at which the plane reaches the crossover height (eq. S8)."""
-        return float(self.rescaled_load(self.crossover_height, count, radius))  # eq. S8, P_c/E*
+        return float(self.rescaled_load(self.crossover_height, count, radius, law))  # eq. S8, P_c/E*
 
 
 def equal_masses(scale: float, low: float, high: float, parts: int) -> FloatArray:

@@ -14,10 +14,10 @@ from metafem.inversion.bounds import Bounds
 from metafem.inversion.limits import Limits
 from metafem.inversion.placement.layout import Layout
 from metafem.inversion.radii import Radii, RadiusRange
-from metafem.inversion.search.options import DEFAULTS, SearchOptions
+from metafem.inversion.search.options import DEFAULTS, OTHER_LAWS, SearchOptions
 from metafem.inversion.targets.target import Target
 from metafem.models import Independent, Model
-from metafem.models.model import contact_of
+from metafem.models.model import contact_of, has_paraboloids
 from metafem.prediction.perturbation import Tolerances
 from metafem.surface import Surface
 
@@ -65,7 +65,8 @@ class Problem:
         if robust is not None:
             check.instance("robust", robust, Tolerances, "metafem.Tolerances")
         choice = Radii.given(radii, template)
-        return cls(target, template, choice, solver, bounds, layout, robust)
+        options = DEFAULTS if has_paraboloids(solver) else OTHER_LAWS
+        return cls(target, template, choice, solver, bounds, layout, robust, options)
 
     @cached_property
     def contact(self) -> Contact:

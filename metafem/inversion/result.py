@@ -13,6 +13,7 @@ import numpy as np
 from metafem import drawing
 from metafem._validate import FloatArray, IntArray
 from metafem._values import Value, percent, span
+from metafem.contact import Contact
 from metafem.errors import InvalidInput
 from metafem.inversion.assessment import DesignStatus, misfit_meaning
 from metafem.inversion.candidate import Branch, Parameter
@@ -25,6 +26,7 @@ from metafem.inversion.strategies import exponential
 from metafem.inversion.strategies.mixture import Mixture
 from metafem.inversion.targets.target import Target
 from metafem.inversion.targets.target_law import TargetLaw
+from metafem.models.model import contact_of
 from metafem.notes import Note, counted, late_notes
 from metafem.prediction import BranchFit, FrictionLaw
 from metafem.prediction.perturbation import Tolerances
@@ -152,7 +154,14 @@ class Design(Value):
         if self.density is None:
             return self.target.curve()
         branches = tuple(branch for branch, _ in self.fits)
-        return exponential.law_of(self.density, branches, Mixture.of(self.surface.radius))
+        return exponential.law_of(
+            self.density, branches, Mixture.of(self.surface.radius, self._without_adhesion)
+        )
+
+    @property
+    def _without_adhesion(self) -> Contact:
+        """Law of one contact without adhesion, for the material of the surface."""
+        return contact_of(self.law.model).for_material(self.surface.material).without_adhesion
 
     @cached_property
     def target_area(self) -> FloatArray:

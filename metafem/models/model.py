@@ -183,17 +183,6 @@ def has_paraboloids(model: Model) -> bool:
     return contact_of(model) == PARABOLOID
 
 
-def model_of_paraboloids(model: object, what: str) -> Model:
-    """Return a model of Hertz contacts, or raise InvalidInput: `what` is for these alone."""
-    checked = checked_model(model)
-    if not has_paraboloids(checked):
-        raise InvalidInput(
-            f"model = {shown(model)}: {what} are for paraboloids so far; use contact=metafem.Hertz(), or "
-            "predict the law with friction_law"
-        )
-    return checked
-
-
 @runtime_checkable
 class Model(Protocol):
     """A frozen value that turns a surface and loads into equilibria."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from metafem._validate import FloatArray
 from metafem.inversion import Design
-from metafem.models import Independent
+from metafem.models.model import contact_of
 from metafem.notes import Note
 from metafem.prediction import FrictionLaw
 from metafem.studies.substrates import laws_on_substrates
@@ -34,11 +34,13 @@ def compared(design: Design) -> tuple[tuple[Comparison, ...], tuple[Note, ...]]:
     """
     if design.surface.count > MOST_COMPARED:
         return (), ()
-    predicted, notes = laws_on_substrates(design.surface, design.law.load, wait=False)
+    predicted, notes = laws_on_substrates(
+        design.surface, design.law.load, contact_of(design.law.model), wait=False
+    )
     independent = predicted["independent"]
     laws = {law.model.name: law for law in predicted.values() if law.model.couples}
     # the law of a design under one of these models is among them
-    if design.law.model not in (Independent(), *(law.model for law in laws.values())):
+    if design.law.model not in (independent.model, *(law.model for law in laws.values())):
         laws[design.law.model.name] = design.law
     comparisons = tuple(
         Comparison(name, law, law.area / independent.area - 1.0, independent.separation - law.separation)

@@ -17,7 +17,7 @@ from metafem.errors import InvalidInput, NotConverged
 from metafem.inversion import Design
 from metafem.inversion.assessment import MISSED
 from metafem.models import Model
-from metafem.models.model import model_of_paraboloids
+from metafem.models.model import checked_model
 from metafem.notes import Note, information
 from metafem.prediction import Tolerances
 from metafem.progress import doing
@@ -141,13 +141,13 @@ def combined(
     number = check.integer("draws", draws, at_least=2)
     goal = None if error is None else check.number("error", error, above=0.0)
     surface = design.surface
-    used = design.law.model if model is None else model_of_paraboloids(model, "studies")
+    used = design.law.model if model is None else checked_model(model)
     notes: list[Note] = []
     slope = None
     if load_range is None and np.ptp(surface.height) == 0.0:
         notes.append(information("no slope: all summits have one height, and no load_range is given"))
     else:
-        slope = Slope.of(surface, load_range)
+        slope = Slope.of(surface, load_range, used)
     first = number if goal is None else FIRST_DRAWS
     size = min(batch_size(first), MOST_POINTS)
     task = MadeLaws.of(

@@ -11,6 +11,7 @@ from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.inversion import Design
 from metafem.models import Independent, Interacting
+from metafem.models.model import contact_of
 from metafem.progress import doing, each
 from metafem.studies.sampling.dataset import dataset, described
 from metafem.studies.sampling.points import entropy
@@ -28,6 +29,9 @@ AT_ONCE = 100
 
 # Number of loads of the random assignments: every n-th load of the design's law.
 RANDOM_LOADS = 20
+
+# Orders of the interaction that are compared, up to the largest of the contact law.
+ORDERS = (1, 3)
 
 
 @doing("comparing assignments of heights to sites")
@@ -50,10 +54,11 @@ def interaction(design: Design, *, placements: int = 1000, rng: Any = 0) -> xr.D
     -------
     xarray.Dataset
         ``area_change`` [-] and ``sinking`` [mm], the decrease of the separation, over ``substrate``
-        ("half-space", and "layer" if there is a block), ``order`` (1, 3) and the ``rescaled_load`` [mm^2] of
-        the design's law, with the coordinate ``load`` [N]. ``centred_change`` [-] is the change with the
-        tallest asperities in the centre, at order 3. ``placement_rms`` [-] is the root mean square change of
-        each random assignment (``placement``) over every fifth load, at order 3.
+        ("half-space", and "layer" if there is a block), ``order`` (1, and 3 if the contact law has it) and
+        the ``rescaled_load`` [mm^2] of the design's law, with the coordinate ``load`` [N]. The contact law is
+        that of the design. ``centred_change`` [-] is the change with the tallest asperities in the centre, at
+        the largest order. ``placement_rms`` [-] is the root mean square change of each random assignment
+        (``placement``) over every fifth load, at the largest order.
 
     Examples
     --------
@@ -73,7 +78,9 @@ def interaction(design: Design, *, placements: int = 1000, rng: Any = 0) -> xr.D
     substrates: dict[str, Substrate] = {"half-space": HalfSpace()}
     if surface.block is not None:
         substrates["layer"] = BondedLayer()
-    alone = Independent().curve(surface, rescaled)
+    law = contact_of(design.law.model)
+    orders = [order for order in ORDERS if order <= law.largest_order]
+    alone = Independent(contact=law).curve(surface, rescaled)
     nearest = np.argsort(((surface.position - surface.position.mean(axis=0)) ** 2).sum(axis=1), kind="stable")
     tallest = np.argsort(-surface.height, kind="stable")
     centred = np.empty(surface.count, dtype=int)
@@ -83,10 +90,11 @@ def interaction(design: Design, *, placements: int = 1000, rng: Any = 0) -> xr.D
     change, sinking, centre, spread = [], [], [], []
     for name in each("substrate", list(substrates)):
         substrate = substrates[name]
-        curves = [Interacting(order=order, substrate=substrate).curve(surface, rescaled) for order in (1, 3)]
+        models = [Interacting(order=order, substrate=substrate, contact=law) for order in orders]
+        curves = [model.curve(surface, rescaled) for model in models]
         change.append([curve.area / alone.area - 1.0 for curve in curves])
         sinking.append([curve.approach - alone.approach for curve in curves])
-        model = Interacting(substrate=substrate)
+        model = models[-1]
         centre.append(_areas(model, surface, [centred], rescaled)[0] / alone.area - 1.0)
         moved = _areas(model, surface, random_orders, rescaled[few]) / alone.area[few] - 1.0
         spread.append(np.sqrt((moved**2).mean(axis=1)))
@@ -100,10 +108,10 @@ def interaction(design: Design, *, placements: int = 1000, rng: Any = 0) -> xr.D
     load = rescaled * surface.material.composite_modulus
     coordinates = {
         "substrate": list(substrates),
-        "order": [1, 3],
+        "order": orders,
         "rescaled_load": rescaled,
     }
-    inputs = inputs_hash(("interaction", surface, rescaled, count, seed))
+    inputs = inputs_hash(("interaction", surface, law, rescaled, count, seed))
     found = dataset("interaction", variables, coordinates, inputs=inputs, seed=seed, draws=count)
     return found.assign_coords(load=("rescaled_load", load, described("load")))
 

@@ -12,7 +12,7 @@ from metafem._calls import checked_call
 from metafem._given import formatted, label
 from metafem.errors import InvalidInput, NotConverged
 from metafem.models import Independent, Model
-from metafem.models.model import model_of_paraboloids
+from metafem.models.model import checked_model
 from metafem.notes import Note, information
 from metafem.prediction import Tolerances
 from metafem.progress import doing
@@ -106,7 +106,7 @@ def manufacturing(
     array([0.   , 0.041])
     """
     check.instance("surface", surface, Surface, "a metafem.Surface")
-    used = model_of_paraboloids(Independent() if model is None else model, "studies")
+    used = checked_model(Independent() if model is None else model)
     deviations = np.atleast_1d(check.array("height_sd", np.atleast_1d(height_sd), shape=(None,)))
     tolerances = [Tolerances(float(sd), 0.0, radius_sd, position_sd) for sd in deviations]
     number = check.integer("draws", draws, at_least=2)
@@ -114,7 +114,7 @@ def manufacturing(
         error = check.number("error", error, above=0.0)
         if plain:
             raise InvalidInput("error cannot be given with plain=True; state the number of draws")
-    seed, slope = entropy(rng), Slope.of(surface, load_range)
+    seed, slope = entropy(rng), Slope.of(surface, load_range, used)
     dimensions = max(each.dimensions(surface) for each in tolerances)
     size = batch_size(number, dimensions) if error is None else ROUND_POINTS
     task = SlopeDraws.of(surface, used, slope, tolerances, seed=seed, draws=number, size=size, plain=plain)

@@ -14,7 +14,7 @@ from metafem._given import shown
 from metafem._validate import FloatArray, IntArray
 from metafem.errors import InvalidInput, NotConverged
 from metafem.models import Independent, Model
-from metafem.models.model import model_of_paraboloids
+from metafem.models.model import checked_model, contact_of
 from metafem.notes import Note, information
 from metafem.progress import doing
 from metafem.studies.sampling.batches import Execution, opened
@@ -123,10 +123,11 @@ def misalignment(
         raise InvalidInput(f"axes = {shown(axes)} must be one of {', '.join(map(repr, DIRECTIONS))}")
     positive = _angles(angle)
     signed = np.concatenate([-positive[::-1], [0.0], positive])
-    fit = Slope.of(surface, load_range)
+    used = checked_model(Independent() if model is None else model)
+    fit = Slope.of(surface, load_range, used)
     task = Tilts(
         surface,
-        model_of_paraboloids(Independent() if model is None else model, "studies"),
+        used,
         np.outer(np.tan(signed), DIRECTIONS[axes]),
         signed,
         fit,
@@ -262,7 +263,8 @@ def _base_contact(task: Tilts) -> list[Note]:
     surface, rise = task.surface, task.tilt[-1]
     tilted = surface.height + surface.position @ rise
     load = task.fit.load[-1:]
-    approach = Independent().curve_of(tilted, surface.radius, load).approach[0]
+    law = contact_of(task.model).for_material(surface.material)
+    approach = Independent(contact=law).curve_of(tilted, surface.radius, load).approach[0]
     separation = float(tilted.max() - approach)  # at the origin, from the base plane
     sides = np.abs(surface.position).max(axis=0)
     if surface.block is not None:

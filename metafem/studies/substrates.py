@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from metafem._validate import FloatArray
+from metafem.contact import Contact
 from metafem.errors import InvalidInput, NotConverged
 from metafem.models import Independent, Interacting, Model
 from metafem.notes import Note, information
@@ -11,27 +14,35 @@ from metafem.progress import each
 from metafem.substrate import BondedLayer
 from metafem.surface import Surface
 
+if TYPE_CHECKING:
+    from metafem.fe import Block3D
+
 
 def laws_on_substrates(
-    surface: Surface, load: FloatArray, *, wait: bool
+    surface: Surface, load: FloatArray, contact: Contact, *, wait: bool
 ) -> tuple[dict[str, FrictionLaw], list[Note]]:
     """Return the laws of independent asperities, and on the half-space, the bonded layer and the true block.
 
-    The keys are the models' names on the command line, "independent" first; the loads (k,) are in N. Notes
-    state which models are left out, and why: without a block the layer and the true block, without `wait` a
-    true block whose influence is not on disk, and models without a solution.
+    All have the given contact law, and the largest order of interaction that it has. The keys are the models'
+    names on the command line, "independent" first; the loads (k,) are in N. Notes state which models are left
+    out, and why: without a block the layer and the true block, without `wait` a true block whose influence is
+    not on disk, and models without a solution.
     """
-    models: dict[str, Model] = {"independent": Independent(), "half-space": Interacting()}
+    order = contact.largest_order
+    models: dict[str, Model] = {
+        "independent": Independent(contact=contact),
+        "half-space": Interacting(order=order, contact=contact),
+    }
     notes: list[Note] = []
     if surface.block is None:
         notes.append(information("the layer and the true block are left out: the surface has no block"))
     else:
-        models["layer"] = Interacting(substrate=BondedLayer())
-        model, reason = _true_block(surface, wait)
-        if model is None:
+        models["layer"] = Interacting(order=order, substrate=BondedLayer(), contact=contact)
+        block, reason = _true_block(surface, wait)
+        if block is None:
             notes.append(information(reason))
         else:
-            models["block"] = model
+            models["block"] = Interacting(order=order, substrate=block, contact=contact)
     laws = {}
     for name in each("law", list(models)):
         try:
@@ -41,14 +52,14 @@ def laws_on_substrates(
                 raise
             notes.append(
                 information(
-                    f"the {name} is left out: order 3 has no solution up to {load[-1]:.4g} N ({reason})"
+                    f"the {name} is left out: order {order} has no solution up to {load[-1]:.4g} N ({reason})"
                 )
             )
     return laws, notes
 
 
-def _true_block(surface: Surface, wait: bool) -> tuple[Model | None, str]:
-    """Return the model of the true block, or None and the reason."""
+def _true_block(surface: Surface, wait: bool) -> tuple[Block3D | None, str]:
+    """Return the substrate of the true block, or None and the reason."""
     from metafem.fe import Block3D  # imports scikit-fem, which no other model needs
 
     substrate = Block3D()
@@ -61,4 +72,4 @@ def _true_block(surface: Surface, wait: bool) -> tuple[Model | None, str]:
             "the true block is left out: its influence between these sites has not been computed. This takes "
             "about a minute; `metafem study fidelity` computes and stores it"
         )
-    return Interacting(substrate=substrate), ""
+    return substrate, ""

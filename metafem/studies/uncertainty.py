@@ -14,7 +14,7 @@ from metafem._calls import checked_call
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.models import Independent, Model
-from metafem.models.model import model_of_paraboloids
+from metafem.models.model import checked_model
 from metafem.notes import Note, information
 from metafem.prediction.friction_law import default_loads
 from metafem.progress import doing
@@ -123,7 +123,7 @@ def uncertainty(
     (array([0.0035]), array([0.09, 0.91]))
     """
     check.instance("surface", surface, Surface, "a metafem.Surface")
-    used = model_of_paraboloids(Independent() if model is None else model, "studies")
+    used = checked_model(Independent() if model is None else model)
     number = check.integer("draws", draws, at_least=2)
     wanted = None if error is None else check.number("error", error, above=0.0)
     modulus = surface.material.composite_modulus
@@ -149,7 +149,7 @@ def uncertainty(
     if load_range is None and np.ptp(surface.height) == 0.0:
         notes.append(information("no slope: all summits have one height, and no load_range is given"))
     else:
-        fit = Slope.of(surface, load_range)
+        fit = Slope.of(surface, load_range, used)
     groups = len(inputs.groups)
     size = plan(number if wanted is None else FIRST_DRAWS, groups)
     task = LawDraws.of(surface, used, inputs, fit, loads, forces, size.points, entropy(rng))

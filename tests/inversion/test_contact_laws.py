@@ -6,6 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import metafem as mf
+from metafem.inversion.height_density import TruncatedExponential
+from metafem.inversion.strategies.mixture import Mixture
 from validation.scenes.random_laws import LATTICE, RADIUS
 
 POINTS = mf.OperatingPoints([0.144, 0.336, 0.649], [0.84, 1.68, 4.12])
@@ -26,7 +28,7 @@ def test_operating_points_are_met_exactly(cap):
 
 
 @pytest.mark.parametrize("exponent", [1.5, 4.0])
-@settings(max_examples=4)
+@settings(max_examples=2)
 @given(seed=st.integers(0, 10**6))
 def test_laws_of_random_surfaces_are_recovered(exponent, seed):
     model, rng = mf.Independent(contact=mf.PowerCap(exponent)), np.random.default_rng(seed)
@@ -57,3 +59,52 @@ def test_operating_points_of_a_tabulated_profile():
         mf.Independent(contact=table_of_a_sphere()), mf.Limits(0.27),
     )  # fmt: skip
     assert result.misfit <= 1e-9
+
+
+@pytest.mark.parametrize("cap", [mf.PowerCap(3), mf.SphericalCap(), table_of_a_sphere()], ids=repr)
+def test_heights_of_a_density_have_its_slope(cap):
+    result = mf.design(mf.LinearLaw(6.87), LATTICE, mf.Independent(contact=cap), mf.Limits(0.12))
+    assert result.misfit <= 0.1
+    slope = result.density.asymptotic_slope(RADIUS, cap)
+    assert slope == pytest.approx(6.87, rel=1e-9)
+    load = result.target_law.load[-1]
+    assert result.density.area(0.0, 64, RADIUS, cap) == pytest.approx(result.target_law.base[-1])
+    assert load == pytest.approx(result.parameters["foot_load"])
+
+
+def test_coefficients_that_densities_of_flat_caps_reach():
+    template = LATTICE.replaced(friction=mf.Friction(0.358, 0.85))
+    limits, cap = mf.Limits(0.12, height_sd=0.0009), mf.PowerCap(4)
+    low, high = mf.achievable_friction_coefficients(template, limits, contact=cap)
+    for mu, reached in ((1.001 * low, True), (0.999 * low, False), (0.999 * high, True)):
+        target = mf.LinearLaw.from_friction_coefficient(mu, template.material, template.friction)
+        if not reached:
+            with pytest.raises(mf.Infeasible, match=r"A\(h_m\)/P\(h_m\)"):
+                mf.design(target, template, mf.Independent(contact=cap), limits)
+        else:
+            found = mf.design(target, template, mf.Independent(contact=cap), limits)
+            assert not any("the scale" in str(note) for note in found.notes)
+
+
+def test_tools_are_mixed_by_the_power_of_the_caps():
+    mixture = Mixture((0.2, 0.8), (3000, 1000), mf.PowerCap(4))
+    density = TruncatedExponential(0.03, 0.12)
+    height = np.sort(-0.03 * np.log1p(-np.linspace(0.0, -np.expm1(-4.0), 4001)[1:]))[::-1]
+    load, law = np.linspace(1.0, 10.0, 5), mixture.law
+    area = mf.Independent(contact=law).curves(height, mixture.mixed(), load)[2][0]
+    delta = np.linspace(0.12, 0.0, 2000)
+    expected = np.interp(
+        load,
+        density.rescaled_load(delta, mixture.carrying, mixture.radius, law),
+        density.area(delta, mixture.carrying, mixture.radius, law),
+    )
+    np.testing.assert_allclose(area, expected, rtol=2e-3)  # the ends of 4,000 intervals, not their middles
+
+
+@pytest.mark.parametrize("objective", [mf.FollowLaw, mf.InsensitiveToTilt])
+def test_flat_caps_are_arranged(objective):
+    model, load = mf.Interacting(contact=mf.PowerCap(4)), np.linspace(0.02, 0.1, 5)
+    height = 0.2 - np.random.default_rng(2).exponential(0.02, 16)
+    surface = mf.Surface.square_lattice(height, (4, 4), radius=RADIUS, material=mf.Material(1.36))
+    found = mf.arrange(surface, objective(load), model)
+    assert found.after <= 0.6 * found.before

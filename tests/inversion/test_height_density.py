@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.integrate import quad
 
 import metafem as mf
 from metafem.inversion.height_density import (
@@ -17,6 +18,7 @@ from metafem.inversion.height_density import (
     slope_excess,
     uniform_slope,
 )
+from metafem.models.contact_sums import contacts
 from metafem.reference import height_densities as printed
 
 TOP, RADIUS = 0.12, 0.526
@@ -129,3 +131,62 @@ def test_intercept_vanishes_at_both_ends():
     thin = TruncatedExponential(TOP * 1e9, TOP)
     # lambda Gamma(x) tends to h_m/x * x/10 = h_m/10
     assert thin.intercept(64, RADIUS) == pytest.approx(math.pi * 64 * RADIUS * TOP / 10.0, rel=1e-8)
+
+
+LAWS = [mf.PowerCap(4), mf.PowerCap(1.5, 0.3), mf.SphericalCap(), mf.TabulatedContact, mf.AxisymmetricCap]
+
+
+def law_named(kind):
+    """Return a law; a table and a profile are those of a cap of the third power."""
+    cap, d = mf.PowerCap(3, 0.4), np.linspace(0.0, 0.2, 400)
+    a = cap.contact_radius(d, RADIUS)
+    if kind is mf.TabulatedContact:
+        return mf.TabulatedContact(d, cap.load(a, RADIUS), cap.area(a)).for_material(mf.Material(1.0))
+    if kind is mf.AxisymmetricCap:
+        return mf.AxisymmetricCap(lambda rho: 0.4 * RADIUS * (rho / RADIUS) ** 3, extent=1.0)
+    return kind
+
+
+@pytest.mark.parametrize("kind", LAWS)
+@pytest.mark.parametrize("delta", [0.001, 0.03, 0.08])
+def test_means_and_slopes_of_any_law(kind, delta):
+    """Against adaptive quadrature and differences; the law of a table has kinks in its derivatives."""
+    law, density = law_named(kind), TwoBranchExponential(0.03, TOP, 0.05, 0.5)
+    exact = kind is not mf.TabulatedContact
+
+    def mean(index):
+        def value(depth, piece):
+            found = contacts(law, np.array(depth), np.array(RADIUS))[index]
+            return float(found) * piece.alpha * math.exp(-(depth + delta) / density.scale)
+
+        return sum(
+            quad(value, max(piece.low - delta, 0.0), piece.high - delta, (piece,), epsabs=0, epsrel=1e-10)[0]
+            for piece in density.pieces
+            if piece.high > delta
+        )
+
+    means = density.rescaled_load(delta, 1, RADIUS, law), density.area(delta, 1, RADIUS, law)
+    np.testing.assert_allclose(means, [mean(0), mean(1)], rtol=1e-9 if exact else 1e-5)
+    step = 1e-6 * np.array([-1.0, 1.0])
+    area = density.area(delta + step, 1, RADIUS, law)
+    load = density.rescaled_load(delta + step, 1, RADIUS, law)
+    slope = float(density.slope(delta, RADIUS, law))
+    assert slope == pytest.approx(np.diff(area)[0] / np.diff(load)[0], rel=1e-7 if exact else 1e-3)
+
+
+@pytest.mark.parametrize("kind", LAWS)
+@pytest.mark.parametrize("share", [1.01, 1.5, 3.0])
+def test_scales_of_any_law_have_the_slope(kind, share):
+    law = law_named(kind)
+    slope = share * uniform_slope(RADIUS, TOP, law)
+    density = TruncatedExponential(scale_from_slope(slope, RADIUS, TOP, law), TOP)
+    assert density.asymptotic_slope(RADIUS, law) == pytest.approx(slope, rel=1e-9)
+    load, area = density.rescaled_load(0.0, 64, RADIUS, law), density.area(0.0, 64, RADIUS, law)
+    assert density.intercept(64, RADIUS, law) == pytest.approx(float(area - slope * load), abs=1e-8 * area)
+
+
+def test_exponential_heights_have_a_straight_law_whatever_the_contacts():
+    for kind in LAWS:
+        law, density = law_named(kind), TruncatedExponential(0.003, TOP)
+        slope = density.slope(np.array([0.0, 0.02, 0.04]), RADIUS, law)
+        np.testing.assert_allclose(slope, slope[0], rtol=1e-6)

@@ -113,19 +113,3 @@ def test_what_cannot_take_the_law_refuses_it():
     for model in (mf.Interacting, mf.MeanField, mf.Automatic):
         with pytest.raises(mf.InvalidInput, match="contact = 4 must be a contact law such as"):
             model(contact=4)
-
-
-def test_densities_arrangements_and_studies_are_for_paraboloids():
-    template, target = lattice(np.full(4, 0.12)), mf.LinearLaw(8.0)
-    surface = lattice([0.1, 0.11, 0.12, 0.13])
-    design = mf.design(target, template)
-    for call in (
-        lambda: mf.design(target, template, QUARTIC),
-        lambda: mf.arrange(surface, mf.InsensitiveToTilt([0.05]), QUARTIC),
-        lambda: mf.studies.manufacturing(surface, [0.001], draws=2, model=QUARTIC),
-        lambda: mf.studies.misalignment(surface, [0.001], model=QUARTIC),
-        lambda: mf.studies.uncertainty(surface, {"radius": 0.005}, model=QUARTIC),
-        lambda: mf.studies.combined(design, mf.Tolerances(0.001), misfit=0.1, draws=2, model=QUARTIC),
-    ):
-        with pytest.raises(mf.InvalidInput, match="are for paraboloids so far"):
-            call()

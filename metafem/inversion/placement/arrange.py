@@ -18,7 +18,7 @@ from metafem.inversion.placement.objectives import Objective
 from metafem.inversion.placement.sites import Sites, sites_for
 from metafem.inversion.search.options import DEFAULTS, SearchOptions
 from metafem.models import Independent, Interacting, Model
-from metafem.models.model import model_of_paraboloids
+from metafem.models.model import contact_of
 from metafem.progress import each
 from metafem.surface import Surface
 
@@ -125,7 +125,6 @@ def arrange(
     solver: Model = Interacting() if model is None else model
     check.instance("surface", surface, Surface, "a metafem.Surface")
     check.instance("model", solver, Model, "a model such as metafem.Interacting()")
-    model_of_paraboloids(solver, "arrangements")
     check.instance("objective", objective, Objective, "such as metafem.FollowLaw(...)")
     where, known = sites_for(surface, solver, position)
     count, total = surface.count, len(where.position)
@@ -174,15 +173,13 @@ class _Search:
 
     def best(self, first: _Measured) -> _Measured:
         """Return the best arrangement that is found from a given one, over the sites `open_sites`."""
-        best = first
+        best, alone = first, Independent(contact=contact_of(self.model))
         tries = range(max(1, self.affordable(self.options.most_rounds)))
         for k in each("round", tries, at_most=True):
             if best.misfit <= self.options.arranged_goal:
                 break
             start = first if k < 2 else self.disturbed(best)
-            best = min(
-                best, self.corrected(start, (self.model, Independent())[k % 2]), key=attrgetter("misfit")
-            )
+            best = min(best, self.corrected(start, (self.model, alone)[k % 2]), key=attrgetter("misfit"))
         return self.confirmed(best)
 
     def measured(self, order: IntArray) -> _Measured:

@@ -9,7 +9,6 @@ terms of their two sites.
 
 from __future__ import annotations
 
-import math
 from copy import copy
 from dataclasses import dataclass, field, replace
 from typing import Protocol
@@ -17,7 +16,7 @@ from typing import Protocol
 import numpy as np
 
 from metafem._validate import FloatArray, IntArray
-from metafem.contact import Hertz
+from metafem.contact import Contact
 
 
 class Forecast(Protocol):
@@ -92,9 +91,10 @@ class Tilted:
     """Relative changes of A0 by tilts of independent asperities, at fixed load.
 
     The change of load at fixed separation is compensated along the law:
-    ``dA = sum_i pi R_i d_i - dA0/dP sum_i 4/3 sqrt(R_i) d_i^(3/2)`` with the indentations d_i after the tilt.
+    ``dA = sum_i A(d_i) - dA0/dP sum_i P(d_i)`` with the indentations d_i after the tilt.
     """
 
+    law: Contact
     depth: FloatArray  # (k, m), indentations of the asperities before the tilt [mm], negative where open
     radius: FloatArray  # (m,) R of the asperities [mm]
     lift: FloatArray  # (t, m), rise of each site by each tilt [mm]
@@ -123,11 +123,10 @@ class Tilted:
         return np.asarray(value + value.transpose(0, 2, 1) - diagonal[:, :, None] - diagonal[:, None, :])
 
     def _value(self, depth: FloatArray, radius: FloatArray) -> FloatArray:
-        deep = np.maximum(depth, 0.0)
         tail = (1,) * (depth.ndim - 2)
         scale, rate = self.scale.reshape(-1, *tail), self.rate.reshape(-1, *tail)
-        load = Hertz().load_at_indentation(deep, radius)
-        return np.asarray(scale * (math.pi * radius * deep - rate * load))
+        a = self.law.contact_radius(depth, radius)
+        return np.asarray(scale * (self.law.area(a) - rate * self.law.load(a, radius)))
 
 
 @dataclass(frozen=True, eq=False)

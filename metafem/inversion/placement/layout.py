@@ -15,6 +15,7 @@ from metafem.errors import InvalidInput
 from metafem.inversion.placement.arrange import arrange
 from metafem.inversion.placement.objectives import FollowLaw, InsensitiveToTilt, Objective, Together
 from metafem.models import Independent, Model
+from metafem.models.model import contact_of
 from metafem.notes import information
 from metafem.progress import doing
 from metafem.surface import STEEPEST, Surface
@@ -112,7 +113,8 @@ def aims_of(
     """Return the aims of a layout, each in words and as an objective with its weight."""
     aims: list[tuple[str, Objective, float]] = []
     if model.couples:  # with a tilt too: otherwise the refinement would undo the layout
-        some, area = _some(len(law.load), LAW_LOADS), Independent().curve(surface, law.load).area
+        alone = Independent(contact=contact_of(model))
+        some, area = _some(len(law.load), LAW_LOADS), alone.curve(surface, law.load).area
         friction = law.law(area)[some]
         # a poor fit can decrease with the load; the law of independent asperities always increases
         rises = friction[0] > 0.0 and (np.diff(friction) > 0.0).all()

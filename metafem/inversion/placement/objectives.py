@@ -14,11 +14,12 @@ from metafem import _validate as check
 from metafem._calls import checked_class
 from metafem._validate import FloatArray, IntArray
 from metafem._values import Value
-from metafem.contact import Hertz
+from metafem.contact import Contact
 from metafem.errors import InvalidInput
 from metafem.inversion.placement.exchange import Coupled, Forecast, Joined, Tilted
 from metafem.inversion.placement.sites import Sites
 from metafem.models import Independent, Model
+from metafem.models.model import contact_of
 from metafem.surface import STEEPEST, Surface
 
 # The misalignment for which Aymard et al. state the change of their laws, doi:10.1126/science.adk4234.
@@ -83,7 +84,7 @@ class FollowLaw(Value):
     def residual(self, surface: Surface, model: Model) -> FloatArray:
         """Return the relative differences, (K,)."""
         area = model.curve(surface, self.rescaled_load).area
-        return np.asarray((area / self._target(surface) - 1.0) / math.sqrt(len(area)))
+        return np.asarray((area / self._target(surface, model) - 1.0) / math.sqrt(len(area)))
 
     def forecast(self, surface: Surface, model: Model, sites: Sites) -> Forecast:
         """Return ``-sum_ij dA0/dh_i G_ij P_j/E*``: displacements by other asperities act as lower heights.
@@ -91,16 +92,17 @@ class FollowLaw(Value):
         The gradient and the loads are those of the given arrangement.
         """
         found = model.gradient_model.sensitivity(surface, self.rescaled_load)
-        load = Hertz().load_at_indentation(found.indentation, surface.radius)
-        weight = -found.gradient / (self._target(surface)[:, None] * math.sqrt(len(load)))
+        law = _law(model, surface)
+        load = law.load(law.contact_radius(found.indentation, surface.radius), surface.radius)
+        weight = -found.gradient / (self._target(surface, model)[:, None] * math.sqrt(len(load)))
         rows = sites.indices(surface.position)
         left, right = (_spread(values, rows, sites, 0.0) for values in (weight, load))
         return Coupled(left, right, sites.influence)
 
-    def _target(self, surface: Surface) -> FloatArray:
+    def _target(self, surface: Surface, model: Model) -> FloatArray:
         if self.rescaled_friction is not None:
             return self.rescaled_friction
-        return Independent().curve(surface, self.rescaled_load).area
+        return Independent(contact=_law(model, surface)).curve(surface, self.rescaled_load).area
 
 
 @checked_class
@@ -110,9 +112,9 @@ class InsensitiveToTilt(Value):
 
     A tilt by (t_x, t_y) raises the summits by ``x_i t_x + y_i t_y``. At a fixed load that changes A0 by
     ``sum_i dA0/dh_i (x_i t_x + y_i t_y)`` to first order. As the dA0/dh_i sum to zero, these first moments
-    do not depend on the origin. For independent asperities they are those of ``pi R_i - c sqrt(R_i d_i)``
-    over the contacts. A tilt of 0.1 degrees over 10 mm is as large as many indentations, so the misfit is
-    the rms of the full change A0(tilted)/A0 - 1 over the loads and six directions.
+    do not depend on the origin. For independent Hertz contacts they are those of
+    ``pi R_i - c sqrt(R_i d_i)``. A tilt of 0.1 degrees over 10 mm is as large as many indentations, so the
+    misfit is the rms of the full change A0(tilted)/A0 - 1 over the loads and six directions.
 
     Parameters
     ----------
@@ -150,13 +152,14 @@ class InsensitiveToTilt(Value):
         """Return the changes of independent asperities with the present loads: sums over the sites."""
         found = model.gradient_model.sensitivity(surface, self.rescaled_load)
         depth, radius = found.indentation, surface.radius
-        rate = math.pi * np.where(depth > 0.0, radius, 0.0).sum(axis=1)
-        rate /= 2.0 * np.sqrt(radius * np.maximum(depth, 0.0)).sum(axis=1)
+        law = _law(model, surface)
+        a, size = law.contact_radius(depth, radius), np.broadcast_to(radius, depth.shape)
+        rate = law.area_slope(a, size).sum(axis=1) / law.stiffness(a, size).sum(axis=1)
         scale = 1.0 / (found.curve.area * math.sqrt(DIRECTIONS * len(depth)))
         # a vacancy is represented by an asperity that no tilt brings into contact
         rows = sites.indices(surface.position)
         depth, radius = _spread(depth, rows, sites, -math.inf), _spread(radius, rows, sites, 1.0)
-        return Tilted(depth, radius, self._lifts(sites.position), scale, rate)
+        return Tilted(law, depth, radius, self._lifts(sites.position), scale, rate)
 
     def _lifts(self, position: FloatArray) -> FloatArray:
         """Return the rise of the sites by the tilts, (6, m) [mm]."""
@@ -213,6 +216,11 @@ class Together:
         """Return the forecasts of all objectives, each times the square root of its weight."""
         parts = tuple(part.forecast(surface, model, sites) for part in self.objectives)
         return Joined(tuple(math.sqrt(w) for w in self.weights), parts)
+
+
+def _law(model: Model, surface: Surface) -> Contact:
+    """Return the contact law of a model for the material of a surface."""
+    return contact_of(model).for_material(surface.material)
 
 
 def _spread(values: FloatArray, rows: IntArray, sites: Sites, vacant: float) -> FloatArray:

@@ -11,8 +11,8 @@ import numpy as np
 from scipy.optimize import brentq
 
 from metafem._validate import FloatArray, IntArray
-from metafem.contact import Hertz
 from metafem.errors import Infeasible
+from metafem.inversion.bounds import at_load
 from metafem.inversion.candidate import Branch, Candidate, Parameter
 from metafem.inversion.feasibility import INSIDE
 from metafem.inversion.height_density import (
@@ -28,7 +28,7 @@ from metafem.inversion.height_density import (
 from metafem.inversion.limits import Limits
 from metafem.inversion.strategies.mixture import Mixture, best_mixture
 from metafem.inversion.targets.target_law import TargetLaw
-from metafem.models.model import model_of_paraboloids
+from metafem.models.model import PARABOLOID
 from metafem.notes import Note
 
 if TYPE_CHECKING:
@@ -50,23 +50,21 @@ SEPARATIONS = 61
 
 def linear(target: LinearLaw, problem: Problem) -> Candidate:
     """Return heights of the truncated exponential whose law has the target slope."""
-    model_of_paraboloids(problem.model, "height densities")
     return best_mixture(lambda mixture: _linear(target, mixture, problem.limits), problem)
 
 
 def bilinear(target: BilinearLaw, problem: Problem) -> Candidate:
     """Return heights of the two-branch exponential whose law has the target slopes and crossover."""
-    model_of_paraboloids(problem.model, "height densities")
     return best_mixture(lambda mixture: _bilinear(target, mixture, problem.limits), problem)
 
 
 def _linear(target: LinearLaw, mixture: Mixture, limits: Limits) -> Candidate:
-    radius, count = mixture.radius, mixture.count
-    nearest = replace(target, slope=uniform_slope(radius, limits.span) * (1.0 + INSIDE))
-    scale = _scale(target.slope, radius, limits, nearest)
+    single, count = (mixture.radius, mixture.law), mixture.count
+    nearest = replace(target, slope=_uniform_slope(mixture, limits) * (1.0 + INSIDE))
+    scale = _scale(target.slope, mixture, limits, nearest)
     density = TruncatedExponential(scale, limits.span)
-    end = float(density.rescaled_load(0.0, mixture.carrying, radius))
-    intercept = density.intercept(mixture.carrying, radius)
+    end = float(density.rescaled_load(0.0, mixture.carrying, *single))
+    intercept = density.intercept(mixture.carrying, *single)
     parameters: dict[str, Parameter] = {"scale": scale, "intercept": intercept, "foot_load": end}
     if limits.height_step is None:
         height = _middles(density, 0.0, limits.span, count)
@@ -88,15 +86,16 @@ def _linear(target: LinearLaw, mixture: Mixture, limits: Limits) -> Candidate:
 
 
 def _bilinear(target: BilinearLaw, mixture: Mixture, limits: Limits) -> Candidate:
-    (first, second), radius, count = target.slopes, mixture.radius, mixture.count
-    floor = uniform_slope(radius, limits.span) * (1.0 + INSIDE)
-    scale = _scale(first, radius, limits, replace(target, slopes=(floor, second)))
+    (first, second), count = target.slopes, mixture.count
+    floor = _uniform_slope(mixture, limits) * (1.0 + INSIDE)
+    scale = _scale(first, mixture, limits, replace(target, slopes=(floor, second)))
     density = _two_branches(target, scale, mixture, limits)
     upper = min(max(round(count * density.upper_mass), 1), count - 1)  # N_1 of regime 1, h > h_c
     middle, top = density.crossover_height, limits.span
     parts = _middles(density, middle, top, upper), _middles(density, 0.0, middle, count - upper)
     height = np.concatenate(parts)
-    crossover, end = target.crossover_load, float(density.rescaled_load(0.0, mixture.carrying, radius))
+    crossover = target.crossover_load
+    end = float(density.rescaled_load(0.0, mixture.carrying, mixture.radius, mixture.law))
     parameters: dict[str, Parameter] = {
         "scale": scale,
         "weight": density.weight,
@@ -122,9 +121,10 @@ def _bilinear(target: BilinearLaw, mixture: Mixture, limits: Limits) -> Candidat
 def law_of(density: PiecewiseExponential, branches: tuple[Branch, ...], mixture: Mixture) -> TargetLaw:
     """Return the density's law over all branches, at even steps of the separation."""
     separation = density.max_height * (1.0 - np.arange(SEPARATIONS) / (SEPARATIONS - 1))
-    load = density.rescaled_load(separation, mixture.carrying, mixture.radius)
+    asperities = mixture.carrying, mixture.radius, mixture.law
+    load = density.rescaled_load(separation, *asperities)
     inside = load >= branches[0].load_range[0]
-    area = density.area(separation[inside], mixture.carrying, mixture.radius)
+    area = density.area(separation[inside], *asperities)
     return TargetLaw.fixed(load[inside], area)
 
 
@@ -155,8 +155,13 @@ def _middles(density: PiecewiseExponential, low: float, high: float, count: int)
     return np.asarray(0.5 * (ends[1:] + ends[:-1])[::-1])
 
 
-def _scale(slope: float, radius: float, limits: Limits, nearest: LinearLaw | BilinearLaw) -> float:
-    bound, wording = uniform_slope(radius, limits.span), nearest.wording
+def _uniform_slope(mixture: Mixture, limits: Limits) -> float:
+    """Return the smallest slope, that of uniformly distributed heights [-]."""
+    return uniform_slope(mixture.radius, limits.span, mixture.law)
+
+
+def _scale(slope: float, mixture: Mixture, limits: Limits, nearest: LinearLaw | BilinearLaw) -> float:
+    bound, wording = _uniform_slope(mixture, limits), nearest.wording
     given, name = wording.slopes(slope), wording.name()
     if slope > STEEPEST * bound:
         raise Infeasible(
@@ -165,13 +170,14 @@ def _scale(slope: float, radius: float, limits: Limits, nearest: LinearLaw | Bil
         )
     if slope <= bound:
         pair = "" if wording.per_slope is None else " sigma B/E*"
+        form = "3 pi/4 sqrt(R/h_m)" if mixture.law == PARABOLOID else "A(h_m)/P(h_m)"
         raise Infeasible(
-            f"{given} is not above the bound 3 pi/4 sqrt(R/h_m){pair} = {wording.coefficient(bound):.6g} of "
-            f"asperities of radius {radius:g} mm within {limits.span:g} mm of height; raise the {name} or "
-            "max_height, or use a smaller radius",
+            f"{given} is not above the bound {form}{pair} = {wording.coefficient(bound):.6g} of "
+            f"asperities of radius {mixture.radius:g} mm within {limits.span:g} mm of height; raise the "
+            f"{name} or max_height, or use a smaller radius",
             nearest,
         )
-    return scale_from_slope(slope, radius, limits.span)
+    return scale_from_slope(slope, mixture.radius, limits.span, mixture.law)
 
 
 def _two_branches(
@@ -181,11 +187,11 @@ def _two_branches(
 
     P_c is proportional to the weight u, so the crossover load fixes u for each h_c; m_2 then fixes h_c.
     """
-    radius, count, carrying = mixture.radius, mixture.count, mixture.carrying
+    single, count, carrying = (mixture.radius, mixture.law), mixture.count, mixture.carrying
     (first, second), crossover, top = target.slopes, target.crossover_load, limits.span
     wording = target.wording
     plain = TruncatedExponential(scale, top)
-    full_load = float(plain.rescaled_load(0.0, carrying, radius))
+    full_load = float(plain.rescaled_load(0.0, carrying, *single))
     if crossover >= full_load:
         raise Infeasible(
             f"crossover_load = {wording.loads(crossover)} is outside the law of {wording.slopes(first)}, "
@@ -194,14 +200,14 @@ def _two_branches(
         )
 
     def weight(middle: float) -> float:
-        return crossover / float(plain.rescaled_load(middle, carrying, radius))  # eq. S8, P_c/E*
+        return crossover / float(plain.rescaled_load(middle, carrying, *single))  # eq. S8, P_c/E*
 
     def upper_mass(depth: float) -> float:
         return weight(top - depth) * float(plain.mass(top - depth, top))
 
-    # Where all the mass lies above a crossover height that is `depth` below the top, <d^1.5> <= depth^1.5:
-    # the smallest depth. Beyond it the mass above decreases with the depth.
-    shallow = float(Hertz().indentation_at_load(crossover / carrying, radius))
+    # Where all the mass lies above a crossover height that is `depth` below the top, each asperity carries
+    # less than at that depth: the smallest depth. Beyond it the mass above decreases with the depth.
+    shallow = float(at_load(mixture.law, np.array([crossover / carrying]), mixture.radius)[0][0])
     deepest = top * (1.0 - INSIDE)
     ends = []
     for share in (1.0 - 0.5 / count, 0.5 / count):  # each branch keeps at least half an asperity
@@ -218,7 +224,7 @@ def _two_branches(
         return TwoBranchExponential(scale, top, top - depth, weight(top - depth))
 
     def second_slope(depth: float) -> float:
-        return density(depth).asymptotic_slopes(radius)[1]  # eq. S8, m_2
+        return density(depth).asymptotic_slopes(*single)[1]  # eq. S8, m_2
 
     low, high = second_slope(shallowest), second_slope(deepest)
     if not low < high:
@@ -248,7 +254,7 @@ def _notes(scale: float, mixture: Mixture, limits: Limits, wording: Wording) -> 
     if limits.height_sd is None or scale >= FINEST_SCALE_IN_SD * limits.height_sd:
         return ()
     finest = FINEST_SCALE_IN_SD * limits.height_sd
-    steepest = TruncatedExponential(finest, limits.span).asymptotic_slope(mixture.radius)
+    steepest = TruncatedExponential(finest, limits.span).asymptotic_slope(mixture.radius, mixture.law)
     return (
         Note(
             f"the scale {scale:.4g} mm is below {FINEST_SCALE_IN_SD:g} times height_sd, {finest:.4g} mm: "

@@ -11,8 +11,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from metafem._validate import FloatArray
+from metafem.contact import Contact
 from metafem.errors import Infeasible
 from metafem.inversion.assessment import MISSED, independent_misfit
+from metafem.models.model import PARABOLOID
 
 if TYPE_CHECKING:
     from metafem.inversion.candidate import Candidate
@@ -21,20 +23,22 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Mixture:
-    """Numbers of asperities of each radius [mm].
+    """Numbers of asperities of each radius [mm], power caps where the radii differ.
 
-    With one height density ``A0 = pi N <R> <d>`` and ``P/E* = 4/3 N <sqrt R> <d^(3/2)>``. This is the law
-    of ``N <sqrt R>^2/<R>`` asperities of the radius ``(<R>/<sqrt R>)^2``.
+    With one height density and Hertz contacts ``A0 = pi N <R> <d>`` and ``P/E* = 4/3 N <sqrt R> <d^(3/2)>``.
+    This is the law of ``N <sqrt R>^2/<R>`` asperities of the radius ``(<R>/<sqrt R>)^2``. For a power cap
+    rho^n, A is proportional to R^(2m) and P to R^m with m = 1 - 1/n, and R^m replaces sqrt(R).
     """
 
     radii: tuple[float, ...]
     numbers: tuple[int, ...]
+    law: Contact = PARABOLOID
 
     @classmethod
-    def of(cls, radius: FloatArray) -> Mixture:
+    def of(cls, radius: FloatArray, law: Contact) -> Mixture:
         """Return the mixture of given radii (n,) [mm]."""
         radii, numbers = np.unique(radius, return_counts=True)
-        return cls(tuple(radii.tolist()), tuple(numbers.tolist()))
+        return cls(tuple(radii.tolist()), tuple(numbers.tolist()), law)
 
     @property
     def count(self) -> int:
@@ -44,12 +48,21 @@ class Mixture:
     @property
     def radius(self) -> float:
         """Radius of asperities that have the same law [mm]."""
-        return self.radii[0] if len(self.radii) == 1 else (self._mean(1.0) / self._mean(0.5)) ** 2
+        if len(self.radii) == 1 or self._power == 0.0:  # the law of a cone is the same for all radii
+            return self.radii[0]
+        return float((self._mean(2.0 * self._power) / self._mean(self._power)) ** (1.0 / self._power))
 
     @property
     def carrying(self) -> float:
         """Number of asperities of that radius that have the same law."""
-        return self.count if len(self.radii) == 1 else self.count * self._mean(0.5) ** 2 / self._mean(1.0)
+        if len(self.radii) == 1:
+            return self.count
+        return self.count * self._mean(self._power) ** 2 / self._mean(2.0 * self._power)
+
+    @property
+    def _power(self) -> float:
+        """The exponent m of R in the load."""
+        return 1.0 - 1.0 / (self.law.power or 1.0)
 
     def _mean(self, power: float) -> float:
         pairs = zip(self.radii, self.numbers, strict=True)
@@ -74,12 +87,13 @@ def best_mixture(invert: Callable[[Mixture], Candidate], problem: Problem) -> Ca
     Candidates with warnings, whose heights are too fine to be made, come after those without.
     """
     radii, count, options = problem.radii, problem.count, problem.options
-    mixtures = [Mixture((radius,), (count,)) for radius in radii.tried.tolist()]
+    law = problem.independent.contact
+    mixtures = [Mixture((radius,), (count,), law) for radius in radii.tried.tolist()]
     if radii.single:
         return invert(mixtures[0])
-    if radii.tools is not None:
+    if radii.tools is not None and law.power is not None:
         numbers = sorted({round(fraction * count) for fraction in options.mixture_fractions} - {0, count})
-        mixtures += [Mixture(pair, (count - n, n)) for pair in pairwise(radii.tools) for n in numbers]
+        mixtures += [Mixture(pair, (count - n, n), law) for pair in pairwise(radii.tools) for n in numbers]
     refused: dict[float, Infeasible] = {}
     found: list[tuple[bool, float, Candidate]] = []
     for mixture in mixtures:

@@ -11,7 +11,8 @@ from metafem import _validate as check
 from metafem._given import label
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
-from metafem.models import Independent
+from metafem.models import Independent, Model
+from metafem.models.model import contact_of
 from metafem.surface import Surface
 
 # Number of loads of a fit. With 20 the slopes of the source paper's Fig. 4 differ by 0.1 %, and their scatter
@@ -42,18 +43,19 @@ class Slope:
     load_range: tuple[float, float]
 
     @staticmethod
-    def of(surface: Surface, load_range: Any = None) -> Slope:
+    def of(surface: Surface, load_range: Any = None, model: Model | None = None) -> Slope:
         """Return the slope of a surface's law over a range of rescaled loads [mm^2].
 
-        Default: 25 to 100 % of the load at which the plane reaches the lowest summit, under independent
-        asperities. Raise InvalidInput if the range is not increasing, or if it is not given and all summits
-        have one height.
+        Default: 25 to 100 % of the load at which the plane reaches the lowest summit, with independent
+        asperities of the model's contact law. Raise InvalidInput if the range is not increasing, or if it is
+        not given and all summits have one height.
         """
         if load_range is None:
             depth = float(np.ptp(surface.height))
             if depth == 0.0:
                 raise InvalidInput(f"{label('load_range')} must be given: all summits have one height")
-            foot = float(Independent().curve(surface, approach=np.array([depth])).load[0])
+            alone = Independent() if model is None else Independent(contact=contact_of(model))
+            foot = float(alone.curve(surface, approach=np.array([depth])).load[0])
             low, high = LOWEST * foot, HIGHEST * foot
         else:
             low, high = check.interval("load_range", load_range)
