@@ -72,7 +72,7 @@ class JKR(Contact):
     adhesive: ClassVar[bool] = True
 
     adhesion_energy: float
-    cap: Contact = PARABOLOID  # a default factory would leave the property of the base class
+    cap: Contact = PARABOLOID
     material: Material | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:

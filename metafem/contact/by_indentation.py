@@ -38,10 +38,6 @@ class LawByIndentation(Contact):
     def _depth_at(self, area: FloatArray, radius: FloatArray) -> FloatArray:
         """Indentation d [mm] at areas > 0 [mm^2]."""
 
-    @abstractmethod
-    def _end(self) -> str:
-        """What the largest indentation is, and what to use for larger ones, in words."""
-
     def contact_radius(self, indentation: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Contact radius sqrt(A/pi) [mm]; 0 where the contact is open."""
         given = (np.asarray(value, dtype=np.float64) for value in (indentation, radius))
@@ -50,7 +46,10 @@ class LawByIndentation(Contact):
         deep = d > most * (1.0 + ROUNDING)
         if deep.any():
             first = np.unravel_index(int(np.argmax(deep)), d.shape)
-            raise InvalidInput(f"indentation = {d[first]:.4g} mm exceeds {most[first]:.4g} mm, {self._end()}")
+            raise InvalidInput(
+                f"indentation = {d[first]:.4g} mm exceeds {most[first]:.4g} mm, the largest that {self!r} "
+                "describes; use lighter loads or a law with a larger range"
+            )
         closed = d > 0.0
         area, _ = self._area_at(np.where(closed, d, 1.0), size)
         return np.asarray(np.where(closed, np.sqrt(area / math.pi), 0.0))[()]

@@ -20,6 +20,7 @@ from metafem.contact.law import Values
 from metafem.contact.log_cubic import LogCubic
 from metafem.errors import InvalidInput
 from metafem.material import Material
+from metafem.notes import Note, information
 
 # Yield strength over E* of the softest metal in the finite elements of both sources: E/Y = 1000, nu = 0.3.
 LEAST_STRAIN = 9e-4
@@ -116,36 +117,36 @@ class ElasticPlastic(LawByIndentation):
             found.append(Blend(float(start), float(end), ranges[0], ranges[1]))
         return tuple(found)
 
-    def blend_words(self) -> str:
-        """Return the sizes of all blends in words."""
+    def notes(self, indentation: FloatArray, radius: FloatArray) -> tuple[Note, ...]:
+        """Return how many contacts are plastic, and the sizes of the blends."""
+        w = np.asarray(indentation) / self.yield_indentation(radius)
+        plastic = int((w > 1.0).sum())
+        if not plastic:
+            return ()
 
         def most(change: tuple[float, float]) -> str:
             return percent(max(map(abs, change)))
 
-        parts = (
-            f"from {one.start:.3g} to {one.end:.3g} (P by up to {most(one.load_change)}, A by up to "
-            f"{most(one.area_change)})"
+        sizes = (
+            f"P by up to {most(one.load_change)} and A by up to {most(one.area_change)} for w/w_c from "
+            f"{one.start:.3g} to {one.end:.3g}"
             for one in self.blends()
         )
-        return f"cubics close the jumps of the published formulas and change them at w/w_c {', '.join(parts)}"
+        return (
+            information(
+                f"{plastic} of {w.size} contacts deform plastically, up to an indentation of "
+                f"{float(w.max()):.3g} w_c, where w_c is that at yield; cubics that close the jumps of the "
+                f"published formulas change {', '.join(sizes)}"
+            ),
+        )
 
     def yield_indentation(self, radius: Values) -> FloatArray:
         """Indentation w_c at which the material yields below the contact [mm]."""
         return np.multiply(self._yield, radius)
 
     def breaks(self, radius: float) -> FloatArray:
-        """Contact radii [mm] at the ends of the blends, up to the summit radius."""
-        ends = radius * np.sqrt(self._yield * np.exp(self._area.y))
-        return np.asarray(ends[ends < radius])
-
-    def largest_indentation(self, radius: Values) -> FloatArray:
-        """Indentation [mm] at which the contact is as wide as the summit radius."""
-        return np.multiply(self._equator, radius)
-
-    @cached_property
-    def _equator(self) -> float:
-        """Indentation over the summit radius at which both radii are equal."""
-        return float(self._yield * self._area.inverse(np.asarray(1.0 / self._yield)))
+        """Contact radii [mm] at the ends of the blends."""
+        return np.asarray(radius * np.sqrt(self._yield * np.exp(self._area.y)))
 
     def unloaded(self, indentation: FloatArray, radius: FloatArray) -> tuple[FlattenedContact, FloatArray]:
         """Return the elastic law of flattened asperities (n,), and their loss of height [mm].
@@ -187,12 +188,6 @@ class ElasticPlastic(LawByIndentation):
         inside = np.exp(0.5 * (low + high)[..., None] + 0.5 * (high - low)[..., None] * node)
         parts = 0.5 * (high - low) * ((self._scaled_load(inside)[0] * inside) @ weight)
         return np.asarray(np.exp(2.5 * np.minimum(end, edge[0])) / 2.5 + parts.sum(axis=-1))
-
-    def _end(self) -> str:
-        return (
-            "where the contact is as wide as the summit radius; use lighter loads, larger radii or a harder "
-            "material"
-        )
 
     def _load_at(self, depth: FloatArray, radius: FloatArray) -> tuple[FloatArray, FloatArray]:
         scaled, slope = self._scaled_load(depth / (self._yield * radius))
@@ -306,8 +301,8 @@ class KogutEtsion(ElasticPlastic):
 # Jackson and Green: Hertz's law holds up to this multiple of the indentation at yield.
 HERTZIAN = 1.9
 
-# Largest yield strength over E* for which the plastic part is used: three times the largest of the source's
-# finite elements; the exponent B, which grows with it, has doubled there.
+# Largest yield strength over E* for the exponent B, which grows with it and has doubled there: three times
+# the largest of the source's finite elements. Far above, B would be that of no material.
 LARGEST_STRAIN = 0.03
 
 
@@ -324,7 +319,7 @@ class JacksonGreen(ElasticPlastic):
     At 1.9 the load jumps by +0.5 % at nu = 0.3 and -3.4 % at 0.5, and the slope of A changes. Cubics of ln P
     and ln A over ln w from w* = 1.9 to 3.8 close the jump with continuous slopes. They change P by at most
     0.6 % at nu = 0.3 and 4.0 % at 0.5, and A by at most 1.5 % (S_y/E* = 0.0015); `blends` evaluates this.
-    The law couples by order 1. Valid for S_y/E* from 0.0009 to 0.03 (above 0.03 up to 1.9 w_c only) and
+    The law couples by order 1. Valid for S_y/E* from 0.0009 to 0.03, above which B is that of 0.03, and for
     contacts narrower than R. Jackson and Green, J. Tribol. 127, 343 (2005), doi:10.1115/1.1866166.
 
     Parameters
@@ -371,7 +366,7 @@ class JacksonGreen(ElasticPlastic):
 
     @cached_property
     def _exponent(self) -> float:
-        """B [-]; it is not used above the largest strain."""
+        """B [-]."""
         return 0.14 * math.exp(23.0 * min(self._strain, LARGEST_STRAIN))
 
     @cached_property
@@ -412,15 +407,13 @@ class JacksonGreen(ElasticPlastic):
         load = np.where(plastic, self._formula(np.maximum(w, HERTZIAN))[0], w**1.5)
         return load, w * np.maximum(w / HERTZIAN, 1.0) ** self._exponent
 
-    def largest_indentation(self, radius: Values) -> FloatArray:
-        """Indentation [mm] at which the contact is as wide as the summit radius, or as the law ends."""
-        elastic = math.inf if self._strain <= LARGEST_STRAIN else HERTZIAN * self._yield
-        return np.multiply(min(self._equator, elastic), radius)
-
-    def _end(self) -> str:
-        if self._strain <= LARGEST_STRAIN:
-            return super()._end()
-        return (
-            f"up to which the contact is elastic: the plastic part is for S_y/E* up to {LARGEST_STRAIN:g}, "
-            f"not {self._strain:.3g}; use lighter loads or larger radii"
-        )
+    def notes(self, indentation: FloatArray, radius: FloatArray) -> tuple[Note, ...]:
+        """As `ElasticPlastic.notes`, with a warning for plastic contacts beyond the range of S_y/E*."""
+        notes = super().notes(indentation, radius)
+        if notes and self._strain > LARGEST_STRAIN:
+            text = (
+                f"S_y/E* = {self._strain:.3g} exceeds {LARGEST_STRAIN:g}, up to which the plastic part of "
+                f"{self!r} holds: its loads and areas are an extrapolation; use KogutEtsion"
+            )
+            notes += (Note(text),)
+        return notes

@@ -12,6 +12,7 @@ from metafem._validate import FloatArray
 from metafem._values import Value
 from metafem.contact.by_indentation import LawByIndentation
 from metafem.contact.law import Values
+from metafem.notes import Note, information
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -68,6 +69,19 @@ class FlattenedContact(Value, LawByIndentation):
         """Largest indentation [mm] of the original law, from the lowered summit."""
         return np.asarray(self.law.largest_indentation(radius) - self.residual)
 
+    def notes(self, indentation: FloatArray, radius: FloatArray) -> tuple[Note, ...]:
+        """Return how many summits are flattened, and what the original law notes of the deepest contacts."""
+        flat = int((self.depth > 0.0).sum())
+        elastic = (np.asarray(indentation) <= self.depth) & (self.depth > 0.0)
+        if not flat:
+            return self.law.notes(indentation, radius)
+        text = (
+            f"{flat} of {self.depth.size} summits are flattened by an earlier load, by up to "
+            f"{float(np.max(self.residual)):.4g} mm; {int(elastic.sum())} of them are elastic, not loaded "
+            "beyond it"
+        )
+        return (information(text), *self.law.notes(np.asarray(indentation) + self.residual, radius))
+
     def unloaded(self, indentation: FloatArray, radius: FloatArray) -> tuple[FlattenedContact, FloatArray]:
         """Return the law after larger indentations (n,) from these summits [mm], and the further loss."""
         deeper, loss = self.law.unloaded(np.asarray(indentation) + self.residual, radius)
@@ -77,9 +91,6 @@ class FlattenedContact(Value, LawByIndentation):
             for part in fields(self)[1:]
         )
         return FlattenedContact(self.law, *parts), np.where(further, loss - self.residual, 0.0)
-
-    def _end(self) -> str:
-        return self.law._end()
 
     def _load_at(self, depth: FloatArray, radius: FloatArray) -> tuple[FloatArray, FloatArray]:
         elastic, share = self._share(depth)

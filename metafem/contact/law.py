@@ -10,6 +10,7 @@ import numpy as np
 from metafem._validate import FloatArray
 from metafem.contact.cap_geometry import SPHERES, CapShape, Values
 from metafem.material import Material
+from metafem.notes import Note
 
 __all__ = ["Contact", "Values"]
 
@@ -63,6 +64,10 @@ class Contact(Protocol):
     def largest_indentation(self, radius: Values) -> FloatArray:
         """Largest indentation [mm] that the law describes; infinite where there is none."""
         return np.full(np.shape(radius), math.inf)[()]
+
+    def notes(self, indentation: FloatArray, radius: FloatArray) -> tuple[Note, ...]:
+        """Return what the law leaves out or changes at indentations (n,) [mm]."""
+        return ()
 
     def unloaded(self, indentation: FloatArray, radius: FloatArray) -> tuple[Contact, FloatArray]:
         """Return the law after the largest indentations (n,) [mm], and the loss of height (n,) [mm].

@@ -129,9 +129,6 @@ class TabulatedContact(Value, LawByIndentation):
         """Last indentation of the table [mm]."""
         return np.full(np.shape(radius), self.table[0, -1])[()]
 
-    def _end(self) -> str:
-        return "the last of the table; use lighter loads or a longer table"
-
     def _load_at(self, depth: FloatArray, radius: FloatArray) -> tuple[FloatArray, FloatArray]:
         load, slope = self._load.at(depth)
         return load, load * slope / depth

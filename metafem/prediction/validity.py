@@ -63,6 +63,7 @@ def left_out_notes(surface: Surface, model: Model, curve: Curve, notes: tuple[No
     """Return `notes`, followed by estimates of what the model leaves out along a curve."""
     return (
         *notes,
+        *contact_of(model).for_material(surface.material).notes(curve.last.indentation, surface.radius),
         *_base_notes(surface, model, curve),
         *_wide_notes(surface, model, curve),
         *_interaction_notes(surface, model, curve),

@@ -82,7 +82,7 @@ def test_tables_that_do_not_increase_are_refused(table, reason):
 def test_a_table_that_is_too_short_is_refused_where_it_ends():
     law = mf.TabulatedContact(*table_of(mf.Hertz(), np.linspace(0.0, 0.01, 9))).for_material(MATERIAL)
     with pytest.raises(
-        mf.InvalidInput, match=r"indentation = 0\.02 mm exceeds 0\.01 mm, the last of the table"
+        mf.InvalidInput, match=r"indentation = 0\.02 mm exceeds 0\.01 mm, the largest that TabulatedContact"
     ):
         law.contact_radius(0.02, RADIUS)
     surface = mf.Surface.square_lattice(0.1, (2, 2), radius=RADIUS, material=MATERIAL)

@@ -39,3 +39,11 @@ def test_an_elastic_law_and_a_load_of_zero_change_nothing(surface):
 def test_a_negative_load_is_refused(surface):
     with pytest.raises(mf.InvalidInput, match="load = -1 must be at least 0"):
         mf.flattened(surface, load=-1.0)
+
+
+def test_notes_state_plastic_and_flattened_contacts(surface):
+    model = mf.Independent(LAWS[0])
+    notes = [str(note) for note in mf.equilibrium(surface, model, load=0.05).notes]
+    assert any("contacts deform plastically, up to an indentation of" in note for note in notes)
+    state = mf.equilibrium(*mf.flattened(surface, model, load=0.05), load=0.02)
+    assert any("summits are flattened by an earlier load" in str(note) for note in state.notes)
