@@ -57,6 +57,10 @@ class Contact(Protocol):
         """Return the law for unit E* of a material; the law itself if it has no energy or stress."""
         return self
 
+    def one(self, i: int) -> Contact:
+        """Return the law of asperity i; the law itself if it is that of all."""
+        return self
+
     def breaks(self, radius: float) -> FloatArray:
         """Contact radii [mm] between which the law is smooth, increasing; empty where it is smooth."""
         return np.empty(0)

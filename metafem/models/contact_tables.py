@@ -79,6 +79,10 @@ def tables(law: Contact, radius: FloatArray) -> Law:
     which = np.zeros(size.shape, dtype=np.int64)
     if law == Hertz():
         return Law(size, which - 1, size, np.empty((0, 0)))
+    if law.individual:
+        which += np.arange(size.shape[-1])
+        made = [_table(law.one(i), float(size[..., i].flat[0])) for i in range(size.shape[-1])]
+        return Law(size, which, size, _stacked(made))
     kinds = np.ones(1)
     if not law.similar:
         kinds, inverse = np.unique(size, return_inverse=True)

@@ -24,7 +24,8 @@ from metafem.models.adhesion.curves import (
     independent_sensitivity,
 )
 from metafem.models.contact_sums import approach_at_load, contacts, sums
-from metafem.models.model import PARABOLOID, Curve, RescaledState, Sensitivity, controlled
+from metafem.models.contact_tables import deepest, rows_of, tables
+from metafem.models.model import PARABOLOID, Curve, RescaledState, Sensitivity, controlled, solved
 from metafem.models.stand_in import Uncoupled
 from metafem.surface import Surface
 
@@ -34,7 +35,10 @@ TOLERANCE = 1e-12
 # With fewer points than this the solution takes less time than the start of a second thread.
 POINTS_PER_THREAD = 20_000
 
-# The same where only areas are computed: a millisecond.
+# The same for laws of tables: two milliseconds.
+TABULATED_PER_THREAD = 200
+
+# The same where only areas of Hertz contacts are computed: a millisecond.
 AREAS_PER_THREAD = 5_000
 
 
@@ -45,7 +49,8 @@ class Independent(Uncoupled):
 
     ``A0 = sum A(d_i)`` and ``P/E* = sum P(d_i)/E*`` with ``d_i = max(h_i - delta, 0)``; for Hertz contacts
     ``A0 = sum pi R_i d_i`` and ``P/E* = sum 4/3 sqrt(R_i) d_i^(3/2)``. The load equation is increasing in the
-    approach; it is solved by Newton's method inside a bracket, for Hertz contacts in a compiled kernel.
+    approach; it is solved by Newton's method inside a bracket in compiled kernels, which read laws other than
+    Hertz's from tables.
     Greenwood and Williamson, Proc. R. Soc. A 295, 300 (1966), doi:10.1098/rspa.1966.0242.
 
     Parameters
@@ -107,14 +112,15 @@ class Independent(Uncoupled):
         from metafem._kernels import independent as kernel
 
         values, by_load = controlled(load, approach)
-        law = adhesive_law(self.contact, surface.material)
-        if law is not None:
-            return independent_curve(self, law, surface, values, by_load, unloading)
+        law = self.contact.for_material(surface.material)
+        adhesive = adhesive_law(law)
+        if adhesive is not None:
+            return independent_curve(self, adhesive, surface, values, by_load, unloading)
         if by_load:
-            return self.curve_of(surface.height, surface.radius, values)
-        last = partial(self._last, surface.height, surface.radius, 0.0, values[-1])
-        if not self._hertz:
-            carried, area, slope = sums(self.contact, surface.gap, surface.radius, values)
+            return self._curve(law, surface.height, surface.radius, values)
+        last = partial(self._last, law, surface.height, surface.radius, 0.0, values[-1])
+        if law != PARABOLOID:
+            carried, area, slope = sums(law, surface.gap, surface.radius, values)
             return Curve(np.array(values), carried, area, slope, np.zeros(len(values)), TOLERANCE, last)
         gap, root = _sorted_by_gap(surface.height[None, :], surface.radius)
         carried, area, slope = (np.empty(len(values)) for _ in range(3))
@@ -122,16 +128,23 @@ class Independent(Uncoupled):
         return Curve(np.array(values), carried, area, slope, np.zeros(len(values)), TOLERANCE, last)
 
     def curve_of(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> Curve:
-        """As `curve` at loads, for heights and radii (n,) without a surface, which takes as long to check."""
+        """As `curve` at loads, for heights and radii (n,) without a surface, which takes as long to check.
+
+        The contact law is that for unit E*.
+        """
+        return self._curve(self.contact, height, radius, load)
+
+    def _curve(self, law: Contact, height: FloatArray, radius: FloatArray, load: FloatArray) -> Curve:
         from metafem._kernels import independent as kernel
 
-        law = adhesive_law(self.contact)
-        if law is not None:
-            return curve_of_heights(self, law, height, radius, load)
-        if not self._hertz:
-            approach, carried, area, slope = self._solved(height, radius, load)
+        adhesive = adhesive_law(law)
+        if adhesive is not None:
+            return curve_of_heights(self, adhesive, height, radius, load)
+        if law != PARABOLOID:
+            results = _solved(law, height[None, :], radius, load)
+            approach, carried, area, slope = (part[0] for part in results)
             error = np.abs(carried - load) / np.where(load > 0.0, load, 1.0)
-            last = partial(self._last, height, radius, 0.0, approach[-1])
+            last = partial(self._last, law, height, radius, 0.0, approach[-1])
             return Curve(approach, carried, area, slope, error, TOLERANCE, last)
         gap, root = _sorted_by_gap(height[None, :], radius)
         results = kernel.empty_results(1, len(load))
@@ -140,26 +153,21 @@ class Independent(Uncoupled):
         approach, carried, area, slope = (part[0] for part in results)
         error = np.abs(carried - load) / np.where(load > 0.0, load, 1.0)
         base, depth = kernel.refine(gap[0], root[0], load[-1], approach[-1])
-        last = partial(self._last, height, radius, base, depth)
+        last = partial(self._last, law, height, radius, base, depth)
         return Curve(approach, carried, area, slope, error, TOLERANCE, last)
 
-    def _last(self, height: FloatArray, radius: FloatArray, base: float, depth: float) -> RescaledState:
+    def _last(
+        self, law: Contact, height: FloatArray, radius: FloatArray, base: float, depth: float
+    ) -> RescaledState:
         """Return the state at the approach base + depth, whose parts keep the digits of shallow contacts."""
         top = float(height.max())
         indentation = depth + (base - (top - height))
-        if self._hertz:  # the closed form in d loses no digits
+        if law == PARABOLOID:  # the closed form in d loses no digits
             contact_radius = PARABOLOID.contact_radius(indentation, radius)
             carried, area = PARABOLOID.load(contact_radius, radius), PARABOLOID.area(contact_radius)
         else:
-            carried, area, *_ = contacts(self.contact, indentation, radius)
+            carried, area, *_ = contacts(law, indentation, radius)
         return RescaledState(carried, area, indentation, top - (base + depth), self)
-
-    def _solved(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> tuple[FloatArray, ...]:
-        """Return approach, load, area and stiffness (k,) of one surface of any law at loads (k,)."""
-        gap = height.max() - height
-        size = np.broadcast_to(radius, gap.shape)
-        approach = approach_at_load(self.contact, gap, size, load)
-        return approach, *sums(self.contact, gap, size, approach)
 
     def sensitivity(
         self, surface: Surface, load: FloatArray, height: FloatArray | None = None
@@ -170,26 +178,26 @@ class Independent(Uncoupled):
         contact; with Hertz contacts ``pi R_i - sum_j pi R_j sqrt(R_i d_i) / sum_j sqrt(R_j d_j)``.
         height: summit heights (n,) [mm] in place of the surface's own; they are not checked.
         """
-        heights = surface.height if height is None else height
-        law = adhesive_law(self.contact, surface.material)
-        if law is not None:
-            return independent_sensitivity(self, law, heights, surface.radius, load)
-        return self.sensitivity_of(heights, surface.radius, load)
+        law = self.contact.for_material(surface.material)
+        return self._sensitivity(law, surface.height if height is None else height, surface.radius, load)
 
     def sensitivity_of(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> Sensitivity:
-        """As `sensitivity`, for heights and radii (n,) without a surface."""
-        law = adhesive_law(self.contact)
-        if law is not None:
-            return independent_sensitivity(self, law, height, radius, load)
-        curve = self.curve_of(height, radius, load)
+        """As `sensitivity`, for heights and radii (n,) without a surface, and a contact law for unit E*."""
+        return self._sensitivity(self.contact, height, radius, load)
+
+    def _sensitivity(
+        self, law: Contact, height: FloatArray, radius: FloatArray, load: FloatArray
+    ) -> Sensitivity:
+        adhesive = adhesive_law(law)
+        if adhesive is not None:
+            return independent_sensitivity(self, adhesive, height, radius, load)
+        curve = self._curve(law, height, radius, load)
         indentation = curve.approach[:, None] - (height.max() - height)
-        if self._hertz:
+        if law == PARABOLOID:
             alone = math.pi * radius * (indentation > 0.0)
             share = np.sqrt(radius * np.maximum(indentation, 0.0))
         else:
-            found = contacts(self.contact, indentation, radius)
-            alone = self.contact.area_slope(found.contact_radius, radius)
-            share = found.stiffness
+            _, share, _, alone = _each(law, indentation, radius)
         total = share.sum(axis=1, keepdims=True)
         share /= np.where(total > 0.0, total, 1.0)
         return Sensitivity(curve, alone - alone.sum(axis=1, keepdims=True) * share, indentation)
@@ -233,9 +241,17 @@ class Independent(Uncoupled):
             raise InvalidInput(f"radius = {radius!r:.80} must be finite and greater than 0")
         loads = check.loads("rescaled_load", rescaled_load)
         if not self._hertz:
-            every = np.broadcast_to(radii, heights.shape)
-            rows = [self._solved(*row, loads) for row in zip(heights, every, strict=True)]
-            approach, carried, area, slope = np.stack(rows, axis=1)
+            order = np.argsort(loads, kind="stable")
+            back = np.argsort(order, kind="stable")
+            adhesive = adhesive_law(self.contact)
+            if adhesive is None:
+                results = _solved(self.contact, heights, radii, loads[order])
+            else:
+                every = zip(heights, np.broadcast_to(radii, heights.shape), strict=True)
+                found = [curve_of_heights(self, adhesive, *row, loads[order]) for row in every]
+                names = ("approach", "load", "area", "stiffness")
+                results = tuple(np.array([getattr(curve, name) for curve in found]) for name in names)
+            approach, carried, area, slope = (part[:, back] for part in results)
             return approach, carried, area, slope
         gap, root = _sorted_by_gap(heights, radii)
         order = np.argsort(loads, kind="stable")
@@ -264,13 +280,14 @@ class Independent(Uncoupled):
         from metafem._kernels import independent as kernel
 
         given = surface.radius if radius is None else radius
-        law = adhesive_law(self.contact, surface.material)
-        if law is not None:
-            return independent_areas(law, height, given, load)
-        if not self._hertz:
-            every = np.broadcast_to(given, height.shape)
-            curves = [self.curve_of(*row, load) for row in zip(height, every, strict=True)]
-            return np.array([np.where(curve.solved, curve.area, np.nan) for curve in curves])
+        law = self.contact.for_material(surface.material)
+        adhesive = adhesive_law(law)
+        if adhesive is not None:
+            return independent_areas(adhesive, height, given, load)
+        if law != PARABOLOID:
+            _, carried, area, _ = _solved(law, height, given, load)
+            error = np.abs(carried - load) / np.where(load > 0.0, load, 1.0)
+            return np.where(solved(error, TOLERANCE, carried, area), area, np.nan)
         gap, root = _sorted_by_gap(height, given)
         area, load = np.empty((len(gap), len(load))), np.array(load)
 
@@ -279,6 +296,44 @@ class Independent(Uncoupled):
 
         run_rows(run, len(gap), area.size, AREAS_PER_THREAD)
         return area
+
+
+def _solved(law: Contact, height: FloatArray, radius: FloatArray, load: FloatArray) -> tuple[FloatArray, ...]:
+    """Return approach, load, area and stiffness (m, k) of surfaces (m, n) of any law at increasing loads."""
+    from metafem._kernels import independent_tabulated as kernel
+    from metafem._kernels.independent import empty_results
+
+    gap = height.max(axis=1, keepdims=True) - height
+    table = tables(law, np.broadcast_to(radius, gap.shape))
+    results = empty_results(len(gap), len(load))
+    rising = np.array(load)  # a read-only array would compile the kernel again
+
+    def run(rows: slice) -> None:
+        kernel.curves(rows_of(table, rows), gap[rows], rising, *(part[rows] for part in results))
+
+    run_rows(run, len(gap), results[0].size, TABULATED_PER_THREAD)
+    # beyond its tables a law is solved by itself, or refuses
+    beyond = ~(results[0].max(axis=1, keepdims=True) - gap <= deepest(table)).all(axis=1)
+    for row in np.flatnonzero(beyond):
+        size = table.radius[row]
+        approach = approach_at_load(law, gap[row], size, load)
+        for part, found in zip(results, (approach, *sums(law, gap[row], size, approach)), strict=True):
+            part[row] = found
+    return results
+
+
+def _each(law: Contact, indentation: FloatArray, radius: FloatArray) -> tuple[FloatArray, ...]:
+    """Return load, stiffness, area and its derivative by the indentation of contacts (k, n) of any law."""
+    from metafem._kernels import independent_tabulated as kernel
+
+    size = np.broadcast_to(radius, indentation.shape[1:])
+    table = tables(law, size)
+    if (indentation > deepest(table)).any():
+        found = contacts(law, indentation, size)
+        return found.load, found.stiffness, found.area, law.area_slope(found.contact_radius, size)
+    results = tuple(np.empty_like(indentation) for _ in range(4))
+    kernel.each(table, indentation, *results)
+    return results
 
 
 def _sorted_by_gap(height: FloatArray, radius: FloatArray) -> tuple[FloatArray, FloatArray]:
