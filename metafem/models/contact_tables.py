@@ -121,7 +121,8 @@ def _table(law: Contact, radius: float) -> FloatArray:
     """Compute the table of a law for one radius [mm]."""
     from metafem._kernels.contact.tabulated import BY_DEPTH, HEADER, LEVER_EDGE, levers, pressed
 
-    last = min(float(law.largest_indentation(radius)), DEEPEST * radius)
+    end = float(law.largest_indentation(radius))
+    last = min(end, DEEPEST * radius)
     ends = law.contact_radius(np.array([LIGHTEST * radius, last]), radius)
     ends[0] = max(ends[0], SMALLEST * radius)
     breaks = law.breaks(radius)
@@ -142,7 +143,7 @@ def _table(law: Contact, radius: float) -> FloatArray:
     own = own._replace(value=np.concatenate([own.value, _energy(own)[:, None]], axis=1))
     elastic = _fitted(by_radius, np.log(edge / radius)) if law.largest_order > 1 else None
     straight = float(np.abs(own.value[-1, :, 2:]).max()) < RESOLVED
-    most = math.inf if straight else last / radius
+    most = math.inf if straight and math.isinf(end) else last / radius
     parts = [own.row()] if elastic is None else [own.row(), elastic.row()]
     begin = [HEADER, HEADER + len(parts[0])]
     table = np.concatenate([[most, 0.0, 0.0, 0.0, *begin], *parts])

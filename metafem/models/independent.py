@@ -300,7 +300,7 @@ class Independent(Uncoupled):
 
 def _solved(law: Contact, height: FloatArray, radius: FloatArray, load: FloatArray) -> tuple[FloatArray, ...]:
     """Return approach, load, area and stiffness (m, k) of surfaces (m, n) of any law at increasing loads."""
-    from metafem._kernels import independent_tabulated as kernel
+    from metafem._kernels.contact import independent as kernel
     from metafem._kernels.independent import empty_results
 
     gap = height.max(axis=1, keepdims=True) - height
@@ -324,7 +324,7 @@ def _solved(law: Contact, height: FloatArray, radius: FloatArray, load: FloatArr
 
 def _each(law: Contact, indentation: FloatArray, radius: FloatArray) -> tuple[FloatArray, ...]:
     """Return load, stiffness, area and its derivative by the indentation of contacts (k, n) of any law."""
-    from metafem._kernels import independent_tabulated as kernel
+    from metafem._kernels.contact import independent as kernel
 
     size = np.broadcast_to(radius, indentation.shape[1:])
     table = tables(law, size)
