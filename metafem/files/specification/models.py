@@ -54,14 +54,19 @@ def model_named(name: str, contact: Contact = PARABOLOID) -> Model:
 
 
 def with_contact(model: Model, contact: Contact) -> Model:
-    """Return a model with another contact law; raises InvalidInput, with its name, if it cannot use it."""
+    """Return a model with another contact law; raises InvalidInput, with its name, if it cannot use it.
+
+    A law known only as load and area over the indentation couples by order 1.
+    """
     if contact == contact_of(model):
         return model
     value: Any = model
-    if "contact" not in {field.name for field in fields(value)}:
+    members = {field.name for field in fields(value)}
+    if "contact" not in members:
         raise InvalidInput(f"{model.name}: the contacts of this model are paraboloids, not {contact!r}")
     try:
-        return cast("Model", replace(value, contact=contact))
+        order = {"order": min(value.order, contact.largest_order)} if "order" in members else {}
+        return cast("Model", replace(value, contact=contact, **order))
     except InvalidInput as error:
         raise InvalidInput(f"{model.name}: {error}") from None
 
