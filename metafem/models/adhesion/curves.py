@@ -255,8 +255,7 @@ class Followed:
         """Return the indentations (n,) [mm] of a state; for an open asperity minus its gap."""
         found = np.zeros(len(self.scene.gap))
         if state is not None:
-            others = np.setdiff1d(np.arange(len(found)), state.closed, assume_unique=True)
-            found[state.closed], found[others] = state.found.indentation, state.overlap(others)
+            found[state.closed], found[state.contacts.others] = state.found.indentation, state.overlap
         return found
 
     def gradients(self) -> FloatArray:
@@ -277,7 +276,7 @@ def follow(
     record: bool = True,
 ) -> Followed:
     """Follow interacting asperities through increasing loads or approaches (k,), or back from the largest."""
-    way = Follower(scene, record)
+    way = Follower(scene)
     if not unloading:
         return Followed(scene, [way.press(Goal(value, by_load)) for value in values], way.jumps, values)
     refuse_no_loading(values, by_load, 0.0)
@@ -287,3 +286,12 @@ def follow(
     if by_load and states[-1] is None:
         refuse_beyond(values[0], way.extreme, modulus)
     return Followed(scene, states[::-1], way.jumps, values)
+
+
+def followed_near(scene: Scene, load: FloatArray) -> Followed:
+    """Follow interacting asperities through increasing loads (k,), each from those that do not interact."""
+    alone = lone_curve(Lone(scene.law, scene.radius, scene.gap), load, True, False, 1.0)
+    way = Follower(scene, record=False)
+    pairs = zip(load, alone.sums.contact_radius, strict=True)
+    states = [way.press_near(Goal(value, by_load=True), guess) for value, guess in pairs]
+    return Followed(scene, states, [], load)

@@ -17,7 +17,16 @@ import numpy as np
 from metafem._validate import FloatArray, IntArray
 from metafem.errors import NotConverged
 from metafem.models.adhesion.scene import Contacts, Scene
-from metafem.models.adhesion.solve import Condition, State, at_approach, at_load, at_radius, solve, touching
+from metafem.models.adhesion.solve import (
+    CLOSED,
+    Condition,
+    State,
+    at_approach,
+    at_load,
+    at_radius,
+    solve,
+    touching,
+)
 
 # Largest relative change of a contact radius that the tangent may predict for one step, forward and back.
 FORWARD, BACK = 3.0, 0.4
@@ -25,12 +34,13 @@ FORWARD, BACK = 3.0, 0.4
 # Relative step in the radius of the contact that shrinks fastest, and the smallest one.
 STEP, LEAST_STEP = 0.2, 1e-6
 
-# Gap relative to the largest indentation of a cap that is rounding.
-CLOSED = 1e-11
-
 # The end of a branch and the lowest load are located to this part of a contact radius. There the load is
 # stationary, so that its error is the square of this.
 LOCATED = 1e-7
+
+# Most sets of contacts that are tried from a guess, and the contact radius over that after a jump into
+# contact above which an asperity without interaction is in contact with interaction, too.
+MOST_TRIALS, SURE = 8, 1.5
 
 # Most steps between two loads, and in the search for one point.
 MOST_STEPS = 10_000
@@ -93,14 +103,40 @@ class Follower:
             trial = self._forward(state, goal)
             if trial is None:
                 raise NotConverged(f"the adhesive contacts cannot be followed beyond {state.x:.6g} mm")
-            others = self._open(trial)
-            if (trial.overlap(others) > self._rounding(trial)).any():
+            if trial.entering.size:
                 self._enter(state, trial, goal)
                 continue
             self.state = trial
             if goal.measure(trial) >= goal.value - self._unit(trial, goal):
                 return trial
         raise NotConverged("the adhesive contacts do not settle")
+
+    def press_near(self, goal: Goal, guess: FloatArray) -> State | None:
+        """As `press`, from a guess of the contact radii (n,) [mm] at the goal, without the jumps on the way.
+
+        A state with every asperity in contact that would penetrate the plane, and no new one that would not,
+        is that at the end of the way.
+        """
+        before: IntArray = np.empty(0, dtype=np.int64) if self.state is None else self.state.closed
+        held = np.zeros(len(guess), dtype=bool)
+        held[before] = True
+        entry = self.scene.entry_radius
+        closed, a = np.flatnonzero(held | (guess > SURE * entry)), np.maximum(guess, entry)
+        x = 0.0
+        for _ in range(MOST_TRIALS):
+            contacts, law = Contacts(self.scene, closed), self.scene.law
+            p = law.load(a[closed], contacts.radius)
+            found = solve(contacts, a[closed], p, x, goal.condition())
+            if found is None or not goal.stable(found) or (self.state is not None and found.x < self.state.x):
+                break
+            apart = (found.found.indentation < 0.0) & ~held[closed]
+            if not apart.any() and not found.entering.size:
+                self.state = found
+                return found
+            a[closed] = found.a
+            x = found.x
+            closed = np.sort(np.append(closed[~apart], contacts.others[found.entering]))
+        return self.press(goal)
 
     def turn(self) -> None:
         """Begin the way back."""
@@ -125,12 +161,6 @@ class Follower:
         """Return what is rounding in a load or an approach."""
         depth = state.found.depth
         return 1e-12 * float((state.a * depth).sum() if goal.by_load else depth.max())
-
-    def _rounding(self, state: State) -> float:
-        return CLOSED * float(state.found.depth.max())
-
-    def _open(self, state: State) -> IntArray:
-        return np.setdiff1d(np.arange(len(self.scene.gap)), state.closed, assume_unique=True)
 
     def _first_touch(self) -> float:
         return float(self.scene.gap.min())
@@ -163,80 +193,66 @@ class Follower:
         a = np.maximum(state.a + change, 0.3 * state.a)
         return solve(state.contacts, a, state.p + moved, state.x + shift, condition)
 
+    def _blend(self, state: State, other: State, share: float, condition: Condition) -> State | None:
+        """Solve from a state between two of the same contacts."""
+        a, p = state.a + share * (other.a - state.a), state.p + share * (other.p - state.p)
+        return solve(state.contacts, a, p, state.x + share * (other.x - state.x), condition)
+
     def _enter_first(self) -> None:
         """Let the tallest asperities jump into contact."""
         first = self._first_touch()
         entering = np.flatnonzero(self.scene.gap <= first)
         self.extreme = 0.0
-        self._join(np.empty(0, dtype=np.int64), np.empty(0), np.empty(0), first, entering, np.zeros(0))
+        nothing: IntArray = np.empty(0, dtype=np.int64)
+        self.state = self._joined(nothing, np.empty(0), np.empty(0), first, entering)
         self._land(0.0, 0.0, self.press)
 
     def _enter(self, state: State, trial: State, goal: Goal) -> None:
         """Locate the first gap that closes between two states, and let the asperity jump into contact."""
-        others = self._open(state)
-        gap = state.overlap(others)
         for _ in range(MOST_SEARCHES):
-            over = trial.overlap(others)
-            rounding = self._rounding(trial)
-            ahead = np.flatnonzero(over > rounding)
+            ahead = trial.entering
             if not ahead.size:
                 break
-            part = np.clip(gap[ahead] / (gap[ahead] - over[ahead]), 0.0, 1.0)
-            k, share = ahead[part.argmin()], float(part.min())
-            a = state.a + share * (trial.a - state.a)
-            p = state.p + share * (trial.p - state.p)
-            x = state.x + share * (trial.x - state.x)
-            found = solve(state.contacts, a, p, x, touching(state.contacts, int(others[k])))
-            if found is None or not found.holds:
-                middle = self._from(state, 0.5 * (trial.x - state.x), at_approach(0.5 * (state.x + trial.x)))
-                if middle is None:
-                    raise NotConverged(f"the gap of asperity {others[k]} cannot be followed")
-                if (middle.overlap(others) > self._rounding(middle)).any():
-                    trial = middle
-                else:
-                    state, gap = middle, middle.overlap(others)
+            gap = np.maximum(-state.overlap[ahead], 0.0)
+            part = gap / (gap + trial.overlap[ahead])
+            k, share = int(ahead[part.argmin()]), float(part.min())
+            found = self._blend(state, trial, share, touching(state.contacts, k))
+            if found is not None and found.holds:
+                trial = found
                 continue
-            trial = found
-        entering = others[trial.overlap(others) >= -self._rounding(trial)]
-        begins = trial.load >= self.extreme
-        load, area = trial.load, trial.area
-        if begins:
-            self.extreme = load
-        curvature = trial.contacts.curvature_at(trial.p, entering)
-        self._join(trial.closed, trial.a, trial.p, trial.x, entering, curvature)
+            half = 0.5 * (trial.x - state.x)
+            middle = self._from(state, half, at_approach(state.x + half))
+            if middle is None:
+                raise NotConverged(f"the gap of asperity {state.contacts.others[k]} cannot be followed")
+            state, trial = (state, middle) if middle.entering.size else (middle, trial)
+        touch = trial.overlap >= -CLOSED * float(trial.found.depth.max())
+        load, area, begins = trial.load, trial.area, trial.load >= self.extreme
+        self.extreme = max(self.extreme, load)
+        entering = trial.contacts.others[touch]
+        self.state = self._joined(trial.closed, trial.a, trial.p, trial.x, entering)
         if begins and goal.by_load:
             self._land(load, area, self.press)
 
-    def _join(
-        self,
-        closed: IntArray,
-        a: FloatArray,
-        p: FloatArray,
-        x: float,
-        entering: IntArray,
-        curvature: FloatArray,
-    ) -> None:
+    def _with(
+        self, closed: IntArray, a: FloatArray, p: FloatArray, others: IntArray, radius: FloatArray
+    ) -> tuple[Contacts, FloatArray, FloatArray]:
+        """Return contacts, radii and loads with others, of given radii [mm]."""
+        whole = np.concatenate([closed, others])
+        order = np.argsort(whole)
+        load = self.scene.law.load(radius, self.scene.radius[others])
+        contacts = Contacts(self.scene, whole[order])
+        return contacts, np.concatenate([a, radius])[order], np.concatenate([p, load])[order]
+
+    def _joined(self, closed: IntArray, a: FloatArray, p: FloatArray, x: float, entering: IntArray) -> State:
         """Solve at an approach with asperities that jump into contact, and with those that follow them."""
-        scene, law = self.scene, self.scene.law
         while True:
-            radius = scene.radius[entering]
-            k = curvature if len(curvature) else np.zeros(len(entering))
-            new = law.contact_radius(np.zeros(len(entering)), radius, k)
-            whole = np.concatenate([closed, entering])
-            order = np.argsort(whole)
-            a = np.concatenate([a, new])[order]
-            p = np.concatenate([p, law.load(new, radius, k)])[order]
-            contacts = Contacts(scene, whole[order])
-            state = solve(contacts, a, p, x, at_approach(x))
+            start = self._with(closed, a, p, entering, self.scene.entry_radius[entering])
+            state = solve(*start, x, at_approach(x))
             if state is None or not state.holds:
                 raise NotConverged(f"no equilibrium after asperities {entering.tolist()} came into contact")
-            others = self._open(state)
-            entering = others[state.overlap(others) > self._rounding(state)]
-            if not entering.size:
-                self.state = state
-                return
-            closed, a, p = state.closed, state.a, state.p
-            curvature = contacts.curvature_at(p, entering)
+            if not state.entering.size:
+                return state
+            closed, a, p, entering = state.closed, state.a, state.p, state.contacts.others[state.entering]
 
     def _land(self, load: float, area: float, move: Callable[[Goal], State | None]) -> None:
         """Follow a jump at a load up to its end, and record it."""
@@ -254,10 +270,8 @@ class Follower:
         if float(np.abs(state.rate * shift / state.a).max()) > BACK:
             return None
         trial = self._from(state, shift, goal.condition())
-        if trial is None or not goal.stable(trial) or trial.x > state.x + self._rounding(state):
-            return None
-        others = self._open(trial)
-        if (trial.overlap(others) > self._rounding(trial)).any():
+        rounding = CLOSED * float(state.found.depth.max())
+        if trial is None or not goal.stable(trial) or trial.x > state.x + rounding or trial.entering.size:
             return None
         if float(np.abs(trial.a / state.a - 1.0).max()) > 1.5 * BACK:
             return None
@@ -275,10 +289,9 @@ class Follower:
             if step < LEAST_STEP:
                 self._leave(state, goal)
                 return
-        others = self._open(new)
-        entering = others[new.overlap(others) > self._rounding(new)]
-        if entering.size:
-            raise NotConverged(f"asperities {entering.tolist()} come into contact while the plane recedes")
+        if new.entering.size:
+            entering = new.contacts.others[new.entering].tolist()
+            raise NotConverged(f"asperities {entering} come into contact while the plane recedes")
         end = new
         if not new.holds:
             end = self._search(state, new, i, lambda s: 1.0 / s.rate[i])
@@ -328,11 +341,8 @@ class Follower:
             share = below / (below - above)
             if not 0.0 < share < 1.0:
                 share = 0.5
-            radius = low.a[i] - min(max(share, 0.02), 0.98) * width
-            part = (low.a[i] - radius) / width
-            a, p = low.a + part * (high.a - low.a), low.p + part * (high.p - low.p)
-            x = low.x + part * (high.x - low.x)
-            middle = solve(low.contacts, a, p, x, at_radius(low.contacts, i, radius))
+            share = min(max(share, 0.02), 0.98)
+            middle = self._blend(low, high, share, at_radius(low.contacts, i, low.a[i] - share * width))
             if middle is None:
                 break
             here = value(middle)
@@ -345,8 +355,7 @@ class Follower:
     def _between(self, state: State, end: State, goal: Goal) -> State:
         """Return the state at a goal between two states."""
         share = (goal.measure(state) - goal.value) / (goal.measure(state) - goal.measure(end))
-        a, p = state.a + share * (end.a - state.a), state.p + share * (end.p - state.p)
-        found = solve(state.contacts, a, p, state.x + share * (end.x - state.x), goal.condition())
+        found = self._blend(state, end, share, goal.condition())
         if found is None:
             raise NotConverged("the adhesive contacts cannot be followed to the end of a branch")
         return found

@@ -50,6 +50,18 @@ class Scene:
         return 3 if self.coupling.laplacian.size else 1
 
     @cached_property
+    def entry_radius(self) -> FloatArray:
+        """Contact radius (n,) [mm] after the jump into contact at d = 0, without curvature."""
+        sizes, which = np.unique(self.radius, return_inverse=True)
+        return np.asarray(self.law.contact_radius(np.zeros(len(sizes)), sizes)[which])
+
+    @cached_property
+    def least_radius(self) -> FloatArray:
+        """Contact radius (n,) [mm] that no contact in equilibrium goes below: half of that at the break."""
+        sizes, which = np.unique(self.radius, return_inverse=True)
+        return np.asarray(0.5 * self.law.break_radius(sizes)[which])
+
+    @cached_property
     def paraboloid(self) -> bool:
         """Whether the cap is Hertz's, whose radius of curvature is the same everywhere."""
         return self.law.cap == Hertz()
@@ -75,8 +87,12 @@ class Contacts:
 
     def __init__(self, scene: Scene, closed: IntArray) -> None:
         self.scene, self.closed = scene, closed
+        open_ones = np.ones(len(scene.gap), dtype=bool)
+        open_ones[closed] = False
+        self.others: IntArray = np.flatnonzero(open_ones)
         self.radius = scene.radius[closed]
         self.gap = scene.gap[closed]
+        self.least_radius = scene.least_radius[closed]
         coupling = scene.coupling
         rows = np.ix_(closed, closed)
         self.influence = coupling.influence[rows].T.copy()
@@ -141,25 +157,32 @@ class Contacts:
             by_loads -= (matrix.T * (gradient * by_curve)) @ lap
             direct -= matrix.T * (gradient * by_radius)
 
-    def overlap(self, a: FloatArray, p: FloatArray, found: Fields, x: float, others: IntArray) -> FloatArray:
-        """Return how far open asperities would penetrate the plane [mm]; a gap is negative."""
-        coupling, scene, closed = self.scene.coupling, self.scene, self.closed
-        u = p @ coupling.influence[np.ix_(closed, others)]
-        if scene.order == 3:
-            at, source = np.ix_(others, closed), np.ix_(closed, others)
-            gx, gy = coupling.slope_x[at] @ p, coupling.slope_y[at] @ p
-            u += 0.25 * found.moment @ coupling.laplacian[source]
-            u -= (found.tilt * found.slope_x) @ coupling.slope_x[source]
-            u -= (found.tilt * found.slope_y) @ coupling.slope_y[source]
-            if scene.paraboloid:
-                u -= 0.5 * scene.radius[others] * (gx**2 + gy**2)
-        return np.asarray(x - scene.gap[others] - u)
-
-    def curvature_at(self, p: FloatArray, others: IntArray) -> FloatArray:
-        """Return the curvature [1/mm] of the displacement at other asperities."""
+    @cached_property
+    def _outward(self) -> FloatArray:
+        """Influence on the open asperities, for order 3 with its derivatives at the contacts (4, m, rest)."""
+        coupling, rows = self.scene.coupling, np.ix_(self.closed, self.others)
         if self.scene.order == 1:
-            return np.zeros(len(others))
-        return np.asarray(0.5 * self.scene.coupling.laplacian[np.ix_(others, self.closed)] @ p)
+            return np.asarray(coupling.influence[rows][None])
+        parts = (coupling.influence, coupling.laplacian, coupling.slope_x, coupling.slope_y)
+        return np.stack([matrix[rows] for matrix in parts])
+
+    @cached_property
+    def _slopes(self) -> FloatArray:
+        """Slopes at the open asperities by the loads of the contacts (2, rest, m)."""
+        coupling, rows = self.scene.coupling, np.ix_(self.others, self.closed)
+        return np.stack([coupling.slope_x[rows], coupling.slope_y[rows]])
+
+    def overlap(self, p: FloatArray, found: Fields, x: float) -> FloatArray:
+        """Return how far the open asperities would penetrate the plane [mm]; a gap is negative."""
+        scene, outward = self.scene, self._outward
+        if scene.order == 1:
+            u = p @ outward[0]
+        else:
+            weights = (p, 0.25 * found.moment, -found.tilt * found.slope_x, -found.tilt * found.slope_y)
+            u = np.concatenate(weights) @ outward.reshape(4 * len(p), len(self.others))
+            if scene.paraboloid:
+                u -= 0.5 * scene.radius[self.others] * ((self._slopes @ p) ** 2).sum(axis=0)
+        return np.asarray(x - scene.gap[self.others] - u)
 
     def linearise(self, a: FloatArray, found: Fields) -> Linear:
         """Return the derivatives of F and p by the contact radii."""

@@ -16,9 +16,17 @@ from metafem.models.adhesion.scene import Contacts, Fields, Linear
 TOLERANCE = 1e-12
 GOAL = 2e-13
 
-# Steps with any matrix, and the least progress of a step with the matrix of an earlier one.
+# Steps with any matrix, the least progress of a step with the matrix of an earlier one, and the number of
+# steps with their own matrix that may make none.
 MOST_STEPS = 40
-PROGRESS = 0.1
+PROGRESS = 0.02
+MOST_WORSE = 2
+
+# Changes of radii, loads and approach by the errors of F, of p and of the condition.
+Step = Callable[[FloatArray, FloatArray, float], tuple[FloatArray, FloatArray, float]]
+
+# Gap relative to the largest indentation of a cap that is rounding.
+CLOSED = 1e-11
 
 # Largest relative change of a contact radius in one step.
 LONGEST = 0.5
@@ -92,9 +100,15 @@ class State:
         by_area, by_load = dgetrs(*self.factors, both, trans=1)[0].T
         return np.asarray(by_area - by_area.sum() / by_load.sum() * by_load)
 
-    def overlap(self, others: IntArray) -> FloatArray:
-        """Return how far open asperities would penetrate the plane [mm]; a gap is negative."""
-        return self.contacts.overlap(self.a, self.p, self.found, self.x, others)
+    @cached_property
+    def overlap(self) -> FloatArray:
+        """How far the open asperities would penetrate the plane [mm]; a gap is negative."""
+        return self.contacts.overlap(self.p, self.found, self.x)
+
+    @property
+    def entering(self) -> IntArray:
+        """Places, among the open asperities, of those that touch or penetrate the plane."""
+        return np.flatnonzero(self.overlap > CLOSED * float(self.found.depth.max()))
 
 
 @dataclass(frozen=True)
@@ -126,31 +140,35 @@ def at_radius(contacts: Contacts, i: int, radius: float) -> Condition:
 
 
 def touching(contacts: Contacts, k: int) -> Condition:
-    """Return the condition that an open asperity touches the plane."""
-    other = np.array([k])
+    """Return the condition that the k-th of the open asperities touches the plane."""
 
     def error(a: FloatArray, p: FloatArray, x: float, found: Fields) -> float:
-        return float(contacts.overlap(a, p, found, x, other)[0])
+        return float(contacts.overlap(p, found, x)[k])
 
-    row = -contacts.scene.coupling.influence[contacts.closed, k]
+    row = -contacts.scene.coupling.influence[contacts.closed, contacts.others[k]]
     return Condition(error, by_loads=row, by_approach=1.0)
 
 
 def solve(contacts: Contacts, a: FloatArray, p: FloatArray, x: float, condition: Condition) -> State | None:
     """Return the state near a start that meets the condition, or None if the steps do not converge."""
-    step: Callable[[FloatArray, FloatArray, float], tuple[FloatArray, FloatArray, float]] | None = None
-    last = np.inf
+    step: Step | None = None
+    last, worse, fresh = np.inf, 0, False
     for _ in range(MOST_STEPS):
         found = contacts.respond(a, p)
         force = found.indentation + found.displacement - (x - contacts.gap)
         excess = p - found.load
         wrong = condition.error(a, p, x, found)
         residual = _residual(contacts, a, found, force, excess, wrong, condition)
-        if not np.isfinite(residual):
+        if not np.isfinite(residual) or (a < contacts.least_radius).any():
             return None
-        if residual <= GOAL or (residual <= TOLERANCE and residual > PROGRESS * last):
+        if residual <= GOAL or (residual <= TOLERANCE and residual > 0.1 * last):
             return State(contacts, a, p, x, found, residual)
-        if step is None or residual > PROGRESS * last:
+        if fresh and residual > last:
+            worse += 1
+            if worse > MOST_WORSE:
+                return None
+        fresh = step is None or residual > PROGRESS * last
+        if step is None or fresh:
             step = _linear_step(contacts.linearise(a, found), condition)
         last = residual
         change, moved, shift = step(force, excess, wrong)
@@ -181,9 +199,7 @@ def _residual(
     return float(max(errors))
 
 
-def _linear_step(
-    linear: Linear, condition: Condition
-) -> Callable[[FloatArray, FloatArray, float], tuple[FloatArray, FloatArray, float]]:
+def _linear_step(linear: Linear, condition: Condition) -> Step:
     """Return the function that solves the linear equations for errors of F, of p and of the condition."""
     count = len(linear.by_radius)
     matrix = np.empty((count + 1, count + 1))

@@ -10,7 +10,7 @@ import numpy as np
 from metafem._validate import FloatArray
 from metafem.contact import JKR
 from metafem.errors import InvalidInput, NotConverged
-from metafem.models.adhesion.curves import Followed, follow, jump_notes, refuse_merging
+from metafem.models.adhesion.curves import Followed, follow, followed_near, jump_notes, refuse_merging
 from metafem.models.adhesion.scene import Scene
 from metafem.models.interacting.cap_influence import pedestal_influence, pedestal_notes
 from metafem.models.interacting.kept_coupling import coupling_between
@@ -42,7 +42,7 @@ def adhesive_sensitivity(
 ) -> Sensitivity:
     """Return the law at increasing loads (k,) on loading, and dA0/dh at fixed load [mm], (k, n)."""
     scene = _scene(model, law, surface, height, surface.radius)
-    found = follow(scene, load, True, False, record=False)
+    found = followed_near(scene, load)
     gradient = found.gradients()
     indentation = np.array([found.indentation(state) for state in found.states])
     if model.pedestal:
@@ -67,7 +67,7 @@ def adhesive_areas(
     for row, heights in enumerate(height):
         scene = _scene(model, law, surface, heights, surface.radius if radius is None else radius[row])
         try:
-            states = follow(scene, load, True, False, record=False).states
+            states = followed_near(scene, load).states
         except NotConverged:
             continue
         found[row] = [0.0 if state is None else state.area for state in states]
