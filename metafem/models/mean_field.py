@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
+from typing import ClassVar
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from metafem._calls import checked_class
 from metafem._validate import FloatArray
 from metafem.contact import Contact
 from metafem.errors import InvalidInput
+from metafem.models.adhesion.curves import adhesive_law, independent_curve
 from metafem.models.independent import TOLERANCE, Independent
 from metafem.models.model import PARABOLOID, Curve, RescaledState, Sensitivity, controlled
 from metafem.models.stand_in import Uncoupled
@@ -49,6 +51,8 @@ class MeanField(Uncoupled):
     (True, 0.0742)
     """
 
+    unloads: ClassVar[bool] = True
+
     contact: Contact = PARABOLOID
 
     def __post_init__(self) -> None:
@@ -69,12 +73,24 @@ class MeanField(Uncoupled):
         return Independent(self.contact)
 
     def curve(
-        self, surface: Surface, load: FloatArray | None = None, *, approach: FloatArray | None = None
+        self,
+        surface: Surface,
+        load: FloatArray | None = None,
+        *,
+        approach: FloatArray | None = None,
+        unloading: bool = False,
     ) -> Curve:
-        """Equilibria at increasing rescaled loads P/E* [mm^2] or approaches [mm], (k,)."""
+        """Equilibria at increasing rescaled loads P/E* [mm^2] or approaches [mm], (k,).
+
+        unloading: at these on the way back from the largest; loads of adhesive contacts may be negative.
+        """
         values, by_load = controlled(load, approach)
         if by_load:
-            return self._sunk(surface, self._asperities.curve(surface, values))
+            return self._sunk(surface, self._asperities.curve(surface, values, unloading=unloading))
+        adhesive = adhesive_law(self.contact, surface.material)
+        if adhesive is not None:
+            sinking = _compliance(surface)
+            return independent_curve(self, adhesive, surface, values, by_load, unloading, sinking)
         local = self._asperities.curve(surface, approach=self._local(surface, values))
         sunk = self._sunk(surface, local)
         error = np.abs(sunk.approach - values) / np.where(local.approach > 0.0, local.approach, 1.0)
