@@ -9,17 +9,19 @@ import numpy as np
 from metafem._kernels.compiled import compiled
 
 # Where contact i is small, the error of the displacement by contact j changes the area of i by a fraction of
-# that of j: .014 A_j R_i/R_j (a_j/r)^5 is the first term that order 3 leaves out of Hertz's displacement. The
-# change of A0 was up to .037 of such a sum in a thousand random scenes; times `truncation.PAIRS` this is .05.
+# that of j: for paraboloids .014 A_j R_i/R_j (a_j/r)^5 is the first term that order 3 leaves out of Hertz's
+# displacement. The change of A0 was up to .037 of such a sum in a thousand random scenes; times
+# `truncation.PAIRS` this is .05.
 SMALL = 0.2
 
 
 @compiled
-def pair_sum(position, radius, area):
-    """Return the sum of w_ij (a_j/r)^5 R_i/R_j over the contact area, infinite where contacts overlap.
+def pair_sum(position, response, source, area):
+    """Return the sum of w_ij (a_j/r)^5 r_i/s_j over the contact area, infinite where contacts overlap.
 
     With the weight ``w_ij = max(A_i, SMALL A_j)``, at least the effect on a contact that is small.
-    position: (n, 2) [mm]; radius: (n,) [mm]; area: (n,) of each contact [mm^2], 0 where it is open.
+    position: (n, 2) [mm]; response, source: (n,), radii r and s of the paraboloids whose areas respond as
+    the contacts' to a displacement, and which have their loads [mm]; area: (n,) [mm^2], 0 where it is open.
     """
     contact_radius = np.sqrt(area / math.pi)
     total = weighted = 0.0
@@ -33,7 +35,8 @@ def pair_sum(position, radius, area):
                 square = dx * dx + dy * dy
                 if (a + b) * (a + b) >= square:
                     return math.inf
-                first, second, curved = a * a / square, b * b / square, radius[i] / radius[j]
-                weighted += max(area[i], SMALL * area[j]) * second * second * math.sqrt(second) * curved
-                weighted += max(area[j], SMALL * area[i]) * first * first * math.sqrt(first) / curved
+                first, second = a * a / square, b * b / square
+                at_i, at_j = response[i] / source[j], response[j] / source[i]
+                weighted += max(area[i], SMALL * area[j]) * second * second * math.sqrt(second) * at_i
+                weighted += max(area[j], SMALL * area[i]) * first * first * math.sqrt(first) * at_j
     return weighted / total if total > 0.0 else 0.0

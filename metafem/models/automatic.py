@@ -11,7 +11,7 @@ from metafem._calls import checked_class
 from metafem._validate import FloatArray
 from metafem.contact import Contact
 from metafem.errors import MetafemError
-from metafem.models.boundary_elements.model import BoundaryElements
+from metafem.models.boundary_elements.model import BoundaryElements, resolvable
 from metafem.models.independent import Independent
 from metafem.models.interacting.model import DENSE_LIMIT, Interacting
 from metafem.models.model import PARABOLOID, Curve, controlled
@@ -38,12 +38,14 @@ class Automatic(WithoutGradients):
     """`Interacting` of order 3 within a tolerance, and `BoundaryElements` beyond it.
 
     Order 3 is solved first. Its error is estimated from its own contacts: by the sum of (a/r)^5 over pairs
-    of contacts, and of (a/t)^5 on a layer. Where the estimate exceeds the tolerance, where contacts overlap,
-    and where order 3 has no solution, the contacts are resolved by sufficiently fine cells. Along a curve
-    the lighter loads are those of order 3 if its error is within the tolerance there. Independent
-    asperities and order 1 are not used: their errors are known only from order 3. Above 2000 asperities,
-    and on substrates other than half-space and layer, contacts cannot be resolved; a warning then states the
-    estimated error of order 3.
+    of contacts, and of (a/t)^5 on a layer; for caps that are no paraboloids also from the slopes of the
+    neighbours' fields. Where the estimate exceeds the tolerance, where contacts overlap, and where order 3
+    has no solution, the contacts are resolved by sufficiently fine cells. Along a curve the lighter loads are
+    those of order 3 if its error is within the tolerance there. Independent asperities and order 1 are not
+    used: their errors are known only from order 3. Above 2000 asperities, and on substrates other than
+    half-space and layer, contacts cannot be resolved; a warning then states the estimated error of order 3.
+    Contacts of laws with adhesion or plasticity cannot be resolved either: the asperity model of the largest
+    order that the law has is used, and a note says that nothing checks the tolerance.
 
     Parameters
     ----------
@@ -52,6 +54,8 @@ class Automatic(WithoutGradients):
         the choice; the equations are solved to the tolerance of the chosen model.
     substrate : Substrate
         Default: `HalfSpace()`.
+    contact : Contact
+        Law of one contact; default: `Hertz()`.
 
     Raises
     ------
@@ -85,6 +89,9 @@ class Automatic(WithoutGradients):
     ) -> Curve:
         """Equilibria at increasing rescaled loads P/E* [mm^2] or approaches [mm], (k,)."""
         unused = (UNUSED_BLOCK,) if surface.block is not None and self.substrate == HalfSpace() else ()
+        if not resolvable(self.contact):
+            alone = self.gradient_model.curve(surface, load, approach=approach)
+            return alone.with_notes((self._unchecked(surface, alone), *alone.notes, *unused))
         curve, error = self._order_3(surface, load, approach)
         if curve is not None and error <= self.tolerance:
             note = information(f"chosen: order 3; its estimated error of A0(P) is {error:.1e}")
@@ -99,6 +106,17 @@ class Automatic(WithoutGradients):
         curve = self._resolved(surface, *controlled(load, approach), self.substrate, error, reason)
         return curve.with_notes((*curve.notes, *unused))
 
+    def _unchecked(self, surface: Surface, curve: Curve) -> Note:
+        """State that nothing checks the tolerance for a law whose contacts cannot be resolved."""
+        order = f"order {self.gradient_model.order}"
+        rest = f"contacts of {self.contact!r} cannot be resolved, so the tolerance of {self.tolerance:g} is"
+        if self.gradient_model.order == 1:
+            text = f"chosen: {order}, as the law has no profile; {rest} not checked"
+            return Note(text, Level.WARNING)
+        error = truncation(surface, curve.last.area, self.substrate, self.contact)
+        text = f"chosen: {order}; its estimated error of A0(P) is {error:.1e}; {rest} checked by this alone"
+        return Note(text, Level.INFORMATION if error <= self.tolerance else Level.WARNING)
+
     def _order_3(
         self, surface: Surface, load: FloatArray | None, approach: FloatArray | None
     ) -> tuple[Curve | None, float]:
@@ -109,7 +127,7 @@ class Automatic(WithoutGradients):
             return None, math.inf
         if not curve.converged:
             return None, math.inf
-        return curve, truncation(surface, curve.last.area, self.substrate)
+        return curve, truncation(surface, curve.last.area, self.substrate, self.contact)
 
     def _resolved(
         self,
@@ -140,7 +158,8 @@ class Automatic(WithoutGradients):
                 parts.append(light.with_notes((information(text), *light.notes)))
             else:
                 low = 0
-        model = BoundaryElements(self._cell(surface, *control(slice(low, low + 1)), error), substrate)
+        cell = self._cell(surface, *control(slice(low, low + 1)), error)
+        model = BoundaryElements(cell, substrate, self.contact)
         load, approach = control(slice(low, None))
         heavy = model.curve(surface, load, approach=approach)
         note = information(f"chosen: resolved contacts with cells of {model.cell:.3g} mm; {reason}")
@@ -155,11 +174,11 @@ class Automatic(WithoutGradients):
         error: the estimate for order 3, infinite where contacts merge or nearly touch.
         The contacts are taken from order 1, or from independent asperities where it has no solution.
         """
-        point = Interacting(order=1, substrate=self.substrate)
+        point = Interacting(1, self.substrate, self.contact)
         try:
             last = point.curve(surface, load, approach=approach).checked().last
         except MetafemError:
-            last = Independent().curve(surface, load, approach=approach).last
+            last = Independent(self.contact).curve(surface, load, approach=approach).last
         count = int((last.area > 0.0).sum())
         cells = CELL_ERROR if math.isfinite(error) else MERGING_ERROR
         cell = math.sqrt(self.tolerance * float(last.area.sum()) / (cells * count))

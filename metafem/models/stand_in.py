@@ -19,6 +19,7 @@ class Uncoupled:
     """A model of asperities that do not interact, with sensitivities of its own."""
 
     couples: ClassVar[bool] = False
+    contact: Contact
 
     @property
     def gradient_model(self) -> Self:
@@ -27,10 +28,10 @@ class Uncoupled:
 
     @property
     def reference(self) -> Interacting:
-        """Order 3 on the half-space."""
+        """Interacting contacts of the same law on the half-space, of order 3 if the law has one."""
         from metafem.models.interacting.model import Interacting
 
-        return Interacting()
+        return Interacting(self.contact.largest_order, contact=self.contact)
 
 
 class WithoutGradients:
@@ -61,7 +62,7 @@ class WithoutGradients:
 
     @property
     def reference(self) -> Interacting:
-        """The same."""
+        """That model."""
         return self.gradient_model
 
     def areas(

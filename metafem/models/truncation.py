@@ -7,6 +7,11 @@ import math
 import numpy as np
 
 from metafem._validate import FloatArray
+from metafem.contact import Contact
+from metafem.models.interacting.kept_coupling import coupling_between
+from metafem.models.interacting.model import DENSE_LIMIT
+from metafem.models.model import PARABOLOID
+from metafem.models.tilt import area_change
 from metafem.substrate import Substrate
 from metafem.surface import Surface
 
@@ -22,29 +27,83 @@ LAYER = 0.5
 # counted above: on a lattice those farther away add less than a hundredth.
 ALL_PAIRS, NEIGHBOURS = 256, 24
 
+# Contact radius over R at which open contacts are evaluated in place of zero.
+SMALLEST = 1e-3
+
 # Contact radius over distance of neighbours up to which order 3 was compared with resolved contacts.
 COMPARED = 0.32
 
 
-def truncation(surface: Surface, area: FloatArray, substrate: Substrate) -> float:
+def truncation(surface: Surface, area: FloatArray, substrate: Substrate, law: Contact = PARABOLOID) -> float:
     """Return the relative error of A0 by order 3, estimated from the contact areas (n,) [mm^2].
 
     The next terms of the neighbours' fields fall as (a/r)^5, and those of a layer's own as (a/t)^5; the
     curvature by a source is p/r^3 = 4 a^3/(3 R r^3), whose effect is proportional to the R of the contact.
-    Infinite where contacts overlap.
+    Other laws than Hertz's have radii of their own for both, and the slope of the field changes the areas of
+    their contacts by the square of the slope. Infinite where contacts overlap.
     """
     from metafem._kernels.truncation import pair_sum
 
-    thickness = getattr(substrate.for_surface(surface), "thickness", None)
+    if not area.any():
+        return 0.0
+    bound = substrate.for_surface(surface)
+    used = law.for_material(surface.material)
+    response, source = _radii(used, surface, area)
+    thickness = getattr(bound, "thickness", None)
     error = 0.0
-    if thickness is not None and area.any():
-        error = LAYER * float(area @ (np.sqrt(area / math.pi) / thickness) ** 5 / area.sum())
+    if thickness is not None:
+        wide = (np.sqrt(area / math.pi) / thickness) ** 5 * response / source
+        error = LAYER * float(area @ wide / area.sum())
+    if used != PARABOLOID:
+        error += _tilt(used.without_adhesion, surface, area, bound)
     if surface.count <= ALL_PAIRS:
-        return error + PAIRS * float(pair_sum(surface.position, surface.radius, area))
-    return error + PAIRS * _nearest_pairs(surface, area)
+        return error + PAIRS * float(pair_sum(surface.position, response, source, area))
+    return error + PAIRS * _nearest_pairs(surface, response, source, area)
 
 
-def _nearest_pairs(surface: Surface, area: FloatArray) -> float:
+def _radii(law: Contact, surface: Surface, area: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return radii [mm] of paraboloids like the contacts, (n,).
+
+    Those with the same increase of the area with the indentation, and those with the same load; the summits'
+    own for Hertz's law and for open contacts.
+    """
+    radius = np.array(np.broadcast_to(surface.radius, area.shape))
+    if law == PARABOLOID:
+        return radius, radius
+    closed = area > 0.0
+    a = np.where(closed, np.sqrt(area / math.pi), radius * SMALLEST)
+    response = law.area_slope(a, radius) / math.pi
+    source = 4.0 / 3.0 * a**3 / law.without_adhesion.load(a, radius)
+    return np.where(closed, response, radius), np.where(closed, source, radius)
+
+
+def _tilt(law: Contact, surface: Surface, area: FloatArray, substrate: Substrate) -> float:
+    """Return the relative change of A0 by the slopes of the field, at most that of losing the contacts."""
+    closed = np.flatnonzero(area > 0.0)
+    a, radius = np.sqrt(area[closed] / math.pi), np.broadcast_to(surface.radius, area.shape)[closed]
+    load = np.zeros(area.shape)
+    load[closed] = law.load(a, radius)
+    if surface.count <= DENSE_LIMIT:
+        coupling, _ = coupling_between(surface, substrate, 3)
+        slope = np.hypot(coupling.slope_x @ load, coupling.slope_y @ load)[closed]
+    else:
+        slope = _nearest_slopes(surface.position[closed], load[closed])
+    change = np.minimum(np.abs(area_change(law, a, radius, slope)), 1.0)
+    return float(change @ area[closed] / area.sum())
+
+
+def _nearest_slopes(position: FloatArray, load: FloatArray) -> FloatArray:
+    """Return the slopes of the fields of the nearest neighbours on a half-space, (n,) [-]."""
+    from scipy.spatial import cKDTree
+
+    _, other = cKDTree(position).query(position, k=min(NEIGHBOURS + 1, len(load)))
+    apart = position[:, None] - position[other[:, 1:]]
+    distance = np.linalg.norm(apart, axis=-1)
+    field = load[other[:, 1:]] / (math.pi * distance**3)
+    return np.asarray(np.linalg.norm((field[..., None] * apart).sum(axis=1), axis=-1))
+
+
+def _nearest_pairs(surface: Surface, response: FloatArray, source: FloatArray, area: FloatArray) -> float:
     """Return the sum of `pair_sum` over the nearest neighbours."""
     from scipy.spatial import cKDTree
 
@@ -53,30 +112,33 @@ def _nearest_pairs(surface: Surface, area: FloatArray) -> float:
     closed = np.flatnonzero(area > 0.0)
     if closed.size < 2:
         return 0.0
-    contact_radius, radius = np.sqrt(area[closed] / math.pi), surface.radius[closed]
+    contact_radius, response, source = np.sqrt(area[closed] / math.pi), response[closed], source[closed]
     position = surface.position[closed]
     distance, other = cKDTree(position).query(position, k=min(NEIGHBOURS + 1, closed.size))
     distance, other = distance[:, 1:], other[:, 1:]
     if (contact_radius[:, None] + contact_radius[other] >= distance).any():
         return math.inf
-    terms = (contact_radius[other] / distance) ** 5 * radius[:, None] / radius[other]
+    terms = (contact_radius[other] / distance) ** 5 * response[:, None] / source[other]
     weights = np.maximum(area[closed, None], SMALL * area[closed][other])
     return float((weights * terms).sum() / area[closed].sum())
 
 
-def crowding(surface: Surface, contact_radius: FloatArray) -> tuple[int, float]:
-    """Return how many pairs of contacts overlap, and the largest contact radius over their distance."""
+def crowding(surface: Surface, area: FloatArray, law: Contact = PARABOLOID) -> tuple[int, float]:
+    """Return how many pairs of contacts overlap, and the largest contact radius over their distance.
+
+    area: (n,) [mm^2].
+    """
     from scipy.spatial import cKDTree
 
-    closed = np.flatnonzero(contact_radius > 0.0)
+    closed = np.flatnonzero(area > 0.0)
     if closed.size < 2:
         return 0, 0.0
-    a = contact_radius[closed]
-    # the field of j bends i by p_j R_i/r^3, (a_j/r)^3 R_i/R_j: a sharp summit counts as a wider one
-    blunt = np.cbrt(surface.radius[closed])
-    sharp = a / blunt
+    a = np.sqrt(area / math.pi)[closed]
+    # the field of j bends i by p_j r_i/r^3, (a_j/r)^3 r_i/s_j: a sharp summit counts as a wider one
+    response, source = (radii[closed] for radii in _radii(law.for_material(surface.material), surface, area))
+    blunt, sharp = np.cbrt(response), a / np.cbrt(source)
     # pairs beyond this distance neither overlap nor exceed the ratio
-    reach = float((sharp * blunt.max()).max()) * max(2.0, 1.0 / COMPARED)
+    reach = max(2.0 * float(a.max()), float(sharp.max() * blunt.max()) * max(2.0, 1.0 / COMPARED))
     tree = cKDTree(surface.position[closed])
     i, j = tree.query_pairs(reach, output_type="ndarray").T
     if not i.size:

@@ -27,7 +27,9 @@ def test_pairs_of_many_contacts_are_those_of_their_nearest_neighbours():
     area = mf.Interacting().curve(surface, np.array([2.0])).last.area
     assert surface.count > ALL_PAIRS
     few = truncation(surface, area, mf.HalfSpace())
-    assert few == pytest.approx(0.25 * pair_sum(surface.position, surface.radius, area), rel=0.01)
+    assert few == pytest.approx(
+        0.25 * pair_sum(surface.position, surface.radius, surface.radius, area), rel=0.01
+    )
     near = np.full(324, np.pi * 0.76**2)  # at a pitch of 1.5 mm
     assert truncation(surface, near, mf.HalfSpace()) == np.inf
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar, cast
 
 import numpy as np
 
@@ -13,8 +13,7 @@ from metafem import _validate as check
 from metafem._calls import checked_class
 from metafem._given import shown
 from metafem._validate import FloatArray
-from metafem.contact import Contact, Hertz
-from metafem.contact.caps import ElasticCap
+from metafem.contact import Contact
 from metafem.errors import InvalidInput
 from metafem.models.boundary_elements import far_field
 from metafem.models.boundary_elements.field import ContactField
@@ -25,6 +24,10 @@ from metafem.notes import Note, information
 from metafem.progress import each
 from metafem.substrate import HalfSpace, Radial
 from metafem.surface import Surface
+
+if TYPE_CHECKING:
+    from metafem.contact import Hertz
+    from metafem.contact.caps import ElasticCap
 
 
 def resolvable(contact: object) -> bool:
@@ -81,7 +84,7 @@ class BoundaryElements(WithoutGradients):
 
     cell: float
     substrate: Radial = field(default_factory=HalfSpace)
-    contact: Hertz | ElasticCap = PARABOLOID
+    contact: Contact = PARABOLOID
 
     def __post_init__(self) -> None:
         check.member(self, "cell", above=0.0)
@@ -105,7 +108,7 @@ class BoundaryElements(WithoutGradients):
         contacts are far smaller than their distances, and order 3 is more accurate.
         """
         values, by_load = controlled(load, approach)
-        scene = Scene(surface, self.cell, self.substrate, self.contact)
+        scene = Scene(surface, self.cell, self.substrate, cast("Hertz | ElasticCap", self.contact))
         guesses = [scene.initial_guess(value, by_load) if value > 0.0 else None for value in values.tolist()]
         fine = [guess is not None and scene.resolves(guess) for guess in guesses]
         light = fine.index(True) if any(fine) else 0

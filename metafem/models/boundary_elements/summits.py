@@ -12,6 +12,7 @@ from metafem._validate import FloatArray
 from metafem.contact import Hertz
 from metafem.contact.caps import ElasticCap
 from metafem.models.model import PARABOLOID
+from metafem.models.tilt import area_change, profile_slope
 from metafem.surface import Surface
 
 # Indentation over R up to which contacts of a law without a largest one are measured, where that of a sphere
@@ -22,9 +23,6 @@ BISECTIONS = 52
 # Load of the undisturbed contact with the radius of a contact, over the load of that contact: the field of
 # neighbours flattens a summit by less. Below this the equation for the radius is monotone for all power caps.
 MOST_LOAD = 2.0
-
-# Step of the contact radius for the derivative of D', relative.
-DIFFERENCE = 1e-3
 
 # Nodes of the quadrature for the shape of a pressure, distances at which it is computed, and the smallest and
 # the largest of these over the contact radius. Between them it is a power of the distance.
@@ -86,7 +84,7 @@ class Summits:
         The field of the neighbours adds an unknown curvature, whose own part of M is 2/5 a^2 of its part of
         P, as for a paraboloid. So ``M - 2/5 P a^2 = M0(a) - 2/5 P0(a) a^2`` with the undisturbed contact on
         the right, which is solved for a by bisection. The slope g of the field moves the centroid by
-        ``4/3 a^3 g/P`` and changes the area by the fraction ``-2 (a D''/D' - 1) (g/D')^2``, of which M shows
+        ``4/3 a^3 g/P`` and changes the area by the fraction of `area_change`, in place of which M shows
         ``(10 - 20/3 a^2 D'/P) (g/D')^2``: both are zero for paraboloids.
         """
         if self.paraboloids:
@@ -102,13 +100,10 @@ class Summits:
             low, high = np.where(wide, low, a), np.where(wide, a, high)
         closed = load > 0.0
         a, carried = np.where(closed, low, 0.5 * high), np.where(closed, carried, 1.0)
-        slope, before = (
-            2.0 * math.pi * x / self.cap.area_slope(x, radius) for x in (a, a * (1.0 - DIFFERENCE))
-        )
-        bend = np.log(slope / before) / -math.log1p(-DIFFERENCE)
-        turn = self.cell * shift * carried / (4.0 / 3.0 * a**3 * slope)
-        change = (2.0 * (bend - 1.0) + 10.0 - 20.0 / 3.0 * a**2 * slope / self.cap.load(a, radius)) * turn**2
-        return np.where(closed, math.pi * (a / self.cell) ** 2 * np.maximum(1.0 - change, 0.0), 0.0)
+        slope, own = carried * self.cell * shift / (4.0 / 3.0 * a**3), profile_slope(self.cap, a, radius)
+        seen = (10.0 - 20.0 / 3.0 * a**2 * own / self.cap.load(a, radius)) * (slope / own) ** 2
+        change = np.maximum(1.0 + area_change(self.cap, a, radius, slope) - seen, 0.0)
+        return np.where(closed, math.pi * (a / self.cell) ** 2 * change, 0.0)
 
     def pressure_shape(
         self, corner: NDArray[np.int64], owner: NDArray[np.int64], contact_radius: FloatArray
