@@ -6,8 +6,9 @@ import pytest
 import metafem as mf
 from metafem._kernels.truncation import pair_sum
 from metafem.models import automatic as automatic_module
+from metafem.models import truncation as truncation_module
 from metafem.models.truncation import ALL_PAIRS, truncation
-from tests.models.scenes import lattice
+from tests.models.scenes import lattice, scene
 
 # Errors of A0 at fixed load of order 3 against resolved contacts on a 3 x 3 lattice, and the approaches at
 # which they were found [mm].
@@ -19,6 +20,47 @@ def test_estimates_bound_the_errors_against_resolved_contacts(approach, error):
     surface = lattice(0.5 * np.ones(9))
     last = mf.Interacting().curve(surface, approach=np.array([approach])).last
     assert error < truncation(surface, last.area, mf.HalfSpace()) < 2e-3
+
+
+# The same for other caps, at a largest contact radius of 0.2 and 0.27 of the pitch; see the benchmark "caps".
+@pytest.mark.parametrize(
+    ("law", "radius", "ratio", "error"),
+    [
+        (mf.PowerCap(4), 0.526, 0.2, 0.0006),
+        (mf.PowerCap(4), 0.526, 0.27, 0.0019),
+        (mf.SphericalCap(), 0.6, 0.2, 0.00042),
+        (mf.SphericalCap(), 0.81, 0.27, 0.00122),
+    ],
+)
+def test_estimates_of_other_caps_bound_their_errors(law, radius, ratio, error):
+    surface, a = lattice(0.5 * np.ones(9), radius), 1.5 * ratio
+    approach = 1.5 * float(law.indentation(a, radius))  # about that of the approach with this radius
+    model = mf.Interacting(contact=law)
+    for _ in range(20):
+        last = model.curve(surface, approach=np.array([approach])).last
+        approach *= float(
+            law.indentation(a, radius) / law.indentation(np.sqrt(last.area.max() / np.pi), radius)
+        )
+    assert np.sqrt(last.area.max() / np.pi) == pytest.approx(a, rel=1e-3)
+    assert error < truncation(surface, last.area, mf.HalfSpace(), law) < 1.5 * error
+
+
+def test_estimates_of_a_power_of_two_are_those_of_the_paraboloid():
+    for surface in (lattice(0.5 * np.ones(9)), scene(thickness=1.0)):
+        area = mf.Interacting().curve(surface, np.array([0.1])).last.area
+        for substrate in (mf.HalfSpace(), mf.BondedLayer()):
+            power, hertz = (truncation(surface, area, substrate, law) for law in (mf.PowerCap(2), mf.Hertz()))
+            assert power == pytest.approx(hertz, rel=1e-9)
+
+
+def test_slopes_in_large_scenes_are_those_of_the_nearest_neighbours(monkeypatch):
+    """Within a third where the heights are random, as the far fields nearly cancel."""
+    height = 0.12 - np.minimum(np.random.default_rng(0).exponential(0.035, 324), 0.12)
+    surface, law = lattice(height), mf.PowerCap(4)
+    area = mf.Interacting(contact=law).curve(surface, np.array([2.0])).last.area
+    every = truncation(surface, area, mf.HalfSpace(), law)
+    monkeypatch.setattr(truncation_module, "DENSE_LIMIT", 1)
+    assert truncation(surface, area, mf.HalfSpace(), law) == pytest.approx(every, rel=0.35)
 
 
 def test_pairs_of_many_contacts_are_those_of_their_nearest_neighbours():
@@ -59,6 +101,29 @@ def test_what_order_3_does_not_hold_is_resolved():
     ]
     apart = mf.friction_law(surface, automatic, separation=law.separation)
     np.testing.assert_allclose(apart.area, law.area, rtol=automatic.tolerance)
+
+
+def test_other_caps_are_resolved_where_order_3_does_not_hold():
+    law = mf.PowerCap(4)
+    for load, chosen in ((0.05, mf.Interacting), (2.0, mf.BoundaryElements)):
+        state = mf.equilibrium(lattice(0.5 * np.ones(4)), mf.Automatic(2e-3, contact=law), load=load)
+        assert isinstance(state.model, chosen)
+        assert state.model.contact == law
+        assert state.notes[0].text.startswith("chosen: ")
+
+
+def test_laws_that_cannot_be_resolved_stay_with_asperities_and_say_so():
+    surface = lattice(0.1 * np.ones(9))
+    elastic = mf.equilibrium(surface, mf.Automatic(contact=mf.JKR(9e-6)), load=0.1)
+    assert elastic.model == mf.Interacting(contact=mf.JKR(9e-6))
+    words = "cannot be resolved, so the tolerance of 0.001 is checked by this alone"
+    assert "its estimated error of A0(P) is " in elastic.notes[0].text
+    assert words in elastic.notes[0].text
+    assert not elastic.notes[0].warns
+    plastic = mf.equilibrium(surface, mf.Automatic(contact=mf.KogutEtsion(1.0)), load=0.1)
+    assert plastic.model == mf.Interacting(1, contact=mf.KogutEtsion(1.0))
+    assert "chosen: order 1, as the law has no profile" in plastic.notes[0].text
+    assert plastic.notes[0].warns
 
 
 # Two contacts that merge, and three of which order 3 has no solution; areas extrapolated from three cells.

@@ -1,0 +1,160 @@
+"""Order 3 for caps that are no paraboloids against resolved contacts, and these against single contacts.
+
+The quartic cap, and the sphere whose largest contact has a/R = 0.5, on a half-space: a lattice of 3 x 3 equal
+heights, and two scenes of six unequal asperities. L is the smallest distance of two asperities, a the radius
+of the largest contact. ``python -m validation.benchmark.caps`` also prints every scene.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import partial
+
+import click
+import numpy as np
+from scipy.optimize import brentq
+
+import metafem as mf
+from metafem.contact import Contact
+from metafem.contact.cap_geometry import sphere_profile
+from metafem.models.truncation import truncation
+from validation.timing import Row
+
+# Cells per radius of the largest contact; with 50 the error of one contact is below 1e-4 in load and area.
+CELLS = 60
+CELLS_OF_ONE = 50
+
+# a/L of the scenes; largest errors of A0 at fixed load up to two of them, and of the load at fixed approach.
+RATIOS = (0.1, 0.15, 0.2, 0.235, 0.27)
+AREA_ERROR = {0.2: 1e-3, 0.27: 3e-3}
+LOAD_ERROR = 3e-4
+
+# Largest error of load and area of one resolved contact.
+ONE_ERROR = 3e-4
+
+RADIUS, PITCH = 0.526, 1.5
+MATERIAL = mf.Material(1.36)
+
+# Six unequal asperities: the first scene is that of the source of the numbers for paraboloids.
+PLACES = (
+    [[0.1, 0.2], [1.4, -0.3], [-0.2, 1.9], [1.7, 1.5], [3.3, 0.4], [2.9, 2.6]],
+    [[0.0, 0.0], [1.2, 0.1], [0.5, 1.2], [2.0, 1.1], [3.1, -0.2], [1.3, 2.5]],
+)
+BELOW = np.array([0.01, 0.0, 0.008, 0.004, 0.002, 0.009])
+SIZES = np.array([0.95, 1.14, 0.76, 1.0, 0.86, 1.33])
+
+
+def lattice(radius: float) -> tuple[mf.Surface, float]:
+    """Return nine equal asperities, and their pitch [mm]."""
+    return mf.Surface.square_lattice(0.5, (3, 3), PITCH, radius=radius, material=MATERIAL), PITCH
+
+
+def irregular(place: list[list[float]], radius: float) -> tuple[mf.Surface, float]:
+    """Return six unequal asperities, and their smallest distance [mm]."""
+    x = np.array(place)
+    distance = np.linalg.norm(x[:, None] - x, axis=-1)[np.triu_indices(len(x), 1)].min()
+    return mf.Surface(x, 0.5 - BELOW, radius * SIZES, MATERIAL), float(distance)
+
+
+SCENES: dict[str, Callable[[float], tuple[mf.Surface, float]]] = {
+    "3 x 3": lattice,
+    "six unequal": partial(irregular, PLACES[0]),
+    "six closer": partial(irregular, PLACES[1]),
+}
+
+
+def quartic(_: float) -> tuple[Contact, float]:
+    """Return the quartic cap, whose results do not depend on R."""
+    return mf.PowerCap(4), RADIUS
+
+
+def sphere(contact_radius: float) -> tuple[Contact, float]:
+    """Return the sphere with a/R = 0.5."""
+    return mf.SphericalCap(), 2.0 * contact_radius
+
+
+LAWS = {"quartic cap": quartic, "sphere, a/R = .5": sphere}
+
+
+def errors(law: Contact, surface: mf.Surface, contact_radius: float) -> tuple[float, float, float]:
+    """Return the relative errors of the load at fixed approach, of A0 at fixed load, and its estimate.
+
+    The approach is that at which the largest contact by order 3 has the radius [mm].
+    """
+    model = mf.Interacting(contact=law)
+
+    def excess(approach: float) -> float:
+        return math.sqrt(mf.equilibrium(surface, model, approach=approach).asperity_area.max() / math.pi) - (
+            contact_radius
+        )
+
+    alone = float(law.indentation(contact_radius, float(np.max(surface.radius))))
+    approach = brentq(excess, 0.2 * alone, 5.0 * alone, rtol=1e-4)
+    resolved = mf.BoundaryElements(contact_radius / CELLS, contact=law)
+    exact = mf.equilibrium(surface, resolved, approach=approach)
+    load = mf.equilibrium(surface, model, approach=approach).load / exact.load - 1.0
+    state = mf.equilibrium(surface, model, load=exact.load)
+    estimate = truncation(surface, state.asperity_area, mf.HalfSpace(), law)
+    return load, state.area / exact.area - 1.0, estimate
+
+
+def one_contact(law: Contact, radius: float, contact_radius: float) -> tuple[float, float]:
+    """Return the relative errors of load and area of one resolved contact, off the middle of its cell."""
+    cell = contact_radius / CELLS_OF_ONE
+    place = [[0.0, 0.0], [200.6 * cell, 0.2 * cell]]  # a low summit moves the middle of the grid
+    surface = mf.Surface(place, [0.0, -10.0], radius, MATERIAL)
+    approach = float(law.indentation(contact_radius, radius))
+    state = mf.equilibrium(surface, mf.BoundaryElements(cell, contact=law), approach=approach)
+    load = MATERIAL.composite_modulus * float(law.load(contact_radius, radius))
+    return state.load / load - 1.0, state.area / float(law.area(contact_radius)) - 1.0
+
+
+def rows() -> list[Row]:
+    """Measure one contact of each law, and order 3 on every scene."""
+    rho = np.linspace(0.0, 0.45, 80)
+    table = mf.AxisymmetricCap([rho, sphere_profile(rho, RADIUS)])
+    ones: dict[str, tuple[Contact, float]] = {
+        "quartic cap": (mf.PowerCap(4), 0.2),
+        "sphere, a/R = .5": (mf.SphericalCap(), 0.5 * RADIUS),
+        "table of the sphere": (table, 0.5 * RADIUS),
+    }
+    measured = []
+    for name, (law, contact_radius) in ones.items():
+        found = np.abs(one_contact(law, RADIUS, contact_radius)).max()
+        measured.append(Row(f"one resolved contact, {name}: load and area", ONE_ERROR, float(found), ""))
+    for name, law_of in LAWS.items():
+        for where, scene in SCENES.items():
+            load, area, _ = np.abs([at(law_of, scene, ratio) for ratio in RATIOS]).T
+            what = f"order 3, {name}, {where}"
+            measured.append(Row(f"{what}: load, a/L <= {RATIOS[-1]:g}", LOAD_ERROR, float(load.max()), ""))
+            for most, required in AREA_ERROR.items():
+                largest = float(area[np.array(RATIOS) <= most].max())
+                measured.append(Row(f"{what}: A0, a/L <= {most:g}", required, largest, ""))
+    return measured
+
+
+def at(
+    law_of: Callable[[float], tuple[Contact, float]],
+    scene: Callable[[float], tuple[mf.Surface, float]],
+    ratio: float,
+) -> tuple[float, float, float]:
+    """Return the errors at one a/L."""
+    law, radius = law_of(ratio * scene(RADIUS)[1])
+    surface, distance = scene(radius)
+    return errors(law, surface, ratio * distance)
+
+
+@click.command()
+def main() -> None:
+    """Print the errors of order 3 in each scene, in percent, with the estimate that Automatic uses."""
+    click.echo(f"{'':34s}{'a/L':>6s}{'load':>10s}{'A0':>10s}{'estimate':>10s}")
+    for name, law_of in {"paraboloid": lambda _: (mf.Hertz(), RADIUS), **LAWS}.items():
+        for where, scene in SCENES.items():
+            for ratio in RATIOS:
+                load, area, estimate = 100.0 * np.array(at(law_of, scene, ratio))
+                click.echo(f"{name + ', ' + where:34s}{ratio:6.3f}{load:10.4f}{area:10.4f}{estimate:10.4f}")
+
+
+if __name__ == "__main__":
+    main()
