@@ -11,7 +11,7 @@ from metafem import _validate as check
 from metafem._calls import checked_call
 from metafem._validate import FloatArray
 from metafem.models import Independent, Model
-from metafem.models.model import checked_model, contact_of
+from metafem.models.model import Curve, checked_model, contact_of
 from metafem.surface import Surface
 
 
@@ -65,6 +65,24 @@ def flattened(surface: Surface, model: Model | None = None, *, load: float) -> t
     newtons = check.number("load", load, at_least=0.0)
     curve = solver.curve(surface, np.array([newtons / surface.material.composite_modulus])).checked()
     return flattened_by(surface, solver, curve.last.indentation)
+
+
+def unloading_curve(
+    surface: Surface, model: Model, load: FloatArray | None = None, approach: FloatArray | None = None
+) -> tuple[Surface, Model, Curve]:
+    """Return the surface after the largest of loads [mm^2] or approaches [mm], its model, and its states.
+
+    Contacts without adhesion. The approaches, given and returned, are those of the surface before.
+    """
+    first = model.curve(
+        surface,
+        load if load is None else load[-1:],
+        approach=approach if approach is None else approach[-1:],
+    )
+    after, second = flattened_by(surface, model, first.checked().last.indentation)
+    lowered = float(surface.height.max() - after.height.max())
+    curve = second.curve(after, load, approach=approach if approach is None else approach - lowered)
+    return after, second, replace(curve, approach=curve.approach + lowered)
 
 
 def flattened_by(surface: Surface, model: Model, indentation: FloatArray) -> tuple[Surface, Model]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import cast
 
 import numpy as np
@@ -15,6 +14,7 @@ from metafem.errors import InvalidInput, NotConverged
 from metafem.models import Curve, Independent, Model
 from metafem.models.model import Unloading, checked_model, contact_of
 from metafem.notes import when_read
+from metafem.prediction.flattening import unloading_curve
 from metafem.prediction.law import FrictionLaw
 from metafem.prediction.validity import REMEDY, left_out_notes
 from metafem.surface import Surface
@@ -41,7 +41,8 @@ def friction_law(
     """Predict the friction law of a surface.
 
     Adhesive contacts jump in and break at different loads: `unloading` gives the way back. Under a given load
-    every state is stable, and the notes state the jumps.
+    every state is stable, and the notes state the jumps. Plastic contacts are flattened by the largest load;
+    on the way back they are elastic, and a second loading up to that load has the same law (`flattened`).
 
     Parameters
     ----------
@@ -55,7 +56,8 @@ def friction_law(
         is indented by 0.04 R or the plane reaches the base plane.
     unloading : bool
         Whether the states are those on the way back from the largest load; default: False. Elastic contacts
-        without adhesion have one law for both ways.
+        without adhesion have one law for both ways. The model of the law of plastic contacts is that of the
+        flattened surface.
 
     Returns
     -------
@@ -83,31 +85,38 @@ def friction_law(
     if load is not None and separation is not None:
         raise InvalidInput("only one of load and separation can be given")
     check.instance("unloading", unloading, bool, "True or False")
-    compute = solver.curve
-    if unloading:
-        if not getattr(solver, "unloads", False):
-            raise InvalidInput(
-                f"unloading = True: the model {solver.name} has no unloading; use independent, mean-field, "
-                "half-space or layer"
-            )
-        compute = partial(cast("Unloading", solver).curve, unloading=True)
+    law = contact_of(solver).for_material(surface.material)
+    if unloading and not getattr(solver, "unloads", False):
+        raise InvalidInput(
+            f"unloading = True: the model {solver.name} has no unloading; use independent, mean-field, "
+            "half-space or layer"
+        )
+    values: dict[str, FloatArray]
+    distance = None
     if separation is not None:
-        if contact_of(solver).for_material(surface.material).adhesive:
+        if law.adhesive:
             raise InvalidInput(
                 "separation cannot be given with adhesive contacts: at a given separation their load falls "
                 "where they jump into contact; give load"
             )
         distance = np.sort(check.array("separation", separation, shape=(None,)))[::-1]
-        curve = compute(surface, approach=surface.height.max() - distance)
-        return law_of_curve(surface, solver, curve, curve.load, distance)
-    if load is None:
-        rescaled = default_loads(surface, solver)
+        values = {"approach": surface.height.max() - distance}
+    elif load is None:
+        values = {"load": default_loads(surface, solver)}
     else:
         newtons = np.sort(check.array("load", load, shape=(None,)))
-        if newtons[0] < 0.0 and not unloading:
+        if newtons[0] < 0.0 and not (unloading and law.adhesive):
             raise InvalidInput(f"load holds {newtons[0]:g} N; loads must be at least 0 N")
-        rescaled = newtons / surface.material.composite_modulus
-    return law_of_curve(surface, solver, compute(surface, rescaled), rescaled)
+        values = {"load": newtons / surface.material.composite_modulus}
+    if not unloading:
+        curve = solver.curve(surface, **values)
+    elif law.adhesive:
+        curve = cast("Unloading", solver).curve(surface, **values, unloading=True)
+    else:
+        top = surface.height.max()
+        surface, solver, curve = unloading_curve(surface, solver, **values)
+        distance = top - curve.approach if distance is None else distance
+    return law_of_curve(surface, solver, curve, values.get("load", curve.load), distance)
 
 
 def default_loads(surface: Surface, model: Model) -> FloatArray:

@@ -1,5 +1,7 @@
 """Surfaces that a load has flattened: unloading and second loading."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -16,9 +18,13 @@ def surface():
     return mf.Surface.square_lattice(height, (4, 4), radius=0.526, material=MATERIAL)
 
 
+MODELS = [mf.Independent, partial(mf.Interacting, 1, mf.BondedLayer(7.2))]
+
+
 @pytest.mark.parametrize("law", LAWS, ids=repr)
-def test_a_second_loading_returns_to_the_first_at_the_earlier_load(surface, law):
-    model = mf.Independent(law)
+@pytest.mark.parametrize("kind", MODELS)
+def test_a_second_loading_returns_to_the_first_at_the_earlier_load(surface, law, kind):
+    model = kind(contact=law)
     largest = 0.05
     after, second = mf.flattened(surface, model, load=largest)
     load = largest * np.array([0.1, 0.5, 0.9, 1.0, 1.5])
@@ -28,6 +34,34 @@ def test_a_second_loading_returns_to_the_first_at_the_earlier_load(surface, law)
     # flattened contacts keep a larger area, and the plane stays nearer
     assert (again.area[:3] > first.area[:3]).all()
     assert (again.separation[:3] < first.separation[:3]).all()
+    # the unloading is the second loading
+    back = mf.friction_law(surface, model, load=load[:4], unloading=True)
+    assert_allclose(back.area, again.area[:4], rtol=1e-11)
+    assert_allclose(back.separation, again.separation[:4], rtol=1e-11)
+    assert_allclose(back.approach, surface.height.max() - back.separation, atol=1e-14)
+    assert back.model == second
+    nearest = mf.friction_law(surface, model, separation=back.separation, unloading=True)
+    assert_allclose(nearest.load, load[:4], rtol=1e-8)
+
+
+@pytest.mark.parametrize("law", LAWS, ids=repr)
+@pytest.mark.parametrize("kind", MODELS)
+def test_a_cycle_of_a_surface_loses_energy(surface, law, kind):
+    """The force-distance curve of loading lies above that of unloading."""
+    separation = np.linspace(0.2, 0.13, 60)
+    first, back = (
+        mf.friction_law(surface, kind(contact=law), separation=separation, unloading=way)
+        for way in (False, True)
+    )
+    taken, returned = (np.trapezoid(one.load, -one.separation) for one in (first, back))
+    assert 0.0 < returned < 0.9 * taken
+
+
+@pytest.mark.parametrize("kind", MODELS)
+def test_elastic_contacts_unload_as_they_were_loaded(surface, kind):
+    load = [0.01, 0.03]
+    first, back = (mf.friction_law(surface, kind(), load=load, unloading=way) for way in (False, True))
+    assert_allclose(back.area, first.area, rtol=0)
 
 
 def test_an_elastic_law_and_a_load_of_zero_change_nothing(surface):
@@ -39,6 +73,13 @@ def test_an_elastic_law_and_a_load_of_zero_change_nothing(surface):
 def test_a_negative_load_is_refused(surface):
     with pytest.raises(mf.InvalidInput, match="load = -1 must be at least 0"):
         mf.flattened(surface, load=-1.0)
+    with pytest.raises(mf.InvalidInput, match="load holds -1 N"):
+        mf.friction_law(surface, mf.Independent(LAWS[0]), load=[-1.0, 1.0], unloading=True)
+
+
+def test_order_three_is_refused():
+    with pytest.raises(mf.InvalidInput, match=r"order = 3 needs the profile .* KogutEtsion.* use order=1"):
+        mf.Interacting(contact=LAWS[0])
 
 
 def test_notes_state_plastic_and_flattened_contacts(surface):
