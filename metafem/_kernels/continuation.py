@@ -84,6 +84,7 @@ def uniform_approach(gap, law, load):
         else:
             alone = tabulated.indentation_at_load(data, which[i], scale[i], load)
         x = min(x, gap[i] + alone)
+    low, high = gap.min(), math.inf
     for _ in range(60):
         p = slope = 0.0
         for i in range(gap.size):
@@ -92,9 +93,16 @@ def uniform_approach(gap, law, load):
                 own, rate = load_and_rate(radius[i], which[i], scale[i], data, d)
                 p += own
                 slope += rate
-        if p <= 1.01 * load:
+        if 0.9 * load <= p <= 1.01 * load:
             break
-        x -= (p - load) / slope  # convex and increasing: from the right it cannot overshoot
+        if p < load:
+            low = x
+        else:
+            high = x
+        # of a convex load Newton's method cannot overshoot from the right; a plastic one is concave
+        x = x - (p - load) / slope if slope > 0.0 else low
+        if not low < x < high:
+            x = 0.5 * (low + high)
     return x
 
 

@@ -35,7 +35,7 @@ class Contact(Protocol):
         Whether contacts attract: the load is negative for some contact radii, and contacts jump.
     individual : bool
         Whether the parameters are arrays (n,) with one value for each asperity, the last axis of all
-        arguments.
+        arguments; ``law.one(i)`` is then the law of asperity i.
     """
 
     largest_order: ClassVar[int] = 1
@@ -68,10 +68,6 @@ class Contact(Protocol):
     def largest_indentation(self, radius: Values) -> FloatArray:
         """Largest indentation [mm] that the law describes; infinite where there is none."""
         return np.full(np.shape(radius), math.inf)[()]
-
-    def one(self, i: int) -> Contact:
-        """Return the law of asperity i; the law itself where it is not individual."""
-        return self
 
     def notes(self, indentation: FloatArray, radius: FloatArray) -> tuple[Note, ...]:
         """Return what the law leaves out or changes at indentations (n,) [mm]."""
