@@ -8,6 +8,7 @@ from scipy.special import erf
 
 from validation.paper import (
     bounds,
+    contact_laws,
     fig3_operating_points,
     fig4_linear,
     fig_s3_manufacturing,
@@ -171,3 +172,44 @@ def coupled_area(height, influence, load):
         depth = np.clip(sunk - separation, 0.0, None)
         sunk = height - influence @ (4.0 / 3.0 * np.sqrt(RADIUS) * depth**1.5)
     return hertz(sunk, separation_at(sunk, load))[0]
+
+
+def adhesive_sums(energy, modulus):
+    """JKR's contacts on loading, which begin at indentation 0, by a table of the contact radius."""
+    strength = 2.0 * np.pi * energy / modulus
+    a = np.linspace((RADIUS**2 * strength) ** (1.0 / 3.0), 0.5, 200_001)  # from d = 0
+    d = a**2 / RADIUS - np.sqrt(strength * a)
+    load = 4.0 * a**3 / (3.0 * RADIUS) - 2.0 * a * np.sqrt(strength * a)
+    return d, np.pi * a**2, load
+
+
+def sphere_sums():
+    a = np.linspace(1e-6, 0.45, 100_001)
+    half = np.arctanh(a / RADIUS)
+    return a * half, np.pi * a**2, (a**2 + RADIUS**2) * half - a * RADIUS
+
+
+def lowest_area_at(depth, area, load, height, wanted):
+    """A0 where the load on a rising plane first reaches those wanted; contacts may lower it as they begin."""
+    height = np.sort(height)
+    approach = np.linspace(0.0, 0.25, 20_001)
+    total, found = np.zeros((2, len(approach)))
+    for each in height.max() - height:
+        inside = approach >= each
+        total[inside] += np.interp(approach[inside] - each, depth, load)
+        found[inside] += np.interp(approach[inside] - each, depth, area)
+    highest = np.maximum.accumulate(total)
+    step = np.searchsorted(highest, wanted)
+    share = (wanted - total[step - 1]) / (total[step] - total[step - 1])
+    return found[step - 1] + share * (found[step] - found[step - 1])
+
+
+@pytest.mark.parametrize("name", ["w = 9 mJ/m²", "w = 27 mJ/m²", "spheres"])
+def test_adhesion_and_spheres_change_the_laws_by_the_expected_rms(name):
+    for label, surface in surfaces().items():
+        modulus = surface.material.composite_modulus
+        law = sphere_sums() if name == "spheres" else adhesive_sums(1e-6 * float(name.split()[2]), modulus)
+        after = lowest_area_at(*law, surface.height, contact_laws.LOADS)
+        before = np.array([area_at(surface.height, load) for load in contact_laws.LOADS])
+        rms = 100.0 * np.sqrt(((after / before - 1.0) ** 2).mean())
+        assert rms == pytest.approx(contact_laws.RMS[label, name], abs=0.005)
