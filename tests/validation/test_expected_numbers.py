@@ -191,10 +191,10 @@ def sphere_sums():
 
 def lowest_area_at(depth, area, load, height, wanted):
     """A0 where the load on a rising plane first reaches those wanted; contacts may lower it as they begin."""
-    height = np.sort(height)
-    approach = np.linspace(0.0, 0.25, 20_001)
+    gap = height.max() - height
+    approach = np.sort(np.concatenate([np.linspace(0.0, 0.25, 20_001), gap, np.nextafter(gap, 0.0)]))
     total, found = np.zeros((2, len(approach)))
-    for each in height.max() - height:
+    for each in gap:
         inside = approach >= each
         total[inside] += np.interp(approach[inside] - each, depth, load)
         found[inside] += np.interp(approach[inside] - each, depth, area)
