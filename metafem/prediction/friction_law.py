@@ -116,7 +116,8 @@ def friction_law(
         top = surface.height.max()
         surface, solver, curve = unloading_curve(surface, solver, **values)
         distance = top - curve.approach if distance is None else distance
-    return law_of_curve(surface, solver, curve, values.get("load", curve.load), distance)
+    back = unloading and law.adhesive  # the flattened law of plastic contacts has one path
+    return law_of_curve(surface, solver, curve, values.get("load", curve.load), distance, back)
 
 
 def default_loads(surface: Surface, model: Model) -> FloatArray:
@@ -131,6 +132,7 @@ def law_of_curve(
     curve: Curve,
     rescaled_load: FloatArray,
     separation: FloatArray | None = None,
+    unloading: bool = False,
 ) -> FrictionLaw:
     """Return the law of a curve at its loads, or raise NotConverged; default separation: by the approach."""
     if separation is None:
@@ -146,7 +148,7 @@ def law_of_curve(
         model=model,
         material=surface.material,
         friction=surface.friction,
-        notes=when_read(left_out_notes, surface, model, curve, curve.notes),
+        notes=when_read(left_out_notes, surface, model, curve, curve.notes, unloading),
     )
     if not curve.converged:
         worst = curve.residual.max()

@@ -1,27 +1,31 @@
 """What a model leaves out of a surface at given loads: estimates, and the notes that state them.
 
-Every model is compared with asperities that interact by order 3, in A0 at a given load, on the bonded layer
-where the surface has a block. A uniform sinking does not change A0(P), and the remaining change has either
-sign. Sums over the neighbours are wrong by factors of ten where contacts are crowded; order 3 at a few loads
-costs less than a design and agrees with resolved contacts within a factor of two, even where contacts overlap
-or are as wide as a layer. `truncation` estimates its own error. The true block differs from the layer by less
-than 0.4 % in A0, and its influence takes a minute, so the layer is used.
+Every model is compared with asperities of its contact law that interact by the largest order of the law, in
+A0 at a given load, on the bonded layer where the surface has a block. A uniform sinking does not change
+A0(P), and the remaining change has either sign. Sums over the neighbours are wrong by factors of ten where
+contacts are crowded; order 3 at a few loads costs less than a design and agrees with resolved contacts within
+a factor of two, even where contacts overlap or are as wide as a layer. `truncation` estimates its own error.
+The true block differs from the layer by less than 0.4 % in A0, and its influence takes a minute, so the layer
+is used.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Any, cast
 
 import numpy as np
 
 from metafem._validate import FloatArray, IntArray
 from metafem._values import percent
+from metafem.contact import Contact
 from metafem.contact.cap_geometry import SPHERES, CapShape
 from metafem.errors import MetafemError, NotConverged
 from metafem.models import Curve, Interacting, Model
+from metafem.models.boundary_elements.model import resolvable
 from metafem.models.interacting.model import DENSE_LIMIT
-from metafem.models.model import contact_of, has_paraboloids
+from metafem.models.model import Unloading, contact_of, has_paraboloids
 from metafem.models.truncation import COMPARED, crowding, truncation
 from metafem.notes import Note, information
 from metafem.substrate import BondedLayer, HalfSpace
@@ -44,12 +48,20 @@ PROBES, FEW_PROBES = 8, 3
 # the load, which is reached at 1.3 times that ratio even if the error grows as (a/R)^4.
 WIDEST, TOO_WIDE = 0.55, 0.65
 
+# Adhesive contacts of larger scenes are followed along all their jumps in too much time for a note: their
+# interaction is estimated without adhesion.
+MOST_ADHESIVE = 100
+
+# The second moment of a uniform pressure over that of Hertz's, 1/2 over 2/5.
+UNIFORM = 1.25
+
+# Relative error of the approach at which paraboloids have the area of other contacts.
+SIZE_TOLERANCE = 1e-6
+
 # What to do where a model finds no equilibrium.
 REMEDY = "use lighter loads, a larger pitch or the model resolved"
 
 UNKNOWN = "the effect of elastic interaction cannot be estimated over all loads"
-
-UNKNOWN_CONTACT = "the effect of elastic interaction is estimated for paraboloids only, not for"
 
 # The base gap at its load of contact, relative to the largest height.
 BASE_TOLERANCE = 1e-9
@@ -59,14 +71,19 @@ BASE_TOLERANCE = 1e-9
 MOST_STEPS = 60
 
 
-def left_out_notes(surface: Surface, model: Model, curve: Curve, notes: tuple[Note, ...]) -> tuple[Note, ...]:
-    """Return `notes`, followed by estimates of what the model leaves out along a curve."""
+def left_out_notes(
+    surface: Surface, model: Model, curve: Curve, notes: tuple[Note, ...], unloading: bool = False
+) -> tuple[Note, ...]:
+    """Return `notes`, followed by estimates of what the model leaves out along a curve.
+
+    unloading: whether the curve is that on the way back from its largest load.
+    """
     return (
         *notes,
         *contact_of(model).for_material(surface.material).notes(curve.last.indentation, surface.radius),
         *_base_notes(surface, model, curve),
         *_wide_notes(surface, model, curve),
-        *_interaction_notes(surface, model, curve),
+        *_interaction_notes(surface, model, curve, unloading),
         *_surface_notes(surface, contact_of(model).shape()),
     )
 
@@ -79,32 +96,75 @@ def reference_of(surface: Surface, model: Model) -> Interacting:
     return reference
 
 
-def _interaction_notes(surface: Surface, model: Model, curve: Curve) -> list[Note]:
-    """State the change by neighbours and block, and whether order 3 holds."""
-    if not has_paraboloids(model):
-        return [information(f"{UNKNOWN_CONTACT} {model.name}")]
-    reference, gradient_model = reference_of(surface, model), model.gradient_model
+def _interaction_notes(surface: Surface, model: Model, curve: Curve, unloading: bool) -> list[Note]:
+    """State the change by neighbours and block, and whether the order of the interaction holds."""
     rows = _probed(curve.load, surface.count)
     if not rows.size:
         return []
-    load, area = curve.load[rows], curve.area[rows]
+    load, area, law = curve.load[rows], curve.area[rows], contact_of(model)
     notes: list[Note] = []
+    if law.adhesive and surface.count > MOST_ADHESIVE:
+        bare = cast("Model", replace(cast("Any", model), contact=law.without_adhesion))
+        return _interaction_notes(surface, bare, bare.curve(surface, load), False)
+    reference, gradient_model = reference_of(surface, model), model.gradient_model
     try:
         if reference != gradient_model:
-            full = reference.curve(surface, load)
+            full = _on_path(reference, surface, load, unloading)
             if model.couples:  # the difference of resolved contacts from order 3 is not that of the block
-                area = gradient_model.curve(surface, load).checked().area
+                area = _on_path(gradient_model, surface, load, unloading).checked().area
             if full.solved.any():
                 change = full.area[full.solved] / area[full.solved] - 1.0
                 notes += _change_notes(surface, model, reference, load[full.solved], change)
             if not full.converged:
                 newtons = surface.material.composite_modulus * load[~full.solved][0]
-                raise NotConverged(f"order 3 has no solution at {newtons:.4g} N", full)
+                raise NotConverged(f"order {reference.order} has no solution at {newtons:.4g} N", full)
     except MetafemError as reason:
-        notes.append(Note(f"{UNKNOWN}: {reason}; use the model resolved, or lighter loads"))
+        notes.append(Note(f"{UNKNOWN}: {reason}; use {_resolved_or(law, 'lighter loads')}"))
     if model == gradient_model:  # otherwise the contacts are resolved and may merge
         notes += _width_notes(surface, model, reference, curve)
+    if model.couples and law.largest_order == 1:
+        notes += _size_notes(surface, reference, float(area[-1]))
     return notes
+
+
+def _on_path(model: Model, surface: Surface, load: FloatArray, unloading: bool) -> Curve:
+    """Return the curve of a model on loading, or on the way back from the largest load."""
+    if unloading:
+        return cast("Unloading", model).curve(surface, load, unloading=True)
+    return model.curve(surface, load)
+
+
+def _resolved_or(law: Contact, remedy: str) -> str:
+    """Return a remedy, after the resolved model for laws whose contacts can be resolved."""
+    return f"the model resolved, or {remedy}" if resolvable(law) else remedy
+
+
+def _size_notes(surface: Surface, reference: Interacting, area: float) -> list[Note]:
+    """State what point loads leave out of laws without a profile, by paraboloids of the same area [mm^2]."""
+    from scipy.optimize import brentq
+
+    point = Interacting(1, reference.substrate)
+
+    def excess(approach: float) -> float:
+        return float(point.curve(surface, approach=np.array([approach])).checked().area[0]) - area
+
+    try:
+        high = area / (math.pi * float(surface.radius.max()))  # the approach of one summit
+        for _ in range(MOST_STEPS):
+            if excess(high) > 0.0:
+                break
+            high *= 2.0
+        load = point.curve(surface, approach=np.array([brentq(excess, 0.0, high, rtol=SIZE_TOLERANCE)])).load
+        larger = point.reference.curve(surface, load).checked().area[0]
+    except MetafemError as reason:
+        return [Note(f"what point loads leave out of the size of the contacts cannot be estimated: {reason}")]
+    return [
+        information(
+            "the law has no profile, so its contacts are coupled as point loads: for paraboloids of the same "
+            f"area the size of the contacts changes A0 by {percent(larger / area - 1.0, '+.2g')}, and by up "
+            f"to {UNIFORM:g} times as much where the pressure is uniform"
+        )
+    ]
 
 
 def _probed(load: FloatArray, count: int) -> IntArray:
@@ -135,7 +195,7 @@ def _change_notes(
     spread = f"by {percent(rms)} rms and " if load.size > 1 else ""
     text = (
         f"{cause} changes A0 at a given load {spread}by up to {percent(change[most], '+.2g')}, at "
-        f"{surface.material.composite_modulus * load[most]:.4g} N (order 3 on the "
+        f"{surface.material.composite_modulus * load[most]:.4g} N (order {reference.order} on the "
         f"{'bonded layer' if layer else 'half-space'})"
     )
     if rms <= BOUND:
@@ -145,17 +205,19 @@ def _change_notes(
 
 def _width_notes(surface: Surface, model: Model, reference: Interacting, curve: Curve) -> list[Note]:
     """State where contacts overlap, or are too wide for their distances and their layer."""
-    radius, newtons = np.sqrt(curve.last.area / math.pi), _last_force(surface, curve)
-    overlaps, ratio = crowding(surface, radius)
+    law, area, newtons = contact_of(model), curve.last.area, _last_force(surface, curve)
+    overlaps, ratio = crowding(surface, area, law)
     if overlaps:
         return [
             Note(
                 f"contacts overlap: {overlaps} {'pair reaches' if overlaps == 1 else 'pairs reach'} into "
-                f"each other at {newtons:.4g} N, where real contacts merge; use the model resolved, a "
-                "larger pitch or lighter loads"
+                f"each other at {newtons:.4g} N, where real contacts merge; use "
+                f"{'the model resolved, ' if resolvable(law) else ''}a larger pitch or lighter loads"
             )
         ]
-    notes = []
+    notes: list[Note] = []
+    if law.largest_order == 1:
+        return notes
     if ratio > COMPARED and model.couples:
         notes.append(
             information(
@@ -163,12 +225,13 @@ def _width_notes(surface: Surface, model: Model, reference: Interacting, curve: 
                 "contacts"
             )
         )
-    error = truncation(surface, curve.last.area, reference.substrate)
+    error = truncation(surface, area, reference.substrate, law)
     if error > BOUND:
+        remedy = "the model resolved" if resolvable(law) else "a larger pitch or lighter loads"
         notes.append(
             Note(
                 f"the contacts are too wide for their distances or their layer: the error of order 3 may be "
-                f"{percent(error)} in A0 at {newtons:.4g} N; use the model resolved"
+                f"{percent(error)} in A0 at {newtons:.4g} N; use {remedy}"
             )
         )
     return notes

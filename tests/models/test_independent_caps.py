@@ -98,8 +98,6 @@ def test_names_and_notes_state_the_law():
     assert repr(QUARTIC) == "Independent(contact=PowerCap(exponent=4.0, coefficient=0.5))"
     assert QUARTIC.name == "independent, PowerCap(exponent=4.0, coefficient=0.5)"
     assert mf.Independent(contact=mf.Hertz()) == mf.Independent() != QUARTIC
-    law = mf.friction_law(lattice(np.full(4, 0.12)), QUARTIC, load=[0.1, 0.2])
-    assert "interaction is estimated for paraboloids only" in said(law)
     deep = mf.equilibrium(lattice([0.3]), QUARTIC, load=0.5)
     assert "the law of small strain" in said(deep)
     assert "Hertz" not in said(deep)

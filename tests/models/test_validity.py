@@ -4,6 +4,7 @@ import pickle
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 import metafem as mf
 from metafem.models.truncation import truncation
@@ -160,3 +161,49 @@ def test_caps_that_bury_their_neighbours_are_warned_of(height, radius):
     surface = mf.Surface(CLOSE, height, radius, mf.Material(1.36))
     notes = mf.friction_law(surface, load=[0.001]).notes
     assert any(note.warns and "the caps of 1 pair of summits overlap" in str(note) for note in notes)
+
+
+@pytest.mark.parametrize(
+    "law", [mf.PowerCap(4), mf.SphericalCap(), mf.JKR(2e-5), mf.KogutEtsion(0.5)], ids=repr
+)
+def test_interaction_is_estimated_with_the_law_of_the_model(law):
+    surface, load = rough(pitch=0.9, thickness=0.8, side=3), np.array([0.1])
+    layer = mf.Interacting(law.largest_order, mf.BondedLayer(), law)
+    for alone in (mf.Independent(law), mf.MeanField(law)):
+        found = mf.friction_law(surface, alone, load=load)
+        change = mf.friction_law(surface, layer, load=load).area / found.area - 1.0
+        words = (
+            f"by up to {100.0 * change[0]:+.2g} %, at 0.1 N (order {law.largest_order} on the bonded layer)"
+        )
+        assert words in said(found)
+    assert "paraboloids" not in said(mf.friction_law(surface, mf.Independent(law), load=load))
+
+
+def test_point_loads_of_laws_without_a_profile_are_bounded():
+    surface, law = rough(pitch=0.6, side=3), mf.KogutEtsion(0.5)
+    for load in (0.05, 0.3):
+        state = mf.equilibrium(surface, mf.Interacting(1, mf.BondedLayer(), law), load=load)
+        small, large = (mf.Interacting(order, mf.BondedLayer()) for order in (1, 3))
+        alike = brentq(lambda x: mf.equilibrium(surface, small, load=x).area - state.area, 0.01, 1.0)  # noqa: B023
+        change = mf.equilibrium(surface, large, load=alike).area / state.area - 1.0
+        assert f"the size of the contacts changes A0 by {100.0 * change:+.2g} %" in said(state)
+
+
+def test_adhesive_contacts_are_compared_on_their_own_path(monkeypatch):
+    surface, law = rough(pitch=0.9, thickness=0.8, side=3), mf.JKR(2e-5)
+    models = mf.Independent(law), mf.Interacting(substrate=mf.BondedLayer(), contact=law)
+    alone, full = (mf.friction_law(surface, model, load=[0.02, 0.1], unloading=True) for model in models)
+    change = full.area / alone.area - 1.0
+    assert f"by up to {100.0 * change[np.abs(change).argmax()]:+.2g} %" in said(alone)
+    # large scenes are compared without adhesion
+    monkeypatch.setattr("metafem.prediction.validity.MOST_ADHESIVE", 1)
+    alone, bare = (mf.friction_law(surface, mf.Independent(c), load=[0.1]) for c in (law, mf.Hertz()))
+    assert next(note for note in bare.notes if "interaction" in note.text) in alone.notes
+
+
+def test_laws_that_cannot_be_resolved_are_not_told_to_be():
+    surface = rough(pitch=0.3)
+    for law in (mf.JKR(1e-6), mf.KogutEtsion(0.5)):
+        state = mf.equilibrium(surface, mf.Interacting(law.largest_order, contact=law), load=0.3)
+        assert "reach into each other at 0.3 N, where real contacts merge; use a larger pitch" in said(state)
+        assert "model resolved" not in said(state)
