@@ -23,8 +23,9 @@ TANGENT = 1e-4
 # The cubic is used up to this distance ahead, in units of its length.
 REACH = 3.0
 
-# Newton steps for the approach of a prediction; after three its error is below that of the cubic.
-PREDICTOR_STEPS = 3
+# Newton steps for the approach of a prediction after that along the tangent; after two its error is below
+# that of the cubic.
+PREDICTOR_STEPS = 2
 
 
 class Memory(NamedTuple):
@@ -125,7 +126,7 @@ def extrapolate(memory, points, width, ahead, law, z):
 
 @inner
 def predict(memory, points, width, ahead, target, law, z):
-    """Fill z for an approach `ahead` of the last, or for a target load > 0; return the distance."""
+    """Fill z for an approach `ahead` of the last, which a target load > 0 corrects; return the distance."""
     if points > 1:
         for i in range(z.size):
             chord = (memory.last[i] - memory.before[i]) / width
@@ -208,7 +209,9 @@ def curves(field, order, law, self_term, gap, control, by_load, results, state, 
                 if alone:
                     start = independent_start(gap[row], law_of_row, control[j], by_load, state.z)
                 else:
-                    ahead = 0.0 if by_load else control[j] - x
+                    ahead = control[j] - x
+                    if by_load:
+                        ahead = (target - results.load[row, j - 1]) / results.stiffness[row, j - 1]
                     start = x + predict(memory, points, width, ahead, target, law_of_row, state.z)
                 new, count, load, residual = settle(
                     field, order, law_of_row, self_term[row], gap[row], start, target, state, scratch

@@ -121,14 +121,16 @@ def press(law, order, state):
             if order > 1:
                 state.lever[i] = state.load[i] * radius[i]
             continue
-        state.load[i], state.rate[i], state.square[i], state.widening[i] = tabulated.pressed(
-            data, at, scale[i], z
-        )
         state.outside[i] = 0.0 if tabulated.covers(data, at, scale[i], z) else 1.0
-        if order > 1:
-            state.lever[i], state.lever_rate[i], state.lever_bend[i] = tabulated.levers(
-                data, at, scale[i], z, state.load[i], state.square[i], state.widening[i]
+        if order == 1:
+            state.load[i], state.rate[i], state.square[i], state.widening[i] = tabulated.pressed(
+                data, at, scale[i], z
             )
+        else:
+            (
+                state.load[i], state.rate[i], state.square[i], state.widening[i],
+                state.lever[i], state.lever_rate[i], state.lever_bend[i],
+            ) = tabulated.tilted(data, at, scale[i], z)  # fmt: skip
     return count
 
 

@@ -68,7 +68,9 @@ class _Fit(NamedTuple):
         width = (self.edge[-1] - self.edge[0]) / bins
         first = np.searchsorted(self.edge[1:-1], self.edge[0] + width * np.arange(bins), side="right")
         head = np.array([panels, bins, self.edge[0], 1.0 / width])
-        return np.concatenate([head, first, self.edge, (self.value @ TO_POWERS).ravel()])
+        rows = (self.value @ TO_POWERS).reshape(panels, -1)
+        inverse = 2.0 / np.diff(self.edge)
+        return np.concatenate([head, first, self.edge, np.column_stack([inverse, rows]).ravel()])
 
 
 def tables(law: Contact, radius: FloatArray) -> Law:
@@ -119,7 +121,7 @@ def _kept(law: Hashable, radius: float) -> FloatArray:
 
 def _table(law: Contact, radius: float) -> FloatArray:
     """Compute the table of a law for one radius [mm]."""
-    from metafem._kernels.contact.tabulated import BY_DEPTH, HEADER, LEVER_EDGE, levers, pressed
+    from metafem._kernels.contact.tabulated import BY_DEPTH, HEADER, LEVER_EDGE, tilted
 
     end = float(law.largest_indentation(radius))
     last = min(end, DEEPEST * radius)
@@ -154,8 +156,7 @@ def _table(law: Contact, radius: float) -> FloatArray:
     flat = np.flatnonzero(2.0 * math.pi * a / law.area_slope(a, radius) < FLATTEST)
     if flat.size:
         z = float(law.indentation(a[flat[-1]], radius)) / radius
-        load, _, square, widening = pressed(table[None], 0, 1.0, z)
-        lever, rate, _ = levers(table[None], 0, 1.0, z, load, square, widening)
+        load, _, _, _, lever, rate, _ = tilted(table[None], 0, 1.0, z)
         table[LEVER_EDGE:BY_DEPTH] = load, 0.5 * rate, 0.5 * (rate * load - lever)
     return table
 

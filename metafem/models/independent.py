@@ -117,7 +117,7 @@ class Independent(Uncoupled):
         if adhesive is not None:
             return independent_curve(self, adhesive, surface, values, by_load, unloading)
         if by_load:
-            return self._curve(law, surface.height, surface.radius, values)
+            return self.curve_of(surface.height, surface.radius, values, law)
         last = partial(self._last, law, surface.height, surface.radius, 0.0, values[-1])
         if law != PARABOLOID:
             carried, area, slope = sums(law, surface.gap, surface.radius, values)
@@ -127,16 +127,16 @@ class Independent(Uncoupled):
         kernel.curve_at_approach(gap[0], root[0], values, carried, area, slope)
         return Curve(np.array(values), carried, area, slope, np.zeros(len(values)), TOLERANCE, last)
 
-    def curve_of(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> Curve:
+    def curve_of(
+        self, height: FloatArray, radius: FloatArray, load: FloatArray, contact: Contact | None = None
+    ) -> Curve:
         """As `curve` at loads, for heights and radii (n,) without a surface, which takes as long to check.
 
-        The contact law is that for unit E*.
+        contact: the contact law for unit E*; default: that of the model.
         """
-        return self._curve(self.contact, height, radius, load)
-
-    def _curve(self, law: Contact, height: FloatArray, radius: FloatArray, load: FloatArray) -> Curve:
         from metafem._kernels import independent as kernel
 
+        law = self.contact if contact is None else contact
         adhesive = adhesive_law(law)
         if adhesive is not None:
             return curve_of_heights(self, adhesive, height, radius, load)
@@ -179,19 +179,20 @@ class Independent(Uncoupled):
         height: summit heights (n,) [mm] in place of the surface's own; they are not checked.
         """
         law = self.contact.for_material(surface.material)
-        return self._sensitivity(law, surface.height if height is None else height, surface.radius, load)
+        return self.sensitivity_of(surface.height if height is None else height, surface.radius, load, law)
 
-    def sensitivity_of(self, height: FloatArray, radius: FloatArray, load: FloatArray) -> Sensitivity:
-        """As `sensitivity`, for heights and radii (n,) without a surface, and a contact law for unit E*."""
-        return self._sensitivity(self.contact, height, radius, load)
-
-    def _sensitivity(
-        self, law: Contact, height: FloatArray, radius: FloatArray, load: FloatArray
+    def sensitivity_of(
+        self, height: FloatArray, radius: FloatArray, load: FloatArray, contact: Contact | None = None
     ) -> Sensitivity:
+        """As `sensitivity`, for heights and radii (n,) without a surface.
+
+        contact: the contact law for unit E*; default: that of the model.
+        """
+        law = self.contact if contact is None else contact
         adhesive = adhesive_law(law)
         if adhesive is not None:
             return independent_sensitivity(self, adhesive, height, radius, load)
-        curve = self._curve(law, height, radius, load)
+        curve = self.curve_of(height, radius, load, law)
         indentation = curve.approach[:, None] - (height.max() - height)
         if law == PARABOLOID:
             alone = math.pi * radius * (indentation > 0.0)

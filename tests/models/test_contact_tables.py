@@ -21,7 +21,7 @@ TABLE = mf.AxisymmetricCap(np.array([RHO, R - np.sqrt(R**2 - RHO**2)]))
 
 @pytest.mark.parametrize(
     ("law", "rtol"),
-    [*((law, 5e-13) for law in LAWS), (TABLE, 3e-8)],
+    [*((law, 1e-12) for law in LAWS), (TABLE, 3e-8)],
     ids=[repr(law) for law in (*LAWS, TABLE)],
 )
 def test_kernels_are_the_laws(law, rtol):

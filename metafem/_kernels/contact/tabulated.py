@@ -27,18 +27,22 @@ LEAST_CURVATURE = 0.1
 # Largest number of steps for a contact radius or indentation; the logarithms are nearly linear.
 MAX_STEPS = 40
 
-# A step of Halley's method in a logarithm below which the next one, its cube, is below rounding; and the same
-# of Newton's, whose next one is its square.
+# A step of a method of third order in a logarithm below which the next one, its cube, is below rounding; and
+# the same of Newton's, whose next one is its square.
 SETTLED, SETTLED_SQUARE = 1e-5, 1e-8
 
+# Distance from 1 or 0 up to which series of six terms are exact to rounding: 1e-3^6/7.
+NEAR = 1e-3
+
 # Largest part of the load by the curvature of which the first guess of a contact radius uses powers.
-MOST_EXTRA = 0.5
+MOST_EXTRA = 0.1
 
 
 # A row of `Law.data` begins with the largest indentation, the three numbers of T, and where the panels over
 # ln z and over ln a begin. Each of these two parts holds the number of panels, that of bins of equal width,
 # the least argument, the inverse width of a bin, the first panel of each bin, the edges, and for each panel
-# three polynomials of the place in it with this number of coefficients, the lowest first.
+# the inverse of half its width and three polynomials of the place in it with this number of coefficients, the
+# lowest first.
 DEEPEST, LEVER_EDGE, LEVER_START, LEVER_OFFSET, BY_DEPTH, BY_RADIUS, HEADER = range(7)
 COEFFICIENTS = 8
 
@@ -60,9 +64,9 @@ def part(law, row):
 
 @inner
 def panel(data, at, part, x):
-    """Return where the polynomials of the panel of x begin, half its width, and the place of x in it.
+    """Return where the polynomials of the panel of x begin, the inverse of half its width, and a place in it.
 
-    The place is between -1 and 1; the last number is by how much x is beyond it.
+    The place of x is between -1 and 1; the last number is by how much x is beyond it.
     """
     start = int(data[at, part])
     panels, bins = int(data[at, start]), int(data[at, start + 1])
@@ -71,11 +75,11 @@ def panel(data, at, part, x):
     edges = start + 4 + bins
     while k + 1 < panels and x >= data[at, edges + k + 1]:
         k += 1
-    lower, upper = data[at, edges + k], data[at, edges + k + 1]
-    half = 0.5 * (upper - lower)
-    free = (x - lower) / half - 1.0
+    first = edges + panels + 1 + (1 + 3 * COEFFICIENTS) * k
+    inverse = data[at, first]
+    free = (x - data[at, edges + k]) * inverse - 1.0
     t = min(max(free, -1.0), 1.0)
-    return edges + panels + 1 + 3 * COEFFICIENTS * k, half, t, free - t
+    return first + 1, inverse, t, free - t
 
 
 @inner
@@ -121,37 +125,61 @@ def covers(data, at, scale, z):
 @compiled
 def load_and_rate(data, at, scale, z):
     """Return p [mm^2] and dp/dz [mm] at z > 0."""
-    first, half, t, beyond = panel(data, at, BY_DEPTH, math.log(z / scale))
+    first, inverse, t, beyond = panel(data, at, BY_DEPTH, math.log(z / scale))
     f, f1 = line(data, at, first, t, beyond)
     p = math.exp(f) * scale * scale
-    return p, p * f1 / (half * z)
+    return p, p * f1 * inverse / z
+
+
+@inner
+def logarithm(x):
+    """Return ln x; a series where x is near 1, which takes a third of the time."""
+    e = x - 1.0
+    if abs(e) > NEAR:
+        return math.log(x)
+    return e * (1.0 - e * (1.0 / 2.0 - e * (1.0 / 3.0 - e * (1.0 / 4.0 - e * (1.0 / 5.0 - e / 6.0)))))
+
+
+@inner
+def exponential(x):
+    """Return e^x; a series where x is small."""
+    if abs(x) > NEAR:
+        return math.exp(x)
+    return 1.0 + x * (1.0 + x / 2.0 * (1.0 + x / 3.0 * (1.0 + x / 4.0 * (1.0 + x / 5.0))))
 
 
 @compiled
 def pressed(data, at, scale, z):
     """Return p, dp/dz, a^2 and da^2/dp at a nominal indentation z > 0."""
-    first, half, t, beyond = panel(data, at, BY_DEPTH, math.log(z / scale))
+    first, inverse, t, beyond = panel(data, at, BY_DEPTH, math.log(z / scale))
     f, f1 = line(data, at, first, t, beyond)
     g, g1 = line(data, at, first + COEFFICIENTS, t, beyond)
     p, square = math.exp(f) * scale * scale, math.exp(g) * scale * scale
-    return p, p * f1 / (half * z), square, square * g1 / (p * f1)
+    return p, p * f1 * inverse / z, square, square * g1 / (p * f1)
 
 
 @compiled
-def levers(data, at, scale, z, p, square, widening):
-    """Return 2 T, 2 dT/dp and 2 d2T/dp2 of a contact."""
-    p, square = p / (scale * scale), square / (scale * scale)
+def tilted(data, at, scale, z):
+    """Return p, dp/dz, a^2, da^2/dp, 2 T, 2 dT/dp and 2 d2T/dp2 at a nominal indentation z > 0."""
+    first, per_half, t, beyond = panel(data, at, BY_DEPTH, math.log(z / scale))
+    f, f1, f2 = curve(data, at, first, t, beyond)
+    g, g1, g2 = curve(data, at, first + COEFFICIENTS, t, beyond)
+    p, square = math.exp(f), math.exp(g)
+    inverse = 1.0 / (p * f1)
+    widening = square * g1 * inverse
+    area = scale * scale
     if p <= data[at, LEVER_EDGE]:
-        start = 2.0 * data[at, LEVER_START] * scale
-        return start * p * scale * scale, start, 0.0
-    first, _, t, beyond = panel(data, at, BY_DEPTH, math.log(z / scale))
-    _, f1, f2 = curve(data, at, first, t, beyond)
-    _, g1, g2 = curve(data, at, first + COEFFICIENTS, t, beyond)
-    a = math.sqrt(square)
-    rate = a * widening
-    bend = rate * (1.5 * g1 - f1 + (g2 / g1 - f2 / f1)) / (p * f1)
-    lever = 2.0 / 3.0 * square * a + data[at, LEVER_OFFSET]
-    return 2.0 * lever * scale**3, 2.0 * rate * scale, 2.0 * bend / scale
+        rate, bend = data[at, LEVER_START], 0.0
+        lever = rate * p
+    else:
+        a = math.sqrt(square)
+        rate = a * widening
+        bend = rate * (1.5 * g1 - f1 + (g2 / g1 - f2 / f1)) * inverse
+        lever = 2.0 / 3.0 * square * a + data[at, LEVER_OFFSET]
+    return (
+        p * area, p * area * f1 * per_half / z, square * area, widening,
+        2.0 * lever * area * scale, 2.0 * rate * scale, 2.0 * bend / scale,
+    )  # fmt: skip
 
 
 @compiled
@@ -160,51 +188,53 @@ def bent(data, at, scale, load, square, widening, curvature):
 
     load, square, widening: those of the nominal indentation; curvature: k [1/mm].
     """
-    k, p, a0 = curvature * scale, load / scale**2, math.sqrt(square) / scale
-    y = math.log(a0)
-    # d ln P/d ln a = 2 a dP/da^2
-    power = 2.0 * square / (load * widening)
+    per_scale = 1.0 / scale
+    k, p, a0 = curvature * scale, load * per_scale * per_scale, math.sqrt(square) * per_scale
+    y, per_load = math.log(a0), 1.0 / p
+    # d ln a/d ln P = (P/2 a) da^2/dP
+    share = 0.5 * load * widening / square
     inside = True
     if k < 0.0:
         # D' = (dP/da)/(2 a)
-        least = (LEAST_CURVATURE - 1.0) * 0.5 * (0.5 * p * power / (a0 * a0)) / a0
+        least = (LEAST_CURVATURE - 1.0) * 0.25 * p / (share * a0 * a0 * a0)
         # a flat summit that just touches is flattened by any small field
         inside = k > least or p <= data[at, LEVER_EDGE]
         k = max(k, least)
-    extra = 4.0 / 3.0 * k * a0 * a0 * a0 / p
-    if extra <= MOST_EXTRA:  # Halley's step for powers of a
-        total = 1.0 + extra
-        h, h1 = math.log(total), (power + 3.0 * extra) / total
-        h2 = (power * power + 9.0 * extra) / total - h1 * h1
-        y -= 2.0 * h * h1 / (2.0 * h1 * h1 - h * h2)
+    extra = 4.0 / 3.0 * k * a0 * a0 * a0 * per_load
+    if abs(extra) <= MOST_EXTRA:  # ln a to second order, of powers
+        step = -share * extra * (1.0 + extra * (0.5 - 3.0 * share))
+        y += step
+        a = a0 * exponential(step)
     else:  # each of the two parts alone would have a larger radius
-        y = min(y, math.log(0.75 * p / k) / 3.0)
-    for _ in range(MAX_STEPS):
+        y = min(y, math.log(0.75 * p / k) / 3.0) if k > 0.0 else y
         a = math.exp(y)
-        first, half, t, beyond = panel(data, at, BY_RADIUS, y)
+    for _ in range(MAX_STEPS):
+        first, inverse, t, beyond = panel(data, at, BY_RADIUS, y)
         g, g1, g2 = curve(data, at, first + COEFFICIENTS, t, beyond)
+        g1, g2 = g1 * inverse, g2 * inverse * inverse
         own, extra = math.exp(g), 4.0 / 3.0 * k * a * a * a
-        g1, g2 = g1 / half, g2 / (half * half)
         total = own + extra
-        if not total > 0.0:
-            y += 0.5
-            continue
-        h, h1 = math.log(total / p), (own * g1 + 3.0 * extra) / total
-        h2 = (own * (g1 * g1 + g2) + 9.0 * extra) / total - h1 * h1
-        step = -2.0 * h * h1 / (2.0 * h1 * h1 - h * h2)
-        y += min(max(step, -0.5), 0.5)
+        step = 0.5
+        if total > 0.0:  # Chebyshev's method, of third order
+            part = 1.0 / total
+            h1 = (own * g1 + 3.0 * extra) * part
+            h2 = (own * (g1 * g1 + g2) + 9.0 * extra) * part - h1 * h1
+            per_slope = 1.0 / h1
+            step = logarithm(total * per_load) * per_slope
+            step = min(max(-step * (1.0 + 0.5 * step * h2 * per_slope), -0.5), 0.5)
+        y += step
+        a *= exponential(step)
         if abs(step) <= SETTLED:
             break
-    t += step / half
-    a *= 1.0 + step * (1.0 + 0.5 * step)
+    t += step * inverse
     f, f1 = line(data, at, first, t, beyond)
     w, _ = line(data, at, first + 2 * COEFFICIENTS, t, beyond)
-    depth, wide = math.exp(f), a * a
-    slope = depth * f1 / (half * a) + 2.0 * k * a
+    depth, wide, per_a = math.exp(f), a * a, 1.0 / a
+    slope = depth * f1 * inverse * per_a + 2.0 * k * a
     moment = math.exp(w) + 8.0 / 15.0 * k * wide * wide * a
     area = scale * scale
     return (
-        wide * area, (depth + k * wide) * scale, a0 / a, 1.0 / slope, 0.25 * moment * area * area, inside
+        wide * area, (depth + k * wide) * scale, a0 * per_a, 1.0 / slope, 0.25 * moment * area * area, inside
     )  # fmt: skip
 
 
@@ -235,9 +265,9 @@ def indentation_at_load(data, at, scale, load):
     goal = math.log(load / scale**2)
     x = data[at, int(data[at, BY_DEPTH]) + 2]
     for _ in range(MAX_STEPS):
-        first, half, t, beyond = panel(data, at, BY_DEPTH, x)
+        first, inverse, t, beyond = panel(data, at, BY_DEPTH, x)
         f, f1 = line(data, at, first, t, beyond)
-        step = (f - goal) * half / f1
+        step = (f - goal) / (f1 * inverse)
         x -= step
         if abs(step) <= SETTLED_SQUARE:
             break
