@@ -12,6 +12,7 @@ import numpy as np
 
 import metafem as mf
 from metafem._kernels import continuation
+from metafem.models.contact_tables import tables
 from metafem.models.interacting.kept_coupling import coupling_between
 from metafem.models.interacting.large import NOT_RECORDED
 
@@ -55,11 +56,12 @@ def kernel_time(model: mf.Interacting, surface: mf.Surface, loads: int) -> float
     results = continuation.empty_results(1, loads)
     workspace = continuation.empty_workspace(surface.count, model.order)
     rising = np.linspace(0.5 / loads, 0.5, loads)
-    radius, gap = np.array(surface.radius[None]), surface.gap[None]
+    law = tables(model.contact.for_material(surface.material), surface.radius[None])
+    gap = surface.gap[None]
     arguments = (
         coupling,
         model.order,
-        radius,
+        law,
         self_influence[None],
         gap,
         rising,
