@@ -2,8 +2,8 @@
 
 A scene depends on its seed alone: 2 to 64 asperities, on a lattice or scattered, of one or several radii; one
 of nine kinds of law with random parameters; independent asperities, the mean field, or order 1 or 3 on the
-half-space or on a bonded layer. Its loads end where the largest contact without interaction has a given part of the
-documented range: a/R = 0.5, contacts with a/L = 0.3 and as wide as 0.3 of the thickness of a layer.
+half-space or on a bonded layer. Its loads end where the largest contact without interaction has a given part
+of the documented range: a/R = 0.5, contacts with a/L = 0.3 and as wide as 0.3 of the thickness of a layer.
 """
 
 from __future__ import annotations
