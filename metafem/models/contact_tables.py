@@ -124,7 +124,7 @@ def _table(law: Contact, radius: float) -> FloatArray:
     from metafem._kernels.contact.tabulated import BY_DEPTH, HEADER, LEVER_EDGE, tilted
 
     end = float(law.largest_indentation(radius))
-    last = min(end, DEEPEST * radius)
+    last = end if math.isfinite(end) else DEEPEST * radius
     ends = law.contact_radius(np.array([LIGHTEST * radius, last]), radius)
     ends[0] = max(ends[0], SMALLEST * radius)
     breaks = law.breaks(radius)

@@ -16,6 +16,30 @@ MODELS = [
     PEDESTAL,
 ]
 
+# A bowl, and loads and areas of spheres of 0.526 mm at indentations, up to those of the scenes here.
+BOWL = np.linspace(0.0, 3.0, 8)
+DEEP = np.geomspace(1e-6, 1.0, 12)
+
+# Every other contact law, in units of length and of the modulus. A new law is one line here.
+LAWS = {
+    "quartic": lambda length, modulus: mf.PowerCap(4, 0.5),
+    "sphere": lambda length, modulus: mf.SphericalCap(),
+    "profile": lambda length, modulus: mf.AxisymmetricCap(length * np.array([BOWL, BOWL**2 / 1.1])),
+    "jkr": lambda length, modulus: mf.JKR(9e-6 * length * modulus),
+    "kogut-etsion": lambda length, modulus: mf.KogutEtsion(0.8 * modulus),
+    "jackson-green": lambda length, modulus: mf.JacksonGreen(0.4 * modulus),
+    "tabulated": lambda length, modulus: mf.TabulatedContact(
+        length * DEEP, 1.36 * modulus * length**2 * DEEP**1.4, length**2 * 1.7 * DEEP
+    ),
+}
+
+
+def with_law(name, length=1.0, modulus=1.0):
+    """Models of a contact law: independent asperities, and interacting ones of its largest order."""
+    law = LAWS[name](length, modulus)
+    return mf.Independent(contact=law), mf.Interacting(order=law.largest_order, contact=law)
+
+
 # Those whose asperities interact.
 COUPLED = [model for model in MODELS if model.couples]
 
