@@ -36,6 +36,7 @@ from .inversion import Together as Together
 from .inversion import achievable_friction_coefficients as achievable_friction_coefficients
 from .inversion import achievable_load_range as achievable_load_range
 from .inversion import arrange as arrange
+from .inversion import design_for_hardness as design_for_hardness
 from .inversion import feasible_region as feasible_region
 from .inversion import plasticity_index as plasticity_index
 from .inversion.design import design as design

@@ -60,6 +60,7 @@ class ElasticPlastic(LawByIndentation):
     """
 
     similar: ClassVar[bool] = True
+    plastic: ClassVar[bool] = True
     material: Material | None
 
     @property

@@ -40,6 +40,7 @@ class FlattenedContact(Value, LawByIndentation):
     """
 
     individual: ClassVar[bool] = True
+    plastic: ClassVar[bool] = True
 
     law: LawByIndentation
     residual: FloatArray

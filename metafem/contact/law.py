@@ -33,6 +33,8 @@ class Contact(Protocol):
         Whether the law with all lengths over R is the same for all radii.
     adhesive : bool
         Whether contacts attract: the load is negative for some contact radii, and contacts jump.
+    plastic : bool
+        Whether contacts stay flattened after unloading.
     individual : bool
         Whether the parameters are arrays (n,) with one value for each asperity, the last axis of all
         arguments; ``law.one(i)`` is then the law of asperity i.
@@ -41,6 +43,7 @@ class Contact(Protocol):
     largest_order: ClassVar[int] = 1
     similar: ClassVar[bool] = False
     adhesive: ClassVar[bool] = False
+    plastic: ClassVar[bool] = False
     individual: ClassVar[bool] = False
 
     @property

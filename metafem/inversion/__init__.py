@@ -2,6 +2,7 @@
 
 from metafem.inversion.assessment import DesignStatus
 from metafem.inversion.design import design
+from metafem.inversion.elastic_design import design_for_hardness
 from metafem.inversion.feasibility import (
     achievable_friction_coefficients,
     feasible_region,
@@ -41,6 +42,7 @@ __all__ = [
     "achievable_load_range",
     "arrange",
     "design",
+    "design_for_hardness",
     "feasible_region",
     "plasticity_index",
 ]

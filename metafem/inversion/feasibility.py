@@ -214,6 +214,11 @@ def achievable_friction_coefficients(
     return low * per_slope, high * per_slope
 
 
+def roughness(surface: Surface) -> float:
+    """Return sqrt(s/R), with the standard deviation of the heights and the mean radius."""
+    return math.sqrt(float(surface.height.std()) / float(surface.radius.mean()))
+
+
 @checked_call
 def plasticity_index(surface: Surface, hardness: float) -> float:
     """Plasticity index of a surface, ``psi = E*/H sqrt(s/R)``.
@@ -245,8 +250,7 @@ def plasticity_index(surface: Surface, hardness: float) -> float:
     """
     check.instance("surface", surface, Surface, "a metafem.Surface")
     h = check.number("hardness", hardness, above=0.0)
-    ratio = surface.material.composite_modulus / h
-    psi = ratio * math.sqrt(float(surface.height.std()) / float(surface.radius.mean()))
+    psi = surface.material.composite_modulus / h * roughness(surface)
     if psi >= ELASTIC_LIMIT:
         warnings.warn(
             f"plasticity index {psi:.3g} is not below {ELASTIC_LIMIT}: the contacts will deform "

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from enum import Enum
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Protocol, cast, runtime_checkable
@@ -176,6 +176,24 @@ def checked_contact(contact: object) -> Contact:
 def contact_of(model: Model) -> Contact:
     """Return the contact law of a model; Hertz's for a model of one's own without the attribute."""
     return cast("Contact", getattr(model, "contact", PARABOLOID))
+
+
+def with_contact(model: Model, contact: Contact) -> Model:
+    """Return a model with another contact law; raises InvalidInput, with its name, if it cannot use it.
+
+    A law known only as load and area over the indentation couples by order 1.
+    """
+    if contact == contact_of(model):
+        return model
+    value: Any = model
+    members = {field.name for field in fields(value)}
+    if "contact" not in members:
+        raise InvalidInput(f"{model.name}: the contacts of this model are paraboloids, not {contact!r}")
+    try:
+        order = {"order": min(value.order, contact.largest_order)} if "order" in members else {}
+        return cast("Model", replace(value, contact=contact, **order))
+    except InvalidInput as error:
+        raise InvalidInput(f"{model.name}: {error}") from None
 
 
 def has_paraboloids(model: Model) -> bool:

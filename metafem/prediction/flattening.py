@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, cast
 
 import numpy as np
 
@@ -11,7 +10,7 @@ from metafem import _validate as check
 from metafem._calls import checked_call
 from metafem._validate import FloatArray
 from metafem.models import Independent, Model
-from metafem.models.model import Curve, checked_model, contact_of
+from metafem.models.model import Curve, checked_model, contact_of, with_contact
 from metafem.surface import Surface
 
 
@@ -51,11 +50,11 @@ def flattened(surface: Surface, model: Model | None = None, *, load: float) -> t
     >>> import metafem as mf
     >>> material = mf.Material(1.36)
     >>> surface = Surface.square_lattice([0.1, 0.12], (1, 2), radius=0.526, material=material)
-    >>> law = mf.KogutEtsion(hardness=0.1).for_material(material)
-    >>> after, second = flattened(surface, Independent(law), load=0.002)
+    >>> model = Independent(mf.KogutEtsion(hardness=0.1))
+    >>> after, second = flattened(surface, model, load=0.002)
     >>> (surface.height - after.height).round(5)
     array([0.     , 0.00316])
-    >>> round(mf.equilibrium(surface, Independent(law), load=0.001).area, 5)
+    >>> round(mf.equilibrium(surface, model, load=0.001).area, 5)
     0.01523
     >>> round(mf.equilibrium(after, second, load=0.001).area, 5)
     0.01765
@@ -91,5 +90,4 @@ def flattened_by(surface: Surface, model: Model, indentation: FloatArray) -> tup
     after, loss = law.unloaded(indentation, surface.radius)
     if after is law:
         return surface, model
-    changed = replace(cast(Any, model), contact=after)
-    return surface.replaced(height=surface.height - loss), changed
+    return surface.replaced(height=surface.height - loss), with_contact(model, after)

@@ -19,7 +19,8 @@ def all_notes(design: Design, hardness: float | None = None) -> tuple[Note, ...]
         H of the softer material [MPa]; default: None, the plasticity index is not evaluated.
     """
     found = [*design.notes]
-    if hardness is not None:
+    # a design for a hardness states the index itself
+    if hardness is not None and "plasticity_index" not in design.parameters:
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always", MetafemWarning)
             plasticity_index(design.surface, hardness)

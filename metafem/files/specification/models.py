@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import fields, replace
 from difflib import get_close_matches
-from typing import Any, cast
 
 from metafem._given import printable
 from metafem.contact import Contact
 from metafem.errors import InvalidInput
 from metafem.models import Automatic, BoundaryElements, Independent, Interacting, MeanField, Model
-from metafem.models.model import PARABOLOID, contact_of
+from metafem.models.model import PARABOLOID, with_contact
 from metafem.substrate import BondedLayer
 
 # Cell of the named resolved model [mm]: at least eight cells per contact radius at the source paper's
@@ -51,24 +49,6 @@ def model_named(name: str, contact: Contact = PARABOLOID) -> Model:
     if name not in MODELS:
         raise InvalidInput(f'model "{printable(name, 60)}" is unknown{suggestion(name, MODELS)}')
     return with_contact(MODELS[name](), contact)
-
-
-def with_contact(model: Model, contact: Contact) -> Model:
-    """Return a model with another contact law; raises InvalidInput, with its name, if it cannot use it.
-
-    A law known only as load and area over the indentation couples by order 1.
-    """
-    if contact == contact_of(model):
-        return model
-    value: Any = model
-    members = {field.name for field in fields(value)}
-    if "contact" not in members:
-        raise InvalidInput(f"{model.name}: the contacts of this model are paraboloids, not {contact!r}")
-    try:
-        order = {"order": min(value.order, contact.largest_order)} if "order" in members else {}
-        return cast("Model", replace(value, contact=contact, **order))
-    except InvalidInput as error:
-        raise InvalidInput(f"{model.name}: {error}") from None
 
 
 def suggestion(name: str, known: Mapping[str, object] | tuple[str, ...]) -> str:

@@ -11,12 +11,12 @@ from metafem._given import ErrorNames, error_names, printable
 from metafem.contact import Contact
 from metafem.errors import InvalidInput
 from metafem.files.specification.manual import example, kind_of, models_of
-from metafem.files.specification.models import model_named, suggestion, with_contact
+from metafem.files.specification.models import model_named, suggestion
 from metafem.files.specification.named_tables import with_columns
 from metafem.files.specification.words import worded
 from metafem.files.units import written_units
 from metafem.models import Model
-from metafem.models.model import contact_of
+from metafem.models.model import contact_of, with_contact
 
 if TYPE_CHECKING:
     from pydantic import BaseModel

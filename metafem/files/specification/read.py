@@ -26,6 +26,7 @@ from metafem.inversion import (
     RadiusRange,
     Target,
     design,
+    design_for_hardness,
 )
 from metafem.models import Model
 from metafem.models.model import contact_of
@@ -63,7 +64,7 @@ class Specification:
     part : PartOptions
         Alignment asperities, chord error and file formats of the part.
     hardness : float or None
-        H [MPa] for the plasticity index.
+        H [MPa], with which the design is that of `design_for_hardness`.
     text : str
         The file's text.
     sha256 : str
@@ -88,16 +89,24 @@ class Specification:
     files: Mapping[str, bytes] = field(default_factory=dict)
 
     def design(self, model: Model | None = None) -> Design:
-        """Design the target of the file; default model: that of the file."""
+        """Design the target of the file; default model: that of the file.
+
+        With a hardness the contacts stay elastic, or the design says that they do not: `design_for_hardness`.
+        """
         chosen = self.model if model is None else model
         remedy = "add [block] with width, length and thickness"
         refuse_missing_block(chosen, self.template, remedy)
         tell_cost(self.template.count)
         common = self.radii is not None and not self.mixed
-        return design(
-            self.target, self.template, chosen, self.limits, self.seed, self.layout,
-            radii=self.radii, common_radius=common, robust=self.robust,
-        )  # fmt: skip
+        rest = chosen, self.limits, self.seed, self.layout
+        options: dict[str, Any] = {
+            "radii": self.radii,
+            "common_radius": common,
+            "robust": self.robust,
+        }
+        if self.hardness is None:
+            return design(self.target, self.template, *rest, **options)
+        return design_for_hardness(self.target, self.template, self.hardness, *rest, **options)
 
     def with_chord_error(self, chord_error: float) -> Specification:
         """Return the specification with another chord error of the part [mm].

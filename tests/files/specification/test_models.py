@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import pytest
 
 import metafem as mf
-from metafem.files.specification.models import with_contact
+from metafem.models.model import with_contact
 
 
 def test_a_model_that_cannot_use_a_law_is_named():

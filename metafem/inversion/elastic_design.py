@@ -1,0 +1,145 @@
+"""Designs whose contacts stay elastic where they can, by the plasticity index."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+from metafem import _validate as check
+from metafem._calls import checked_call
+from metafem.contact import KogutEtsion
+from metafem.errors import Infeasible
+from metafem.inversion.assessment import DesignStatus
+from metafem.inversion.design import design
+from metafem.inversion.feasibility import ELASTIC_LIMIT, roughness
+from metafem.inversion.limits import Limits
+from metafem.inversion.placement.layout import Layout
+from metafem.inversion.radii import Radii, RadiusRange
+from metafem.inversion.result import Design
+from metafem.inversion.targets.target import Target
+from metafem.models import Independent, Model
+from metafem.models.model import contact_of, with_contact
+from metafem.notes import Note, information, when_read
+from metafem.prediction.perturbation import Tolerances
+from metafem.surface import Surface
+
+
+@checked_call
+def design_for_hardness(
+    target: Target,
+    template: Surface,
+    hardness: float,
+    model: Model | None = None,
+    limits: Limits | None = None,
+    rng: Any = 0,
+    layout: Layout | None = None,
+    *,
+    radii: RadiusRange | Sequence[float] | None = None,
+    common_radius: bool = False,
+    robust: Tolerances | None = None,
+) -> Design:
+    """Design a surface as `design` does, with an elastic law if the contacts stay elastic.
+
+    With the plasticity index ``psi = E*/H sqrt(s/R)`` of the designed surface, where s is the standard
+    deviation of its heights, the first of these that holds is taken:
+
+    1. psi < 0.6: the design under the elastic law of the model.
+    2. psi < 0.6 with one of the `radii` for all asperities: the one with the least misfit.
+    3. Otherwise the design under `KogutEtsion(hardness)`, which couples by order 1. Its note states the
+       largest E*/H of a material with which contacts would stay elastic.
+
+    Parameters
+    ----------
+    hardness : float
+        H of the softer material [MPa], positive.
+    target, template, model, limits, rng, layout, radii, common_radius, robust
+        As in `design`. Under a model with a plastic law this law is kept.
+
+    Returns
+    -------
+    Design
+        Its parameters also hold ``plasticity_index`` [-] of its surface and, unless all heights are equal,
+        ``largest_modulus_ratio``, the E*/H [-] at which the index of that surface is 0.6. Its first note
+        states which was taken.
+
+    Raises
+    ------
+    Infeasible
+        As `design`; also where the target is reached by elastic contacts only that would not stay elastic.
+    InvalidInput
+        For arguments outside their range or of the wrong kind.
+
+    Notes
+    -----
+    Greenwood and Williamson, Proc. R. Soc. A 295, 300 (1966), doi:10.1098/rspa.1966.0242; Aymard et al.,
+    Science 383, 200 (2024), doi:10.1126/science.adk4234, supplementary text.
+
+    Examples
+    --------
+    >>> import metafem as mf
+    >>> template = mf.Surface.square_lattice(0.12, radius=0.526, material=mf.Material(1.36))
+    >>> found = design_for_hardness(mf.LinearLaw(6.87), template, hardness=10.0)
+    >>> print(found.notes[0])
+    the contacts stay elastic: the plasticity index is 0.0316, below 0.6, with H = 10 MPa
+    """
+    h = check.number("hardness", hardness, above=0.0)
+    solver = Independent() if model is None else model
+
+    def under(surface: Surface, model: Model, **options: Any) -> Design:
+        return design(target, surface, model, limits, rng, layout, robust=robust, **options)
+
+    first = under(template, solver, radii=radii, common_radius=common_radius)
+    ratio = template.material.composite_modulus / h
+    psi = ratio * roughness(first.surface)
+    given = f"with H = {h:g} MPa"
+    if contact_of(solver).for_material(template.material).plastic:
+        return _noted(first, h, information(f"the contacts are those of {contact_of(solver)!r}"))
+    if psi < ELASTIC_LIMIT:
+        text = f"the contacts stay elastic: the plasticity index is {psi:.3g}, below {ELASTIC_LIMIT}, {given}"
+        return _noted(first, h, information(text))
+    tried, elastic = [first], []
+    for radius in () if radii is None else Radii.given(radii).tried:
+        try:
+            one = under(template.replaced(radius=float(radius)), solver)
+        except Infeasible:
+            continue
+        tried.append(one)
+        if ratio * roughness(one.surface) < ELASTIC_LIMIT and one.status is not DesignStatus.MISSED:
+            elastic.append(one)
+    why = f"the plasticity index {psi:.3g} is not below {ELASTIC_LIMIT} {given}"
+    if elastic:
+        best = min(elastic, key=lambda one: one.misfit)
+        text = (
+            f"{why}; with the radius {float(best.surface.radius[0]):g} mm for all asperities it is "
+            f"{ratio * roughness(best.surface):.3g}, and the contacts stay elastic"
+        )
+        return _noted(best, h, information(text))
+    reached = [one for one in tried if one is first or one.status is not DesignStatus.MISSED]
+    least = ELASTIC_LIMIT / min(roughness(one.surface) for one in reached)
+    others = "" if radii is None else ", nor with any of the radii"
+    law = KogutEtsion(h)
+    why += f"{others}; a material with E*/H below {least:.3g} would stay elastic"
+    try:
+        plastic = under(template, with_contact(solver, law), radii=radii, common_radius=common_radius)
+    except Infeasible as error:
+        raise Infeasible(f"{why}, and under {law!r} no surface is found: {error}", error.nearest) from None
+    text = (
+        f"{why}; this design is for the law {law!r} of plastic contacts: the first loading flattens the "
+        "summits, and later ones differ (friction_law with unloading=True)"
+    )
+    return _noted(plastic, h, Note(text))
+
+
+def _noted(found: Design, hardness: float, note: Note) -> Design:
+    """Return a design with its plasticity index and a note before the others."""
+    rough = roughness(found.surface)
+    index = found.surface.material.composite_modulus / hardness * rough
+    parameters = {**found.parameters, "plasticity_index": index}
+    if rough > 0.0:
+        parameters["largest_modulus_ratio"] = ELASTIC_LIMIT / rough
+    return replace(found, parameters=parameters, notes=when_read(_all_notes, note, found))
+
+
+def _all_notes(first: Note, found: Design) -> tuple[Note, ...]:
+    return (first, *found.notes)

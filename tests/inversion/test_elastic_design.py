@@ -1,0 +1,75 @@
+"""The list of decisions: an elastic law, another radius, another material, a plastic law."""
+
+import math
+
+import pytest
+
+import metafem as mf
+
+POINTS = mf.OperatingPoints([0.144, 0.336], [0.84, 1.68])
+LIMITS = mf.Limits(0.27)
+
+
+def index(design, hardness):
+    surface = design.surface
+    return 1.36 / hardness * math.sqrt(surface.height.std() / surface.radius.mean())
+
+
+def test_hard_materials_keep_the_elastic_law(template):
+    plain = mf.design(POINTS, template, limits=LIMITS)
+    found = mf.design_for_hardness(POINTS, template, 10.0, limits=LIMITS)
+    assert (found.surface.height == plain.surface.height).all()
+    psi = found.parameters["plasticity_index"]
+    assert psi == pytest.approx(index(plain, 10.0), rel=1e-12)
+    assert found.parameters["largest_modulus_ratio"] == pytest.approx(0.6 / psi * 1.36 / 10.0, rel=1e-12)
+    note = found.notes[0]
+    assert not note.warns
+    assert note.text.startswith("the contacts stay elastic: the plasticity index is 0.0")
+    assert found.notes[1:] == plain.notes
+
+
+def test_another_radius_is_taken_before_a_plastic_law(template):
+    options = {"limits": LIMITS, "radii": [0.4, 1.2], "common_radius": True}
+    plain = mf.design(mf.LinearLaw(6.87), template, **options)
+    # the radius with the least misfit is the smaller one; the heights of the larger one differ less
+    hardness = index(plain, 0.64)
+    found = mf.design_for_hardness(mf.LinearLaw(6.87), template, hardness, **options)
+    assert (plain.surface.radius[0], found.surface.radius[0]) == (0.4, 1.2)
+    assert "is not below 0.6 with H" in found.notes[0].text
+    assert "and the contacts stay elastic" in found.notes[0].text
+    assert not found.notes[0].warns
+    assert found.parameters["plasticity_index"] == pytest.approx(index(found, hardness), rel=1e-12)
+    assert found.parameters["plasticity_index"] < 0.6
+
+
+def test_a_plastic_law_is_taken_where_nothing_stays_elastic(template):
+    target = mf.SampledLaw([0.05, 0.1, 0.2], [0.6, 1.1, 1.9])
+    plain = mf.design(target, template, limits=LIMITS)
+    hardness = index(plain, 0.7)
+    found = mf.design_for_hardness(target, template, hardness, limits=LIMITS)
+    assert found.law.model == mf.Independent(mf.KogutEtsion(hardness))
+    note = found.notes[0]
+    assert note.warns
+    largest = 0.6 / math.sqrt(plain.surface.height.std() / 0.526)
+    assert f"a material with E*/H below {largest:.3g} would stay elastic" in note.text
+    assert "this design is for the law KogutEtsion" in note.text
+    assert found.misfit < 0.01
+    coupled = mf.design_for_hardness(target, template, hardness, mf.Interacting(), limits=LIMITS)
+    assert coupled.law.model == mf.Interacting(order=1, contact=mf.KogutEtsion(hardness))
+
+
+def test_a_plastic_law_that_is_given_is_kept(template):
+    target = mf.SampledLaw([0.05, 0.1, 0.2], [0.6, 1.1, 1.9])
+    model = mf.Independent(mf.JacksonGreen(1.0))
+    found = mf.design_for_hardness(target, template, 2.8, model, limits=LIMITS)
+    assert found.law.model == model
+    assert found.notes[0].text == "the contacts are those of JacksonGreen(yield_strength=1.0)"
+
+
+def test_what_no_plastic_contacts_reach_is_infeasible(template):
+    with pytest.raises(
+        mf.Infeasible, match=r"E\*/H below .* and under KogutEtsion\(hardness=0\.1\) no surface"
+    ):
+        mf.design_for_hardness(POINTS, template, 0.1, limits=LIMITS)
+    with pytest.raises(mf.InvalidInput, match="hardness = 0 must be greater than 0"):
+        mf.design_for_hardness(POINTS, template, 0.0)
