@@ -63,7 +63,7 @@ def manual() -> str:
     >>> text = manual()
     >>> print(text[text.index("[checks]") :], end="")
     [checks]                                        # optional: further checks
-    hardness = "10 MPa"                             # optional: hardness of the softer material
+    hardness = "10 MPa"                             # optional: H, which decides on a plastic law
     """
     from metafem.files.specification.contents import Sections
 

@@ -206,5 +206,5 @@ class ChecksSection(Section):
 
     hardness: Annotated[
         Annotated[float, measured("MPa", "10 MPa"), Field(gt=0.0)] | None,
-        says("hardness of the softer material", "10 MPa"),
+        says("H, which decides on a plastic law", "10 MPa"),
     ] = None

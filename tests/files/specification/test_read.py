@@ -66,6 +66,13 @@ def test_optional_sections_may_be_left_out(read):
     assert (spec.seed, spec.part.alignment_height, spec.hardness) == (0, None, None)
 
 
+def test_a_hardness_decides_on_the_law_of_the_design(read):
+    hard, soft = (read(LINEAR + f'[checks]\nhardness = "{h} MPa"\n').design() for h in (10, 0.4))
+    assert hard.notes[0].text.startswith("the contacts stay elastic: the plasticity index is 0.0")
+    assert soft.law.model == mf.Independent(mf.KogutEtsion(0.4))
+    assert "this design is for the law KogutEtsion(hardness=0.4)" in soft.notes[0].text
+
+
 def test_hardness_is_read(read):
     assert read(LINEAR + '[checks]\nhardness = "10 MPa"\n').hardness == 10.0
 
