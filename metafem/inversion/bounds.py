@@ -54,7 +54,7 @@ CONTACTS, SHALLOWEST = 400, 1e-12
 MOST_DOUBLINGS = 60
 
 # Smallest and largest indentation over R in searches for the contact of a given pressure.
-LEAST_DEPTH, MOST_DEPTH = 1e-60, 1e6
+LEAST_DEPTH, MOST_DEPTH = 1e-12, 1e2
 
 
 @dataclass(frozen=True)
@@ -197,10 +197,15 @@ class Bounds:
 
 
 def at_load(law: Contact, load: FloatArray, radius: float) -> tuple[FloatArray, FloatArray]:
-    """Return indentation [mm] and friction [mm^2] of one asperity at rescaled loads, (k,)."""
+    """Return indentation [mm] and friction [mm^2] of one asperity at rescaled loads, (k,).
+
+    Beyond the largest load that the law describes they are those at that load.
+    """
     n = law.power
     if n is None:
-        depth, _, area, _ = Independent(contact=law).curves(np.zeros(1), radius, load)
+        last = contacts(law, np.array(law.largest_indentation(radius)), np.array(radius)).load
+        within = np.minimum(load, last) if np.isfinite(last) else load
+        depth, _, area, _ = Independent(contact=law).curves(np.zeros(1), radius, within)
         return depth[0], area[0]
     unit = contacts(law, np.ones(1), np.array([radius]))
     relative = load / unit.load

@@ -9,6 +9,7 @@ from functools import cache
 import numpy as np
 
 from metafem._validate import FloatArray
+from metafem.errors import InvalidInput
 from metafem.inversion.assessment import EXACT, MISSED, independent_misfit, model_misfit
 from metafem.inversion.candidate import Candidate
 from metafem.inversion.limits import Limits
@@ -90,7 +91,10 @@ def _residuals(problem: Problem, start: Candidate) -> tuple[Callable[[], Sensiti
         if np.array_equal(height, start.height):
             found = first()
         else:
-            found = solver.sensitivity(surface, law.load, below_limit(height, limits))
+            try:
+                found = solver.sensitivity(surface, law.load, below_limit(height, limits))
+            except InvalidInput:  # deeper than the contact law describes
+                return np.full(len(law.load), np.inf), np.zeros((len(law.load), len(height)))
         return law.residual(found.curve.area, found.gradient)
 
     def residual_of_model(height: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from metafem._validate import FloatArray, IntArray
+from metafem.errors import InvalidInput
 from metafem.inversion.radii import Radii
 from metafem.inversion.search.initial_guess import initial_heights, slowest_law
 from metafem.inversion.search.levenberg_marquardt import Heights, Residual, ends, moved
@@ -66,7 +67,10 @@ def residual_of_heights(
     """Return the differences of independent asperities of given radii as a function of their heights."""
 
     def residual(height: FloatArray) -> tuple[FloatArray, FloatArray]:
-        found = model.sensitivity_of(height, np.broadcast_to(radius, height.shape), load)
+        try:
+            found = model.sensitivity_of(height, np.broadcast_to(radius, height.shape), load)
+        except InvalidInput:  # deeper than the contact law describes
+            return np.full(len(load), np.inf), np.zeros((len(load), len(height)))
         return law_residual(found.curve.area, found.gradient)
 
     return residual

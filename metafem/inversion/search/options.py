@@ -171,3 +171,7 @@ DEFAULTS = SearchOptions()
 # descents then reach smaller misfits in less time (measured on 12 laws of random surfaces with power caps of
 # n = 3, 4, 8: the median falls from .05, .07 and .5 % to .045, .06 and .3 %).
 OTHER_LAWS = replace(DEFAULTS, change_sizes=(0.1, 0.3, 1.0), least_gain=0.01, most_steps=40)
+
+# With adhesion a contact enters with a jump of its area, beyond which the gradient says nothing of it: the
+# first steps are smaller, so that contacts which are needed do not leave.
+ADHESIVE = replace(OTHER_LAWS, start_damping=1.0)

@@ -89,9 +89,7 @@ class Step:
         """Indentations of the level at which the area is that of the point, (k,) [mm]."""
         # no contact has more than the whole area
         widest = math.sqrt(self.friction / math.pi)
-        with np.errstate(all="ignore"):  # a contact radius beyond the range of the law
-            most = [self.law.indentation(widest, each) for each in (self.radius, radius)]
-        old, new = (np.where(np.isfinite(part), part, MOST_DEPTH * widest) for part in most)
+        old, new = (self._deepest(widest, each) for each in (self.radius, radius))
         high = np.where(number > 0.0, new, np.inf).min(axis=1)
         high = np.minimum(high, np.min(old - self.above, initial=np.inf))
         low, depth = np.zeros(len(number)), high
@@ -103,6 +101,12 @@ class Step:
             moved = depth - excess / growth
             depth = np.where((moved > low) & (moved < high), moved, 0.5 * (low + high))
         return np.asarray(depth)
+
+    def _deepest(self, widest: float, radius: FloatArray) -> FloatArray:
+        """Indentation at a contact radius [mm], or the largest that the law describes."""
+        most = np.minimum(self.law.largest_indentation(radius), MOST_DEPTH * widest)
+        inside = np.minimum(widest, self.law.contact_radius(most, radius))
+        return np.asarray(np.minimum(self.law.indentation(inside, radius), most))
 
     def friction_with(self, number: int, radius: float) -> float:
         """Friction at the load of the point with `number` new asperities at the level [mm^2]."""
