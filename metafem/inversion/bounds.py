@@ -203,9 +203,10 @@ def at_load(law: Contact, load: FloatArray, radius: float) -> tuple[FloatArray, 
     """
     n = law.power
     if n is None:
-        last = contacts(law, np.array(law.largest_indentation(radius)), np.array(radius)).load
-        within = np.minimum(load, last) if np.isfinite(last) else load
-        depth, _, area, _ = Independent(contact=law).curves(np.zeros(1), radius, within)
+        deepest = np.array(law.largest_indentation(radius))
+        if np.isfinite(deepest):
+            load = np.minimum(load, contacts(law, deepest, np.array(radius)).load)
+        depth, _, area, _ = Independent(contact=law).curves(np.zeros(1), radius, load)
         return depth[0], area[0]
     unit = contacts(law, np.ones(1), np.array([radius]))
     relative = load / unit.load

@@ -9,6 +9,7 @@ import numpy as np
 
 from metafem._validate import FloatArray, IntArray
 from metafem.inversion.height_density import PiecewiseExponential
+from metafem.inversion.limits import Limits
 from metafem.inversion.targets.target_law import TargetLaw
 from metafem.notes import Note
 from metafem.surface import Surface
@@ -88,3 +89,11 @@ class Candidate:
         if "span" in parameters:
             parameters["span"] = float(np.ptp(height))
         return replace(self, height=height, parameters=parameters, moved=True)
+
+
+def below_limit(height: FloatArray, limits: Limits) -> FloatArray:
+    """Return heights shifted together so that the tallest is at the limit.
+
+    The shift changes the law only of models that include the compliance of the caps.
+    """
+    return np.asarray(np.maximum(limits.offset + limits.max_height - (height.max() - height), limits.foot))

@@ -14,7 +14,7 @@ from metafem.inversion.bounds import Bounds
 from metafem.inversion.limits import Limits
 from metafem.inversion.placement.layout import Layout
 from metafem.inversion.radii import Radii, RadiusRange
-from metafem.inversion.search.options import ADHESIVE, DEFAULTS, OTHER_LAWS, SearchOptions
+from metafem.inversion.search.options import DEFAULTS, OTHER_LAWS, SearchOptions
 from metafem.inversion.targets.target import Target
 from metafem.models import Independent, Model
 from metafem.models.model import contact_of, has_paraboloids
@@ -65,8 +65,7 @@ class Problem:
         if robust is not None:
             check.instance("robust", robust, Tolerances, "metafem.Tolerances")
         choice = Radii.given(radii, template)
-        other = ADHESIVE if contact_of(solver).adhesive else OTHER_LAWS
-        options = DEFAULTS if has_paraboloids(solver) else other
+        options = DEFAULTS if has_paraboloids(solver) else OTHER_LAWS
         return cls(target, template, choice, solver, bounds, layout, robust, options)
 
     @cached_property

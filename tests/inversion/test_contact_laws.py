@@ -108,3 +108,27 @@ def test_flat_caps_are_arranged(objective):
     surface = mf.Surface.square_lattice(height, (4, 4), radius=RADIUS, material=mf.Material(1.36))
     found = mf.arrange(surface, objective(load), model)
     assert found.after <= 0.6 * found.before
+
+
+@pytest.mark.parametrize("model", [mf.Interacting, mf.MeanField])
+def test_flat_caps_meet_points_with_interaction(model):
+    result = mf.design(POINTS, LATTICE, model(contact=mf.PowerCap(4)), mf.Limits(0.27))
+    assert result.misfit <= 1e-9
+
+
+def test_adhesive_asperities_meet_points():
+    """Bounds of the law without adhesion are not used: contacts have an area at zero load."""
+    model = mf.Independent(contact=mf.JKR(9e-6))
+    result = mf.design(POINTS, LATTICE, model, mf.Limits(0.27))
+    assert result.misfit <= 1e-9
+    assert any("for the adhesion of the asperities" in str(note) for note in result.notes)
+    assert any("jump into contact" in str(note) for note in result.notes)
+    low, high = mf.feasible_region(LATTICE, [0.1], mf.Limits(0.27), contact=mf.JKR(9e-6))
+    assert low == 0.0
+    assert np.isinf(high)
+
+
+def test_adhesive_asperities_have_a_power_law():
+    target = mf.PowerLaw(0.8, (0.1, 0.4))
+    result = mf.design(target, LATTICE, mf.Independent(contact=mf.JKR(9e-6)), mf.Limits(0.3))
+    assert result.misfit <= 1e-3

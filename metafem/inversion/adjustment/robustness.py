@@ -41,9 +41,8 @@ import numpy as np
 
 from metafem._validate import FloatArray
 from metafem._values import percent
-from metafem.inversion.adjustment.refinement import below_limit
 from metafem.inversion.assessment import DesignStatus, model_misfit, status_of
-from metafem.inversion.candidate import Candidate, Parameter
+from metafem.inversion.candidate import Candidate, Parameter, below_limit
 from metafem.inversion.placement.exchange import swap
 from metafem.inversion.problem import Problem
 from metafem.inversion.search.levenberg_marquardt import Heights, descend

@@ -29,13 +29,16 @@ if TYPE_CHECKING:
 
 def candidate(target: OperatingPoints, problem: Problem, rng: np.random.Generator) -> Candidate:
     """Return heights whose independent law passes through all points, or raise Infeasible."""
-    radii = problem.radii
-    singles = [_Search(target, (radius,), problem) for radius in radii.tried.tolist()]
-    paths = [path for search in singles if (path := search.path(()))]
-    last = singles[-1]
-    if not paths and not radii.single:
-        last = _Search(target, tuple(radii.tried.tolist()), problem)
-        paths = [path for path in [last.path(())] if path]
+    radii, paths = problem.radii, list[tuple[Level, ...]]()
+    for drop in dict.fromkeys((problem.options.level_drop, 0.0)):
+        singles = [_Search(target, (radius,), problem, drop) for radius in radii.tried.tolist()]
+        paths = [path for search in singles if (path := search.path(()))]
+        last = singles[-1]
+        if not paths and not radii.single:
+            last = _Search(target, tuple(radii.tried.tolist()), problem, drop)
+            paths = [path for path in [last.path(())] if path]
+        if paths:
+            break
     if paths:
         fewest = min(paths, key=lambda levels: sum(level.count for level in levels))
         return _with_levels(target, fewest, problem)
@@ -108,6 +111,7 @@ class _Search:
     target: OperatingPoints
     tools: tuple[float, ...]
     problem: Problem
+    drop: float  # distance of a level below the plane at the point before, over the depth of the level before
     refused: Infeasible | None = None
     furthest: int = -1
     limited: bool = False
@@ -118,7 +122,9 @@ class _Search:
         i = len(done)
         if i == len(self.target.rescaled_load):
             return done
-        level = done[-1].height - done[-1].depth if done else self.problem.limits.max_height
+        level = self.problem.limits.max_height
+        if done:
+            level = done[-1].height - (1.0 + self.drop) * done[-1].depth
         point = self.target.rescaled_load[i], self.target.rescaled_friction[i]
         step = Step(self.problem.independent.contact, done, level, *point)
         left = self.problem.count - sum(part.count for part in done)

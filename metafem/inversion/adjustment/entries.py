@@ -1,0 +1,82 @@
+"""Heights of interacting asperities whose contacts enter at the loads of independent ones.
+
+Contacts of other laws than Hertz's enter with sharper kinks of A0(P), which interaction shifts, and gradients
+say nothing of a contact beyond its kink. The heights are therefore sought as those of independent asperities,
+and shifted so that each summit is touched at the same loads of the others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from metafem._validate import FloatArray
+from metafem.errors import InvalidInput
+from metafem.inversion.candidate import Candidate, below_limit
+from metafem.inversion.problem import Problem
+from metafem.inversion.search.levenberg_marquardt import Heights, Minimum, descend
+from metafem.inversion.search.multistart import search
+from metafem.models import Independent
+from metafem.models.contact_sums import contacts
+
+
+def with_same_entries(problem: Problem, start: Candidate, goal: float, rng: np.random.Generator) -> Minimum:
+    """Return heights whose law under the model meets the target, with its misfit.
+
+    The unknowns are heights of independent asperities, whose gradients are used; the law is that of the
+    shifted heights under the model. With adhesion, whose branches take long to follow, there are few steps.
+    """
+    solver, limits, law = problem.model.gradient_model, problem.limits, start.target_law
+    surface, space, options = start.surface(problem.template), Heights(problem.limits.span), problem.options
+    alone, shifted = Independent(contact=problem.contact), shift(problem, start)
+    nothing = np.full(len(law.load), np.inf), np.zeros((len(law.load), surface.count))
+
+    def residual(height: FloatArray) -> tuple[FloatArray, FloatArray]:
+        try:
+            gradient = alone.sensitivity_of(height, surface.radius, law.load).gradient
+            given = below_limit(shifted(height), limits)
+            area = solver.areas(surface, law.load, given[None])[0]
+        except InvalidInput:  # deeper than the contact law describes
+            return nothing
+        return law.residual(area, gradient) if np.isfinite(area).all() else nothing
+
+    if problem.contact.adhesive:
+        options = replace(options, most_steps=options.adhesive_steps, most_exact_steps=options.adhesive_steps)
+    if start.lowest_level is not None:
+        found = descend(residual, start.height, space, goal, True, options)
+    else:
+        restarts = 0 if problem.contact.adhesive else options.refined_restarts
+        found = search(residual, [start.height], space, goal, restarts, rng, options)
+    return replace(found, unknowns=shifted(found.unknowns))
+
+
+def shift(problem: Problem, start: Candidate) -> Callable[[FloatArray], FloatArray]:
+    """Return the function that shifts heights (n,) [mm] of independent asperities for the interaction.
+
+    As the plane touches summit i of independent asperities, the loads P_j of the others are known from their
+    indentations h_j - h_i. Their field ``u = sum K P_j/E*`` sinks summit i and the others. With
+    ``h_i + u_i + <h'_j - h_j - u_j>``, in the order of the heights, summit i is touched at the same loads of
+    the others, in the mean by their stiffness.
+    """
+    radius = start.radius
+    substrate = problem.model.reference.substrate
+    influence = substrate.influence_matrix(start.surface(problem.template))
+
+    def shifted(height: FloatArray) -> FloatArray:
+        depth = np.maximum(height - height[:, None], 0.0)
+        found = contacts(problem.contact, depth, np.broadcast_to(radius, depth.shape))
+        closed = depth > 0.0
+        field = np.where(closed, found.load, 0.0) @ influence
+        stiffness, moved = np.where(closed, found.stiffness, 0.0), np.zeros(len(height))
+        order = np.argsort(-height, kind="stable")
+        for k, i in enumerate(order[1:], start=1):
+            above = order[:k]
+            total = stiffness[i, above].sum()
+            if total > 0.0:
+                others = (moved[above] - field[i, above]) @ stiffness[i, above] / total
+                moved[i] = field[i, i] + others
+        return height + moved
+
+    return shifted
