@@ -9,6 +9,7 @@ import numpy as np
 from metafem import _validate as check
 from metafem._calls import checked_call
 from metafem._validate import FloatArray
+from metafem.errors import InvalidInput
 from metafem.models import Independent, Model
 from metafem.models.model import Curve, checked_model, contact_of, with_contact
 from metafem.surface import Surface
@@ -78,7 +79,12 @@ def unloading_curve(
         load if load is None else load[-1:],
         approach=approach if approach is None else approach[-1:],
     )
-    after, second = flattened_by(surface, model, first.checked().last.indentation)
+    if not first.checked().load[0] > 0.0:
+        raise InvalidInput(
+            "unloading = True: no asperity is in contact at the largest load; unloading begins there, and it "
+            "must be greater than 0 N"
+        )
+    after, second = flattened_by(surface, model, first.last.indentation)
     lowered = float(surface.height.max() - after.height.max())
     curve = second.curve(after, load, approach=approach if approach is None else approach - lowered)
     return after, second, replace(curve, approach=curve.approach + lowered)

@@ -18,7 +18,7 @@ def surface():
     return mf.Surface.square_lattice(height, (4, 4), radius=0.526, material=MATERIAL)
 
 
-MODELS = [mf.Independent, partial(mf.Interacting, 1, mf.BondedLayer(7.2))]
+MODELS = [mf.Independent, partial(mf.Interacting, 1, mf.BondedLayer(7.2)), mf.MeanField]
 
 
 @pytest.mark.parametrize("law", LAWS, ids=repr)
@@ -75,6 +75,14 @@ def test_a_negative_load_is_refused(surface):
         mf.flattened(surface, load=-1.0)
     with pytest.raises(mf.InvalidInput, match="load holds -1 N"):
         mf.friction_law(surface, mf.Independent(LAWS[0]), load=[-1.0, 1.0], unloading=True)
+
+
+@pytest.mark.parametrize("contact", [mf.Hertz(), LAWS[0]], ids=repr)
+def test_unloading_begins_at_a_load(surface, contact):
+    with pytest.raises(mf.InvalidInput, match="no asperity is in contact at the largest load"):
+        mf.friction_law(surface, mf.Independent(contact), load=[0.0], unloading=True)
+    with pytest.raises(mf.InvalidInput, match="no asperity is in contact at the largest load"):
+        mf.friction_law(surface, mf.Independent(contact), separation=[0.25, 0.3], unloading=True)
 
 
 def test_order_three_is_refused():

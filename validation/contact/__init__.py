@@ -1,0 +1,1 @@
+"""Contact laws against closed forms, printed numbers and finite elements."""
