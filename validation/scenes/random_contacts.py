@@ -79,12 +79,12 @@ def _scattered(rng: np.random.Generator, count: int, closest: float) -> np.ndarr
 def _law(rng: np.random.Generator) -> Contact:
     """Return a random law."""
     cap: Contact = (mf.Hertz(), mf.SphericalCap(), mf.PowerCap(rng.uniform(1.5, 4.0)))[int(rng.integers(3))]
-    d = np.linspace(0.005, 0.6, 30)
+    d = np.linspace(0.005, 3.0, 60)
     laws: list[Contact] = [
         mf.Hertz(),
         mf.SphericalCap(),
         mf.PowerCap(rng.uniform(1.0, 8.0), rng.uniform(0.3, 1.0)),
-        mf.AxisymmetricCap(_Profile(*rng.uniform(0.8, 1.5, 2)), 0.8),
+        mf.AxisymmetricCap(_Profile(*rng.uniform(0.8, 1.5, 2)), 1.2),
         mf.JKR(float(np.exp(rng.uniform(np.log(1e-6), np.log(3e-5)))), cap),
         mf.JKR(float(np.exp(rng.uniform(np.log(1e-6), np.log(3e-5))))),
         mf.KogutEtsion(float(np.exp(rng.uniform(np.log(1.0), np.log(100.0))))),
