@@ -34,6 +34,9 @@ LIGHTEST = 1e-60
 # Largest indentation of a table over the scale, where the law has no largest one of its own.
 DEEPEST = 4.0
 
+# Relative difference up to which two contact radii are the same edge of a panel, by rounding.
+SAME = 1e-9
+
 # Slope D' of the edge of a contact below which T(p), the moment of a tilted contact, is proportional to the
 # load. A flat summit would otherwise be tilted without limit as its load vanishes. The slope of the
 # neighbours' field reaches this where contacts are as wide as a fifth of their distance.
@@ -128,7 +131,9 @@ def _table(law: Contact, radius: float) -> FloatArray:
     ends = law.contact_radius(np.array([LIGHTEST * radius, last]), radius)
     ends[0] = max(ends[0], SMALLEST * radius)
     breaks = law.breaks(radius)
-    edge = np.concatenate([ends[:1], breaks[(breaks > ends[0]) & (breaks < ends[1])], ends[1:]])
+    inside = (breaks > ends[0] * (1.0 + SAME)) & (breaks < ends[1] * (1.0 - SAME))
+    edge = np.concatenate([ends[:1], breaks[inside], ends[1:]])
+    edge = edge[np.append(True, edge[1:] > edge[:-1] * (1.0 + SAME))]
 
     def by_depth(x: FloatArray) -> FloatArray:
         found = contacts(law, radius * np.exp(x), np.array(radius))

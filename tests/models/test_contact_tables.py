@@ -68,3 +68,12 @@ def test_hertz_needs_no_table():
     table = tables(mf.Hertz(), np.full((2, 3), R))
     assert (table.which < 0).all()
     assert table.data.size == 0
+
+
+def test_breaks_at_the_ends_of_a_table_make_no_panel():
+    d = np.linspace(0.005, 0.3, 20)
+    law = mf.TabulatedContact(d, d**1.5, d).for_material(mf.Material(1.0))
+    table = tables(law, np.array([R]))
+    assert np.isfinite(table.data).all()
+    found = kernel.pressed(table.data, 0, R, 0.299)
+    assert found[0] == pytest.approx(law.load(law.contact_radius(0.299, R), R), rel=1e-10)

@@ -19,6 +19,9 @@ from metafem.models import Model
 MATERIAL = mf.Material(1.36)
 RANGE = 0.5, 0.3, 0.3  # a/R, a/L, a/t
 
+# Contact radius over R that a sphere can have.
+LESS_THAN_A_SPHERE = 0.95
+
 # Loads of a curve.
 LOADS = 12
 
@@ -60,7 +63,8 @@ def random_scene(seed: int, inside: bool = True) -> Scene:
     ]
     limits = RANGE[0] * float(radius.min()), RANGE[1] * float(apart), RANGE[2] * thickness
     part = rng.uniform(0.1, 0.9) if inside else rng.uniform(1.0, 2.0)
-    return Scene(surface, models[kind], law, _loads(surface, law, part * min(limits)))
+    widest = min(part * min(limits), LESS_THAN_A_SPHERE * float(radius.min()))
+    return Scene(surface, models[kind], law, _loads(surface, law, widest))
 
 
 def _scattered(rng: np.random.Generator, count: int, closest: float) -> np.ndarray:
