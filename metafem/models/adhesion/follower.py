@@ -43,7 +43,7 @@ LOCATED = 1e-7
 MOST_TRIALS, SURE = 8, 1.5
 
 # Most steps between two loads, and in the search for one point.
-MOST_STEPS = 10_000
+MOST_STEPS = 1000
 MOST_SEARCHES = 60
 
 
@@ -123,7 +123,7 @@ class Follower:
         entry = self.scene.entry_radius
         closed, a = np.flatnonzero(held | (guess > SURE * entry)), np.maximum(guess, entry)
         x = 0.0
-        for _ in range(MOST_TRIALS):
+        for _ in range(MOST_TRIALS if closed.size else 0):
             contacts, law = Contacts(self.scene, closed), self.scene.law
             p = law.load(a[closed], contacts.radius)
             found = solve(contacts, a[closed], p, x, goal.condition())
@@ -190,7 +190,7 @@ class Follower:
         """Solve from the prediction of the tangent at a shift of the approach."""
         change = state.rate * shift
         moved = state.linear.along(change)
-        a = np.maximum(state.a + change, 0.3 * state.a)
+        a = np.clip(state.a + change, 0.3 * state.a, 0.5 * (state.a + state.contacts.largest_radius))
         return solve(state.contacts, a, state.p + moved, state.x + shift, condition)
 
     def _blend(self, state: State, other: State, share: float, condition: Condition) -> State | None:
@@ -208,7 +208,24 @@ class Follower:
         self._land(0.0, 0.0, self.press)
 
     def _enter(self, state: State, trial: State, goal: Goal) -> None:
-        """Locate the first gap that closes between two states, and let the asperity jump into contact."""
+        """Let the first asperity whose gap closes between two states jump into contact."""
+        touch = self._touch(state, trial)
+        self.state = self._joined_at(touch)
+        if touch.load >= self.extreme and goal.by_load:
+            self.extreme = touch.load
+            self._land(touch.load, touch.area, self.press)
+
+    def _enter_back(self, state: State, trial: State, goal: Goal) -> None:
+        """As `_enter` on the way back: there the plane comes nearer until the load is carried again."""
+        touch = self._touch(state, trial)
+        self.state = self._joined_at(touch)
+        if goal.by_load:
+            lowest, self.extreme = self.extreme, np.inf
+            self._land(touch.load, touch.area, self.press)
+            self.extreme = lowest
+
+    def _touch(self, state: State, trial: State) -> State:
+        """Locate the first gap that closes between two states."""
         for _ in range(MOST_SEARCHES):
             ahead = trial.entering
             if not ahead.size:
@@ -225,18 +242,18 @@ class Follower:
             if middle is None:
                 raise NotConverged(f"the gap of asperity {state.contacts.others[k]} cannot be followed")
             state, trial = (state, middle) if middle.entering.size else (middle, trial)
-        touch = trial.overlap >= -CLOSED * float(trial.found.depth.max())
-        load, area, begins = trial.load, trial.area, trial.load >= self.extreme
-        self.extreme = max(self.extreme, load)
-        entering = trial.contacts.others[touch]
-        self.state = self._joined(trial.closed, trial.a, trial.p, trial.x, entering)
-        if begins and goal.by_load:
-            self._land(load, area, self.press)
+        return trial
+
+    def _joined_at(self, touch: State) -> State:
+        """Return the state with the asperities that touch the plane in contact, at the same approach."""
+        near = touch.overlap >= -CLOSED * float(touch.found.depth.max())
+        return self._joined(touch.closed, touch.a, touch.p, touch.x, touch.contacts.others[near])
 
     def _with(
-        self, closed: IntArray, a: FloatArray, p: FloatArray, others: IntArray, radius: FloatArray
+        self, closed: IntArray, a: FloatArray, p: FloatArray, others: IntArray
     ) -> tuple[Contacts, FloatArray, FloatArray]:
-        """Return contacts, radii and loads with others, of given radii [mm]."""
+        """Return contacts, radii and loads with others that jump into contact."""
+        radius = self.scene.entry_radius_at(others, closed, p)
         whole = np.concatenate([closed, others])
         order = np.argsort(whole)
         load = self.scene.law.load(radius, self.scene.radius[others])
@@ -246,7 +263,7 @@ class Follower:
     def _joined(self, closed: IntArray, a: FloatArray, p: FloatArray, x: float, entering: IntArray) -> State:
         """Solve at an approach with asperities that jump into contact, and with those that follow them."""
         while True:
-            start = self._with(closed, a, p, entering, self.scene.entry_radius[entering])
+            start = self._with(closed, a, p, entering)
             state = solve(*start, x, at_approach(x))
             if state is None or not state.holds:
                 raise NotConverged(f"no equilibrium after asperities {entering.tolist()} came into contact")
@@ -256,8 +273,8 @@ class Follower:
 
     def _land(self, load: float, area: float, move: Callable[[Goal], State | None]) -> None:
         """Follow a jump at a load up to its end, and record it."""
+        landed = move(Goal(load, by_load=True))
         if self.record:
-            landed = move(Goal(load, by_load=True))
             self.jumps.append(Jump(load, area, 0.0 if landed is None else landed.area))
 
     # Back
@@ -290,8 +307,8 @@ class Follower:
                 self._leave(state, goal)
                 return
         if new.entering.size:
-            entering = new.contacts.others[new.entering].tolist()
-            raise NotConverged(f"asperities {entering} come into contact while the plane recedes")
+            self._enter_back(state, new, goal)
+            return
         end = new
         if not new.holds:
             end = self._search(state, new, i, lambda s: 1.0 / s.rate[i])

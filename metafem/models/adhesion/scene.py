@@ -55,11 +55,30 @@ class Scene:
         sizes, which = np.unique(self.radius, return_inverse=True)
         return np.asarray(self.law.contact_radius(np.zeros(len(sizes)), sizes)[which])
 
+    def entry_radius_at(self, entering: IntArray, closed: IntArray, p: FloatArray) -> FloatArray:
+        """Contact radius [mm] of asperities that jump into contact beside others of loads p [mm^2]."""
+        if self.order == 1 or self.paraboloid:
+            return np.asarray(self.entry_radius[entering])
+        k = 0.5 * self.coupling.laplacian[np.ix_(entering, closed)] @ p
+        return self.law.contact_radius(np.zeros(len(entering)), self.radius[entering], k)
+
     @cached_property
     def least_radius(self) -> FloatArray:
-        """Contact radius (n,) [mm] that no contact in equilibrium goes below: half of that at the break."""
+        """Contact radius (n,) [mm] that no contact in equilibrium goes below: half of that at the break.
+
+        It is 0 for other caps than paraboloids: curvature by the neighbours sharpens a flat summit.
+        """
+        if not self.paraboloid:
+            return np.zeros(len(self.radius))
         sizes, which = np.unique(self.radius, return_inverse=True)
         return np.asarray(0.5 * self.law.break_radius(sizes)[which])
+
+    @cached_property
+    def largest_radius(self) -> FloatArray:
+        """Largest contact radius (n,) [mm] that the cap describes."""
+        cap = self.law.cap
+        most = np.minimum(cap.largest_indentation(self.radius), 1e3 * self.radius)
+        return np.asarray(cap.contact_radius(most, self.radius))
 
     @cached_property
     def paraboloid(self) -> bool:
@@ -93,6 +112,7 @@ class Contacts:
         self.radius = scene.radius[closed]
         self.gap = scene.gap[closed]
         self.least_radius = scene.least_radius[closed]
+        self.largest_radius = scene.largest_radius[closed]
         coupling = scene.coupling
         rows = np.ix_(closed, closed)
         self.influence = coupling.influence[rows].T.copy()

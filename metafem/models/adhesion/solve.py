@@ -178,7 +178,9 @@ def solve(contacts: Contacts, a: FloatArray, p: FloatArray, x: float, condition:
         length = LONGEST / longest if longest > LONGEST else 1.0
         if length < 1.0:
             step = None
-        a, p, x = a + length * change, p + length * moved, x + length * shift
+        # a cap may end, such as a sphere at its equator
+        wider = np.minimum(a + length * change, 0.5 * (a + contacts.largest_radius))
+        a, p, x = wider, p + length * moved, x + length * shift
     return None
 
 
