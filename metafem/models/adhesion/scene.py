@@ -21,7 +21,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg.lapack import dgetrf, dgetrs
+from scipy.linalg.lapack import dgetrf, dgetrs, dsytrf
 
 from metafem._kernels.coupling import Coupling
 from metafem._validate import FloatArray, IntArray
@@ -214,7 +214,7 @@ class Contacts:
         if self.scene.order == 1:
             matrix = self.influence * by_load
             matrix[diagonal] += by_depth
-            return Linear(matrix, self.influence, by_load, None)
+            return Linear(matrix, self.influence, by_load, by_depth, by_load, None)
         lap, sx, sy = self.fields
         gx, gy, tilt, turn = found.slope_x, found.slope_y, found.tilt, found.turn
         by_moment = 4.0 / 3.0 * a**3 * slope - 14.0 / 3.0 * a**2 * s  # dM/da
@@ -233,7 +233,7 @@ class Contacts:
         mixed[diagonal] += 1.0
         factor, pivot, _ = dgetrf(mixed)
         loads = dgetrs(factor, pivot, np.diag(by_load))[0]
-        return Linear(direct + by_loads @ loads, by_loads, loads, (factor, pivot))
+        return Linear(direct + by_loads @ loads, by_loads, loads, by_depth, by_load, (factor, pivot))
 
 
 @dataclass(frozen=True)
@@ -243,12 +243,33 @@ class Linear:
     by_radius: FloatArray  # dF/da with the loads that follow, (m, m) [-]
     by_loads: FloatArray  # dF/dp, (m, m) [1/mm]
     loads: FloatArray  # dp/da, (m, m) or its diagonal [mm]
+    own_depth: FloatArray  # dd/da of each contact alone, (m,) [-]
+    own_load: FloatArray  # dP/da of each contact alone, (m,) [mm]
     mixed: tuple[FloatArray, IntArray] | None = field(repr=False)  # factors of the equations of p
 
     @property
     def total(self) -> FloatArray:
         """Derivative of the sum of the loads by the radii (m,)."""
         return self.loads if self.loads.ndim == 1 else np.asarray(self.loads.sum(axis=0))
+
+    @property
+    def excess(self) -> int:
+        """Number of unstable directions at a given approach, to within those that begin or end here.
+
+        With dF/dp = H, the contacts are stable if H has as many negative eigenvalues as there are contacts
+        whose load falls as they grow. H is scaled by the roots of |dP/da|, without small terms of order 3.
+        """
+        falling = self.own_load < 0.0
+        if not falling.any():
+            return 0
+        root = np.sqrt(np.abs(self.own_load))
+        matrix = root[:, None] * (0.5 * (self.by_loads + self.by_loads.T)) * root
+        matrix[np.diag_indices(len(root))] += np.where(falling, -self.own_depth, self.own_depth)
+        blocks, pivot, _ = dsytrf(matrix)
+        # a block of two rows has one negative eigenvalue
+        single = pivot >= 0
+        negative = (np.diagonal(blocks)[single] < 0.0).sum() + (~single).sum() // 2
+        return abs(int(falling.sum()) - int(negative))
 
     def along(self, change: FloatArray) -> FloatArray:
         """Return the change of the loads with one of the radii (m,)."""

@@ -71,13 +71,26 @@ class State:
 
     @cached_property
     def holds(self) -> bool:
-        """Whether the determinant of dF/da is positive: contacts are stable at this approach.
+        """Whether the contacts are stable at this approach.
 
-        It is positive for contacts far from their ends, and its first change of sign is the end of a branch.
+        The determinant of dF/da is positive there, and changes its sign at the end of a branch. Where two
+        branches end together it may not, but two directions become unstable.
         """
         factor, pivot = self.factors
         swaps = np.count_nonzero(pivot != np.arange(len(pivot)))
-        return bool(((np.diagonal(factor) < 0.0).sum() + swaps) % 2 == 0)
+        positive = ((np.diagonal(factor) < 0.0).sum() + swaps) % 2 == 0
+        return bool(positive and self.linear.excess < 2) and self._within
+
+    @property
+    def _within(self) -> bool:
+        """Whether no contact moves down its slope by more than its radius.
+
+        Beyond, an expansion about its summit fails; a paraboloid is the same everywhere.
+        """
+        if self.contacts.scene.paraboloid:
+            return True
+        shift = self.found.turn * np.hypot(self.found.slope_x, self.found.slope_y)
+        return bool((shift <= self.a).all())
 
     @cached_property
     def rate(self) -> FloatArray:
