@@ -28,6 +28,10 @@ GRID_INDENTATION = 0.04
 # The default grid ends at this fraction of the tallest height, before the plane reaches the base plane.
 CLEAR = 0.999
 
+# Part of the largest indentation of a contact law that the default grid uses: the rest is for rounding, and
+# for interacting asperities, whose contacts differ in their sinking.
+WITHIN = 0.98
+
 
 @checked_call
 def friction_law(
@@ -122,7 +126,9 @@ def friction_law(
 
 def default_loads(surface: Surface, model: Model) -> FloatArray:
     """Return the rescaled loads of the default grid [mm^2]."""
-    end = model.curve(surface, approach=np.array([_grid_end(surface)])).load[0]
+    contact = contact_of(model).for_material(surface.material)
+    described = (surface.gap + contact.largest_indentation(surface.radius)).min()
+    end = model.curve(surface, approach=np.array([min(_grid_end(surface), WITHIN * described)])).load[0]
     return np.asarray(end * np.arange(1, GRID_POINTS + 1) / GRID_POINTS)
 
 

@@ -146,3 +146,16 @@ def test_a_fit_holds_the_loads_at_the_ends_of_its_range(rough, modulus):
         newtons = modulus * np.linspace(*ends, 26)
         law = mf.friction_law(surface, load=newtons)
         assert law.fit(load=(newtons[0], newtons[-1])).points == 26
+
+
+@pytest.mark.parametrize("order", [None, 1])
+def test_the_default_loads_end_where_the_contact_law_does(order):
+    d = np.array([0.001, 0.01, 0.03])
+    table = mf.TabulatedContact(d, 1.36 * 4 / 3 * 0.526**0.5 * d**1.5, np.pi * 0.526 * d)
+    model = mf.Independent(contact=table) if order is None else mf.Interacting(order=order, contact=table)
+    surface = mf.Surface.square_lattice(
+        [0.1, 0.11, 0.12, 0.1], (2, 2), radius=0.526, material=mf.Material(1.36)
+    )
+    law = mf.friction_law(surface, model)
+    state = mf.equilibrium(surface, model, load=float(law.load[-1]))
+    assert 0.95 * 0.03 < np.sqrt(state.asperity_area.max() / np.pi) ** 2 / 0.526 < 0.03

@@ -1,7 +1,7 @@
 """The surfaces of Figs. 3 to 5 designed again under adhesive contacts, spheres and soft caps.
 
-The densities of Figs. 4 and 5 are those of contacts without adhesion. Heights on the steps of Fig. 4 stay where
-their density places them; without steps they are refined.
+The densities of Figs. 4 and 5 are those of contacts without adhesion. Heights on the steps of Fig. 4 stay
+where their density places them; without steps they are refined.
 """
 
 from __future__ import annotations
@@ -66,7 +66,8 @@ def claim() -> Claim:
             if (figure, name) in LEFT_OUT:
                 continue
             after, moved, label = again(figure, name), change(figure, name), f"{figure}, {name}"
-            if more := after.surface.count - before.surface.count:
+            if figure == "Fig. 3":  # the others use all sites
+                more = after.surface.count - before.surface.count
                 checks.append(reported(f"{label}: additional asperities", more, THIS))
             checks += [
                 reported(f"{label}: rms change of the heights [µm]", np.sqrt((moved**2).mean()), THIS),
