@@ -35,6 +35,9 @@ COARSEST = 4.0
 MARGIN_CELLS = 3.0
 MARGIN_SHARE = 0.03
 
+# Extent of the cells around a summit on a slope, over the distance at which its contact begins.
+LIFTED = 1.5
+
 # Expected gaps up to this fraction of the largest indentation are covered by cells too, as they may close.
 NEARLY_CLOSED = 0.01
 
@@ -121,7 +124,10 @@ class Scene:
                 f"{largest:.3g} mm; {COARSEST:g} cells per radius need cell <= {largest / COARSEST:.3g} mm"
             )
         d = guess.indentation
-        half_width = np.where(d > -NEARLY_CLOSED * d.max(), self._reach(d, 1.0 + MARGIN_SHARE), 0.0)
+        alone = self.law.load(self.law.contact_radius(d, self.surface.radius), self.surface.radius)
+        gain, distance = self._lift(alone)
+        reach = np.maximum(self._reach(d, 1.0 + MARGIN_SHARE), LIFTED * distance + MARGIN_CELLS)
+        half_width = np.where(d + gain > -NEARLY_CLOSED * d.max(), reach, 0.0)
         patches = self._patches(half_width)
         pressure = self._expected(d, patches)
         if not pressure.any():
@@ -148,6 +154,11 @@ class Scene:
         ones = np.ones(operator.size)
         rise = quadratic_program.solve_on(operator, face, ones, STIFFNESS_TOLERANCE, MAX_ITERATIONS)
         return Solution(minimum, contacts, patches, covered, indentation, float(rise.sum()))
+
+    def _lift(self, load: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Increase [mm] of the indentations by the slopes of point loads, and where it is [cells], (n,)."""
+        gain, distance = self.summits.lift(np.hypot(self.slope_x @ load, self.slope_y @ load))
+        return self.cell * gain, distance
 
     def _reach(self, indentation: FloatArray, factor: float) -> FloatArray:
         """Extent of the cells around summits with these indentations."""
@@ -247,7 +258,9 @@ class Scene:
                 result[i] = GROWTH * max(half_width[i], reach[owner == i].max()) + MARGIN_CELLS
         load = self.cell**2 * contacts.load
         d = minimum.multiplier * self.cell - self.surface.gap - self.coupling @ load
-        return np.where((half_width == 0.0) & (d > 0.0), self._reach(d, 1.0), result)
+        gain, distance = self._lift(load)
+        missed = (half_width <= distance) & (d + gain > 0.0)
+        return np.where(missed, np.maximum(self._reach(d, 1.0), LIFTED * distance + MARGIN_CELLS), result)
 
 
 def _moved(old: list[Patch], pressure: list[FloatArray], new: list[Patch]) -> FloatArray:

@@ -20,6 +20,12 @@ from metafem.surface import Surface
 DEEPEST = 10.0
 BISECTIONS = 52
 
+# Contact radius over the largest one below which it is zero within rounding.
+ROUNDING = 1e-12
+
+# Smallest distance, over the largest contact radius, at which a contact on a slope may begin.
+FLATTEST = 1e-3
+
 # Load of the undisturbed contact with the radius of a contact, over the load of that contact: the field of
 # neighbours flattens a summit by less. Below this the equation for the radius is monotone for all power caps.
 MOST_LOAD = 2.0
@@ -67,6 +73,22 @@ class Summits:
         deepest = np.where(np.isfinite(most), most, DEEPEST * radius)
         return np.asarray(self.cap.contact_radius(deepest, radius) / self.cell)
 
+    def lift(self, slope: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Increase of the indentation by a slope of the field, and the distance of the contact then, (n,).
+
+        The largest of ``g rho - f(rho)``. A contact on a flat summit begins far from its axis; that of a
+        paraboloid contains the axis, and its increase R g^2/2 is within the gaps that have cells anyway: 0.
+        """
+        if self.paraboloids:
+            return np.zeros(slope.shape), np.zeros(slope.shape)
+        distance = self.cell * self.widest()[:, None] * np.geomspace(FLATTEST, 1.0, DISTANCES)
+        gain = slope[:, None] * distance - self.cap.depth_at(distance, self.cell * self.radius[:, None])
+        best = (np.arange(len(slope)), gain.argmax(axis=1))
+        closer = gain[best] > 0.0
+        return np.where(closer, gain[best], 0.0) / self.cell, np.where(
+            closer, distance[best], 0.0
+        ) / self.cell
+
     def bluntness(self, contact_radius: FloatArray) -> FloatArray:
         """Radius over R of the paraboloid with the same contact radius and indentation, (n,)."""
         if self.paraboloids:
@@ -89,7 +111,8 @@ class Summits:
         """
         if self.paraboloids:
             return 5.0 * math.pi * spread
-        radius, low, high = self.cell * self.radius, np.zeros(spread.shape), self.cell * self.widest()
+        radius, low, widest = self.cell * self.radius, np.zeros(spread.shape), self.cell * self.widest()
+        high = widest
         carried = self.cell**2 * load
         moment = 2.0 * self.cell**2 * spread * carried
         for _ in range(BISECTIONS):
@@ -98,8 +121,8 @@ class Summits:
             own = self.cap.second_moment(a, radius) - 0.4 * a**2 * alone
             wide = (own > moment - 0.4 * a**2 * carried) | (alone > MOST_LOAD * carried)
             low, high = np.where(wide, low, a), np.where(wide, a, high)
-        closed = load > 0.0
-        a, carried = np.where(closed, low, 0.5 * high), np.where(closed, carried, 1.0)
+        closed = low > ROUNDING * widest  # pressure on one cell has no moment
+        a, carried = np.where(closed, low, 0.5 * widest), np.where(closed, carried, 1.0)
         slope, own = carried * self.cell * shift / (4.0 / 3.0 * a**3), profile_slope(self.cap, a, radius)
         seen = (10.0 - 20.0 / 3.0 * a**2 * own / self.cap.load(a, radius)) * (slope / own) ** 2
         change = np.maximum(1.0 + area_change(self.cap, a, radius, slope) - seen, 0.0)

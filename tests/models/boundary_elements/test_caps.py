@@ -61,6 +61,7 @@ def test_areas_from_moments_hold_for_any_extra_curvature():
         found = summits.areas(0.5 * moment / load / 1e-4, load / 1e-4, np.zeros(6))
         np.testing.assert_allclose(1e-4 * found, np.pi * a**2, rtol=1e-12)
         assert (summits.areas(*np.zeros((3, 6))) == 0.0).all()
+        assert (summits.areas(np.zeros(6), np.ones(6), np.ones(6)) == 0.0).all()  # on one cell
 
 
 def test_a_power_of_two_is_the_paraboloid():
@@ -99,6 +100,20 @@ def test_areas_from_moments_are_those_within_the_edges_on_a_slope(law, monkeypat
     edges = mf.equilibrium(surface, model, approach=approach)
     # without the terms of the slope 1.4e-4 and 2.2e-4
     assert state.area == pytest.approx(edges.area, rel=1e-4)
+
+
+def test_a_flat_summit_on_a_slope_touches_beside_its_axis():
+    """At its axis the second summit does not reach the plane, by 1.4 um."""
+    surface = scene([[0.0, 0.0], [0.75, 0.0]], [0.5, 0.385], RADIUS)
+    areas = [
+        mf.equilibrium(
+            surface, mf.BoundaryElements(cell, contact=mf.PowerCap(4)), approach=0.15
+        ).asperity_area
+        for cell in (0.004, 0.008)
+    ]
+    assert areas[0][1] > 0.01
+    # seven cells for the deformed one
+    np.testing.assert_allclose(*areas, atol=7.0 * 0.008**2 + 7.0 * 0.004**2, rtol=1e-4)
 
 
 def test_contacts_wider_than_the_profile_are_refused():
