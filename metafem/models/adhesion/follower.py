@@ -42,6 +42,9 @@ LOCATED = 1e-7
 # contact above which an asperity without interaction is in contact with interaction, too.
 MOST_TRIALS, SURE = 8, 1.5
 
+# Factor of the estimate of how much nearer a new contact brings the plane.
+DOUBT = 2.0
+
 # Most steps between two loads, and in the search for one point.
 MOST_STEPS = 1000
 MOST_SEARCHES = 60
@@ -115,7 +118,8 @@ class Follower:
         """As `press`, from a guess of the contact radii (n,) [mm] at the goal, without the jumps on the way.
 
         A state with every asperity in contact that would penetrate the plane, and no new one that would not,
-        is that at the end of the way.
+        is that at the end of the way. A new contact that pulls brings the plane nearer by its load over the
+        stiffness; if it might not touch without that, the way is followed.
         """
         before: IntArray = np.empty(0, dtype=np.int64) if self.state is None else self.state.closed
         held = np.zeros(len(guess), dtype=bool)
@@ -131,6 +135,9 @@ class Follower:
                 break
             apart = (found.found.indentation < 0.0) & ~held[closed]
             if not apart.any() and not found.entering.size:
+                nearer = DOUBT * np.maximum(-found.p, 0.0) / found.stiffness
+                if (found.found.indentation < nearer)[~held[closed]].any():
+                    break
                 self.state = found
                 return found
             a[closed] = found.a

@@ -1,0 +1,86 @@
+"""Jumps of interacting adhesive asperities: each is located, and each state between them is stable."""
+
+import numpy as np
+import pytest
+
+import metafem as mf
+from metafem.models.adhesion.curves import follow
+from metafem.models.adhesion.scene import Scene
+from metafem.models.interacting.kept_coupling import coupling_between
+from tests.models.scenes import lattice
+
+ENERGY, LARGEST = 9e-6, 0.3
+
+# Part of the largest load to which jumps are located.
+LOCATED = 1e-6
+
+
+def scene_of(height, substrate, order=3):
+    surface = lattice(height)
+    bound = substrate.for_surface(surface)
+    coupling, regular = coupling_between(surface, bound, order)
+    law = mf.JKR(ENERGY).for_material(surface.material)
+    return surface, Scene(law, surface.radius, surface.gap, coupling, regular)
+
+
+def check_jumps(scene, largest, unloading, rows):
+    """Each jump's areas are those of the curve at loads just below and above it."""
+    jumps = follow(scene, np.array([0.0, largest]), True, unloading, 1.0).jumps
+    loads = np.array([jump.load for jump in jumps])
+    assert len(jumps) > 5
+    assert (np.diff(loads) * (-1.0 if unloading else 1.0) > 0.0).all()
+    for jump in [jumps[row] for row in rows]:
+        load = np.append(jump.load + LOCATED * largest * np.array([-1.0, 1.0]), largest)
+        first, second, _ = follow(scene, load[load >= 0.0], True, unloading, 1.0).states[-3:]
+        before, after = (second, first) if unloading else (first, second)
+        # away from the jump the area changes as the root of the load
+        step = abs(jump.after - jump.before)
+        assert before.area == pytest.approx(jump.before, abs=0.2 * step)
+        assert after.area == pytest.approx(jump.after, abs=0.2 * step)
+
+
+@pytest.mark.parametrize("unloading", [False, True])
+@pytest.mark.parametrize("substrate", [mf.HalfSpace(), mf.BondedLayer()], ids=repr)
+def test_jumps_are_located(substrate, unloading):
+    height = 0.15 - np.random.default_rng(1).uniform(0.0, 0.03, 9)
+    check_jumps(scene_of(height, substrate)[1], 0.05, unloading, [1, 4])
+
+
+@pytest.mark.parametrize("unloading", [False, True])
+def test_states_are_stable(unloading):
+    """The second variation of the potential by contact radii and approach, order 1, is positive."""
+    height = 0.15 - np.random.default_rng(1).uniform(0.0, 0.03, 9)
+    _, scene = scene_of(height, mf.HalfSpace(), 1)
+    for state in follow(scene, np.linspace(0.0, 0.05, 9), True, unloading, 1.0).states:
+        a, law = state.a, scene.law
+        s = law.deficit(a)
+        own = law.profile_slope(a, scene.radius[state.closed]) - 0.5 * s / a
+        # with the indentation d and the edge: P = 2 a (d - d_cap) + P_cap, dP = 2 a dd - 2 s da
+        field = state.contacts.influence
+        held = np.linalg.inv(np.eye(len(a)) + 2.0 * field * a)  # dd by a displacement, at given radii
+        stiff = 2.0 * a[:, None] * held  # dP/dx of the contacts
+        by_radii = held @ (2.0 * field * s)  # dd/da at a given approach
+        push = -2.0 * np.diag(s) + 2.0 * a[:, None] * by_radii  # dP/da at a given approach
+        whole = np.zeros((len(a) + 1, len(a) + 1))
+        whole[:-1, :-1] = 2.0 * s[:, None] * (np.diag(own) - by_radii)
+        whole[-1, :-1] = whole[:-1, -1] = push.sum(axis=0)
+        whole[-1, -1] = stiff.sum()
+        assert np.abs(whole - whole.T).max() <= 1e-12 * np.abs(whole).max()
+        assert np.linalg.eigvalsh(whole).min() > 0.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("substrate", [mf.HalfSpace(), mf.BondedLayer()], ids=repr)
+def test_64_asperities_at_200_loads(substrate):
+    height = 0.15 - np.random.default_rng(2).uniform(0.0, 0.04, 64)
+    surface, scene = scene_of(height, substrate)
+    model = mf.Interacting(substrate=substrate, contact=mf.JKR(ENERGY))
+    load = np.linspace(0.0, LARGEST, 200)
+    curves = [model.curve(surface, load, unloading=way) for way in (False, True)]
+    for curve in curves:
+        assert curve.converged
+        assert (curve.stiffness > 0.0).all()
+        assert (np.diff(curve.area) > 0.0).all()
+    assert (curves[1].area >= curves[0].area * (1.0 - 1e-12)).all()
+    for way in (False, True):
+        check_jumps(scene, LARGEST, way, [2, 30, 50])
