@@ -10,6 +10,8 @@ from scipy.stats import linregress
 from scipy.stats import t as student
 
 import metafem as mf
+from metafem.contact import Contact
+from metafem.models.model import PARABOLOID
 from validation.scenes.random_surfaces import random_surface
 from validation.timing import Row, best
 
@@ -63,14 +65,14 @@ def summary(found: list[tuple[float, float]], start: int = 0) -> list[Row]:
     ]
 
 
-def error_and_uncertainty(seed: int) -> tuple[float, float]:
+def error_and_uncertainty(seed: int, law: Contact = PARABOLOID) -> tuple[float, float]:
     """Relative error of A0 on a random surface, and uncertainty of the reference; nan without a solution."""
     surface, load = random_surface(seed)
     try:
-        area = mf.equilibrium(surface, mf.Automatic(TOLERANCE), load=load).area
+        area = mf.equilibrium(surface, mf.Automatic(TOLERANCE, contact=law), load=load).area
     except mf.NotConverged:
         return np.nan, np.nan
-    exact, uncertainty = reference(surface, load)
+    exact, uncertainty = reference(surface, load, law)
     return abs(area / exact - 1.0), uncertainty
 
 
@@ -88,7 +90,7 @@ def time_ratios(seed: int) -> tuple[float, float] | None:
     return one[0] / one[1], law[0] / law[1]
 
 
-def reference(surface: mf.Surface, load: float) -> tuple[float, float]:
+def reference(surface: mf.Surface, load: float, law: Contact) -> tuple[float, float]:
     """Return A0 [mm²] extrapolated from resolved contacts to vanishing cells, and its relative uncertainty.
 
     The mean error of the areas is proportional to the square of the cell. About it they scatter by some
@@ -96,11 +98,11 @@ def reference(surface: mf.Surface, load: float) -> tuple[float, float]:
     the cell by least squares, with errors proportional to that square. The cells become smaller until the
     confidence interval of the fit is within a third of the tolerance.
     """
-    largest = mf.equilibrium(surface, load=load).asperity_area.max()
+    largest = mf.equilibrium(surface, mf.Independent(law), load=load).asperity_area.max()
     sizes = np.sqrt(largest / np.pi) / CELLS_PER_RADIUS * 2.0 ** (-0.25 * np.arange(MOST))
     areas: list[float] = []
     for cell in sizes:
-        areas.append(mf.equilibrium(surface, mf.BoundaryElements(cell), load=load).area)
+        areas.append(mf.equilibrium(surface, mf.BoundaryElements(cell, contact=law), load=load).area)
         used = len(areas)
         if used >= FEWEST:
             # A0/cell² = slope/cell² + constant, with errors of one size

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
 from functools import partial
 
 import click
@@ -19,6 +21,7 @@ import metafem as mf
 from metafem.contact import Contact
 from metafem.contact.cap_geometry import sphere_profile
 from metafem.models.truncation import truncation
+from validation.benchmark import automatic
 from validation.timing import Row
 
 # Cells per radius of the largest contact; with 50 the error of one contact is below 1e-4 in load and area.
@@ -29,6 +32,9 @@ CELLS_OF_ONE = 50
 RATIOS = (0.1, 0.15, 0.2, 0.235, 0.27)
 AREA_ERROR = {0.2: 1e-3, 0.27: 3e-3}
 LOAD_ERROR = 3e-4
+
+# Random surfaces on which Automatic is compared.
+SURFACES = 30
 
 # Largest error of load and area of one resolved contact.
 ONE_ERROR = 3e-4
@@ -131,6 +137,16 @@ def rows() -> list[Row]:
             for most, required in AREA_ERROR.items():
                 largest = float(area[np.array(RATIOS) <= most].max())
                 measured.append(Row(f"{what}: A0, a/L <= {most:g}", required, largest, ""))
+    return measured
+
+
+def long_rows() -> list[Row]:
+    """Compare Automatic with resolved contacts, extrapolated to vanishing cells, on random surfaces."""
+    measured = []
+    for name, law in (("quartic cap", mf.PowerCap(4)), ("sphere", mf.SphericalCap())):
+        with ProcessPoolExecutor() as processes:
+            found = list(processes.map(partial(automatic.error_and_uncertainty, law=law), range(SURFACES)))
+        measured += [replace(row, what=f"{name}, {row.what}") for row in automatic.summary(found)]
     return measured
 
 

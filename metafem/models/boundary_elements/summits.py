@@ -84,10 +84,8 @@ class Summits:
         distance = self.cell * self.widest()[:, None] * np.geomspace(FLATTEST, 1.0, DISTANCES)
         gain = slope[:, None] * distance - self.cap.depth_at(distance, self.cell * self.radius[:, None])
         best = (np.arange(len(slope)), gain.argmax(axis=1))
-        closer = gain[best] > 0.0
-        return np.where(closer, gain[best], 0.0) / self.cell, np.where(
-            closer, distance[best], 0.0
-        ) / self.cell
+        beside = gain[best] > 0.0
+        return beside * gain[best] / self.cell, beside * distance[best] / self.cell
 
     def bluntness(self, contact_radius: FloatArray) -> FloatArray:
         """Radius over R of the paraboloid with the same contact radius and indentation, (n,)."""
