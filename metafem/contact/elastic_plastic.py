@@ -119,7 +119,7 @@ class ElasticPlastic(LawByIndentation):
         return tuple(found)
 
     def notes(self, indentation: FloatArray, radius: FloatArray) -> tuple[Note, ...]:
-        """Return how many contacts are plastic, and the sizes of the blends."""
+        """Return how many contacts are plastic, and the sizes of the blends that they reach."""
         w = np.asarray(indentation) / self.yield_indentation(radius)
         plastic = int((w > 1.0).sum())
         if not plastic:
@@ -132,6 +132,7 @@ class ElasticPlastic(LawByIndentation):
             f"P by up to {most(one.load_change)} and A by up to {most(one.area_change)} for w/w_c from "
             f"{one.start:.3g} to {one.end:.3g}"
             for one in self.blends()
+            if one.start < w.max()
         )
         return (
             information(

@@ -80,6 +80,8 @@ PARAMETERS = {
     "robust_gain": ("decrease of its square by robust", "%", 100.0),
     "robust_gain_error": ("standard error of the decrease", "%", 100.0),
     "irreducible_share": ("share of the square that no heights with this law remove", "%", 100.0),
+    "plasticity_index": ("plasticity index ψ; contacts stay elastic below 0.6", "", 1.0),
+    "largest_modulus_ratio": ("E*/H below which these contacts stay elastic", "", 1.0),
     "step_levels": ("levels after quantisation, above the base", "µm", MICROMETRES),
     "step_counts": ("numbers of asperities on these levels", "", 1.0),
     "step_loss": ("change of the misfit by quantisation", "%", 100.0),

@@ -167,6 +167,7 @@ def test_the_notes_state_plastic_contacts_and_the_blends():
     assert not note.warns
     assert "2 of 4 contacts deform plastically, up to an indentation of 7 w_c" in note.text
     assert "P by up to 2.9 % and A by up to 7.5 % for w/w_c from 1 to 2, P by" in note.text
+    assert note.text.endswith("from 4.8 to 7.5")  # 110 w_c is not reached
     soft = mf.JacksonGreen(0.1).for_material(MATERIALS[1])
     assert soft.notes(0.5 * soft.yield_indentation(np.ones(2)), np.ones(2)) == ()
     _, warning = soft.notes(2.0 * soft.yield_indentation(np.ones(2)), np.ones(2))

@@ -85,6 +85,15 @@ def test_page_warns_of_plastic_contacts_and_low_summits(template):
     assert "raise the offset" in text
 
 
+def test_page_states_which_law_a_hardness_takes(template):
+    target = mf.SampledLaw([0.05, 0.1, 0.2], [0.6, 1.1, 1.9])
+    design = mf.design_for_hardness(target, template, 0.3, limits=mf.Limits(0.27))
+    text = page(design, hardness=0.3)
+    assert "this design is for the law KogutEtsion(hardness=0.3) of plastic contacts" in text
+    assert "E*/H below which these contacts stay elastic" in text
+    assert "was not evaluated" not in text
+
+
 def test_page_warns_where_the_plane_would_reach_the_base(template):
     design = mf.design(
         mf.OperatingPoints([0.144, 0.336], [0.84, 1.68]), template, limits=mf.Limits(0.27 - 0.1284)
