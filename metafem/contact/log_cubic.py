@@ -8,8 +8,9 @@ import numpy as np
 
 from metafem._validate import FloatArray, IntArray
 
-# Newton's method and bisection in one panel; the cubics of contact laws need 3 to 6.
-MOST_STEPS = 60
+# Newton's method and bisection in one panel; the cubics of contact laws need 3 to 6. After a step below
+# SETTLED the next one, its square, is below rounding.
+MOST_STEPS, SETTLED = 60, 1e-9
 
 
 class LogCubic(NamedTuple):
@@ -56,7 +57,7 @@ class LogCubic(NamedTuple):
             low, high = np.where(found <= v, t, low), np.where(found >= v, t, high)
             new = t - (found - v) / (slope * width)
             new = np.where((new >= low) & (new <= high), new, 0.5 * (low + high))
-            settled = np.abs(new - t) <= 2.0 * np.finfo(np.float64).eps
+            settled = np.abs(new - t) <= SETTLED
             t = np.where(inside, new, t)
             if (settled | ~inside).all():
                 break

@@ -86,8 +86,8 @@ def tables(law: Contact, radius: FloatArray) -> Law:
         return Law(size, which - 1, size, np.empty((0, 0)))
     if law.individual:
         which += np.arange(size.shape[-1])
-        made = [_table(law.one(i), float(size[..., i].flat[0])) for i in range(size.shape[-1])]
-        return Law(size, which, size, _stacked(made))
+        every = _of_each(cast(Hashable, law), tuple(size.reshape(-1, size.shape[-1])[0].tolist()))
+        return Law(size, which, size, every)
     kinds = np.ones(1)
     if not law.similar:
         kinds, inverse = np.unique(size, return_inverse=True)
@@ -120,6 +120,13 @@ def _stacked(tables: list[FloatArray]) -> FloatArray:
 @lru_cache(maxsize=KEPT)
 def _kept(law: Hashable, radius: float) -> FloatArray:
     return _table(cast(Contact, law), radius)
+
+
+@lru_cache(maxsize=4)
+def _of_each(law: Hashable, radius: tuple[float, ...]) -> FloatArray:
+    """Return the stacked tables of the law of each asperity; there may be thousands."""
+    own = cast(Contact, law)
+    return _stacked([_table(own.one(i), each) for i, each in enumerate(radius)])
 
 
 def _table(law: Contact, radius: float) -> FloatArray:
