@@ -187,6 +187,25 @@ def test_predict_compares_contact_laws_and_models_at_the_same_loads(run, demo):
     assert (refused.exit_code, "holds one law, and 3 are compared" in refused.output) == (2, True)
 
 
+def test_a_surface_is_designed_made_and_predicted_under_a_contact_law(run):
+    text = demo_text("linear").replace("[8, 8]", "[4, 4]") + '[contact]\nkind = "profile"\nfile = "cap.csv"\n'
+    Path("cap.csv").write_text("rho_mm,f_um\n0,0\n0.2,38\n0.4,170\n0.5,290\n0.7,600\n", "utf-8")
+    Path("cap.toml").write_text(text, "utf-8")
+    result = run("design", "cap.toml", "-o", "cap", "--json")
+    assert result.exit_code == 0, result.output
+    assert "AxisymmetricCap(<5 points>, extent=0.7)" in json.loads(result.stdout)["model"]["python"]
+    design = mf.load("cap")
+    contact = design.law.model.contact
+    assert contact == mf.AxisymmetricCap([[0.0, 0.2, 0.4, 0.5, 0.7], [0.0, 0.038, 0.17, 0.29, 0.6]])
+    assert Path("cap/cap.csv").read_bytes() == Path("cap.csv").read_bytes()
+    assert "profile is that of AxisymmetricCap" in Path("cap/mould.svg").read_text("utf-8")
+    predicted = json.loads(run("predict", "cap", "--load", "0.02 N", "--json").stdout)
+    area = mf.friction_law(design.surface, mf.Independent(contact=contact), load=[0.02]).area
+    assert predicted["area_mm2"] == area.tolist()
+    refused = run("predict", "cap", "--model", "resolved", "--contact", "jkr 9 mJ/m^2")
+    assert (refused.exit_code, "resolved: contact = JKR(" in refused.output) == (2, True)
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Annotated, Literal, Self
 
 import numpy as np
@@ -83,7 +84,10 @@ class ProfileSection(Section):
 
     def law(self) -> Contact:
         """Return the law of these keys."""
-        return AxisymmetricCap(np.array([self.rho, self.f]))
+        try:
+            return AxisymmetricCap(np.array([self.rho, self.f]))
+        except InvalidInput as error:  # of a row of the table, which is a key here
+            raise InvalidInput(re.sub("^profile: (?=rho|f )", "", str(error))) from None
 
 
 CapSection = HertzSection | SphereSection | PowerCapSection | ProfileSection
@@ -149,6 +153,11 @@ class TabulatedSection(Section):
     def _all(self) -> Self:
         if self.indentation is None or self.load is None or self.area is None:
             raise InvalidInput("needs indentation, load and area, or file")
+        count = {len(self.indentation), len(self.load), len(self.area)}
+        if len(count) > 1:
+            raise InvalidInput(
+                f"has {sorted(count)} entries of indentation, load and area; give as many of all"
+            )
         return self
 
     def law(self) -> Contact:

@@ -118,6 +118,14 @@ def test_tables_of_a_target_and_of_a_profile_are_both_kept(home):
         ('kind = "tabulated"', "contact needs indentation, load and area, or file"),
         ('kind = "tabulated"\nfile = "cap.csv"', "name its columns indentation_um,load_mN,area_mm2"),
         ('kind = "tabulated"\nfile = "less.csv"', r"less.csv, line 3: area_mm2 = 0 must be greater than 0"),
+        (
+            'kind = "tabulated"\nindentation = ["5 um", "6 um"]\nload = ["1 mN"]\narea = ["1 mm2", "2 mm2"]',
+            r"contact has \[1, 2\] entries of indentation, load and area; give as many of all",
+        ),
+        (
+            'kind = "profile"\nrho = ["0 um", "0.1 mm"]\nf = ["0 um", "1 um"]',
+            r"contact.rho = \[0.0, 0.1\] must begin with 0 and increase over at least 3 points",
+        ),
         ('kind = "profile"', "contact needs rho and f, or file"),
         ('kind = "profile"\nrho = ["0 mm"]\nfile = "cap.csv"', "contact.file and contact.rho both give the"),
         ('kind = "profile"\nrho = ["0 mm"]\nf = ["0 um", "1 um"]', "contact has 1 entries of rho and 2 of f"),
