@@ -46,7 +46,7 @@ def test_radii_and_layout_of_a_specification_are_designed(run):
 
 def test_a_robust_design_is_made_from_a_specification(run):
     errors = '\n[robust]\nheight_sd = "3 um"\nangle = "0.05 deg"\n'
-    text = demo_text("linear").replace("[8, 8]", "[4, 4]") + errors
+    text = demo_text("linear").replace("[8, 8]", "[6, 6]") + errors
     Path("robust.toml").write_text(text, "utf-8")
     result = run("design", "robust.toml", "-o", "robust", "--json")
     assert result.exit_code in (0, 1), result.output
@@ -188,7 +188,7 @@ def test_predict_compares_contact_laws_and_models_at_the_same_loads(run, demo):
 
 
 def test_a_surface_is_designed_made_and_predicted_under_a_contact_law(run):
-    text = demo_text("linear").replace("[8, 8]", "[4, 4]") + '[contact]\nkind = "profile"\nfile = "cap.csv"\n'
+    text = demo_text("linear").replace("[8, 8]", "[6, 6]") + '[contact]\nkind = "profile"\nfile = "cap.csv"\n'
     Path("cap.csv").write_text("rho_mm,f_um\n0,0\n0.2,38\n0.4,170\n0.5,290\n0.7,600\n", "utf-8")
     Path("cap.toml").write_text(text, "utf-8")
     result = run("design", "cap.toml", "-o", "cap", "--json")
