@@ -116,6 +116,19 @@ def test_a_flat_summit_on_a_slope_touches_beside_its_axis():
     np.testing.assert_allclose(*areas, atol=7.0 * 0.008**2 + 7.0 * 0.004**2, rtol=1e-4)
 
 
+@pytest.mark.parametrize("factor", [1e-6, 1e6])
+@pytest.mark.parametrize("law", [mf.PowerCap(4), mf.SphericalCap()], ids=repr)
+def test_units_do_not_matter(law, factor):
+    pair = scene([[0.0, 0.0], [1.0, 0.3]], [0.1, 0.101], RADIUS)
+    long = mf.Surface(pair.position * factor, pair.height * factor, RADIUS * factor, pair.material)
+    state, scaled = (
+        mf.equilibrium(surface, mf.BoundaryElements(0.008 * unit, contact=law), load=0.05 * unit**2)
+        for surface, unit in ((pair, 1.0), (long, factor))
+    )
+    assert scaled.area == pytest.approx(state.area * factor**2, rel=1e-9)
+    assert scaled.approach == pytest.approx(state.approach * factor, rel=1e-9)
+
+
 def test_contacts_wider_than_the_profile_are_refused():
     law = mf.AxisymmetricCap([RHO[:30], sphere_profile(RHO[:30], RADIUS)])
     surface, model = mf.Surface([[0.0, 0.0]], [0.1], RADIUS, MATERIAL), mf.BoundaryElements(0.01, contact=law)
