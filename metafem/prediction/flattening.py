@@ -22,7 +22,8 @@ def flattened(surface: Surface, model: Model | None = None, *, load: float) -> t
     Each asperity is indented by the load under the model. Its summit stays lower by the residual height loss
     of the contact law, and its contact is elastic up to the earlier indentation; beyond, the first loading
     continues. Both results serve wherever a surface and a model do: at loads up to the earlier one they give
-    the unloading, and the second loading is the same. A law that is elastic changes neither.
+    the unloading, and the second loading is the same. The law holds for the asperities of this surface in
+    their order; the tables of a thousand take 20 s. A law that is elastic changes neither.
 
     Parameters
     ----------
