@@ -62,7 +62,9 @@ def design(
     model : Model, optional
         Model under which the law is to meet the target; default: ``Independent()``. Under a model with
         interaction the heights of the independent inversion are refined by the Levenberg–Marquardt method
-        with exact sensitivities.
+        with exact sensitivities. The contact law is that of the model: bounds and heights of independent
+        asperities are its own. Adhesive asperities start from the heights without adhesion, and no bound is
+        used for them.
     limits : Limits, optional
         Manufacturing limits; default: heights up to the tallest of the template. With a `height_step` all
         heights are on its levels, and the loss is stated in a note and in the parameters ``step_levels``

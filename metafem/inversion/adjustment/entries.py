@@ -28,8 +28,9 @@ def with_same_entries(problem: Problem, start: Candidate, goal: float, rng: np.r
     The unknowns are heights of independent asperities, whose gradients are used; the law is that of the
     shifted heights under the model. With adhesion, whose branches take long to follow, there are few steps.
     """
-    solver, limits, law = problem.model.gradient_model, problem.limits, start.target_law
-    surface, space, options = start.surface(problem.template), Heights(problem.limits.span), problem.options
+    solver, limits, options = problem.model.gradient_model, problem.limits, problem.options
+    law, surface = start.target_law.thinned(options.entry_loads), start.surface(problem.template)
+    space = Heights(limits.span)
     alone, shifted = Independent(contact=problem.contact), shift(problem, start)
     nothing = np.full(len(law.load), np.inf), np.zeros((len(law.load), surface.count))
 
@@ -60,12 +61,12 @@ def shift(problem: Problem, start: Candidate) -> Callable[[FloatArray], FloatArr
     ``h_i + u_i + <h'_j - h_j - u_j>``, in the order of the heights, summit i is touched at the same loads of
     the others, in the mean by their stiffness.
     """
-    radius = start.radius
+    radius, deepest = start.radius, problem.contact.largest_indentation(start.radius)
     substrate = problem.model.reference.substrate
     influence = substrate.influence_matrix(start.surface(problem.template))
 
     def shifted(height: FloatArray) -> FloatArray:
-        depth = np.maximum(height - height[:, None], 0.0)
+        depth = np.clip(height - height[:, None], 0.0, deepest)
         found = contacts(problem.contact, depth, np.broadcast_to(radius, depth.shape))
         closed = depth > 0.0
         field = np.where(closed, found.load, 0.0) @ influence

@@ -60,7 +60,8 @@ def refined(problem: Problem, candidate: Candidate, rng: np.random.Generator) ->
                 found = _through_points(residual, trial.height, space, options)
             else:
                 guesses = _initial_guesses(problem, trial, first().curve.area, rng)
-                found = search(residual, guesses, space, goal, options.refined_restarts, rng, options)
+                restarts = options.adhesive_restarts if problem.contact.adhesive else options.refined_restarts
+                found = search(residual, guesses, space, goal, restarts, rng, options)
             if solver != model:
                 found = descend(residual_of_model, found.unknowns, space, goal, options=options)
             best, start = (found, trial) if found.misfit < best.misfit else (best, start)

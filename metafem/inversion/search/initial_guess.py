@@ -21,6 +21,9 @@ from metafem.inversion.radii import Radii
 from metafem.inversion.search.options import DEFAULTS, SearchOptions
 from metafem.models.contact_sums import contacts
 
+# Least and largest indentation over R of the contacts that are tabulated for a first guess, and their number.
+TABLE, TABULATED = (1e-9, 10.0), 400
+
 
 def initial_heights(
     law: Contact, load: FloatArray, friction: FloatArray, radius: FloatArray, count: int,
@@ -33,9 +36,9 @@ def initial_heights(
     depth = depth_at_pressure(law, load[0] / friction[0], radius[0])
     first = float(contacts(law, np.array(depth), radius[:1]).area[0])
     levels, numbers, kinds = [0.0], [friction[0] / first], [radius[0]]
-    plane, widest = -depth, float(radius.max())
+    plane, widest, single = -depth, float(radius.max()), _Single(law, radius)
     for p, f, new in zip(load[1:], friction[1:], radius[1:], strict=True):
-        earlier = _Earlier(law, np.array(levels) - plane, np.array(kinds), np.array(numbers))
+        earlier = _Earlier(single, np.array(levels) - plane, np.array(kinds), np.array(numbers))
         depth, number = earlier.entering(p, f, new, widest, options.shallowest)
         if number > 0.0:
             levels.append(plane)
@@ -48,10 +51,10 @@ def initial_heights(
 class _Earlier:
     """Asperities in contact: `number` of each radius `kind` are `above` the new level."""
 
-    def __init__(self, law: Contact, above: FloatArray, kind: FloatArray, number: FloatArray) -> None:
-        self.law, self.above = law, above
-        self.most = float((law.largest_indentation(kind) - above).min())
-        self.sums = _sums(law, kind, number)
+    def __init__(self, single: _Single, above: FloatArray, kind: FloatArray, number: FloatArray) -> None:
+        self.single, self.above = single, above
+        self.most = float((single.law.largest_indentation(kind) - above).min())
+        self.sums = single.sums(kind, number)
 
     def at(self, depth: float) -> tuple[float, float]:
         """Return their load and area where the plane is this far below the new level [mm^2]."""
@@ -74,7 +77,7 @@ class _Earlier:
         if area < friction:
             deepest = self.depth(1, friction, widest)
             if self.at(deepest)[0] > load:
-                one = _sums(self.law, np.array([radius]), np.ones(1))
+                one = self.single.sums(np.array([radius]), np.ones(1))
 
                 def missing(depth: float) -> tuple[float, float]:
                     """Return the missing load, and the number of asperities that have the missing area."""
@@ -91,21 +94,40 @@ class _Earlier:
         return self.depth(0, load, widest), 0.0
 
 
-def _sums(
-    law: Contact, radius: FloatArray, number: FloatArray
-) -> Callable[[FloatArray], tuple[float, float]]:
-    """Return load and area [mm^2] of asperities, (q,), as a function of their indentations (q,) [mm]."""
-    n = law.power
-    if n is None:
+class _Single:
+    """Load and area of single contacts; where they are no powers, their logarithms are interpolated."""
+
+    def __init__(self, law: Contact, radius: FloatArray) -> None:
+        self.law = law
+        self.tables = {} if law.power is not None else {R: self._table(R) for R in np.unique(radius).tolist()}
+
+    def _table(self, radius: float) -> tuple[FloatArray, ...]:
+        """Return logarithms of indentation, load and area."""
+        most = min(float(self.law.largest_indentation(radius)), TABLE[1] * radius)
+        depth = np.geomspace(TABLE[0] * radius, most, TABULATED)
+        found = contacts(self.law, depth, np.full(TABULATED, radius))
+        return np.log(depth), np.log(found.load), np.log(found.area)
+
+    def sums(self, radius: FloatArray, number: FloatArray) -> Callable[[FloatArray], tuple[float, float]]:
+        """Return load and area [mm^2] of asperities, (q,), as a function of their indentations (q,) [mm]."""
+        n = self.law.power
+        if n is not None:
+            unit = contacts(self.law, np.ones(len(radius)), radius)
+            loads, areas, by_load, by_area = unit.load * number, unit.area * number, 1.0 + 1.0 / n, 2.0 / n
+            return lambda depth: (float(loads @ depth**by_load), float(areas @ depth**by_area))
+        parts = [(self.tables[R], radius == R) for R in np.unique(radius).tolist()]
 
         def sums(depth: FloatArray) -> tuple[float, float]:
-            found = contacts(law, depth, radius)
-            return float(found.load @ number), float(found.area @ number)
+            load = area = 0.0
+            # an open contact is taken for one as shallow as the first of the table
+            logarithm = np.log(np.maximum(depth, np.finfo(float).tiny))
+            for (x, by_load, by_area), which in parts:
+                at, weight = logarithm[which], number[which]
+                load += float(np.exp(np.interp(at, x, by_load)) @ weight)
+                area += float(np.exp(np.interp(at, x, by_area)) @ weight)
+            return load, area
 
         return sums
-    unit = contacts(law, np.ones(len(radius)), radius)
-    loads, areas, by_load, by_area = unit.load * number, unit.area * number, 1.0 + 1.0 / n, 2.0 / n
-    return lambda depth: (float(loads @ depth**by_load), float(areas @ depth**by_area))
 
 
 def _root(function: Callable[[float], float], low: float, high: float, scale: float) -> float:

@@ -101,7 +101,11 @@ class SearchOptions:
     close: float = 5.0 * 9e-4
     # Restarts, whose descents cost ten times those of independent asperities.
     refined_restarts: int = 3
-    # Most steps of descents under a model of adhesive asperities that interact, a second each.
+    # Most loads of the target that are used for other contact laws than Hertz's with interaction.
+    entry_loads: int = 30
+    # Restarts with adhesion, and most steps of descents under a model of adhesive asperities that interact,
+    # a tenth of a second to a second each.
+    adhesive_restarts: int = 1
     adhesive_steps: int = 6
     # Degree of the polynomial in the logarithm of the load that fits A0(model)/A0(independent). A low degree
     # leaves out the kinks of single contacts, which move with the heights.

@@ -158,7 +158,8 @@ class Step:
         def missing(depth: float) -> tuple[float, float]:
             """Return the indentation of the adjustment asperity, and the load with it minus the point's."""
             load, area, _ = self.at(np.array([depth]), *new)
-            own = self.law.indentation(math.sqrt(max(-float(area[0]), 0.0) / math.pi), other)
+            widest = math.sqrt(max(-float(area[0]), 0.0) / math.pi)
+            own = self._deepest(widest, np.array([other]))[0]
             return float(own), float(load[0] + contacts(self.law, np.array(own), np.array(other)).load)
 
         depth = _root(lambda depth: missing(depth)[1], low, high)
