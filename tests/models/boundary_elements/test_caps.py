@@ -89,6 +89,7 @@ def test_coupled_contacts_are_those_of_order_3(law, surface):
     assert not any("not that of" in note.text for note in state.notes)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", [mf.PowerCap(1.5), mf.PowerCap(4)], ids=repr)
 def test_areas_from_moments_are_those_within_the_edges_on_a_slope(law, monkeypatch):
     """A neighbour's field has a slope, by which the area and the second moments change."""
@@ -116,6 +117,7 @@ def test_a_flat_summit_on_a_slope_touches_beside_its_axis():
     np.testing.assert_allclose(*areas, atol=7.0 * 0.008**2 + 7.0 * 0.004**2, rtol=1e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("factor", [1e-6, 1e6])
 @pytest.mark.parametrize("law", [mf.PowerCap(4), mf.SphericalCap()], ids=repr)
 def test_units_do_not_matter(law, factor):
