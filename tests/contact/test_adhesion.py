@@ -101,10 +101,6 @@ def test_the_energy_of_a_contact(cap, energy):
         rest = depth - cap.indentation(radius * t**2, RADIUS, curvature)
         return float(0.5 * weight @ (rest**2 * 2.0 * radius * t)) - math.pi * w * radius**2
 
-    def derivative(function, at, by):
-        near, far = ((function(at + s) - function(at - s)) / (2.0 * s) for s in (by, 2.0 * by))
-        return (4.0 * near - far) / 3.0
-
     load, moment = law.load(a, RADIUS, k), law.second_moment(a, RADIUS, k)
     scale = cap.load(a, RADIUS, k) * d / a
     assert derivative(lambda b: value(d, k, b), a, 1e-4 * a) == pytest.approx(0.0, abs=1e-7 * scale)
@@ -113,6 +109,42 @@ def test_the_energy_of_a_contact(cap, energy):
     slope = derivative(lambda b: law.load(b, RADIUS, k), a, 1e-4 * a)
     slope /= derivative(lambda b: law.indentation(b, RADIUS, k), a, 1e-4 * a)
     assert law.stiffness(a, RADIUS, k) == pytest.approx(slope, rel=1e-7)
+
+
+def derivative(function, at, by):
+    near, far = ((function(at + s) - function(at - s)) / (2.0 * s) for s in (by, 2.0 * by))
+    return (4.0 * near - far) / 3.0
+
+
+@pytest.mark.parametrize("energy", [0.0, ENERGY])
+def test_the_energy_of_a_paraboloid_on_a_slope(energy):
+    """The plane has the slope g. The contact circle is e away from the axis of the tilted paraboloid.
+
+    With the summit as centre, e = R g, the moment dU/dg is 4/3 a^3 g. The edge is stationary there without
+    adhesion alone; with it the energy is least at e = 0, and dU/dg = R P g.
+    """
+    law = mf.JKR(energy, material=MATERIAL)
+    x, weight = np.polynomial.legendre.leggauss(20)
+    a, g, w = 0.12, 0.02, energy / MODULUS
+    d = float(law.indentation(a, RADIUS)) - 0.5 * RADIUS * g**2
+
+    def value(slope, offset):
+        s = 0.5 * a * (x + 1.0)
+        rest = d + 0.5 * (RADIUS * slope**2 - offset**2 / RADIUS) - s**2 / RADIUS
+        tilted = 2.0 / 3.0 * a**3 * (offset / RADIUS) ** 2
+        return float(0.5 * a * weight @ rest**2) + tilted - math.pi * w * a**2
+
+    load, step = law.load(a, RADIUS), 1e-2 * g
+    held = derivative(lambda slope: value(slope, RADIUS * slope), g, step)
+    moved = derivative(lambda slope: value(slope, 0.0), g, step)
+    assert held == pytest.approx(4.0 / 3.0 * a**3 * g, rel=1e-7)
+    assert moved == pytest.approx(RADIUS * load * g, rel=1e-7)
+    assert derivative(lambda e: value(g, e), 0.0, 1e-4) == pytest.approx(0.0, abs=1e-12)
+    pull = derivative(lambda e: value(g, e), RADIUS * g, 1e-4)
+    lost = 2.0 * a * law.deficit(a)
+    # the indentation about the summit is smaller by R g^2/2
+    assert pull == pytest.approx(lost * g + a * RADIUS * g**3, rel=1e-6)
+    assert RADIUS * load == pytest.approx(4.0 / 3.0 * a**3 - RADIUS * lost, rel=1e-12)
 
 
 def test_a_law_needs_its_material():

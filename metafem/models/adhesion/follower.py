@@ -37,6 +37,7 @@ STEP, LEAST_STEP = 0.2, 1e-6
 # The end of a branch and the lowest load are located to this part of a contact radius. There the load is
 # stationary, so that its error is the square of this.
 LOCATED = 1e-7
+COARSE = 1e-3
 
 # Most sets of contacts that are tried from a guess, and the contact radius over that after a jump into
 # contact above which an asperity without interaction is in contact with interaction, too.
@@ -318,10 +319,13 @@ class Follower:
             return
         end = new
         if not new.holds:
-            end = self._search(state, new, i, lambda s: 1.0 / s.rate[i])
+            turns = state.rate[i] * new.rate[i] < 0.0
+            # under a given load a contact breaks in a jump, and the end only separates states that hold
+            part = COARSE if goal.by_load else LOCATED
+            end = self._search(state, new, i, _turning(i) if turns else _holding, part)
         if goal.by_load and state.stiffness > 0.0:
             if end.stiffness <= 0.0:
-                lowest = self._search(state, end, i, lambda s: s.stiffness)
+                lowest = self._search(state, end, i, lambda s: s.stiffness, LOCATED)
                 if lowest.load > goal.value:
                     if lowest.load < self.extreme:
                         self.extreme = lowest.load
@@ -354,27 +358,28 @@ class Follower:
         a, p = np.maximum(state.a + change, 0.3 * state.a), state.p + state.linear.along(change)
         return solve(state.contacts, a, p, state.x + shift, at_radius(state.contacts, i, radius))
 
-    def _search(self, state: State, new: State, i: int, value: Callable[[State], float]) -> State:
-        """Return the last state before the root of a value that changes its sign, by false position."""
-        low, high = state, new
-        below, above = value(low), value(high)
-        for _ in range(MOST_SEARCHES):
-            width = low.a[i] - high.a[i]
-            if width <= LOCATED * low.a[i]:
-                break
-            share = below / (below - above)
-            if not 0.0 < share < 1.0:
-                share = 0.5
-            share = min(max(share, 0.02), 0.98)
-            middle = self._blend(low, high, share, at_radius(low.contacts, i, low.a[i] - share * width))
-            if middle is None:
-                break
-            here = value(middle)
-            if (here > 0.0) == (below > 0.0):
-                low, below, above = middle, here, 0.5 * above
-            else:
-                high, above, below = middle, here, 0.5 * below
-        return low
+    def _search(
+        self, state: State, new: State, i: int, value: Callable[[State], float], part: float
+    ) -> State:
+        """Return the last state before a value changes its sign, to a part of the radius of contact i."""
+        from scipy.optimize import brentq
+
+        width = state.a[i] - new.a[i]
+
+        def at(radius: float) -> State:
+            share = (state.a[i] - radius) / width
+            found = self._blend(state, new, share, at_radius(state.contacts, i, radius))
+            if found is None:
+                raise NotConverged("the adhesive contacts cannot be followed to the end of a branch")
+            return found
+
+        near = part * float(state.a[i])
+        ends = float(new.a[i]), float(state.a[i])
+        if (value(at(ends[0])) > 0.0) == (value(at(ends[1])) > 0.0):
+            return state
+        root = brentq(lambda radius: value(at(radius)), *ends, xtol=near, maxiter=MOST_SEARCHES)
+        before = root + 2.0 * near
+        return state if before >= state.a[i] else at(before)
 
     def _between(self, state: State, end: State, goal: Goal) -> State:
         """Return the state at a goal between two states."""
@@ -399,3 +404,13 @@ class Follower:
                 self.state = found
                 return
         self.state = None
+
+
+def _turning(i: int) -> Callable[[State], float]:
+    """Return the derivative of the approach by the radius of contact i: 0 at the end of a branch."""
+    return lambda state: float(1.0 / state.rate[i])
+
+
+def _holding(state: State) -> float:
+    """Return a value whose sign says whether the contacts are stable at a given approach."""
+    return 1.0 if state.holds else -1.0
