@@ -35,9 +35,14 @@ LAWS = {
 
 
 def with_law(name, length=1.0, modulus=1.0):
-    """Models of a contact law: independent asperities, and interacting ones of its largest order."""
+    """Models of a contact law: those that couple have its largest order."""
     law = LAWS[name](length, modulus)
-    return mf.Independent(contact=law), mf.Interacting(order=law.largest_order, contact=law)
+    return (
+        mf.Independent(contact=law),
+        mf.Interacting(order=law.largest_order, contact=law),
+        mf.MeanField(contact=law),
+        mf.Interacting(order=law.largest_order, substrate=mf.BondedLayer(), contact=law),
+    )
 
 
 # Those whose asperities interact.

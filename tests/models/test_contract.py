@@ -16,8 +16,13 @@ CELL = 0.015
 CELLS = mf.BoundaryElements(CELL)
 # The second tolerance makes another choice for most of the scenes here.
 AUTOMATIC = (mf.Automatic(1e-3), mf.Automatic(1e-4), mf.Automatic(substrate=mf.BondedLayer()))
-# The name of the contact law of each model that has another than Hertz's.
-OTHER_LAWS = {model: name for name in LAWS for model in with_law(name)}
+# The name of the contact law of each model that has another than Hertz's. The mean field and the layer run with
+# the slow tests.
+LAW_OF = {model: name for name in LAWS for model in with_law(name)}
+OTHER_LAWS = [
+    pytest.param(model, marks=() if i % len(with_law(LAW_OF[model])) < 2 else pytest.mark.slow)
+    for i, model in enumerate(LAW_OF)
+]
 EVERY = (*MODELS, *OTHER_LAWS, CELLS, *AUTOMATIC)
 
 
@@ -33,9 +38,9 @@ def in_units(model, length=1.0, modulus=1.0):
     """The model in other units of length and of the modulus."""
     if model == CELLS:
         return mf.BoundaryElements(CELL * length)
-    if model not in OTHER_LAWS:
+    if model not in LAW_OF:
         return model
-    name = OTHER_LAWS[model]
+    name = LAW_OF[model]
     return with_law(name, length, modulus)[with_law(name).index(model)]
 
 
@@ -233,7 +238,7 @@ def test_layers_of_every_thickness_and_poisson_ratio(thickness, poisson_ratio):
     st.floats(1e-9, 0.3),
     st.floats(0.0, 0.3),
     st.floats(0.0, 1.5),
-    st.sampled_from([*MODELS, *OTHER_LAWS]),
+    st.sampled_from([*MODELS, *LAW_OF]),
 )
 @settings(max_examples=200)
 def test_random_scenes_converge(count, seed, approach, spread, decades, model):
@@ -243,7 +248,7 @@ def test_random_scenes_converge(count, seed, approach, spread, decades, model):
     radius = 0.5 * 10.0 ** rng.uniform(-decades, 0.0, count)
     surface = scene(place, 0.3 - spread * rng.random(count), radius)
     # blunt caps have wide contacts, which would overlap
-    state = mf.equilibrium(surface, model, approach=0.2 * approach if model in OTHER_LAWS else approach)
+    state = mf.equilibrium(surface, model, approach=0.2 * approach if model in LAW_OF else approach)
     assert state.status is mf.Status.CONVERGED
     if not contact_of(model).adhesive:  # under a load, these jump past some states
         again = mf.equilibrium(surface, model, load=state.load)
