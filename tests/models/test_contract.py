@@ -16,8 +16,8 @@ CELL = 0.015
 CELLS = mf.BoundaryElements(CELL)
 # The second tolerance makes another choice for most of the scenes here.
 AUTOMATIC = (mf.Automatic(1e-3), mf.Automatic(1e-4), mf.Automatic(substrate=mf.BondedLayer()))
-# The name of the contact law of each model that has another than Hertz's. The mean field and the layer run with
-# the slow tests.
+# The contact law of each model that has another than Hertz's, by its name. The mean field and the layer run
+# with the slow tests.
 LAW_OF = {model: name for name in LAWS for model in with_law(name)}
 OTHER_LAWS = [
     pytest.param(model, marks=() if i % len(with_law(LAW_OF[model])) < 2 else pytest.mark.slow)
