@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from metafem._validate import FloatArray
+from metafem._validate import FloatArray, IntArray
 from metafem.contact import JKR
 from metafem.errors import InvalidInput
 from metafem.models.adhesion.follower import Jump
@@ -21,6 +21,9 @@ from metafem.models.adhesion.follower import Jump
 # Newton's steps and halvings to rounding. At the end of a branch, a double root, Newton's error halves.
 MOST_STEPS = 80
 ROUNDING = 4.0 * np.finfo(np.float64).eps
+
+# Part of a piece to which its smallest load is located; the load is stationary there.
+LOWEST = 1e-9
 
 # Doublings of the approach up to any load.
 MOST_DOUBLINGS = 200
@@ -162,7 +165,7 @@ class Lone:
             middle = 0.5 * (low + high)
             rising = self._measure(middle, closed, by_load)[1] > 0.0
             low, high = np.where(rising, low, middle), np.where(rising, middle, high)
-            if (high - low <= ROUNDING * (np.abs(high) + np.abs(start - stop))).all():
+            if (high - low <= LOWEST * (start - stop)).all():
                 break
         return high
 
@@ -179,14 +182,18 @@ class Way:
     best: FloatArray  # the largest measure up to the stop, back the smallest
     forward: bool
 
-    def piece(self, goal: FloatArray) -> np.ndarray:
+    def piece(self, goal: FloatArray) -> IntArray:
         """Return the piece (k,) in which each goal is reached first; m where it is not."""
         sign = 1.0 if self.forward else -1.0
         return np.searchsorted(sign * self.best, sign * goal)
 
-    def approach(self, goal: FloatArray) -> tuple[FloatArray, np.ndarray]:
-        """Return the approaches x (k,) [mm] at the goals, and the closed contacts (k, n)."""
-        piece = self.piece(goal)
+    def approach(self, goal: FloatArray, piece: IntArray | None = None) -> tuple[FloatArray, np.ndarray]:
+        """Return the approaches x (k,) [mm] at the goals, and the closed contacts (k, n).
+
+        piece: that of each goal; default: the first one in which it is reached.
+        """
+        if piece is None:
+            piece = self.piece(goal)
         closed = self.closed[piece]
         # between the end where the goal is reached and the other one
         low, high = (self.start, self.stop) if self.forward else (self.stop, self.start)
@@ -211,32 +218,19 @@ class Way:
 
     def jumps(self, goal: float) -> list[Jump]:
         """Return the jumps up to a goal, the largest forward, the smallest back."""
-        sums, found = self.lone.sums, []
+        sums = self.lone.sums
         if self.forward:
             first = 0.0 if self.by_load else self.start[0]
             sign, best = 1.0, np.maximum.accumulate(np.append(first, self.best[:-1]))
         else:
             sign, best = -1.0, self.best
-        fresh = np.append(True, np.diff(sign * best) > 0.0) & (sign * best <= sign * goal)
-        for j in np.flatnonzero(fresh):
-            level = np.array([best[j]])
-            inner = j - 1 if self.forward else j
-            before = 0.0
-            if inner >= 0:
-                before = float(sums(self.stop[[inner]], self.closed[[inner]]).area[0])
-            after = self._after(level)
-            found.append(Jump(float(best[j]), before, after))
-        return found
-
-    def _after(self, level: FloatArray) -> float:
-        """Return the area after the jump that begins at a measure (1,)."""
-        sign = 1.0 if self.forward else -1.0
-        piece = int(np.searchsorted(sign * self.best, sign * level[0], side="right"))
-        if piece >= len(self.best):
-            return 0.0
-        rest = Way(
-            self.lone, self.by_load, self.closed[piece:], self.start[piece:], self.stop[piece:],
-            self.best[piece:], self.forward,
-        )  # fmt: skip
-        x, closed = rest.approach(level)
-        return float(self.lone.sums(x, closed).area[0])
+        fresh = np.flatnonzero(np.append(True, np.diff(sign * best) > 0.0) & (sign * best <= sign * goal))
+        level, before, after = best[fresh], np.zeros(len(fresh)), np.zeros(len(fresh))
+        # a jump begins at the end of a piece, the first one forward without contacts
+        last = fresh - 1 if self.forward else fresh
+        some = last >= 0
+        before[some] = sums(self.stop[last[some]], self.closed[last[some]]).area
+        piece = np.searchsorted(sign * self.best, sign * level, side="right")
+        held = piece < len(self.best)
+        after[held] = sums(*self.approach(level[held], piece[held])).area
+        return [Jump(*map(float, each)) for each in zip(level, before, after, strict=True)]
