@@ -6,7 +6,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import metafem as mf
+from metafem.inversion.bounds import Bounds
 from metafem.inversion.height_density import TruncatedExponential
+from metafem.inversion.radii import Radii
 from metafem.inversion.strategies.mixture import Mixture
 from validation.scenes.random_laws import LATTICE, RADIUS
 
@@ -133,6 +135,16 @@ def test_flat_caps_are_arranged(objective):
     surface = mf.Surface.square_lattice(height, (4, 4), radius=RADIUS, material=mf.Material(1.36))
     found = mf.arrange(surface, objective(load), model)
     assert found.after <= 0.6 * found.before
+
+
+@pytest.mark.slow
+def test_lines_of_other_caps_are_met_over_their_range():
+    line, limits, cap = mf.LinearLaw(7.0), mf.Limits(0.27), mf.PowerCap(1.5)
+    ends = mf.achievable_load_range(line, LATTICE, limits, contact=cap)
+    found = mf.design(mf.LinearLaw(7.0, ends), LATTICE, mf.Independent(contact=cap), limits)
+    assert found.misfit <= 0.01
+    bounds = Bounds(cap, Radii.of(RADIUS), 64, ends[1])
+    assert bounds.start_of_line(7.0) <= ends[0] < ends[1] <= bounds.end_of_line(7.0, 0.0)
 
 
 @pytest.mark.parametrize("model", [mf.Interacting, mf.MeanField])

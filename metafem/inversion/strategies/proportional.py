@@ -24,8 +24,11 @@ from metafem.inversion.bounds import ROUNDING, Bounds
 from metafem.inversion.feasibility import INSIDE, margin_words, refuse_load
 from metafem.inversion.problem import Problem
 from metafem.inversion.strategies import sampled
+from metafem.models import Independent
+from metafem.models.model import PARABOLOID, checked_contact
 
 if TYPE_CHECKING:
+    from metafem.contact import Contact
     from metafem.inversion.limits import Limits
     from metafem.inversion.radii import RadiusRange
     from metafem.inversion.targets.straight import BilinearLaw, LinearLaw, StraightLaw
@@ -139,6 +142,7 @@ def achievable_load_range(
     template: Surface,
     limits: Limits,
     radii: RadiusRange | Sequence[float] | None = None,
+    contact: Contact = PARABOLOID,
 ) -> tuple[float, float]:
     """Return the widest range of loads over which a line through the origin is met within 1 %.
 
@@ -156,6 +160,8 @@ def achievable_load_range(
     limits : Limits
     radii : RadiusRange or sequence of float, optional
         Radii that each asperity may have [mm]; default: the radius of the template.
+    contact : Contact
+        Law of one contact; default: `Hertz()`. With adhesion the range is that of the law without it.
 
     Returns
     -------
@@ -178,7 +184,8 @@ def achievable_load_range(
     >>> mf.design(mf.LinearLaw(7.0, ends), template, limits=limits).misfit < 0.01
     True
     """
-    problem = Problem.checked(target, template, limits=limits, radii=radii)
+    model = Independent(contact=checked_contact(contact))
+    problem = Problem.checked(target, template, model, limits, radii=radii)
     if not target.lines:
         raise InvalidInput(f"target = {target!r:.60} must be a metafem.LinearLaw or BilinearLaw")
     found = reached_line(target, problem)
