@@ -319,13 +319,14 @@ class Follower:
             return
         end = new
         if not new.holds:
-            turns = state.rate[i] * new.rate[i] < 0.0
-            # under a given load a contact breaks in a jump, and the end only separates states that hold
-            part = COARSE if goal.by_load else LOCATED
-            end = self._search(state, new, i, _turning(i) if turns else _holding, part)
+            value = _turning(i) if state.rate[i] * new.rate[i] < 0.0 else _holding
+            end = self._search(state, new, i, value, COARSE if goal.by_load else LOCATED)
+            if goal.by_load and end.stiffness > 0.0:  # the load is lowest nearer to the end
+                end = self._search(end, new, i, value, LOCATED)
         if goal.by_load and state.stiffness > 0.0:
-            if end.stiffness <= 0.0:
-                lowest = self._search(state, end, i, lambda s: s.stiffness, LOCATED)
+            if end.stiffness <= 0.0 or not new.holds:
+                rises = end.stiffness <= 0.0
+                lowest = self._search(state, end, i, lambda s: s.stiffness, LOCATED) if rises else end
                 if lowest.load > goal.value:
                     if lowest.load < self.extreme:
                         self.extreme = lowest.load

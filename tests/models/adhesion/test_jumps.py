@@ -7,7 +7,7 @@ import metafem as mf
 from metafem.models.adhesion.curves import follow
 from metafem.models.adhesion.scene import Scene
 from metafem.models.interacting.kept_coupling import coupling_between
-from tests.models.scenes import lattice
+from tests.models.scenes import lattice, said, scene
 
 ENERGY, LARGEST = 9e-6, 0.3
 
@@ -44,6 +44,21 @@ def check_jumps(scene, largest, unloading, rows):
 def test_jumps_are_located(substrate, unloading):
     height = 0.15 - np.random.default_rng(1).uniform(0.0, 0.03, 9)
     check_jumps(scene_of(height, substrate)[1], 0.05, unloading, [1, 4])
+
+
+@pytest.mark.parametrize("unloading", [False, True])
+def test_one_among_many_stiff_contacts_jumps(unloading):
+    """Beside stiff contacts the load is lowest just before one breaks; no such jump is missed."""
+    height = np.append(np.full(20, 0.2), 0.15 - np.array([0.0, 0.001, 0.003, 0.004, 0.007]))
+    place = 1e6 * np.stack(np.divmod(np.arange(25), 5), axis=1)
+    surface = scene(place, height, 0.526)
+    model = mf.Independent(mf.JKR(ENERGY)).curve(surface, np.array([0.0, 1.3]), unloading=unloading)
+    coupling, regular = coupling_between(surface, mf.HalfSpace(), 3)
+    law = mf.JKR(ENERGY).for_material(surface.material)
+    apart = Scene(law, surface.radius, surface.gap, coupling, regular)
+    jumps = follow(apart, np.array([0.0, 1.3]), True, unloading, 1.0).jumps
+    assert said(model).startswith(f"{len(jumps)} jumps of A0")
+    assert len(jumps) == 5 + (not unloading)
 
 
 @pytest.mark.parametrize("unloading", [False, True])
