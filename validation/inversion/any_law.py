@@ -8,6 +8,7 @@ import numpy as np
 
 import metafem as mf
 from metafem.drawing import new_figure
+from metafem.inversion.bounds import Bounds
 from metafem.inversion.radii import Radii
 from metafem.inversion.strategies.proportional import line_range
 from validation.check import LINE_REQUIRED, REQUIRED, Check, Claim, below
@@ -53,7 +54,7 @@ def claim() -> Claim:
                 f"friction proportional to load, {name}: largest deviation at 200 loads", most, 0.01, REQUIRED
             )
         )
-    first, last = line_range(mf.LinearLaw(SLOPE), Radii.of(0.526), 64)
+    first, last = line_range(mf.LinearLaw(SLOPE), Bounds(mf.Hertz(), Radii.of(0.526), 64, 1.0))
     reached = high / low
     checks.append(
         Check(

@@ -53,7 +53,7 @@ class _Earlier:
 
     def __init__(self, single: _Single, above: FloatArray, kind: FloatArray, number: FloatArray) -> None:
         self.single, self.above = single, above
-        self.most = float((single.law.largest_indentation(kind) - above).min())
+        self.most = float((single.deepest(kind) - above).min())
         self.sums = single.sums(kind, number)
 
     def at(self, depth: float) -> tuple[float, float]:
@@ -107,6 +107,12 @@ class _Single:
         depth = np.geomspace(TABLE[0] * radius, most, TABULATED)
         found = contacts(self.law, depth, np.full(TABULATED, radius))
         return np.log(depth), np.log(found.load), np.log(found.area)
+
+    def deepest(self, radius: FloatArray) -> FloatArray:
+        """Return the largest indentations [mm] that are known."""
+        if not self.tables:
+            return self.law.largest_indentation(radius)
+        return np.array([math.exp(self.tables[R][0][-1]) for R in radius.tolist()])
 
     def sums(self, radius: FloatArray, number: FloatArray) -> Callable[[FloatArray], tuple[float, float]]:
         """Return load and area [mm^2] of asperities, (q,), as a function of their indentations (q,) [mm]."""
