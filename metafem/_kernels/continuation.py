@@ -65,22 +65,13 @@ def empty_workspace(count: int, order: int) -> tuple[State, Memory, Scratch]:
     return empty_state(count), empty_memory(count), empty_scratch(count, order)
 
 
-@inner
-def load_and_rate(radius, at, scale, data, z):
-    """Return p [mm^2] and dp/dz [mm] of one contact."""
-    if at < 0:
-        a = hertz.contact_radius(radius, z)
-        return hertz.LOAD * a * z, hertz.STIFFNESS * a
-    return tabulated.load_and_rate(data, at, scale, z)
-
-
 @compiled
 def uniform_approach(gap, law, load):
     """Return the approach [mm] at which independent asperities carry `load`, to a few percent."""
     radius, which, scale, data = law
     x = math.inf
     for i in range(gap.size):  # a single asperity needs a larger approach: the smallest is an upper bound
-        if which[i] < 0:
+        if data.size == 0:
             alone = hertz.indentation_at_load(radius[i], load)
         else:
             alone = tabulated.indentation_at_load(data, which[i], scale[i], load)
@@ -91,7 +82,11 @@ def uniform_approach(gap, law, load):
         for i in range(gap.size):
             d = x - gap[i]
             if d > 0.0:
-                own, rate = load_and_rate(radius[i], which[i], scale[i], data, d)
+                if data.size == 0:
+                    a = hertz.contact_radius(radius[i], d)
+                    own, rate = hertz.LOAD * a * d, hertz.STIFFNESS * a
+                else:
+                    own, rate = tabulated.load_and_rate(data, which[i], scale[i], d)
                 p += own
                 slope += rate
         if 0.9 * load <= p <= 1.01 * load:
@@ -111,6 +106,7 @@ def uniform_approach(gap, law, load):
 def extrapolate(memory, points, width, ahead, law, z):
     """Fill z at a distance `ahead` beyond the last equilibrium; return the load and its slope there."""
     radius, which, scale, data = law
+    plain = data.size == 0
     cubic = points > 1 and ahead <= REACH * width
     load = slope = 0.0
     for i in range(z.size):
@@ -118,7 +114,11 @@ def extrapolate(memory, points, width, ahead, law, z):
         cube = memory.cube[i] if cubic else 0.0
         z[i] = memory.last[i] + ahead * (memory.last_rate[i] + ahead * (square + ahead * cube))
         if z[i] > 0.0:
-            own, rate = load_and_rate(radius[i], which[i], scale[i], data, z[i])
+            if plain:
+                a = hertz.contact_radius(radius[i], z[i])
+                own, rate = hertz.LOAD * a * z[i], hertz.STIFFNESS * a
+            else:
+                own, rate = tabulated.load_and_rate(data, which[i], scale[i], z[i])
             load += own
             slope += rate * (memory.last_rate[i] + ahead * (2.0 * square + 3.0 * ahead * cube))
     return load, slope

@@ -102,25 +102,31 @@ def add_rows(matrix, closed, count, weight, out):
 def press(law, order, state):
     """Fill what follows from z without the neighbours; return the number of contacts."""
     radius, which, scale, data = law
+    plain = data.size == 0
     count = 0
     for i in range(state.z.size):
-        z, at = state.z[i], which[i]
+        z = state.z[i]
         state.indentation[i] = z
         state.bend[i] = 1.0
-        if order > 1:
-            state.lever_rate[i] = radius[i] if at < 0 else 2.0 * data[at, tabulated.LEVER_START] * scale[i]
         if not z > 0.0:
             state.load[i] = state.square[i] = 0.0
+            if order > 1:
+                state.lever_rate[i] = (
+                    radius[i] if plain else 2.0 * data[which[i], tabulated.LEVER_START] * scale[i]
+                )
             continue
         state.closed[count] = i
         count += 1
-        if at < 0:
+        if plain:
+            a = hertz.contact_radius(radius[i], z)
             state.square[i] = radius[i] * z
-            state.rate[i] = hertz.stiffness(radius[i], z)
-            state.load[i] = hertz.load(radius[i], z)
+            state.rate[i] = hertz.STIFFNESS * a
+            state.load[i] = hertz.LOAD * a * z
             if order > 1:
                 state.lever[i] = state.load[i] * radius[i]
+                state.lever_rate[i] = radius[i]
             continue
+        at = which[i]
         state.outside[i] = 0.0 if tabulated.covers(data, at, scale[i], z) else 1.0
         if order == 1:
             state.load[i], state.rate[i], state.square[i], state.widening[i] = tabulated.pressed(
@@ -138,10 +144,11 @@ def press(law, order, state):
 def sharpen(law, state, count):
     """Fill what changes by the curvature of the neighbours' field."""
     radius, which, scale, data = law
+    plain = data.size == 0
     for k in range(count):
         i = state.closed[k]
         extra = 0.5 * state.curvature[i]
-        if which[i] < 0:
+        if plain:
             cube = 1.0 + radius[i] * extra
             bend = np.cbrt(max(cube, tabulated.LEAST_CURVATURE))
             state.bend[i] = bend
@@ -157,16 +164,16 @@ def sharpen(law, state, count):
             state.widening[i], state.moment[i] = widening, moment
         if not inside:
             state.outside[i] = 1.0
-        elif which[i] < 0:
+        elif plain:
             state.outside[i] = 0.0
 
 
 @compiled
 def widen(law, state, count):
     """Fill da^2/dp = R/(2 a b) of Hertz contacts, b = dd/dz; only sensitivities need it."""
-    for k in range(count):
-        i = state.closed[k]
-        if law.which[i] < 0:
+    if law.data.size == 0:
+        for k in range(count):
+            i = state.closed[k]
             state.widening[i] = law.radius[i] / (state.rate[i] * state.bend[i] * state.bend[i])
 
 
@@ -259,7 +266,8 @@ def quadratic_form(field, order, self_term, state, count, y, out, rate):
             i = closed[k]
             tilted = state.lever_rate[i] * y[i] * slope[i]
             total -= rate[i] * (2.0 * tilted + state.lever[i] * rate[i])
-            total -= 0.5 * state.lever_bend[i] * (y[i] * slope[i]) ** 2
+            if state.lever_bend[i] != 0.0:
+                total -= 0.5 * state.lever_bend[i] * (y[i] * slope[i]) ** 2
     return total
 
 
@@ -267,10 +275,11 @@ def quadratic_form(field, order, self_term, state, count, y, out, rate):
 def energy(order, law, gap, approach, state, count):
     """Return the complementary energy W [mm^3] of the state."""
     total = 0.0
+    plain = law.data.size == 0
     for k in range(count):
         i = state.closed[k]
         p, extra = state.load[i], 0.5 * state.curvature[i] if order > 1 else 0.0
-        if law.which[i] < 0:
+        if plain:
             total += 0.6 * p * state.indentation[i]
         else:
             total += tabulated.complementary(

@@ -63,7 +63,7 @@ def refresh(field, order, self_term, state, count, scratch, always):
     for k in range(count):
         i = state.closed[k]
         scratch.diagonal[i] = self_term[i] + state.bend[i] / state.rate[i]
-        if order > 1:
+        if order > 1 and state.lever_bend[i] != 0.0:
             slope = state.slope_x[i] * state.slope_x[i] + state.slope_y[i] * state.slope_y[i]
             scratch.diagonal[i] -= 0.5 * state.lever_bend[i] * slope
         always = always or not scratch.ready[i]

@@ -11,8 +11,9 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from metafem._validate import FloatArray
-from metafem.contact import Contact, Hertz
+from metafem.contact import Contact
 from metafem.models.contact_sums import contacts
+from metafem.models.model import PARABOLOID
 
 if TYPE_CHECKING:
     from metafem._kernels.contact.tabulated import Law
@@ -81,9 +82,9 @@ def tables(law: Contact, radius: FloatArray) -> Law:
     from metafem._kernels.contact.tabulated import Law
 
     size = np.array(radius, dtype=np.float64, order="C")
+    if law == PARABOLOID:
+        return Law(size, np.full(size.shape, -1), size, np.empty((0, 0)))
     which = np.zeros(size.shape, dtype=np.int64)
-    if law == Hertz():
-        return Law(size, which - 1, size, np.empty((0, 0)))
     if law.individual:
         which += np.arange(size.shape[-1])
         every = _of_each(cast(Hashable, law), tuple(size.reshape(-1, size.shape[-1])[0].tolist()))

@@ -51,9 +51,9 @@ class Law(NamedTuple):
     """Contact law of the asperities (n,), or of those of many surfaces (m, n)."""
 
     radius: np.ndarray  # of the summits [mm]
-    which: np.ndarray  # row of the tables of each asperity; negative for Hertz's law
+    which: np.ndarray  # row of the tables of each asperity; -1 for Hertz's law
     scale: np.ndarray  # length of its table [mm]
-    data: np.ndarray  # tables, one in a row
+    data: np.ndarray  # tables, one in a row; empty for Hertz's law
 
 
 @compiled

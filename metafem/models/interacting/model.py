@@ -326,6 +326,8 @@ class Interacting:
 
     def _refuse_deep(self, law: Law, state: State) -> None:
         """Raise InvalidInput where contacts are deeper than their law describes."""
+        if not law.data.size:
+            return
         limit = deepest(law)
         if (state.z > limit).any():
             i = int((state.z > limit).argmax())
