@@ -89,9 +89,9 @@ class JKR(Contact):
 
     def for_material(self, material: Material) -> Contact:
         """Return the law for E* of a material; the law itself if it has a material, the cap if w is 0."""
-        if self.material is not None:
-            return self
-        return self.cap if self.adhesion_energy == 0.0 else replace(self, material=material)
+        if self.adhesion_energy == 0.0:
+            return self.cap
+        return self if self.material is not None else replace(self, material=material)
 
     def shape(self) -> CapShape:
         """Shape of the caps of a part."""

@@ -54,6 +54,11 @@ class FlattenedContact(Value, LawByIndentation):
         """Return the original law and the largest loss of height."""
         return f"FlattenedContact({self.law!r}, by up to {float(np.max(self.residual)):.4g} mm)"
 
+    @property
+    def count(self) -> int:
+        """Number of asperities."""
+        return int(np.size(self.residual))
+
     def one(self, i: int) -> FlattenedContact:
         """Return the law of one asperity."""
         return FlattenedContact(

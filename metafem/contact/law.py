@@ -47,6 +47,11 @@ class Contact(Protocol):
     individual: ClassVar[bool] = False
 
     @property
+    def scales_with_stress(self) -> bool:
+        """Whether P/E* depends on E*, as with an energy or a stress, and not on the indentation alone."""
+        return self.adhesive or self.largest_order == 1
+
+    @property
     def power(self) -> float | None:
         """n of a cap rho^n without adhesion, for which A grows as d^(2/n) and P as d^(1 + 1/n); or None."""
         return None
@@ -59,6 +64,11 @@ class Contact(Protocol):
     def for_material(self, material: Material) -> Contact:
         """Return the law for unit E* of a material; the law itself if it has no energy or stress."""
         return self
+
+    @property
+    def count(self) -> int | None:
+        """Number of asperities of an individual law; None for a law of any number."""
+        return None
 
     def one(self, i: int) -> Contact:
         """Return the law of asperity i; the law itself if it is that of all."""

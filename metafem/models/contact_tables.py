@@ -12,6 +12,7 @@ from numpy.polynomial import chebyshev
 
 from metafem._validate import FloatArray
 from metafem.contact import Contact
+from metafem.errors import InvalidInput
 from metafem.models.contact_sums import contacts
 from metafem.models.model import PARABOLOID
 
@@ -86,8 +87,14 @@ def tables(law: Contact, radius: FloatArray) -> Law:
         return Law(size, np.full(size.shape, -1), size, np.empty((0, 0)))
     which = np.zeros(size.shape, dtype=np.int64)
     if law.individual:
+        rows = size.reshape(-1, size.shape[-1])
+        if law.count != size.shape[-1] or (rows != rows[0]).any():
+            raise InvalidInput(
+                f"contact = {law!r} is the law of {law.count} asperities with their own radii; it cannot be "
+                f"used for {size.shape[-1]} asperities or for other radii"
+            )
         which += np.arange(size.shape[-1])
-        every = _of_each(cast(Hashable, law), tuple(size.reshape(-1, size.shape[-1])[0].tolist()))
+        every = _of_each(cast(Hashable, law), tuple(rows[0].tolist()))
         return Law(size, which, size, every)
     kinds = np.ones(1)
     if not law.similar:

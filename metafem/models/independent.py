@@ -22,10 +22,19 @@ from metafem.models.adhesion.curves import (
     independent_areas,
     independent_curve,
     independent_sensitivity,
+    refuse_merging,
 )
 from metafem.models.contact_sums import approach_at_load, contacts, sums
 from metafem.models.contact_tables import deepest, rows_of, tables
-from metafem.models.model import PARABOLOID, Curve, RescaledState, Sensitivity, controlled, solved
+from metafem.models.model import (
+    PARABOLOID,
+    Curve,
+    RescaledState,
+    Sensitivity,
+    controlled,
+    refuse_flattening,
+    solved,
+)
 from metafem.models.stand_in import Uncoupled
 from metafem.surface import Surface
 
@@ -116,6 +125,7 @@ class Independent(Uncoupled):
         adhesive = adhesive_law(law)
         if adhesive is not None:
             return independent_curve(self, adhesive, surface, values, by_load, unloading)
+        refuse_flattening(law, unloading)
         if by_load:
             return self.curve_of(surface.height, surface.radius, values, law)
         last = partial(self._last, law, surface.height, surface.radius, 0.0, values[-1])
@@ -284,6 +294,7 @@ class Independent(Uncoupled):
         law = self.contact.for_material(surface.material)
         adhesive = adhesive_law(law)
         if adhesive is not None:
+            refuse_merging(adhesive, surface)
             return independent_areas(adhesive, height, given, load)
         if law != PARABOLOID:
             _, carried, area, _ = _solved(law, height, given, load)

@@ -178,6 +178,15 @@ def contact_of(model: Model) -> Contact:
     return cast("Contact", getattr(model, "contact", PARABOLOID))
 
 
+def refuse_flattening(law: Contact, unloading: bool) -> None:
+    """Raise InvalidInput for the unloading of contacts that stay flattened: theirs is another law."""
+    if unloading and type(law).unloaded is not Contact.unloaded:
+        raise InvalidInput(
+            f"unloading = True: the contacts of {law!r} stay flattened; use friction_law with "
+            "unloading=True, or metafem.flattened"
+        )
+
+
 def with_contact(model: Model, contact: Contact) -> Model:
     """Return a model with another contact law; raises InvalidInput, with its name, if it cannot use it.
 

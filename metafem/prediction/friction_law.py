@@ -12,7 +12,7 @@ from metafem._calls import checked_call
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput, NotConverged
 from metafem.models import Curve, Independent, Model
-from metafem.models.model import Unloading, checked_model, contact_of
+from metafem.models.model import Unloading, checked_model, contact_of, with_contact
 from metafem.notes import when_read
 from metafem.prediction.flattening import unloading_curve
 from metafem.prediction.law import FrictionLaw
@@ -128,7 +128,10 @@ def default_loads(surface: Surface, model: Model) -> FloatArray:
     """Return the rescaled loads of the default grid [mm^2]."""
     contact = contact_of(model).for_material(surface.material)
     described = (surface.gap + contact.largest_indentation(surface.radius)).min()
-    end = model.curve(surface, approach=np.array([min(_grid_end(surface), WITHIN * described)])).load[0]
+    last = np.array([min(_grid_end(surface), WITHIN * described)])
+    end = model.curve(surface, approach=last).load[0]
+    if end <= 0.0:  # adhesion still pulls there: up to the load of contacts without it
+        end = with_contact(model, contact.without_adhesion).curve(surface, approach=last).load[0]
     return np.asarray(end * np.arange(1, GRID_POINTS + 1) / GRID_POINTS)
 
 

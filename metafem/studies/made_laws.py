@@ -15,6 +15,7 @@ from metafem.inversion.assessment import misfits
 from metafem.inversion.candidate import Branch
 from metafem.inversion.targets.target_law import TargetLaw
 from metafem.models import Model
+from metafem.models.model import contact_of
 from metafem.prediction import Tolerances
 from metafem.studies.sampling.inputs import Inputs
 from metafem.studies.sampling.moments import Sums
@@ -131,11 +132,15 @@ class MadeLaws:
         if "composite_modulus" not in errors:
             return factor * self.model.areas(surface, load, height, radius, position)
         stiffer = 1.0 + errors["composite_modulus"][:, 0] / material.composite_modulus
+        varies = contact_of(self.model).scales_with_stress
         parts = []
         for row, times in enumerate(stiffer):
             radii = None if radius is None else radius[row : row + 1]
             places = None if position is None else position[row : row + 1]
-            parts.append(self.model.areas(surface, load / times, height[row : row + 1], radii, places))
+            # the energy or stress of a law is compared with the modulus of each draw
+            other = replace(material, composite_modulus=times * material.composite_modulus)
+            drawn = surface.replaced(material=other) if varies else surface
+            parts.append(self.model.areas(drawn, load / times, height[row : row + 1], radii, places))
         return factor * np.concatenate(parts)
 
     def _misfits(self, area: FloatArray) -> FloatArray:

@@ -14,7 +14,7 @@ from metafem._calls import checked_call
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.models import Independent, Model
-from metafem.models.model import checked_model
+from metafem.models.model import checked_model, contact_of
 from metafem.notes import Note, information
 from metafem.prediction.friction_law import default_loads
 from metafem.progress import doing
@@ -144,6 +144,12 @@ def uncertainty(
         name: needs for name in ("shear_strength", "area_ratio", "friction_force") if name not in means
     }
     inputs = Inputs.of(parameters, covariance, means, missing)
+    law = contact_of(used)
+    if "composite_modulus" in parameters and law.scales_with_stress:
+        raise InvalidInput(
+            f"parameters: composite_modulus also changes the law {law!r}, whose energy or stress is compared "
+            "with it; use combined, which solves each draw with its own modulus, or leave it out"
+        )
     notes: list[Note] = []
     fit = None
     if load_range is None and np.ptp(surface.height) == 0.0:

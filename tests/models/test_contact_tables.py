@@ -77,3 +77,17 @@ def test_breaks_at_the_ends_of_a_table_make_no_panel():
     assert np.isfinite(table.data).all()
     found = kernel.pressed(table.data, 0, R, 0.299)
     assert found[0] == pytest.approx(law.load(law.contact_radius(0.299, R), R), rel=1e-10)
+
+
+def test_a_law_of_each_asperity_is_for_these_alone():
+    surface = mf.Surface.square_lattice(np.full(4, 0.1), (2, 2), radius=R, material=mf.Material(1.36))
+    after, model = mf.flattened(surface, mf.Independent(mf.KogutEtsion(0.1)), load=0.01)
+    load = np.array([5e-4])
+    with pytest.raises(mf.InvalidInput, match="the law of 4 asperities with their own radii"):
+        model.areas(after, load, np.stack([after.height] * 2), np.array([[R], [1.5 * R]]) * np.ones(4))
+    other = mf.Surface.square_lattice(np.full(9, 0.1), (3, 3), radius=R, material=mf.Material(1.36))
+    with pytest.raises(mf.InvalidInput, match="it cannot be used for 9 asperities"):
+        mf.friction_law(other, model, load=[0.001])
+    for first in (mf.Independent(mf.KogutEtsion(0.1)), mf.Interacting(1, contact=mf.KogutEtsion(0.1))):
+        with pytest.raises(mf.InvalidInput, match="stay flattened"):
+            first.curve(surface, load, unloading=True)

@@ -45,3 +45,10 @@ def test_designs_are_compared_with_their_own_law(surface):
     assert "fe is left out" in fidelity.attrs["notes"]
     chances = mf.studies.combined(design, mf.Tolerances(0.001), misfit=0.1, draws=32)
     assert (chances.area_sd > 0.0).all()
+
+
+def test_the_modulus_of_a_law_with_an_energy_is_not_varied_alone():
+    surface = mf.Surface.square_lattice([0.1, 0.12], (1, 2), radius=0.526, material=mf.Material(1.36))
+    model = mf.Independent(mf.KogutEtsion(1.0))
+    with pytest.raises(mf.InvalidInput, match="composite_modulus also changes the law"):
+        mf.studies.uncertainty(surface, {"composite_modulus": 0.05}, model=model, load=[0.01], draws=4)

@@ -38,18 +38,22 @@ def refuse_merging(law: JKR, surface: Surface) -> None:
     """Raise InvalidInput if neighbouring contacts would merge without load."""
     if surface.count == 1:
         return
+    from scipy.spatial import cKDTree
+
     sizes, which = np.unique(surface.radius, return_inverse=True)
     reach = np.broadcast_to(law.zero_load_radius(sizes)[which], surface.count)
-    x, y = surface.position.T
-    distance = np.hypot(x[:, None] - x, y[:, None] - y)
-    np.fill_diagonal(distance, np.inf)
-    room = distance - reach[:, None] - reach
+    pairs = cKDTree(surface.position).query_pairs(2.0 * float(reach.max()), output_type="ndarray")
+    if not len(pairs):
+        return
+    first, second = pairs.T
+    distance = np.hypot(*(surface.position[first] - surface.position[second]).T)
+    room = distance - reach[first] - reach[second]
     if room.min() <= 0.0:
-        i, j = np.unravel_index(room.argmin(), room.shape)
+        i, j = np.sort(pairs[room.argmin()])
         raise InvalidInput(
-            f"adhesion_energy = {law.adhesion_energy:g} N/mm: the contacts of asperities {min(i, j)} and "
-            f"{max(i, j)} would merge without load, with radii of {reach[i]:.3g} and {reach[j]:.3g} mm at a "
-            f"distance of {distance[i, j]:.3g} mm; use a smaller energy, a larger modulus or a larger pitch"
+            f"adhesion_energy = {law.adhesion_energy:g} N/mm: the contacts of asperities {i} and {j} would "
+            f"merge without load, with radii of {reach[i]:.3g} and {reach[j]:.3g} mm at a distance of "
+            f"{distance[room.argmin()]:.3g} mm; use a smaller energy, a larger modulus or a larger pitch"
         )
 
 

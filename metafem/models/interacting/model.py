@@ -32,6 +32,7 @@ from metafem.models.model import (
     Sensitivity,
     areas_one_by_one,
     controlled,
+    refuse_flattening,
     solved,
 )
 from metafem.notes import Note, information
@@ -154,6 +155,7 @@ class Interacting:
         adhesive = adhesive_law(self.contact, surface.material)
         if adhesive is not None:
             return adhesive_curve(self, adhesive, surface, values, by_load, unloading)
+        refuse_flattening(self.contact, unloading)
         solution = self._solve(surface, surface.height[None, :], values, by_load)
         self._refuse_thin_layer(surface, solution.results)
         return self._curve(surface, solution)

@@ -135,3 +135,19 @@ def test_elastic_contacts_unload_as_they_load():
     for model in (mf.Independent(), mf.Interacting()):
         back, law = (mf.friction_law(surface, model, load=load, unloading=way) for way in (True, False))
         assert_allclose(back.area, law.area, rtol=0)
+
+
+def test_merging_is_refused_by_every_call_and_no_energy_is_the_cap():
+    surface = lattice(np.full(4, 0.1))
+    strong = mf.Independent(mf.JKR(10.0))
+    for call in (strong.curve, lambda scene, load: strong.areas(scene, load, scene.height[None])):
+        with pytest.raises(mf.InvalidInput, match="would merge without load"):
+            call(surface, np.array([0.01]))
+    none = mf.Independent(mf.JKR(0.0, material=surface.material))
+    assert mf.equilibrium(surface, none, load=0.01).area == mf.equilibrium(surface, load=0.01).area
+
+
+def test_default_loads_of_strong_adhesion_increase():
+    soft = mf.Surface([[0.0, 0.0]], [0.1], 0.526, mf.Material(0.01))
+    law = mf.friction_law(soft, mf.Independent(mf.JKR(27e-6)))
+    assert (np.diff(law.load) > 0.0).all()
