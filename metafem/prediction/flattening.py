@@ -17,13 +17,13 @@ from metafem.surface import Surface
 
 @checked_call
 def flattened(surface: Surface, model: Model | None = None, *, load: float) -> tuple[Surface, Model]:
-    """Return the surface that a load has flattened for good, and the model with the law of its contacts.
+    """Return the surface that a load has flattened permanently, and the model with the law of its contacts.
 
     Each asperity is indented by the load under the model. Its summit stays lower by the residual height loss
     of the contact law, and its contact is elastic up to the earlier indentation; beyond, the first loading
-    continues. Both results serve wherever a surface and a model do: at loads up to the earlier one they give
-    the unloading, and the second loading is the same. The law holds for the asperities of this surface in
-    their order; the tables of a thousand take 20 s. A law that is elastic changes neither.
+    continues. At loads up to the earlier one, the law of the surface and model returned is that of the
+    unloading, and that of the second loading. It holds for the asperities of this surface in their order; the
+    tables of a thousand asperities take 20 s. With an elastic law, surface and model are returned unchanged.
 
     Parameters
     ----------

@@ -44,9 +44,10 @@ def friction_law(
 ) -> FrictionLaw:
     """Predict the friction law of a surface.
 
-    Adhesive contacts jump in and break at different loads: `unloading` gives the way back. Under a given load
-    every state is stable, and the notes state the jumps. Plastic contacts are flattened by the largest load;
-    on the way back they are elastic, and a second loading up to that load has the same law (`flattened`).
+    Adhesive contacts jump in and break at different loads: with `unloading` the states are those on the
+    way back. Under a given load every state is stable, and the notes state the jumps. Plastic contacts are
+    flattened by the largest load; on the way back they are elastic, and a second loading up to that
+    load has the same law (`flattened`).
 
     Parameters
     ----------
@@ -54,10 +55,12 @@ def friction_law(
     model : Model, optional
         Default: `Independent()`.
     load : array_like, (k,), optional
-        Normal loads P [N], at least 0; with `unloading` down to the load at which the last contacts break.
+        Normal loads P [N], at least 0. On unloading, those of adhesive contacts may be negative, down to the
+        load at which the last contacts break.
     separation : array_like, (k,), optional
         Separations [mm]. Default, if neither is given: 100 loads up to the one at which the lowest asperity
-        is indented by 0.04 R or the plane reaches the base plane.
+        is indented by 0.04 R, the plane reaches the base plane, or the approach is 98 % of that at which a
+        contact reaches the largest indentation of its law.
     unloading : bool
         Whether the states are those on the way back from the largest load; default: False. Elastic contacts
         without adhesion have one law for both ways. The model of the law of plastic contacts is that of the
@@ -72,7 +75,8 @@ def friction_law(
     ------
     InvalidInput
         For loads that are not finite, negative on loading, or beyond pull-off on unloading; for separations
-        that are not finite, or of adhesive contacts; for both at once.
+        that are not finite, or of adhesive contacts; for both at once; for `unloading` with a model that
+        does not unload, or with no contact at the largest load.
     NotConverged
         If a residual exceeds the model's tolerance.
 
