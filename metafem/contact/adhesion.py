@@ -19,7 +19,7 @@ from metafem.contact.law import Contact, Values
 from metafem.errors import InvalidInput
 from metafem.material import Material
 
-# The cap of a law that names no other.
+# Default cap.
 PARABOLOID = Hertz()
 
 # Largest number of steps of a bracket, each by a factor of WIDER in the indentation, and of the search in it.
@@ -38,9 +38,9 @@ class JKR(Contact):
     minus ``4/3 a^3 s`` E*. For a paraboloid without other contacts
     ``a^3 = 3 R/(4 E*) [P + 3 pi w R + sqrt(6 pi w R P + (3 pi w R)^2)]``. Under a given load the contact
     breaks at `pull_off_radius`; the load there is ``-3/2 pi w R`` for a paraboloid. Under a given indentation
-    it holds down to a smaller radius, where ``c = 1/2 s/a``. Lengths in mm. Valid for soft, large contacts
-    with adhesion of short range (Tabor parameter above about 5), and for profiles whose ``c sqrt(a)``
-    increases. Johnson, Kendall and Roberts, Proc. R. Soc. A 324, 301 (1971), doi:10.1098/rspa.1971.0141;
+    it stays closed down to a smaller radius, where ``c = 1/2 s/a``. Lengths in mm. Valid for soft, large
+    contacts with adhesion of short range (Tabor parameter above about 5), and for profiles whose
+    ``c sqrt(a)`` increases. Johnson, Kendall and Roberts, Proc. R. Soc. A 324, 301 (1971), doi:10.1098/rspa.1971.0141;
     other profiles: Popov and Hess (2015), doi:10.1007/978-3-642-53876-6.
 
     Parameters
@@ -109,7 +109,7 @@ class JKR(Contact):
         return self.adhesion_energy / self.material.composite_modulus
 
     def deficit(self, contact_radius: Values) -> FloatArray:
-        """Indentation s = sqrt(2 pi w a/E*) [mm] that adhesion takes from the cap's."""
+        """Decrease s = sqrt(2 pi w a/E*) [mm] of the cap's indentation by adhesion."""
         return np.sqrt(2.0 * math.pi * self.length * np.asarray(contact_radius, dtype=np.float64))
 
     def profile_slope(self, contact_radius: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
@@ -129,8 +129,8 @@ class JKR(Contact):
     def contact_radius(self, indentation: Values, radius: Values, curvature: Values = 0.0) -> FloatArray:
         """Contact radius a [mm] of the stable branch on loading; 0 where d is negative: an open contact.
 
-        At d = 0 the contact has jumped in. Contacts that were loaded hold at negative indentations, too;
-        their radius is found by following the branch, as the models do.
+        At d = 0 the contact has jumped in. On unloading, a contact stays closed down to a negative
+        indentation; the models find its radius by following the branch.
         """
         given = (np.asarray(value, dtype=np.float64) for value in (indentation, radius, curvature))
         d, size, extra = np.broadcast_arrays(*given)

@@ -39,7 +39,6 @@ AROUND = 1.25
 # Indentations of a blend at which its size is evaluated, and decimals of the size: the rest is rounding.
 SAMPLES, DIGITS = 201, 9
 
-
 # Nodes of the quadrature of the work between two ends of blends.
 NODES = 40
 

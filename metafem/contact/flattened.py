@@ -17,13 +17,13 @@ from metafem.notes import Note, information
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FlattenedContact(Value, LawByIndentation):
-    """Law of asperities that an earlier load has flattened, one by one.
+    """Law of each asperity of a surface that an earlier load has flattened.
 
     The indentation e is counted from the lowered summit. Up to the earlier indentation, ``e <= depth``, the
     contact is elastic: ``P = load_before (e/depth)^load_exponent`` and
     ``A = area_before (e/depth)^area_exponent``. Beyond, the first loading continues: the original law at the
-    indentation ``e + residual``. An asperity that has not yielded has depth 0. It is made by
-    `Contact.unloaded`; all arrays are (n,).
+    indentation ``e + residual``. An asperity that has not yielded has depth 0.
+    `Contact.unloaded` returns this law; all arrays are (n,).
 
     Attributes
     ----------

@@ -19,8 +19,8 @@ __all__ = ["Contact", "Values"]
 class Contact(Protocol):
     """Law of one axisymmetric contact, for unit E*: loads are P/E* [mm^2].
 
-    A law of one's own derives from this class and defines the methods without a body here:
-    ``Independent(contact=MyLaw())`` uses it. The contact radius a [mm] is the variable, R [mm] the radius of
+    A user-defined law derives from this class and defines the methods without a body here. It is passed to
+    a model: ``Independent(contact=MyLaw())``. The contact radius a [mm] is the variable, R [mm] the radius of
     the summit; `curvature` [1/mm] is that of the displacement by other contacts, which adds
     ``curvature rho^2 / 2`` to the profile. All methods are vectorised.
 
@@ -75,7 +75,7 @@ class Contact(Protocol):
         return self
 
     def breaks(self, radius: float) -> FloatArray:
-        """Contact radii [mm] between which the law is smooth, increasing; empty where it is smooth."""
+        """Increasing contact radii [mm] between which the law is smooth; empty if it is smooth everywhere."""
         return np.empty(0)
 
     def largest_indentation(self, radius: Values) -> FloatArray:
@@ -83,13 +83,13 @@ class Contact(Protocol):
         return np.full(np.shape(radius), math.inf)[()]
 
     def notes(self, indentation: FloatArray, radius: FloatArray) -> tuple[Note, ...]:
-        """Return what the law leaves out or changes at indentations (n,) [mm]."""
+        """Return notes on what the law neglects or changes at indentations (n,) [mm]."""
         return ()
 
     def unloaded(self, indentation: FloatArray, radius: FloatArray) -> tuple[Contact, FloatArray]:
         """Return the law after the largest indentations (n,) [mm], and the loss of height (n,) [mm].
 
-        The law is that of the lowered summits. An elastic law returns itself.
+        The law returned is that of the lowered summits. An elastic law returns itself.
         """
         return self, np.zeros(np.shape(indentation))
 

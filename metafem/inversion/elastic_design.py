@@ -42,7 +42,7 @@ def design_for_hardness(
     """Design a surface as `design` does, with an elastic law if the contacts stay elastic.
 
     With the plasticity index ``psi = E*/H sqrt(s/R)`` of the designed surface, where s is the standard
-    deviation of its heights, the first of these that holds is taken:
+    deviation of its heights, the first of these cases that applies is used:
 
     1. psi < 0.6: the design under the elastic law of the model.
     2. psi < 0.6 with one of the `radii` for all asperities: the one with the least misfit.

@@ -174,7 +174,7 @@ def checked_contact(contact: object) -> Contact:
 
 
 def contact_of(model: Model) -> Contact:
-    """Return the contact law of a model; Hertz's for a model of one's own without the attribute."""
+    """Return the contact law of a model; Hertz's for a user-defined model without the attribute."""
     return cast("Contact", getattr(model, "contact", PARABOLOID))
 
 

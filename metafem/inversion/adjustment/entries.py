@@ -1,8 +1,8 @@
 """Heights of interacting asperities whose contacts enter at the loads of independent ones.
 
 Contacts of other laws than Hertz's enter with sharper kinks of A0(P), which interaction shifts, and gradients
-say nothing of a contact beyond its kink. The heights are therefore sought as those of independent asperities,
-and shifted so that each summit is touched at the same loads of the others.
+do not describe a contact beyond its kink. The heights are therefore sought as those of independent
+asperities, and shifted so that each summit is touched at the same loads of the others.
 """
 
 from __future__ import annotations

@@ -104,7 +104,7 @@ class BoundaryElements(WithoutGradients):
     ) -> Curve:
         """Equilibria at increasing rescaled loads P/E* [mm^2] or approaches [mm], (k,).
 
-        Along the curve order 3 takes light loads where the cells are too coarse for the contacts: there the
+        Order 3 is used at light loads, where the cells are too coarse for the contacts: there the
         contacts are far smaller than their distances, and order 3 is more accurate.
         """
         values, by_load = controlled(load, approach)

@@ -61,7 +61,7 @@ class LawDraws:
 
     @property
     def outputs(self) -> tuple[str, ...]:
-        """Names of the quantities, (k,) each but for the slope."""
+        """Names of the quantities, (k,) each except the slope."""
         if self.friction_force is not None:
             names = ["area", "rescaled_load", "rescaled_friction", "deviation"]
         else:
