@@ -40,8 +40,8 @@ class JKR(Contact):
     breaks at `pull_off_radius`; the load there is ``-3/2 pi w R`` for a paraboloid. Under a given indentation
     it stays closed down to a smaller radius, where ``c = 1/2 s/a``. Lengths in mm. Valid for soft, large
     contacts with adhesion of short range (Tabor parameter above about 5), and for profiles whose
-    ``c sqrt(a)`` increases. Johnson, Kendall and Roberts, Proc. R. Soc. A 324, 301 (1971), doi:10.1098/rspa.1971.0141;
-    other profiles: Popov and Hess (2015), doi:10.1007/978-3-642-53876-6.
+    ``c sqrt(a)`` increases. Johnson, Kendall and Roberts, Proc. R. Soc. A 324, 301 (1971),
+    doi:10.1098/rspa.1971.0141; other profiles: Popov and Hess (2015), doi:10.1007/978-3-642-53876-6.
 
     Parameters
     ----------

@@ -6,8 +6,8 @@ equations S2 to S8 of Aymard et al., Science 383, 200 (2024), doi:10.1126/scienc
 cancellation. `metafem.reference.height_densities` has them as printed.
 
 For any contact law A(d), P(d) without adhesion, an exponential density has a law that is straight except at
-its ends: ``A0`` and ``p`` are integrals of ``exp(-h/lambda)`` times A(h - delta) and P(h - delta), and both are
-proportional to ``exp(-delta/lambda)``. Of a uniform density the slope is A(h_m)/P(h_m). With a power cap
+its ends: ``A0`` and ``p`` are integrals of ``exp(-h/lambda)`` times A(h - delta) and P(h - delta), and both
+are proportional to ``exp(-delta/lambda)``. Of a uniform density the slope is A(h_m)/P(h_m). With a power cap
 rho^n, A grows as d^(2/n) and P as d^(1 + 1/n), and the integrals are incomplete gamma functions; with other
 laws they are computed by quadrature.
 """

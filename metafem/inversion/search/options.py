@@ -176,8 +176,8 @@ DEFAULTS = SearchOptions()
 
 # For contact laws other than Hertz's: the area of a cap flatter than a paraboloid begins with an infinite
 # slope over the indentation, and with adhesion it jumps, so that entries of contacts are sharper kinks. The
-# gradient says nothing of what is beyond. First steps and random changes are smaller, descents longer, and no
-# level of operating points touches at the point before (measured on laws of random surfaces with power caps
+# gradient does not describe the law beyond. First steps and random changes are smaller, descents longer, and
+# no level of operating points touches at the point before (measured on laws of random surfaces with power caps
 # of n = 3, 4, 8: the median misfit falls from .05, .07 and .5 % to .05, .05 and .4 %, in a quarter of the
 # time).
 OTHER_LAWS = replace(

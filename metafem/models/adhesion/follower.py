@@ -119,8 +119,8 @@ class Follower:
         """As `press`, from a guess of the contact radii (n,) [mm] at the goal, without the jumps on the way.
 
         A state with every asperity in contact that would penetrate the plane, and no new one that would not,
-        is that at the end of the way. A new contact that pulls brings the plane nearer by its load over the
-        stiffness; if it might not touch without that, the way is followed.
+        is that at the end of the way. A new contact under tension moves the plane nearer by its load over
+        the stiffness; if it might not touch without that, the way is followed.
         """
         before: IntArray = np.empty(0, dtype=np.int64) if self.state is None else self.state.closed
         held = np.zeros(len(guess), dtype=bool)

@@ -1,8 +1,8 @@
 """Adhesive asperities that do not interact, followed while the plane approaches, and while it recedes.
 
-All is a function of the approach x: forward, an asperity is in contact where x reaches its gap; back, it
-stays in contact down to the end of its branch, ``d > d_end``. Between two such points the load is a convex
-function of x. A state at a load is the first one on the way; see `follower`.
+All quantities are functions of the approach x: forward, an asperity is in contact where x reaches its gap;
+back, it stays in contact down to the end of its branch, ``d > d_end``. Between two such points the load is a
+convex function of x. A state at a load is the first one on the way; see `follower`.
 """
 
 from __future__ import annotations

@@ -9,9 +9,9 @@ of the displacement by the others, physics of order 3 as in `_kernels.coupling`:
 with the influence G, its Laplacian L and its gradient S between the sites. A contact on a slope g moves down
 the slope. For a paraboloid the slope is a shift by R g, so that r = R and Q = p R: u is then the derivative
 of the energy sum U*(p, k) - p R |g|^2/2 + p.G p/2. In general ``r = 2 a/c`` with c = dd/da of the cap, and
-``Q = 4/3 a^3 - r 2 a s``: the moment of a tilted circle, less what the moving edge of an adhesive contact
-takes, where s is the indentation that adhesion takes. As without adhesion, the radius of this term is that
-of a contact with the same load of the cap and k = 0. Order 1 has L = S = 0.
+``Q = 4/3 a^3 - r 2 a s``: the moment of a tilted circle, less the part due to the moving edge of an
+adhesive contact, where s is the decrease of the indentation by adhesion. As without adhesion, the radius of
+this term is that of a contact with the same load of the cap and k = 0. Order 1 has L = S = 0.
 """
 
 from __future__ import annotations

@@ -61,8 +61,9 @@ class BoundaryElements(WithoutGradients):
         the load.
     substrate : HalfSpace or BondedLayer
         A substrate whose influence depends on the distance alone.
-    contact : Hertz, PowerCap, SphericalCap or AxisymmetricCap
-        Elastic cap without adhesion, of which the profile is used; default: `Hertz()`.
+    contact : Contact
+        Elastic cap without adhesion, of which the profile is used: `Hertz()`, the default, `PowerCap(...)`,
+        `SphericalCap()`, `AxisymmetricCap(...)` or another class with `depth_at`.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The caps of a surface in units of the cell, and what their contact law says of a resolved pressure."""
+"""The caps of a surface in units of the cell, and the pressure of their contact law for resolved contacts."""
 
 from __future__ import annotations
 
