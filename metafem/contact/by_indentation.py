@@ -17,7 +17,7 @@ ROUNDING = 1e-12
 
 
 class LawByIndentation(Contact):
-    """A law of load P/E* and area A over the indentation d of one contact, for `Interacting(order=1)`.
+    """A law of load P/E* and area A over the indentation d of one contact; it interacts by order 1.
 
     The contact radius is ``sqrt(A/pi)``. The curvature by other contacts is ignored: it is a term of
     order 3. The pressure is not known; its second moment is 2/5 P a^2 with Hertz's pressure and 1/2 P a^2

@@ -91,7 +91,7 @@ class Specification:
     def design(self, model: Model | None = None) -> Design:
         """Design the target of the file; default model: that of the file.
 
-        With a hardness the contacts stay elastic, or the design says that they do not: `design_for_hardness`.
+        With a hardness the contacts stay elastic, or a note states that they do not: `design_for_hardness`.
         """
         chosen = self.model if model is None else model
         remedy = "add [block] with width, length and thickness"
