@@ -178,8 +178,8 @@ DEFAULTS = SearchOptions()
 # slope over the indentation, and with adhesion it jumps, so that entries of contacts are sharper kinks. The
 # gradient does not describe the law beyond. First steps and random changes are smaller, descents longer, and
 # no level of operating points touches at the point before (measured on laws of random surfaces with power
-# caps of n = 3, 4, 8: the median misfit falls from .05, .07 and .5 % to .05, .05 and .4 %, in a quarter of the
-# time).
+# caps of n = 3, 4, 8: the median misfit falls from .05, .07 and .5 % to .05, .05 and .4 %, in a quarter of
+# the time).
 OTHER_LAWS = replace(
     DEFAULTS, start_damping=1.0, least_gain=0.01, most_steps=40, change_sizes=(0.1, 0.3, 1.0), level_drop=0.05
 )
