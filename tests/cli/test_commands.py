@@ -187,6 +187,7 @@ def test_predict_compares_contact_laws_and_models_at_the_same_loads(run, demo):
     assert (refused.exit_code, "holds one law, and 3 are compared" in refused.output) == (2, True)
 
 
+@pytest.mark.slow
 def test_a_surface_is_designed_made_and_predicted_under_a_contact_law(run):
     text = demo_text("linear").replace("[8, 8]", "[6, 6]") + '[contact]\nkind = "profile"\nfile = "cap.csv"\n'
     Path("cap.csv").write_text("rho_mm,f_um\n0,0\n0.2,38\n0.4,170\n0.5,290\n0.7,600\n", "utf-8")

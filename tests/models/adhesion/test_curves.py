@@ -37,6 +37,7 @@ def test_two_equal_asperities(unloading):
     assert (curve.stiffness > 0.0).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("unloading", [False, True])
 @pytest.mark.parametrize("cap", [mf.Hertz(), mf.PowerCap(4), mf.PowerCap(1.5), mf.SphericalCap()], ids=repr)
 def test_distant_asperities_are_independent(cap, unloading):
@@ -55,6 +56,7 @@ def test_distant_asperities_are_independent(cap, unloading):
     assert "jumps of A0" in said(one)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("model", MODELS, ids=repr)
 @pytest.mark.parametrize("unloading", [False, True])
 def test_without_adhesion_the_law_is_that_of_the_cap(model, unloading):
