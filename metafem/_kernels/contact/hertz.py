@@ -18,18 +18,6 @@ def contact_radius(radius, indentation):
 
 
 @compiled
-def stiffness(radius, indentation):
-    """Return dP/dd = 2 sqrt(R d) [mm]."""
-    return STIFFNESS * contact_radius(radius, indentation)
-
-
-@compiled
-def load(radius, indentation):
-    """Return P = 4/3 sqrt(R) d^(3/2) [mm^2]."""
-    return LOAD * contact_radius(radius, indentation) * indentation
-
-
-@compiled
 def indentation_at_load(radius, load):
     """Return d = (3/4 P/sqrt(R))^(2/3) [mm]."""
     return (load / (LOAD * math.sqrt(radius))) ** (2.0 / 3.0)

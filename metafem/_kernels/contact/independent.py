@@ -1,6 +1,7 @@
-"""Load equation of independent asperities of any contact law, all in rescaled load P/E* [mm^2].
+"""Load equation of independent asperities of tabulated laws, all in rescaled load P/E* [mm^2].
 
-With the approach x, d_i = x - gap_i and P/E* = sum p(d_i), which increases with x. See `contact.tabulated`.
+With the approach x, d_i = x - gap_i and P/E* = sum p(d_i), which increases with x. See `contact.tabulated`;
+`_kernels.independent` has that of Hertz contacts.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ import math
 import numpy as np
 
 from metafem._kernels.compiled import compiled, inner
-from metafem._kernels.contact import hertz, tabulated
+from metafem._kernels.contact import tabulated
 from metafem._kernels.vectors import add
 
 # Each step of Newton's method doubles the digits or halves the bracket.
@@ -19,27 +20,14 @@ ROUNDING = 4.0 * np.finfo(np.float64).eps
 
 
 @inner
-def contact(radius, at, scale, data, z):
-    """Return p [mm^2], dp/dz [mm], a^2 [mm^2] and da^2/dp [-] of a contact."""
-    if at < 0:
-        square = radius * z
-        rate = hertz.stiffness(radius, z)
-        return hertz.load(radius, z), rate, square, radius / rate
-    return tabulated.pressed(data, at, scale, z)
-
-
-@inner
 def load_and_slope(law, gap, approach):
     """Return P/E* [mm^2] and its derivative by the approach [mm]."""
-    radius, which, scale, data = law
+    _, which, scale, data = law
     load = rest = slope = 0.0
     for i in range(gap.size):
         z = approach - gap[i]
         if z > 0.0:
-            if which[i] < 0:
-                p, rate = hertz.load(radius[i], z), hertz.stiffness(radius[i], z)
-            else:
-                p, rate = tabulated.load_and_rate(data, which[i], scale[i], z)
+            p, rate = tabulated.load_and_rate(data, which[i], scale[i], z)
             load, rest = add(load, rest, p)
             slope += rate
     return load + rest, slope
@@ -49,10 +37,7 @@ def load_and_slope(law, gap, approach):
 def approach_at_load(law, gap, load, below, carried, slope):
     """Return the approach [mm] at a load; at the approach `below` > 0 the load is `carried` with a slope."""
     i = int(np.argmin(gap))
-    if law.which[i] < 0:
-        high = gap[i] + hertz.indentation_at_load(law.radius[i], load)
-    else:
-        high = gap[i] + tabulated.indentation_at_load(law.data, law.which[i], law.scale[i], load)
+    high = gap[i] + tabulated.indentation_at_load(law.data, law.which[i], law.scale[i], load)
     high *= 1.0 + 1e-9  # the rounding of the tables
     low = below
     x = high
@@ -77,12 +62,12 @@ def approach_at_load(law, gap, load, below, carried, slope):
 @compiled
 def at_approach(law, gap, approach):
     """Return P/E* [mm^2], A0 [mm^2] and the stiffness [mm] at an approach."""
-    radius, which, scale, data = law
+    _, which, scale, data = law
     load = load_rest = square = square_rest = slope = 0.0
     for i in range(gap.size):
         z = approach - gap[i]
         if z > 0.0:
-            p, rate, own, _ = contact(radius[i], which[i], scale[i], data, z)
+            p, rate, own, _ = tabulated.pressed(data, which[i], scale[i], z)
             load, load_rest = add(load, load_rest, p)
             square, square_rest = add(square, square_rest, own)
             slope += rate
@@ -105,11 +90,11 @@ def curves(law, gap, load, approach, carried, area, slope):
 @compiled
 def each(law, indentation, load, stiffness, area, area_slope):
     """Fill P/E* [mm^2], its slope [mm], area [mm^2] and its slope [mm] of contacts at indentations (k, n)."""
-    radius, which, scale, data = law
+    _, which, scale, data = law
     for j in range(indentation.shape[0]):
         for i in range(indentation.shape[1]):
             load[j, i] = stiffness[j, i] = area[j, i] = area_slope[j, i] = 0.0
             if indentation[j, i] > 0.0:
-                p, rate, square, widening = contact(radius[i], which[i], scale[i], data, indentation[j, i])
+                p, rate, square, widening = tabulated.pressed(data, which[i], scale[i], indentation[j, i])
                 load[j, i], stiffness[j, i], area[j, i] = p, rate, math.pi * square
                 area_slope[j, i] = math.pi * widening * rate
