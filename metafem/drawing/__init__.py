@@ -1,4 +1,4 @@
-"""Drawing of plain arrays: figures, axes, colours and marks. The only module that uses matplotlib."""
+"""Drawing of plain arrays: figures, axes, colours and marks. The only package that uses matplotlib."""
 
 from __future__ import annotations
 
