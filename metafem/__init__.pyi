@@ -1,3 +1,4 @@
+from . import calibration as calibration
 from . import fe as fe
 from . import files as files
 from . import progress as progress

@@ -11,6 +11,7 @@ import metafem as mf
 
 MODULES = (
     "metafem",
+    "metafem.calibration",
     "metafem.contact",
     "metafem.fe",
     "metafem.progress",

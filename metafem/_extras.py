@@ -1,0 +1,13 @@
+"""Packages of optional extras."""
+
+from __future__ import annotations
+
+from importlib.util import find_spec
+
+from metafem.errors import InvalidInput
+
+
+def refuse_missing(package: str, extra: str, purpose: str) -> None:
+    """Raise InvalidInput, which names the extra and its purpose, if a package of it is not installed."""
+    if find_spec(package) is None:
+        raise InvalidInput(f"{purpose} needs the extra {extra}: pip install 'metafem[{extra}]'")

@@ -1,0 +1,64 @@
+"""Areas of the contacts in a series of images, with the measured forces."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from metafem._validate import FloatArray
+from metafem._values import Value
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ContactTable(Value):
+    """Areas of n contacts in k images, and the forces at which the images were taken.
+
+    A contact that an image does not show is open: its area and its error are 0. One that could not be
+    measured, at the edge of the frame or merged with another, has the area nan, and `remarks` names it.
+
+    Attributes
+    ----------
+    image : tuple of str, (k,)
+        Names of the images.
+    test : tuple of str, (k,)
+        Name of the test of each image.
+    load, friction_force : ndarray, (k,)
+        Normal load and friction force [N]; nan where they were not measured.
+    position : ndarray, (n, 2)
+        Sites of the contacts [mm]: those of the lattice if they were matched, else their mean centres.
+    site : ndarray of int, (n,)
+        Numbers of the sites in the design, or 0 to n - 1 if the contacts were not matched.
+    matched : bool
+        Whether the contacts were matched to the sites of a lattice.
+    area, area_error : ndarray, (k, n)
+        Contact areas and their standard deviations [mm^2].
+    sheared_area, sheared_area_error : ndarray, (k, n)
+        The same in the images at the peak of the friction force; nan where there is none.
+    remarks : tuple of str
+        What could not be measured, with image and contact.
+
+    Examples
+    --------
+    >>> one, none = np.array([[0.1, 0.0]]), np.full((1, 2), np.nan)
+    >>> table = ContactTable(
+    ...     ("1.tif",), ("",), np.array([0.05]), np.array([np.nan]), np.array([[0.0, 0.0], [1.5, 0.0]]),
+    ...     np.arange(2), False, one, 0.01 * one, none, none,
+    ... )
+    >>> table.area.sum(axis=1)
+    array([0.1])
+    """
+
+    image: tuple[str, ...]
+    test: tuple[str, ...]
+    load: FloatArray
+    friction_force: FloatArray
+    position: FloatArray
+    site: NDArray[np.intp]
+    matched: bool
+    area: FloatArray
+    area_error: FloatArray
+    sheared_area: FloatArray
+    sheared_area_error: FloatArray
+    remarks: tuple[str, ...] = ()

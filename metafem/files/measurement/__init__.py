@@ -1,0 +1,1 @@
+"""Measured tables, images and height maps, read with their units."""

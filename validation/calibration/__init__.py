@@ -1,0 +1,1 @@
+"""Calibration, images, measured laws and surfaces, diagnosis."""
