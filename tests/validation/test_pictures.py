@@ -1,0 +1,69 @@
+"""Synthetic pictures against exact areas, moments and a picture that is drawn point by point."""
+
+import numpy as np
+import pytest
+from scipy.ndimage import gaussian_filter
+
+from validation.scenes.pictures import BRIGHT, DARK, coverage, illumination, picture
+
+SHAPE = (90, 110)
+CENTRE, AXES, ANGLE = (52.3, 40.9), (23.0, 14.0), 0.6
+
+
+def moments(covered):
+    """Return area, centre and second moments about it, (3,): xx, yy, xy."""
+    x = np.arange(covered.shape[1]) + 0.5
+    y = covered.shape[0] - np.arange(covered.shape[0])[:, None] - 0.5
+    area = covered.sum()
+    mean = np.array([(covered * x).sum(), (covered * y).sum()]) / area
+    dx, dy = x - mean[0], y - mean[1]
+    second = [(covered * part).sum() / area for part in (dx**2, dy**2, dx * dy)]
+    return area, mean, np.array(second)
+
+
+@pytest.mark.parametrize("blur", [0.7, 1.5, 4.0])
+def test_area_centre_and_moments_are_those_of_the_ellipse(blur):
+    a, b = AXES
+    area, mean, second = moments(coverage(SHAPE, [CENTRE], [AXES], ANGLE, blur=blur))
+    assert area == pytest.approx(np.pi * a * b, rel=1e-8)
+    assert mean == pytest.approx(CENTRE, abs=1e-7)
+    # a Gaussian adds its variance, a pixel 1/12
+    cos, sin = np.cos(ANGLE), np.sin(ANGLE)
+    wanted = np.array(
+        [(a * cos) ** 2 + (b * sin) ** 2, (a * sin) ** 2 + (b * cos) ** 2, (a**2 - b**2) * sin * cos]
+    )
+    assert second == pytest.approx(wanted / 4.0 + (blur**2 + 1.0 / 12.0) * np.array([1, 1, 0]), rel=1e-6)
+
+
+def test_the_picture_is_that_of_many_points_per_pixel():
+    fine = 16
+    x = (np.arange(SHAPE[1] * fine) + 0.5) / fine - CENTRE[0]
+    y = SHAPE[0] - (np.arange(SHAPE[0] * fine)[:, None] + 0.5) / fine - CENTRE[1]
+    cos, sin = np.cos(ANGLE), np.sin(ANGLE)
+    along, across = x * cos + y * sin, y * cos - x * sin
+    inside = (along / AXES[0]) ** 2 + (across / AXES[1]) ** 2 < 1.0
+    smooth = gaussian_filter(inside.astype(float), 1.5 * fine, truncate=6.0)
+    expected = smooth.reshape(SHAPE[0], fine, SHAPE[1], fine).mean(axis=(1, 3))
+    found = coverage(SHAPE, [CENTRE], [AXES], ANGLE)
+    # each point of the fine grid is in or out: an error of half a step in one of many rows
+    assert np.abs(found - expected).max() < 2e-3
+
+
+def test_levels_noise_and_bits():
+    bare = picture(SHAPE, [CENTRE], [20.0], blur=1.0)
+    assert (bare.min(), bare.max()) == pytest.approx((DARK, BRIGHT), abs=1e-9)
+    noisy = picture(SHAPE, [CENTRE], [20.0], blur=1.0, noise=0.05)
+    # the standard deviation of a sample of 9900
+    assert np.std(noisy - bare) == pytest.approx(0.05 * (BRIGHT - DARK), rel=4.0 / np.sqrt(2 * bare.size))
+    eight = picture(SHAPE, [CENTRE], [20.0], blur=1.0, bits=8)
+    assert eight.dtype == np.uint8
+    assert np.abs(eight / 255.0 - bare).max() <= 0.5 / 255.0 + 1e-12
+    light = illumination(SHAPE, (0.3, -0.2))
+    assert light[0, -1] - light[-1, 0] == pytest.approx(0.3 - 0.2, abs=0.01)
+    assert np.array_equal(noisy, picture(SHAPE, [CENTRE], [20.0], blur=1.0, noise=0.05))
+
+
+def test_contacts_outside_the_frame_are_cut_at_its_edge():
+    whole = coverage((40, 40), [(20.0, 20.0)], [8.0])
+    assert coverage((40, 20), [(20.0, 20.0)], [8.0]) == pytest.approx(whole[:, :20], abs=1e-12)
+    assert not coverage((40, 40), [(-90.0, 20.0), (90.0, 20.0)], [8.0, 8.0]).any()
