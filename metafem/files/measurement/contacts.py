@@ -1,0 +1,276 @@
+"""The table contacts.csv: one line for each image and contact, written and read to the bit."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+
+from metafem._given import printable, shown
+from metafem._validate import FloatArray
+from metafem.calibration import ContactTable
+from metafem.errors import InvalidInput
+from metafem.files.csv_rows import Table, read_table
+from metafem.files.measurement.remarks import cells_of_remarks, remarks_of_cells
+from metafem.files.units import factor
+
+# The columns of texts and whole numbers, and the units of the others.
+NAMES = ("image", "test", "contact", "site", "remark")
+UNITS = {
+    "load": "N",
+    "friction_force": "N",
+    "x": "mm",
+    "y": "mm",
+    "area": "mm^2",
+    "area_error": "mm^2",
+    "sheared_area": "mm^2",
+    "sheared_area_error": "mm^2",
+}
+NEEDED = ("image", "load", "contact", "x", "y", "area", "area_error")
+
+HEADER = (
+    "image,test,load_N,friction_force_N,contact,site,x_mm,y_mm,area_mm2,area_error_mm2,"
+    "sheared_area_mm2,sheared_area_error_mm2,remark"
+)
+
+# Most characters of a text.
+MOST = 10**4
+
+# Columns of areas, and those of their errors.
+ERROR_OF = {"area": "area_error", "sheared_area": "sheared_area_error"}
+
+
+def contacts_table(table: ContactTable) -> str:
+    """Return contact areas as CSV, one line for each image and contact; empty where not measured."""
+    images = list(zip(table.test, table.image, strict=True))
+    twice = next((image for i, image in enumerate(images) if image in images[:i]), None)
+    if twice is not None:
+        raise InvalidInput(
+            f"image {printable(twice[1])} of test {printable(twice[0])!r} is in the table twice"
+        )
+    remarks = cells_of_remarks(table)
+    lines = [HEADER]
+    for i, (test, image) in enumerate(images):
+        for j, site in enumerate(table.site.tolist()):
+            numbers = (table.area, table.area_error, table.sheared_area, table.sheared_area_error)
+            row = (
+                *(image, test, table.load[i], table.friction_force[i], j + 1),
+                *(site if table.matched else "", *table.position[j]),
+                *(values[i, j] for values in numbers),
+                remarks.get((i, j), ""),
+            )
+            lines.append(",".join(map(_cell, row)))
+    return "\n".join(lines) + "\n"
+
+
+def is_contacts_table(content: bytes) -> bool:
+    """Whether a file is a table of `contacts_table`, by its first line."""
+    return content.startswith(HEADER.encode())
+
+
+def read_contacts(path: str | Path) -> ContactTable:
+    """Return the contact areas of a table that `contacts_table` wrote, or of one with its columns.
+
+    Each image has the same contacts. The columns of the test, of the friction force, of the sites, of the
+    sheared areas and of the remarks may be absent, and lengths, areas and forces may be in other units.
+    """
+    table = read_table(path, HEADER)
+    columns = _columns(table)
+    table.report_unread([table.header[column] for column, _ in columns.values()])
+    entries = table.entries()
+    if not entries:
+        raise InvalidInput(f"{table.name} names columns but holds no contact")
+    return _Rows(table, columns, entries).contacts()
+
+
+class _Rows:
+    """The lines of a table, in order of images and contacts."""
+
+    def __init__(
+        self,
+        table: Table,
+        columns: Mapping[str, tuple[int, Fraction]],
+        entries: Sequence[tuple[int, list[str]]],
+    ) -> None:
+        self.table, self.columns, self.entries = table, columns, entries
+        images = [(self._text(row, "test"), self._text(row, "image")) for _, row in entries]
+        numbers = [self._whole(line, row, "contact", 1) for line, row in entries]
+        self.images = list(dict.fromkeys(images))
+        self.numbers = list(dict.fromkeys(numbers))
+        self.place = self._places(images, numbers)
+
+    def contacts(self) -> ContactTable:
+        """Return the table."""
+        values = {name: self._numbers(name) for name in UNITS}
+        for name in ERROR_OF:
+            self._refuse_areas(name, values[name], values[ERROR_OF[name]])
+        sites = self._sites()
+        x, y = (self._of_contact(name, values[name]) for name in ("x", "y"))
+        tests, names = zip(*self.images, strict=True)
+        found = ContactTable(
+            image=names,
+            test=tests,
+            load=self._of_image("load", values["load"]),
+            friction_force=self._of_image("friction_force", values["friction_force"]),
+            position=np.column_stack([x, y]),
+            site=np.arange(len(self.numbers)) if sites is None else sites,
+            matched=sites is not None,
+            area=values["area"],
+            area_error=values["area_error"],
+            sheared_area=values["sheared_area"],
+            sheared_area_error=values["sheared_area_error"],
+        )
+        return replace(found, remarks=remarks_of_cells(found, self._remarks()))
+
+    def _places(self, images: list[tuple[str, str]], numbers: list[int]) -> np.ndarray:
+        """Return the index of the entry of each image and contact, (k, n)."""
+        row = {image: i for i, image in enumerate(self.images)}
+        column = {number: j for j, number in enumerate(self.numbers)}
+        place = np.full((len(row), len(column)), -1)
+        for index, (image, number) in enumerate(zip(images, numbers, strict=True)):
+            if not image[1]:
+                raise InvalidInput(f"{self._cell(index, 'image')} is empty; write the name of the image")
+            i, j = row[image], column[number]
+            if place[i, j] >= 0:
+                before = self.entries[place[i, j]][0]
+                raise InvalidInput(
+                    f"{self._cell(index, 'contact')} = {number} of image {printable(image[1], 60)} "
+                    f"is in line {before} too; keep one"
+                )
+            place[i, j] = index
+        for i, j in np.argwhere(place < 0)[:1]:
+            raise InvalidInput(
+                f"{self.table.name}: image {printable(self.images[i][1], 60)} lacks contact "
+                f"{self.numbers[j]}, which others have; add its line, with the area 0 if it is open"
+            )
+        return place
+
+    def _cell(self, index: int, name: str) -> str:
+        line, title = self.entries[index][0], self.table.header[self.columns[name][0]]
+        return f"{self.table.name}, line {line}: {title}"
+
+    def _text(self, row: list[str], name: str) -> str:
+        return row[self.columns[name][0]].strip() if name in self.columns else ""
+
+    def _whole(self, line: int, row: list[str], name: str, least: int) -> int:
+        column = self.columns[name][0]
+        text = row[column].strip()
+        if not re.fullmatch(r"\d{1,9}", text, re.ASCII) or int(text) < least:
+            raise InvalidInput(
+                f"{self.table.name}, line {line}: {self.table.header[column]} = {shown(text, 40)} must be a "
+                f"whole number of at least {least}"
+            )
+        return int(text)
+
+    def _numbers(self, name: str) -> FloatArray:
+        """Return the numbers of a column, nan where it is empty, (k, n)."""
+        if name not in self.columns:
+            return np.full(self.place.shape, np.nan)
+        column, size = self.columns[name]
+        values = [
+            float(self.table.number(line, column, row[column]) * size) if row[column].strip() else np.nan
+            for line, row in self.entries
+        ]
+        return np.array(values, dtype=np.float64).take(self.place)
+
+    def _of_image(self, name: str, values: FloatArray) -> FloatArray:
+        """Return the values of a column that is the same for all contacts of an image, (k,)."""
+        return self._alike(name, values, "the image")[:, 0].copy()
+
+    def _of_contact(self, name: str, values: FloatArray) -> FloatArray:
+        """Return the values of a column that is the same for a contact in all images, (n,)."""
+        for i, j in np.argwhere(np.isnan(values))[:1]:
+            raise InvalidInput(f"{self._cell(self.place[i, j], name)} is empty; write the contact's position")
+        return self._alike(name, values.T, "the contact", self.place.T)[:, 0].copy()
+
+    def _alike(self, name: str, values: FloatArray, of: str, place: np.ndarray | None = None) -> FloatArray:
+        place = self.place if place is None else place
+        first = values[:, :1]
+        differs = (values != first) & ~(np.isnan(values) & np.isnan(first))
+        for i, j in np.argwhere(differs)[:1]:
+            text = self._text(self.entries[place[i, j]][1], name)
+            raise InvalidInput(
+                f"{self._cell(place[i, j], name)} = {shown(text, 40)} differs from line "
+                f"{self.entries[place[i, 0]][0]}; {of} has one value"
+            )
+        return values
+
+    def _refuse_areas(self, name: str, area: FloatArray, error: FloatArray) -> None:
+        """Refuse negative areas and errors, and an area without its error."""
+        for column, values in ((name, area), (ERROR_OF[name], error)):
+            for i, j in np.argwhere(values < 0.0)[:1]:
+                text = self._text(self.entries[self.place[i, j]][1], column)
+                raise InvalidInput(f"{self._cell(self.place[i, j], column)} = {text} must not be negative")
+        for i, j in np.argwhere(np.isnan(area) != np.isnan(error))[:1]:
+            given, missing = (ERROR_OF[name], name) if np.isnan(area[i, j]) else (name, ERROR_OF[name])
+            title = self.table.header[self.columns[given][0]]
+            if missing not in self.columns:
+                lacks = f"lacks {missing}_{UNITS[missing].replace('^', '')}"
+                raise InvalidInput(
+                    f"{self.table.name} has the column {title} and {lacks}; write both or none"
+                )
+            raise InvalidInput(
+                f"{self._cell(self.place[i, j], missing)} is empty, and {title} is not; write both or none"
+            )
+
+    def _sites(self) -> np.ndarray | None:
+        """Return the site of each contact, (n,), or None if no contact has one."""
+        texts = [self._text(row, "site") for _, row in self.entries]
+        if not any(texts):
+            return None
+        whole = [self._whole(line, row, "site", 0) for line, row in self.entries]
+        sites = self._alike("site", np.array(whole, dtype=float)[self.place].T, "the contact", self.place.T)
+        found = sites[:, 0].astype(np.intp)
+        for j in range(len(found)):
+            if found[j] in found[:j]:
+                raise InvalidInput(
+                    f"{self._cell(self.place[0, j], 'site')} = {found[j]} is the site of another contact too"
+                )
+        return found
+
+    def _remarks(self) -> dict[tuple[int, int], str]:
+        """Return the remarks of each image and contact."""
+        return {
+            (i, j): self._text(self.entries[index][1], "remark")
+            for (i, j), index in np.ndenumerate(self.place)
+        }
+
+
+def _columns(table: Table) -> dict[str, tuple[int, Fraction]]:
+    """Return the number of each known column and its unit in ours."""
+    found: dict[str, tuple[int, Fraction]] = {}
+    for column, title in enumerate(table.header):
+        name, size = title, Fraction(1)
+        if title not in NAMES:
+            name, _, unit = title.rpartition("_")
+            if name not in UNITS:
+                continue
+            try:
+                size = factor(unit, UNITS[name])
+            except InvalidInput as error:
+                raise InvalidInput(f"{table.name}: column {printable(title, 40)} {error}") from None
+        if name in found:
+            raise InvalidInput(f"{table.name}: {name} is in two columns; keep one")
+        found[name] = (column, size)
+    missing = [name for name in NEEDED if name not in found]
+    if missing:
+        titles = [f"{name}_{UNITS[name].replace('^', '')}" if name in UNITS else name for name in missing]
+        raise InvalidInput(
+            f"{table.name} lacks the columns {', '.join(titles)} of a table of contacts; it has "
+            f"{printable(', '.join(table.header))}"
+        )
+    return found
+
+
+def _cell(value: object) -> str:
+    """Return an entry: numbers in the shortest form that is read to the bit, texts quoted where needed."""
+    if isinstance(value, float):
+        return "" if np.isnan(value) else repr(float(value) + 0.0)  # no -0.0
+    text = printable(str(value).strip(), MOST)
+    # a line that begins with # is a comment
+    quoted = any(sign in text for sign in ',"') or text.startswith("#")
+    return '"' + text.replace('"', '""') + '"' if quoted else text
