@@ -24,8 +24,11 @@ UNITS: Mapping[str, str] = {
             *("alignment_height", "chord_error", "indentation", "r", "tools", "range"),
             *("radius_sd", "position_sd"),
         ),
-        "mm^2": ("rescaled_load", "rescaled_friction", "crossover_load", "crossover_loads", "load_range"),
-        "N": ("load", "friction_force"),
+        "mm^2": (
+            *("rescaled_load", "rescaled_friction", "crossover_load", "crossover_loads", "load_range"),
+            *("area", "area_sd", "asperity_area", "asperity_area_sd"),
+        ),
+        "N": ("load", "friction_force", "load_sd", "friction_force_sd"),
         "N/mm": ("adhesion_energy",),
         "MPa": ("composite_modulus", "young_modulus", "shear_strength", "hardness", "yield_strength"),
         "rad": ("angle", "angle_x", "angle_y", "tilt"),

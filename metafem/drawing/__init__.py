@@ -20,8 +20,9 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
-# Colours of the target, of the achieved law and of secondary lines.
+# Colours of the target, of the achieved law, of secondary lines, and of the points of two measured laws.
 TARGET, ACHIEVED, QUIET = "#c8553d", "#1b6f8a", "#8a8f98"
+MEASURED, MEASURED_BESIDE = "#2b2d33", "#b07a1e"
 
 # Diameter of the largest marker over the mean distance of summits; the same in a legend [points]; the largest
 # number of radii in a legend.
@@ -89,6 +90,11 @@ def svg(figure: Figure, title: str) -> str:
 def law(ax: Axes, load: FloatArray, friction: FloatArray, *, forces: bool, label: str | None = None) -> None:
     """Draw a friction law from the origin on: forces [N], or rescaled load and friction [mm^2]."""
     ax.plot(np.append(0.0, load), np.append(0.0, friction), color=ACHIEVED, lw=1.8, label=label)
+    name_law(ax, forces=forces)
+
+
+def name_law(ax: Axes, *, forces: bool) -> None:
+    """Name the axes of a friction law, which begin at zero."""
     ax.set_xlabel("load  P [N]" if forces else "rescaled load  P/E* [mm²]")
     ax.set_ylabel("friction force  F [N]" if forces else "rescaled friction  F/(σB) [mm²]")
     ax.set_xlim(left=0.0)

@@ -36,7 +36,7 @@ def heights_table(design: Design) -> str:
 
 def law_table(law: FrictionLaw) -> str:
     """Return the friction law, with friction forces where the surface has a Friction."""
-    columns = tables.columns(law, without=tables.UNWRITTEN)
+    columns = tables.columns(law.quantities(), without=tables.UNWRITTEN)
     return _csv(tuple(columns), zip(*(column.tolist() for column in columns.values()), strict=True))
 
 

@@ -1,0 +1,1 @@
+"""Measured friction laws: error bars, branches, crossover and agreement with a design."""

@@ -1,0 +1,132 @@
+"""The arrays of a measured law: checked, completed by their standard deviations and put in order of load."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from metafem import _validate as check
+from metafem._given import formatted, label, shown
+from metafem._validate import FloatArray
+from metafem.calibration.measurement_errors import MeasurementErrors
+from metafem.errors import InvalidInput
+
+# The quantities of a measured law, and the arrays with their standard deviations.
+QUANTITIES = ("load", "friction_force", "asperity_area", "area")
+ARRAYS = (*QUANTITIES, *(f"{name}_sd" for name in QUANTITIES), "site")
+
+# A force or an area below zero by more than this number of standard deviations is not an error of
+# measurement: one normal error in a million is so large.
+BELOW_ZERO = 5.0
+
+# Share of the largest area of which a load without any contact has the error: as if of a contact this small.
+SMALL_CONTACT = 0.01
+
+
+def checked(given: Mapping[str, Any], errors: MeasurementErrors) -> dict[str, Any]:
+    """Return the arrays of a law that are known, in the order of load."""
+    found: dict[str, Any] = {"load": check.array("load", given["load"], shape=(None,))}
+    count = len(found["load"])
+    for name in ("friction_force", "area"):
+        if given[name] is not None:
+            found[name] = check.array(name, given[name], shape=(count,))
+    found |= _asperities(given, count)
+    if "area" not in found and "asperity_area" in found:
+        found |= _total(found["asperity_area"], needed="friction_force" not in found)
+    if "friction_force" not in found and "area" not in found:
+        raise InvalidInput("a measured law needs friction_force, area or asperity_area")
+    for name in QUANTITIES:
+        if name in found:
+            found[f"{name}_sd"] = _deviation(name, given, found, errors)
+        elif given[f"{name}_sd"] is not None:
+            raise InvalidInput(f"{name}_sd needs {name}")
+    for name in ("load", "friction_force", "area"):
+        if name in found:
+            _refuse_negative(name, found[name], found[f"{name}_sd"])
+    order = np.argsort(found["load"], kind="stable")
+    ordered = {name: values if name == "site" else values[order] for name, values in found.items()}
+    for values in ordered.values():
+        values.flags.writeable = False
+    return ordered
+
+
+def _asperities(given: Mapping[str, Any], count: int) -> dict[str, Any]:
+    """Return the checked areas of the asperities and their numbers."""
+    if given["asperity_area"] is None:
+        if given["site"] is not None:
+            raise InvalidInput("site needs asperity_area")
+        return {}
+    areas = np.asarray(given["asperity_area"])
+    # nan stands for what was not measured; all else must be a number
+    missing = np.isnan(areas) if areas.dtype.kind == "f" else np.zeros(areas.shape, bool)
+    values = np.where(missing, 0.0, areas) if missing.any() else areas
+    filled = check.array("asperity_area", values, shape=(count, None))
+    if filled.min() < 0.0:
+        image, contact = np.unravel_index(filled.argmin(), filled.shape)
+        entry = label(f"asperity_area[{image}, {contact}]")
+        raise InvalidInput(
+            f"{entry} = {formatted('asperity_area', filled.min())} must be at least 0; 0 is an open contact"
+        )
+    site = np.arange(filled.shape[1]) if given["site"] is None else np.array(given["site"])
+    if site.shape != filled.shape[1:] or site.dtype.kind not in "iu" or (site < 0).any():
+        raise InvalidInput(
+            f"site = {shown(given['site'])} must hold the number of each of the {filled.shape[1]} asperities "
+            "of asperity_area in the design"
+        )
+    numbers, counts = np.unique(site, return_counts=True)
+    if (counts > 1).any():
+        raise InvalidInput(f"site holds {numbers[counts.argmax()]} twice; each asperity has its own site")
+    return {"asperity_area": np.where(missing, np.nan, filled), "site": site.astype(np.intp)}
+
+
+def _total(areas: FloatArray, needed: bool) -> dict[str, FloatArray]:
+    """Return the sums over the asperities, if all of them were measured."""
+    missing = np.argwhere(np.isnan(areas))
+    if not missing.size:
+        return {"area": areas.sum(axis=1)}
+    if not needed:
+        return {}
+    image, contact = missing[0].tolist()
+    raise InvalidInput(
+        f"asperity_area[{image}, {contact}] is nan, so that the contact area at load {image} is unknown; "
+        "leave this load out, or give friction_force or area"
+    )
+
+
+def _deviation(
+    name: str, given: Mapping[str, Any], found: Mapping[str, Any], errors: MeasurementErrors
+) -> FloatArray:
+    """Return the standard deviation of a quantity, as given or from the errors."""
+    values, sd = found[name], given[f"{name}_sd"]
+    missing = np.isnan(values)
+    if sd is not None:
+        filled = np.where(missing, 1.0, sd) if missing.any() and np.shape(sd) == values.shape else sd
+        # an open contact may be certain
+        checked = check.array(f"{name}_sd", filled, shape=values.shape, positive=name != "asperity_area")
+        return np.where(missing, np.nan, checked)
+    if name == "load":
+        return errors.of_load(values)
+    if name == "friction_force":
+        return errors.of_friction_force(values)
+    if name == "asperity_area":
+        return errors.of_area(values)
+    if given["area"] is None:
+        total: FloatArray = np.sqrt((found["asperity_area_sd"] ** 2).sum(axis=1))
+    else:
+        total = errors.of_area(values)  # of n contacts together as of one: the squares add up
+    if not values.max() > 0.0:
+        raise InvalidInput(
+            f"{label('area')} is {formatted('area', values.max())} at most: there is no contact"
+        )
+    return np.maximum(total, errors.of_area(np.array(SMALL_CONTACT * values.max())))
+
+
+def _refuse_negative(name: str, values: FloatArray, sd: FloatArray) -> None:
+    i = int((values / sd).argmin())
+    if values[i] < -BELOW_ZERO * sd[i]:
+        raise InvalidInput(
+            f"{label(f'{name}[{i}]')} = {formatted(name, values[i])} is below 0 by {-values[i] / sd[i]:.0f} "
+            "standard deviations; check the sign of the force or the zero of the instrument"
+        )

@@ -1,0 +1,52 @@
+"""The arrays of a measured law from the contacts in images."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from metafem.calibration.contact_table import ContactTable
+from metafem.errors import InvalidInput
+from metafem.notes import Note
+
+
+def of_contacts(table: ContactTable, rescaled: bool) -> tuple[dict[str, Any], tuple[Note, ...]]:
+    """Return the arrays of a law by name, and notes that name the images that are left out.
+
+    Friction forces are used where they can be `rescaled`, else the areas.
+    """
+    forces, total = np.isfinite(table.friction_force), ~np.isnan(table.area.sum(axis=1))
+    by_force = rescaled and bool(forces.any())
+    kept: NDArray[np.bool_] = np.isfinite(table.load) & (forces if by_force else total)
+    if not kept.any():
+        what = "a friction force" if by_force else "the areas of all its contacts"
+        raise InvalidInput(f"none of the {len(kept)} images has a load and {what}")
+    notes = tuple(
+        Note(f"image {table.image[i]} is left out: it has no {_missing(table, i, by_force)}")
+        for i in np.flatnonzero(~kept).tolist()
+    )
+    area, area_sd = table.area[kept], np.nan_to_num(table.area_error[kept])
+    found: dict[str, Any] = {"load": table.load[kept]}
+    if forces[kept].all():
+        found["friction_force"] = table.friction_force[kept]
+    if table.matched:
+        sites = table.site >= 0
+        found |= {"asperity_area": area[:, sites], "asperity_area_sd": area_sd[:, sites]}
+        found["site"] = table.site[sites]
+    sd = np.sqrt((area_sd**2).sum(axis=1))
+    if total[kept].all():
+        found["area"] = area.sum(axis=1)
+        if (sd > 0.0).all():  # else from the errors: an image without contacts has none
+            found["area_sd"] = sd
+    return found, notes
+
+
+def _missing(table: ContactTable, i: int, by_force: bool) -> str:
+    """Return what image i lacks."""
+    if np.isnan(table.load[i]):
+        return "load"
+    if by_force:
+        return "friction force"
+    return f"area of contact {int(np.isnan(table.area[i]).argmax())}"

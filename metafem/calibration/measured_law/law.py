@@ -1,0 +1,265 @@
+"""A measured friction law: points with error bars."""
+
+from __future__ import annotations
+
+from dataclasses import KW_ONLY, dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from metafem import _validate as check
+from metafem._calls import checked_class
+from metafem._given import shown
+from metafem._validate import FloatArray
+from metafem._values import span
+from metafem.calibration.contact_table import ContactTable
+from metafem.calibration.measured_law.given import ARRAYS, checked
+from metafem.calibration.measured_law.images import of_contacts
+from metafem.calibration.measurement_errors import MeasurementErrors
+from metafem.drawing import measured
+from metafem.errors import InvalidInput
+from metafem.notes import Note, counted, to_lines
+from metafem.prediction.base_law import BaseLaw
+from metafem.surface import Friction, Material
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from xarray import Dataset
+
+# Standard errors of the paper.
+PAPER = MeasurementErrors()
+
+# A field that is computed from the others if it is not given.
+COMPUTED: Any = None
+
+
+@checked_class
+@dataclass(frozen=True, eq=False, repr=False)
+class MeasuredLaw(BaseLaw):
+    """Friction law of a part as measured: friction forces or contact areas at k loads, with error bars.
+
+    The rescaled law is ``F/(sigma B)`` over ``P/E*`` where the friction force F was measured, else the
+    contact area A0 over P/E*. The standard deviations are those of the measurements alone: errors of E*,
+    sigma and B shift all points together, and `compare` takes them into account. Aymard et al., Science 383,
+    200 (2024), doi:10.1126/science.adk4234, Figs. 3 to 5.
+
+    Parameters
+    ----------
+    load : array_like, (k,)
+        Normal loads P [N], in any order; the law has them in increasing order.
+    friction_force : array_like, (k,), optional
+        Friction forces F [N].
+    area : array_like, (k,), optional
+        Real contact areas A0 [mm^2]; default: the sums of `asperity_area`.
+    asperity_area : array_like, (k, n), optional
+        Contact area of each asperity [mm^2], 0 for an open contact; nan where it could not be measured.
+    site : array_like of int, (n,), optional
+        Numbers of the asperities in the design; default: 0 to n - 1.
+    material : Material
+    friction : Friction, optional
+        Needed to rescale friction forces.
+    errors : MeasurementErrors
+        Standard deviations of what has none of its own; default: those of the paper.
+    load_sd, friction_force_sd, area_sd, asperity_area_sd : array_like, optional
+        Standard deviations, in the units and shapes of the quantities, positive.
+    label : str
+        Name of the law; default: "static".
+    notes : tuple of Note
+        What was left out.
+
+    Attributes
+    ----------
+    rescaled_load, rescaled_load_sd : ndarray, (k,)
+        P/E* and its standard deviation [mm^2].
+    rescaled_friction, rescaled_friction_sd : ndarray, (k,)
+        F/(sigma B) or A0, and its standard deviation [mm^2].
+
+    Raises
+    ------
+    InvalidInput
+        If neither friction forces nor areas are given, for arrays that do not fit together, for standard
+        deviations that are not positive, for values below zero by more than five standard deviations, and
+        for friction forces without `friction` and without areas.
+
+    Examples
+    --------
+    >>> import metafem as mf
+    >>> law = MeasuredLaw(
+    ...     [0.1, 0.2], friction_force=[0.05, 0.09],
+    ...     material=mf.Material(1.36), friction=mf.Friction(0.404, 0.85),
+    ... )
+    >>> law.rescaled_friction.round(4), law.rescaled_friction_sd.round(4)
+    (array([0.1456, 0.2621]), array([0.0044, 0.0055]))
+    >>> law
+    <MeasuredLaw "static": 2 loads 0.1 to 0.2 N, friction force 0.05 to 0.09 N, no notes>
+    """
+
+    load: FloatArray
+    _: KW_ONLY
+    friction_force: FloatArray | None = None
+    area: FloatArray | None = None
+    asperity_area: FloatArray | None = None
+    site: NDArray[np.intp] | None = None
+    material: Material
+    friction: Friction | None = None
+    errors: MeasurementErrors = PAPER
+    load_sd: FloatArray = COMPUTED
+    friction_force_sd: FloatArray | None = None
+    area_sd: FloatArray | None = None
+    asperity_area_sd: FloatArray | None = None
+    label: str = "static"
+    notes: tuple[Note, ...] = ()
+
+    def __post_init__(self) -> None:
+        check.instance("material", self.material, Material, "a metafem.Material")
+        if self.friction is not None:
+            check.instance("friction", self.friction, Friction, "a metafem.Friction, or None")
+        check.instance("errors", self.errors, MeasurementErrors, "a metafem.calibration.MeasurementErrors")
+        if not isinstance(self.label, str):
+            raise InvalidInput(f"label = {shown(self.label)} must be a text")
+        for name, values in checked({name: getattr(self, name) for name in ARRAYS}, self.errors).items():
+            object.__setattr__(self, name, values)
+        if self.area is None and self.friction is None:
+            raise InvalidInput(
+                "friction_force can only be rescaled with the friction of the material pair; add "
+                "friction=metafem.Friction(shear_strength, area_ratio)"
+            )
+
+    @classmethod
+    def from_contacts(
+        cls,
+        table: ContactTable,
+        material: Material,
+        friction: Friction | None = None,
+        *,
+        errors: MeasurementErrors = PAPER,
+        label: str = "static",
+    ) -> MeasuredLaw:
+        """Return the law of the contacts found in images.
+
+        The area of a load is the sum over its contacts. Images without a load, and images without a friction
+        force beside others that have one, are left out, and the notes name them. Areas of contacts that were
+        not matched to a site are part of the sums alone.
+
+        Parameters
+        ----------
+        table : ContactTable
+        material : Material
+        friction : Friction, optional
+        errors : MeasurementErrors
+            Of loads and friction forces; the areas have their own.
+        label : str
+
+        Returns
+        -------
+        MeasuredLaw
+
+        Raises
+        ------
+        InvalidInput
+            If no image has a load, or none has a friction force or the areas of all contacts.
+
+        Examples
+        --------
+        >>> from metafem import Material
+        >>> one, none = np.array([[0.1, 0.0]]), np.full((1, 2), np.nan)
+        >>> table = ContactTable(
+        ...     ("1.tif",), ("",), np.array([0.05]), np.array([np.nan]), np.array([[0.0, 0.0], [1.5, 0.0]]),
+        ...     np.arange(2), True, one, 0.01 * one, none, none,
+        ... )
+        >>> MeasuredLaw.from_contacts(table, Material(1.36)).area
+        array([0.1])
+        """
+        check.instance("table", table, ContactTable, "a metafem.calibration.ContactTable")
+        arrays, notes = of_contacts(table, friction is not None)
+        return cls(material=material, friction=friction, errors=errors, label=label, notes=notes, **arrays)
+
+    def __repr__(self) -> str:
+        what = (
+            f"area {span(self.rescaled_friction, 'mm^2')}"
+            if self.friction_force is None
+            else f"friction force {span(self.friction_force, 'N')}"
+        )
+        return (
+            f'<MeasuredLaw "{self.label}": {len(self.load)} loads {span(self.load, "N")}, {what}, '
+            f"{counted(self.notes)}>"
+        )
+
+    @property
+    def by_force(self) -> bool:
+        """Whether the rescaled friction is that of measured friction forces, and not the contact area."""
+        return self.friction_force is not None and self.friction is not None
+
+    @property
+    def rescaled_load(self) -> FloatArray:
+        """P/E* [mm^2]."""
+        return self.load / self.material.composite_modulus
+
+    @property
+    def rescaled_load_sd(self) -> FloatArray:
+        """Standard deviation of P/E* [mm^2], without the error of E*."""
+        return self.load_sd / self.material.composite_modulus
+
+    @property
+    def rescaled_friction(self) -> FloatArray:
+        """F/(sigma B) where the friction force was measured, else A0 [mm^2]."""
+        return self._rescaled(self.friction_force, self.area)
+
+    @property
+    def rescaled_friction_sd(self) -> FloatArray:
+        """Standard deviation of the rescaled friction [mm^2], without the errors of sigma and B."""
+        return self._rescaled(self.friction_force_sd, self.area_sd)
+
+    def _rescaled(self, force: FloatArray | None, area: FloatArray | None) -> FloatArray:
+        if force is not None and self.friction is not None:
+            return force / (self.friction.shear_strength * self.friction.area_ratio)
+        assert area is not None  # one of them is given
+        return area
+
+    def _force(self) -> FloatArray:
+        return self._in_newtons(self.friction_force, self.area)
+
+    def _in_newtons(self, force: FloatArray | None, area: FloatArray | None) -> FloatArray:
+        """Return what was measured as friction forces, or sigma B times what was measured as areas."""
+        if force is not None:
+            return force
+        if self.friction is None:
+            raise InvalidInput(
+                "the friction force was not measured; to compute it from the areas, give the law "
+                "friction=metafem.Friction(shear_strength, area_ratio)"
+            )
+        assert area is not None
+        return self.friction.shear_strength * self.friction.area_ratio * area
+
+    def quantities(self) -> dict[str, FloatArray]:
+        """Return the arrays (k,) of the law by name, in the order of its tables."""
+        found: dict[str, FloatArray] = {}
+        for name in ("load", "area", "rescaled_load", "rescaled_friction", "friction_force"):
+            if getattr(self, name) is not None:
+                found |= {name: getattr(self, name), f"{name}_sd": getattr(self, f"{name}_sd")}
+        if self.friction_force is not None:
+            found["friction_coefficient"] = self.friction_coefficient
+        return found
+
+    def _about(self) -> dict[str, str]:
+        return {"label": self.label, "notes": to_lines(self.notes)}
+
+    def to_xarray(self) -> Dataset:
+        """Return the law over its rescaled loads, with the areas of the asperities over ``site``."""
+        data = super().to_xarray()
+        if self.asperity_area is not None:
+            for name in ("asperity_area", "asperity_area_sd"):
+                attrs = {"units": "mm2", "long_name": "contact area of an asperity"}
+                data[name] = (("rescaled_load", "site"), getattr(self, name).copy(), attrs)
+            data = data.assign_coords(site=self.site)
+        return data
+
+    def _draw(self, ax: Axes, forces: bool, label: str | None) -> None:
+        if forces:
+            force_sd = self._in_newtons(self.friction_force_sd, self.area_sd)
+            shown_points = self.load, self._force(), self.load_sd, force_sd
+        else:
+            deviations = self.rescaled_load_sd, self.rescaled_friction_sd
+            shown_points = self.rescaled_load, self.rescaled_friction, *deviations
+        measured.points(ax, *shown_points, forces=forces, label=label)

@@ -1,0 +1,192 @@
+"""What predicted and measured friction laws have in common: coefficient, fits, tables and drawings."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from metafem import _validate as check
+from metafem import drawing
+from metafem._calls import checked_call
+from metafem._validate import FloatArray
+from metafem._values import Value
+from metafem.errors import InvalidInput
+from metafem.prediction import tables
+from metafem.prediction.branch_fit import BranchFit, fit_branch
+from metafem.surface import Friction, Material
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from pandas import DataFrame
+    from xarray import Dataset
+
+
+class BaseLaw(Value):
+    """A friction law at k increasing loads: `metafem.FrictionLaw`, `metafem.calibration.MeasuredLaw`."""
+
+    if TYPE_CHECKING:  # fields or properties of each law
+
+        @property
+        def load(self) -> FloatArray:
+            """P [N]."""
+
+        @property
+        def rescaled_load(self) -> FloatArray:
+            """P/E* [mm^2]."""
+
+        @property
+        def rescaled_friction(self) -> FloatArray:
+            """F/(sigma B) [mm^2]."""
+
+        @property
+        def material(self) -> Material:
+            """The block's material."""
+
+        @property
+        def friction(self) -> Friction | None:
+            """Friction of the material pair."""
+
+    @abstractmethod
+    def _force(self) -> FloatArray:
+        """Return the friction forces [N], or raise InvalidInput if they are not known."""
+
+    @abstractmethod
+    def quantities(self) -> dict[str, FloatArray]:
+        """Return the arrays (k,) of the law by name, in the order of its tables."""
+
+    @abstractmethod
+    def _about(self) -> Mapping[str, str]:
+        """Return what a table says about the law."""
+
+    @abstractmethod
+    def _draw(self, ax: Axes, forces: bool, label: str | None) -> None:
+        """Draw the law on axes, as forces [N] or rescaled [mm^2]."""
+
+    @property
+    def friction_coefficient(self) -> FloatArray:
+        """F/P [-], infinite without a load; raises InvalidInput if the friction forces are not known."""
+        force = self._force()
+        ratio = np.full(force.shape, np.inf)
+        np.divide(force, self.load, out=ratio, where=self.load > 0.0)
+        return ratio
+
+    @checked_call
+    def fit(
+        self, load_range: tuple[float, float] | None = None, *, load: tuple[float, float] | None = None
+    ) -> BranchFit:
+        """Fit a straight line to the branch between two loads.
+
+        Least squares of `rescaled_friction` against `rescaled_load`, with Student's 68 % intervals.
+
+        Parameters
+        ----------
+        load_range : (float, float), optional
+            Lower and upper rescaled load P/E* [mm^2].
+        load : (float, float), optional
+            Lower and upper load P [N], instead of `load_range`.
+
+        Raises
+        ------
+        InvalidInput
+            If the range is not increasing or contains fewer than three points, or if none or both of the
+            ranges are given.
+
+        Examples
+        --------
+        >>> import metafem as mf
+        >>> surface = mf.Surface.square_lattice(0.1, (2, 2), radius=0.526, material=mf.Material(1.36))
+        >>> law = mf.friction_law(surface, load=np.linspace(0.1, 0.2, 11))
+        >>> round(law.fit((0.07, 0.15)).slope, 2)
+        3.75
+        >>> law.fit(load=(0.1, 0.2)).points
+        11
+        """
+        if (load_range is None) == (load is None):
+            raise InvalidInput("a fit needs either load_range [mm^2] or load [N]")
+        if load is None:
+            ends = check.array("load_range", load_range, shape=(2,))
+        else:
+            ends = check.array("load", load, shape=(2,)) / self.material.composite_modulus
+        low, high = ends.tolist()
+        return fit_branch(
+            self.rescaled_load, self.rescaled_friction, (low, high), self.material, self.friction
+        )
+
+    def to_dataframe(self) -> DataFrame:
+        """Return the law as a table with a row for each load.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Columns named by quantity and unit as in ``law.csv``: ``load_N``, ``area_mm2``,
+            ``separation_mm``, ``rescaled_load_mm2``, ``rescaled_friction_mm2``, with a Friction
+            ``friction_force_N`` and ``friction_coefficient``, ``approach_mm``, ``stiffness_N_per_mm`` and
+            ``residual``. Its ``attrs`` hold model, status and notes as texts.
+
+        Examples
+        --------
+        >>> import metafem as mf
+        >>> surface = mf.Surface.square_lattice(0.1, (2, 2), radius=0.526, material=mf.Material(1.36))
+        >>> table = mf.friction_law(surface, load=[0.1, 0.2]).to_dataframe()
+        >>> table["area_mm2"].round(4).tolist(), table.attrs["model"]
+        ([0.4708, 0.7474], 'Independent()')
+        """
+        return tables.dataframe(self.quantities(), self._about())
+
+    def to_xarray(self) -> Dataset:
+        """Return the law over its rescaled loads.
+
+        Returns
+        -------
+        xarray.Dataset
+            ``load``, ``area``, ``separation``, ``rescaled_friction``, with a Friction ``friction_force``
+            and ``friction_coefficient``,
+            ``approach``, ``stiffness`` and ``residual`` over the dimension ``rescaled_load``, each with its
+            ``units`` and ``long_name``. Its ``attrs`` hold model, status and notes as texts.
+
+        Examples
+        --------
+        >>> import metafem as mf
+        >>> surface = mf.Surface.square_lattice(0.1, (2, 2), radius=0.526, material=mf.Material(1.36))
+        >>> data = mf.friction_law(surface).to_xarray()
+        >>> data.sizes["rescaled_load"], data.area.attrs["units"]
+        (100, 'mm2')
+        """
+        return tables.dataset(self.quantities(), self._about())
+
+    def plot(
+        self, ax: Axes | None = None, units: Literal["mm^2", "N"] = "mm^2", label: str | None = None
+    ) -> Axes:
+        """Draw the law and return the axes.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            Axes to draw on; default: those of a new figure of ``matplotlib.pyplot``.
+        units : {"mm^2", "N"}
+            Rescaled friction over rescaled load [mm^2], or friction force over load [N].
+        label : str, optional
+            Label for a legend.
+
+        Raises
+        ------
+        InvalidInput
+            For other units, for an `ax` that is not a matplotlib Axes, and for forces of a surface without
+            a Friction.
+
+        Examples
+        --------
+        >>> import metafem as mf
+        >>> surface = mf.Surface.square_lattice(0.1, (2, 2), radius=0.526, material=mf.Material(1.36))
+        >>> ax = mf.friction_law(surface).plot(label="four asperities")
+        >>> ax.get_xlabel()
+        'rescaled load  P/E* [mm²]'
+        """
+        if units not in ("mm^2", "N"):
+            raise InvalidInput(f'units = {units!r:.40} must be "mm^2" (rescaled) or "N" (forces)')
+        ax = drawing.axes(ax)
+        self._draw(ax, units == "N", label)
+        return ax
