@@ -23,10 +23,12 @@ UNITS: Mapping[str, str] = {
             *("separation", "approach", "cell", "contact_radius", "block_radius", "cell_radius"),
             *("alignment_height", "chord_error", "indentation", "r", "tools", "range"),
             *("radius_sd", "position_sd"),
+            *("displacement", "sliding_range", "boundary"),
         ),
         "mm^2": (
             *("rescaled_load", "rescaled_friction", "crossover_load", "crossover_loads", "load_range"),
             *("area", "area_sd", "asperity_area", "asperity_area_sd"),
+            *("area_before", "area_sheared"),
         ),
         "N": ("load", "friction_force", "load_sd", "friction_force_sd"),
         "N/mm": ("adhesion_energy",),

@@ -1,0 +1,194 @@
+"""Area ratio and shear strength from the areas and the friction forces of sheared contacts."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from metafem import _validate as check
+from metafem._calls import checked_call
+from metafem._given import formatted, label, plain, shown
+from metafem._validate import FloatArray
+from metafem.calibration.heterogeneity import heterogeneity
+from metafem.calibration.measurement_errors import MeasurementErrors
+from metafem.calibration.shear_calibration import ShearCalibration
+from metafem.calibration.shear_fit import ShearFit, fitted, fitted_tests, resampled
+from metafem.errors import InvalidInput
+from metafem.notes import Note, information
+
+# Names of the quantities of a point.
+NAMES = ("area_before", "area_sheared", "friction_force")
+
+# Of a line through the origin: one for the factor, and one more for a residual.
+FEWEST = 2
+
+DEFAULT_ERRORS = MeasurementErrors()
+
+
+@checked_call
+def shear(
+    area_before: ArrayLike,
+    area_sheared: ArrayLike,
+    friction_force: ArrayLike,
+    *,
+    errors: MeasurementErrors = DEFAULT_ERRORS,
+    test: Sequence[Any] | None = None,
+    bootstrap: int = 0,
+    rng: Any = 0,
+) -> ShearCalibration:
+    """Fit the area ratio B and the shear strength sigma to sheared contacts, ``Af = B A0``, ``F = sigma Af``.
+
+    Both lines pass through the origin, and all three quantities have errors. The area A0 of each point is an
+    unknown of the fit: A0, B A0 and sigma B A0 were measured with independent errors, whose standard
+    deviations follow from the fitted values. The sheared area belongs to both lines, which makes B and sigma
+    correlated (about -0.3 with the default errors). Separate fits of the two lines have nearly the same
+    values and errors, but they do not find this covariance, and from their errors alone that of sigma B
+    would be too large. Aymard et al., Science 383, 200 (2024),
+    doi:10.1126/science.adk4234, Fig. 2, C and D.
+
+    The static friction force and the area at the same instant, or the sliding ones, may be used.
+
+    Parameters
+    ----------
+    area_before, area_sheared : array_like, (k,) or (k, n)
+        Contact areas A0 before shear and Af at the friction force [mm^2], positive: totals, or those of n
+        contacts, which are added. nan where one was not measured.
+    friction_force : array_like, (k,)
+        Total friction forces F [N] of these contacts; nan where one was not measured.
+    errors : MeasurementErrors
+        Standard deviations. Those of a total area are the same for any number of contacts.
+    test : sequence, (k,), optional
+        Label of the test of each point; default: one test.
+    bootstrap : int
+        Number of fits to points that are drawn again from those of each test; default: 0.
+    rng : int or numpy.random.Generator
+        Seed or generator of these; default: 0.
+
+    Returns
+    -------
+    ShearCalibration
+
+    Raises
+    ------
+    InvalidInput
+        For areas that are not positive, lengths that differ, fewer than two points of a line, and friction
+        forces that do not grow with the area.
+
+    Examples
+    --------
+    >>> before = np.array([0.05, 0.1, 0.2, 0.3])
+    >>> found = shear(before, [0.043, 0.085, 0.17, 0.254], [0.0155, 0.0316, 0.0632, 0.0941])
+    >>> found
+    <ShearCalibration: B = 0.8484 ± 0.0068, sigma = 0.3706 ± 0.0054 MPa, 4 points>
+    """
+    check.instance("errors", errors, MeasurementErrors, "a metafem.calibration.MeasurementErrors")
+    count = 0 if bootstrap == 0 else check.integer("bootstrap", bootstrap, at_least=2)
+    points = _points(area_before, area_sheared, friction_force)
+    names = _labels(test, points.shape[1])
+    known = np.isfinite(points)
+    for line, first, second in (("B", 0, 1), ("sigma", 1, 2)):
+        number = int((known[first] & known[second]).sum())
+        if number < FEWEST:
+            both = f"{NAMES[first]} and {NAMES[second]}"
+            raise InvalidInput(f"{line} needs at least {FEWEST} points with {both}; there are {number}")
+    found = fitted(points, errors)
+    _refuse_contradiction(points, found)
+    tests, values, covariances = fitted_tests(points, names, errors) if len(set(names)) > 1 else ((), [], [])
+    draws = resampled(points, names, errors, count, check.generator(rng)) if count else None
+    ratio, strength = found.parameters.tolist()
+    return ShearCalibration(
+        ratio,
+        strength,
+        found.covariance,
+        points[0],
+        points[1],
+        points[2],
+        found.value,
+        found.residual[0],
+        found.residual[1],
+        found.verdicts[0],
+        found.verdicts[1],
+        tests,
+        heterogeneity(values, covariances) if tests else None,
+        draws,
+        tuple(_notes(known)),
+    )
+
+
+def _points(*given: ArrayLike) -> FloatArray:
+    """Return the measured quantities (3, k), areas of several contacts added."""
+    columns = [_column(name, value) for name, value in zip(NAMES, given, strict=True)]
+    lengths = {name: len(column) for name, column in zip(NAMES, columns, strict=True)}
+    if len(set(lengths.values())) > 1:
+        told = ", ".join(f"{name} has {length}" for name, length in lengths.items())
+        raise InvalidInput(f"{told} points; all must have the same number")
+    return np.stack(columns)
+
+
+def _column(name: str, value: ArrayLike) -> FloatArray:
+    """Return one quantity (k,), nan where it was not measured."""
+    try:
+        entries = np.array(plain(name, value), dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InvalidInput(f"{name} is not an array of numbers: {shown(value, 80)}") from None
+    allowed = (1,) if name == "friction_force" else (1, 2)
+    if entries.ndim not in allowed or not entries.size:
+        shapes = "(k,)" if allowed == (1,) else "(k,) or (k, n)"
+        raise InvalidInput(f"{name} has shape {entries.shape}; it must have shape {shapes}")
+    known = entries[np.isfinite(entries)]
+    checked = check.array(name, known, shape=(None,)) if known.size else known
+    if np.isinf(entries).any():
+        raise InvalidInput(
+            f"{name} holds {entries[np.isinf(entries)][0]}; write nan where it was not measured"
+        )
+    if name != "friction_force" and checked.size and checked.min() <= 0.0:
+        index = ", ".join(str(i) for i in np.argwhere(entries <= 0.0)[0])
+        least = formatted(name, float(entries[entries <= 0.0][0]))
+        raise InvalidInput(
+            f"{label(f'{name}[{index}]')} = {least} must be greater than 0; leave out points without contact"
+        )
+    total: FloatArray = entries if entries.ndim == 1 else entries.sum(axis=1)
+    return total
+
+
+def _labels(test: Sequence[Any] | None, count: int) -> tuple[str, ...]:
+    """Return the test of each point."""
+    if test is None:
+        return ("",) * count
+    names = tuple(str(each) for each in np.asarray(test).ravel().tolist())
+    if len(names) != count:
+        raise InvalidInput(f"test has {len(names)} labels for {count} points; give one for each point")
+    return names
+
+
+def _refuse_contradiction(points: FloatArray, found: ShearFit) -> None:
+    """Refuse a strength that is not positive, and lines that the points reject by a negative slope."""
+    if found.parameters[1] <= 0.0:
+        raise InvalidInput(
+            f"friction_force is not positive on the whole: sigma = {found.parameters[1]:.4g} MPa; forces "
+            "that resist sliding are positive"
+        )
+    for index, verdict in enumerate(found.verdicts):
+        x, y = points[index : index + 2][:, np.isfinite(points[index : index + 2]).all(axis=0)]
+        apart = x - x.mean()
+        slope = float((apart * y).sum())
+        if slope < 0.0 and not verdict.fits:
+            line = ("Af = B A0", "F = sigma Af")[index]
+            slope /= float(apart @ apart)
+            raise InvalidInput(
+                f"{NAMES[index + 1]} decreases with {NAMES[index]} (slope {slope:.3g}), which "
+                f"contradicts {line}; check the columns and their units"
+            )
+
+
+def _notes(known: FloatArray) -> list[Note]:
+    """Tell how many points lack a quantity."""
+    single = int((known.sum(axis=0) < 2).sum())
+    if not single:
+        return []
+    return [
+        information(f"{single} of {known.shape[1]} points hold less than two quantities and are not used")
+    ]

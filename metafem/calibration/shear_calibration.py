@@ -1,0 +1,128 @@
+"""Area ratio and shear strength of a material pair, as they were measured."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from metafem._validate import FloatArray
+from metafem._values import Value
+from metafem.calibration.heterogeneity import Heterogeneity
+from metafem.calibration.verdict import Verdict
+from metafem.material import Friction
+from metafem.notes import Note
+
+# Half the width of a 68 % interval of a normal distribution, over its standard deviation.
+WIDTH_68 = 0.994458
+
+
+@dataclass(frozen=True)
+class ShearTest:
+    """Fit of one of several pooled tests.
+
+    Attributes
+    ----------
+    name : str
+        Label of the test.
+    points : int
+        Number of points.
+    area_ratio, shear_strength : float or None
+        B [-] and sigma [MPa]; None where the test did not measure it.
+    area_ratio_sd, shear_strength_sd : float or None
+        Their standard deviations.
+
+    Examples
+    --------
+    >>> ShearTest("1", 20, 0.85, 0.37, 0.002, 0.001).area_ratio
+    0.85
+    """
+
+    name: str
+    points: int
+    area_ratio: float | None
+    shear_strength: float | None
+    area_ratio_sd: float | None
+    shear_strength_sd: float | None
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ShearCalibration(Value):
+    """Area ratio B and shear strength sigma from sheared contacts, with their errors.
+
+    Attributes
+    ----------
+    area_ratio, shear_strength : float
+        B [-] and sigma [MPa].
+    covariance : ndarray, (2, 2)
+        Covariance of B and sigma, in this order. They share the sheared area, so they are correlated.
+    area_before, area_sheared, friction_force : ndarray, (k,)
+        Measured points [mm^2], [mm^2] and [N]; nan where one was not measured.
+    area_fitted : ndarray, (k,)
+        Fitted area before shear [mm^2].
+    area_residual, friction_residual : ndarray, (k,)
+        Distances of the points from the lines ``Af = B A0`` and ``F = sigma Af`` over their standard
+        deviations [-]; nan where the point is not one of the line's.
+    area_verdict, friction_verdict : Verdict
+        Whether each line fits.
+    tests : tuple of ShearTest
+        Fit of each test, where there are several.
+    heterogeneity : Heterogeneity or None
+        Whether the tests agree; None of a single test.
+    bootstrap : ndarray, (n, 2), or None
+        B and sigma of resampled points.
+    notes : tuple of Note
+    friction : metafem.Friction
+    area_ratio_interval, shear_strength_interval : (float, float)
+        68 % intervals.
+
+    Examples
+    --------
+    >>> from metafem.calibration import shear
+    >>> before = np.array([0.1, 0.2, 0.3])
+    >>> found = shear(before, 0.85 * before, 0.3145 * before)
+    >>> found.friction
+    Friction(shear_strength=0.37, area_ratio=0.85)
+    """
+
+    area_ratio: float
+    shear_strength: float
+    covariance: FloatArray
+    area_before: FloatArray
+    area_sheared: FloatArray
+    friction_force: FloatArray
+    area_fitted: FloatArray
+    area_residual: FloatArray
+    friction_residual: FloatArray
+    area_verdict: Verdict
+    friction_verdict: Verdict
+    tests: tuple[ShearTest, ...] = ()
+    heterogeneity: Heterogeneity | None = None
+    bootstrap: FloatArray | None = None
+    notes: tuple[Note, ...] = field(default=())
+
+    def __repr__(self) -> str:
+        ratio, strength = np.sqrt(np.diagonal(self.covariance))
+        return (
+            f"<ShearCalibration: B = {self.area_ratio:.4g} ± {ratio:.2g}, "
+            f"sigma = {self.shear_strength:.4g} ± {strength:.2g} MPa, {len(self.area_before)} points>"
+        )
+
+    @property
+    def friction(self) -> Friction:
+        """Friction with the fitted values."""
+        return Friction(self.shear_strength, self.area_ratio)
+
+    @property
+    def area_ratio_interval(self) -> tuple[float, float]:
+        """68 % interval of B [-]."""
+        return self._interval(self.area_ratio, 0)
+
+    @property
+    def shear_strength_interval(self) -> tuple[float, float]:
+        """68 % interval of sigma [MPa]."""
+        return self._interval(self.shear_strength, 1)
+
+    def _interval(self, value: float, index: int) -> tuple[float, float]:
+        half = WIDTH_68 * float(np.sqrt(self.covariance[index, index]))
+        return value - half, value + half

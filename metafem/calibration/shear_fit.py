@@ -1,0 +1,114 @@
+"""Fits of the two lines of sheared contacts: all points, tests one by one, and points drawn again."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from metafem._validate import FloatArray
+from metafem.calibration.measurement_errors import MeasurementErrors
+from metafem.calibration.proportional import proportional
+from metafem.calibration.shear_calibration import ShearTest
+from metafem.calibration.verdict import Verdict, judged
+
+# Numbers of points that are drawn at once.
+AT_ONCE = 200_000
+
+
+@dataclass(frozen=True, eq=False)
+class ShearFit:
+    """B and sigma with their covariance, the fitted A0 and what the points say of the two lines."""
+
+    parameters: FloatArray
+    covariance: FloatArray
+    value: FloatArray
+    residual: tuple[FloatArray, FloatArray]
+    verdicts: tuple[Verdict, Verdict]
+
+
+def parameters(points: FloatArray, errors: MeasurementErrors) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return B and sigma (..., 2), their covariance (..., 2, 2) and A0 (..., k) from points (..., 3, k)."""
+    deviation = (errors.of_area, errors.of_area, errors.of_friction_force)
+    factor, covariance, value = proportional(points, deviation)
+    ratio, strength = factor[..., 0], factor[..., 1] / factor[..., 0]  # the second factor is sigma B
+    jacobian = np.zeros_like(covariance)
+    jacobian[..., 0, 0] = 1.0
+    jacobian[..., 1, 0], jacobian[..., 1, 1] = -strength / ratio, 1.0 / ratio
+    covariance = jacobian @ covariance @ np.swapaxes(jacobian, -1, -2)
+    return np.stack([ratio, strength], axis=-1), covariance, value
+
+
+def fitted(points: FloatArray, errors: MeasurementErrors) -> ShearFit:
+    """Fit points (3, k); those with a single quantity have no fitted value."""
+    used = np.isfinite(points).sum(axis=0) >= 2
+    value = np.full(points.shape[1], np.nan)
+    found, covariance, value[used] = parameters(points[:, used], errors)
+    ratio, strength = found
+    before, sheared, force = points
+    before_sd, sheared_sd = errors.of_area(value), errors.of_area(ratio * value)
+    force_sd = errors.of_friction_force(strength * ratio * value)
+    residual = (
+        (sheared - ratio * before) / np.hypot(sheared_sd, ratio * before_sd),
+        (force - strength * sheared) / np.hypot(force_sd, strength * sheared_sd),
+    )
+    order = np.argsort(value, kind="stable")
+    verdicts = tuple(judged(each[order][np.isfinite(each[order])], 1) for each in residual)
+    return ShearFit(found, covariance, value, residual, (verdicts[0], verdicts[1]))
+
+
+def fitted_tests(
+    points: FloatArray, test: Sequence[str], errors: MeasurementErrors
+) -> tuple[tuple[ShearTest, ...], list[FloatArray], list[FloatArray]]:
+    """Return the fit of each test, and parameters (2,), covariance (2, 2) of those with a line."""
+    tests, values, covariances = [], [], []
+    for name in dict.fromkeys(test):
+        own = points[:, np.array([each == name for each in test])]
+        value, covariance = _of_known(own, errors)
+        deviation = np.sqrt(np.diagonal(covariance))
+        plain = [None if np.isnan(number) else float(number) for number in (*value, *deviation)]
+        tests.append(ShearTest(name, own.shape[1], *plain))
+        if np.isfinite(value).any():
+            values.append(value)
+            covariances.append(covariance)
+    return tuple(tests), values, covariances
+
+
+def _of_known(points: FloatArray, errors: MeasurementErrors) -> tuple[FloatArray, FloatArray]:
+    """Return B and sigma with their covariance, nan for the line of which the points hold nothing."""
+    known = np.isfinite(points)
+    of_ratio, of_strength = (known[0] & known[1]).any(), (known[1] & known[2]).any()
+    value, covariance = np.full(2, np.nan), np.full((2, 2), np.nan)
+    if of_ratio and of_strength:
+        value, covariance, _ = parameters(points[:, known.sum(axis=0) >= 2], errors)
+    elif of_ratio or of_strength:
+        rows, index = (slice(0, 2), 0) if of_ratio else (slice(1, 3), 1)
+        deviation = (errors.of_area, errors.of_area if of_ratio else errors.of_friction_force)
+        pair = points[rows][:, known[rows].all(axis=0)]
+        factor, square, _ = proportional(pair, deviation)
+        value[index], covariance[index, index] = factor[0], square[0, 0]
+    return value, covariance
+
+
+def resampled(
+    points: FloatArray, test: Sequence[str], errors: MeasurementErrors, count: int, rng: np.random.Generator
+) -> FloatArray:
+    """Return B and sigma (count, 2) of points that are drawn with replacement from each group.
+
+    The points of a group have the same test and the same measured quantities, so that each draw has as many
+    points of either line.
+    """
+    known = np.isfinite(points)
+    used = np.flatnonzero(known.sum(axis=0) >= 2)
+    groups: dict[tuple[object, ...], list[int]] = {}
+    for i in used.tolist():
+        groups.setdefault((test[i], *known[:, i].tolist()), []).append(i)
+    found = np.empty((count, 2))
+    step = max(1, AT_ONCE // len(used))
+    for start in range(0, count, step):
+        number = min(step, count - start)
+        drawn = [np.array(own)[rng.integers(len(own), size=(number, len(own)))] for own in groups.values()]
+        chosen = points[:, np.concatenate(drawn, axis=1)].transpose(1, 0, 2)
+        found[start : start + number] = parameters(chosen, errors)[0]
+    return found

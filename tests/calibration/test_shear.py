@@ -1,0 +1,117 @@
+"""B and sigma: what they cover, their tests, points drawn again, and what is refused."""
+
+import numpy as np
+import pytest
+
+from metafem import Friction
+from metafem.calibration import shear
+from metafem.calibration.shear_fit import parameters
+from metafem.errors import InvalidInput
+from validation.scenes.sheared_contacts import ERRORS, RATIO, STRENGTH, sheared
+
+TESTS = np.repeat(["a", "b", "c"], 20)
+
+
+@pytest.fixture(scope="module")
+def points():
+    return sheared(np.random.default_rng(7))[0]
+
+
+def test_exact_points_give_the_friction():
+    _, exact = sheared(np.random.default_rng(0))
+    found = shear(*exact)
+    assert found.area_ratio == pytest.approx(RATIO, rel=1e-12)
+    assert found.shear_strength == pytest.approx(STRENGTH, rel=1e-12)
+    assert found.friction == Friction(found.shear_strength, found.area_ratio)
+
+
+def test_values_have_the_stated_errors_and_correlation():
+    many, _ = sheared(np.random.default_rng(8), shape=(3000,))
+    found, covariance, _ = parameters(many, ERRORS)
+    deviation = np.sqrt(np.einsum("nii->ni", covariance))
+    error = (found - [RATIO, STRENGTH]) / deviation
+    sampling = 1.0 / np.sqrt(3000)
+    assert np.abs(error.mean(0)).max() < 4.0 * sampling
+    assert np.abs(error.std(0) - 1.0).max() < 4.0 * sampling / np.sqrt(2.0)
+    stated = (covariance[:, 0, 1] / deviation.prod(1)).mean()
+    assert np.corrcoef(error.T)[0, 1] == pytest.approx(stated, abs=4.0 * sampling)
+    assert stated == pytest.approx(-0.3, abs=0.02)
+
+
+def test_the_interval_is_that_of_the_covariance(points):
+    found = shear(*points)
+    low, high = found.shear_strength_interval
+    assert 0.5 * (high - low) == pytest.approx(0.9945 * found.covariance[1, 1] ** 0.5, rel=1e-4)
+    assert found.area_ratio_interval[0] < found.area_ratio < found.area_ratio_interval[1]
+    assert found.area_verdict.fits
+    assert found.friction_verdict.freedom == 59
+
+
+def test_tests_are_fitted_one_by_one_and_compared(points):
+    found = shear(*points, test=TESTS)
+    assert [each.name for each in found.tests] == ["a", "b", "c"]
+    own = shear(*points[:, 20:40])
+    assert found.tests[1].area_ratio == own.area_ratio
+    assert found.tests[1].shear_strength_sd == pytest.approx(own.covariance[1, 1] ** 0.5)
+    assert found.heterogeneity.freedom == 4
+    assert found.heterogeneity.agree
+    other = points.copy()
+    other[2, 40:] *= 1.1
+    assert not shear(*other, test=TESTS).heterogeneity.agree
+
+
+def test_quantities_that_were_not_measured_are_left_out(points):
+    some = points.copy()
+    some[2, :20] = np.nan  # the first test has no forces, the last no area before shear
+    some[0, 40:] = np.nan
+    some[1, 0] = np.nan
+    found = shear(*some, test=TESTS)
+    assert found.tests[0].shear_strength is None
+    assert found.tests[2].area_ratio is None
+    assert found.heterogeneity.freedom == 2
+    assert found.area_verdict.freedom == 38
+    assert np.isnan(found.area_fitted).sum() == 1
+    assert "1 of 60 points" in str(found.notes[0])
+    shear(*some, test=TESTS, bootstrap=10)
+
+
+def test_points_drawn_again_scatter_as_stated_and_repeat(points):
+    found = shear(*points, test=TESTS, bootstrap=2000)
+    assert found.bootstrap.shape == (2000, 2)
+    # of 60 points the scatter is known within about 10 %
+    ratio = found.bootstrap.std(0) / np.sqrt(np.diagonal(found.covariance))
+    assert (np.abs(ratio - 1.0) < 0.35).all()
+    assert found == shear(*points, test=TESTS, bootstrap=2000)
+    assert found != shear(*points, test=TESTS, bootstrap=2000, rng=1)
+
+
+def test_areas_of_several_contacts_are_added(points):
+    shares = np.array([0.2, 0.3, 0.5])
+    together = shear(points[0][:, None] * shares, points[1][:, None] * shares, points[2])
+    assert together.area_ratio == pytest.approx(shear(*points).area_ratio, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda b, s, f: (b, s, -f), "friction_force is not positive on the whole"),
+        (lambda b, s, f: (b, s, f[::-1]), "friction_force decreases with area_sheared"),
+        (lambda b, s, f: (b, s[::-1], f[::-1]), "area_sheared decreases with area_before"),
+        (lambda b, s, f: (b, s[:5], f), "area_sheared has 5"),
+        (lambda b, s, f: (b, -s, f), r"area_sheared\[0\] = .* must be greater than 0; leave out"),
+        (lambda b, s, f: (b, s, f * np.inf), "friction_force holds inf; write nan"),
+        (lambda b, s, f: (b, s, f * np.nan), "sigma needs at least 2 points"),
+        (lambda b, s, f: (b[:1], s[:1], f[:1]), "B needs at least 2 points with area_before and"),
+        (lambda b, s, f: ("x", s, f), "area_before is not an array of numbers"),
+        (lambda b, s, f: (b, s, f[:, None]), r"friction_force has shape \(20, 1\)"),
+    ],
+)
+def test_bad_input_is_named(change, message):
+    points, _ = sheared(np.random.default_rng(1), tests=1)
+    with pytest.raises(InvalidInput, match=message):
+        shear(*change(*points))
+
+
+def test_labels_must_fit_the_points(points):
+    with pytest.raises(InvalidInput, match="test has 2 labels for 60 points"):
+        shear(*points, test=["a", "b"])
