@@ -1,0 +1,91 @@
+"""Writes synthetic raw data of a laboratory: images and forces of a calibration sample, and of a made part.
+
+`python -m validation.laboratory lab` writes the calibration sample, and the specification of a surface
+without its material. `python -m validation.laboratory lab --part DIR` makes the design of a result folder,
+with errors, and measures it.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+import numpy as np
+
+import metafem as mf
+from validation.scenes.laboratory import BLOCK, RADIUS, Series, calibration_tests, made, measured
+
+# Loads of the part over those at which the plane reaches its lowest summit; as many as points in Fig. 4.
+LOADS = np.linspace(0.05, 1.2, 16)
+
+WANTED = f"""
+[target]
+kind = "linear"
+slope = 6.87                    # of F/(sigma B) over P/E*
+
+[lattice]
+shape = [8, 8]
+pitch = "1.5 mm"
+radius = "{1e3 * RADIUS:g} um"
+
+[block]
+width = "{BLOCK.width:g} mm"
+length = "{BLOCK.length:g} mm"
+thickness = "{BLOCK.thickness:g} mm"
+
+[limits]
+max_height = "120 um"
+offset = "84 um"
+
+[layout]
+seed = 0
+"""
+
+
+@click.command(help=__doc__.partition("\n\n")[2])
+@click.argument("folder", type=click.Path(path_type=Path))
+@click.option(
+    "--part", type=click.Path(path_type=Path, exists=True), help="Result folder of the part's design."
+)
+def main(folder: Path, part: Path | None) -> None:
+    """Write the raw data."""
+    if part is None:
+        write(folder / "sample", calibration_tests())
+        (folder / "wanted.toml").write_text(WANTED.lstrip())
+        click.echo(f"wrote {folder / 'sample'} and {folder / 'wanted.toml'}")
+        return
+    write(folder / "part", [part_test(mf.load(part).surface)])
+    click.echo(f"wrote {folder / 'part'}")
+
+
+def part_test(design: mf.Surface) -> Series:
+    """Return the measurement of the made part of a design."""
+    surface = made(design)
+    lowest = mf.equilibrium(design, separation=float(design.height.min())).load
+    return measured(surface, LOADS * lowest, seed=20)
+
+
+def write(folder: Path, tests: list[Series]) -> None:
+    """Write tests as TIFF files with their pixel size, and a table of the forces."""
+    import tifffile
+
+    folder.mkdir(parents=True, exist_ok=True)
+    rows = ["image,sheared_image,test,load_mN,friction_force_mN"]
+    for number, test in enumerate(tests, 1):
+        for k, (load, force) in enumerate(zip(test.load, test.friction_force, strict=True), 1):
+            names = [f"test{number}_{k}{state}.tif" for state in ("", "_sheared")]
+            for name, sheared in zip(names, (False, True), strict=True):
+                per_centimetre = 10.0 / test.pixel
+                tifffile.imwrite(
+                    folder / name,
+                    test.image(k - 1, sheared),
+                    resolution=(per_centimetre, per_centimetre),
+                    resolutionunit="CENTIMETER",
+                    compression="zlib",
+                )
+            rows.append(f"{names[0]},{names[1]},test {number},{1e3 * load:.2f},{1e3 * force:.2f}")
+    (folder / "forces.csv").write_text("\n".join(rows) + "\n")
+
+
+if __name__ == "__main__":
+    main()
