@@ -2,7 +2,9 @@ from .contact_table import ContactTable as ContactTable
 from .heterogeneity import Heterogeneity as Heterogeneity
 from .measured_law.law import MeasuredLaw as MeasuredLaw
 from .measurement_errors import MeasurementErrors as MeasurementErrors
-from .shear import shear as shear
-from .shear_calibration import ShearCalibration as ShearCalibration
-from .shear_calibration import ShearTest as ShearTest
+from .sheared.lines import shear as shear
+from .sheared.record import ShearRecord as ShearRecord
+from .sheared.record import shear_record as shear_record
+from .sheared.result import ShearCalibration as ShearCalibration
+from .sheared.result import ShearTest as ShearTest
 from .verdict import Verdict as Verdict

@@ -9,8 +9,8 @@ import numpy as np
 
 from metafem._validate import FloatArray
 from metafem.calibration.measurement_errors import MeasurementErrors
-from metafem.calibration.proportional import proportional
-from metafem.calibration.shear_calibration import ShearTest
+from metafem.calibration.sheared.proportional import proportional
+from metafem.calibration.sheared.result import ShearTest
 from metafem.calibration.verdict import Verdict, judged
 
 # Numbers of points that are drawn at once.

@@ -10,12 +10,12 @@ from numpy.typing import ArrayLike
 
 from metafem import _validate as check
 from metafem._calls import checked_call
-from metafem._given import formatted, label, plain, shown
 from metafem._validate import FloatArray
 from metafem.calibration.heterogeneity import heterogeneity
 from metafem.calibration.measurement_errors import MeasurementErrors
-from metafem.calibration.shear_calibration import ShearCalibration
-from metafem.calibration.shear_fit import ShearFit, fitted, fitted_tests, resampled
+from metafem.calibration.sheared.fits import ShearFit, fitted, fitted_tests, resampled
+from metafem.calibration.sheared.quantities import measured_or_nan
+from metafem.calibration.sheared.result import ShearCalibration
 from metafem.errors import InvalidInput
 from metafem.notes import Note, information
 
@@ -82,7 +82,7 @@ def shear(
     >>> before = np.array([0.05, 0.1, 0.2, 0.3])
     >>> found = shear(before, [0.043, 0.085, 0.17, 0.254], [0.0155, 0.0316, 0.0632, 0.0941])
     >>> found
-    <ShearCalibration: B = 0.8484 ± 0.0068, sigma = 0.3706 ± 0.0054 MPa, 4 points>
+    <ShearCalibration: B = 0.8492 ± 0.0077, sigma = 0.3705 ± 0.006 MPa, 4 points>
     """
     check.instance("errors", errors, MeasurementErrors, "a metafem.calibration.MeasurementErrors")
     count = 0 if bootstrap == 0 else check.integer("bootstrap", bootstrap, at_least=2)
@@ -120,38 +120,12 @@ def shear(
 
 def _points(*given: ArrayLike) -> FloatArray:
     """Return the measured quantities (3, k), areas of several contacts added."""
-    columns = [_column(name, value) for name, value in zip(NAMES, given, strict=True)]
+    columns = [measured_or_nan(name, value) for name, value in zip(NAMES, given, strict=True)]
     lengths = {name: len(column) for name, column in zip(NAMES, columns, strict=True)}
     if len(set(lengths.values())) > 1:
         told = ", ".join(f"{name} has {length}" for name, length in lengths.items())
         raise InvalidInput(f"{told} points; all must have the same number")
     return np.stack(columns)
-
-
-def _column(name: str, value: ArrayLike) -> FloatArray:
-    """Return one quantity (k,), nan where it was not measured."""
-    try:
-        entries = np.array(plain(name, value), dtype=np.float64)
-    except (TypeError, ValueError):
-        raise InvalidInput(f"{name} is not an array of numbers: {shown(value, 80)}") from None
-    allowed = (1,) if name == "friction_force" else (1, 2)
-    if entries.ndim not in allowed or not entries.size:
-        shapes = "(k,)" if allowed == (1,) else "(k,) or (k, n)"
-        raise InvalidInput(f"{name} has shape {entries.shape}; it must have shape {shapes}")
-    known = entries[np.isfinite(entries)]
-    checked = check.array(name, known, shape=(None,)) if known.size else known
-    if np.isinf(entries).any():
-        raise InvalidInput(
-            f"{name} holds {entries[np.isinf(entries)][0]}; write nan where it was not measured"
-        )
-    if name != "friction_force" and checked.size and checked.min() <= 0.0:
-        index = ", ".join(str(i) for i in np.argwhere(entries <= 0.0)[0])
-        least = formatted(name, float(entries[entries <= 0.0][0]))
-        raise InvalidInput(
-            f"{label(f'{name}[{index}]')} = {least} must be greater than 0; leave out points without contact"
-        )
-    total: FloatArray = entries if entries.ndim == 1 else entries.sum(axis=1)
-    return total
 
 
 def _labels(test: Sequence[Any] | None, count: int) -> tuple[str, ...]:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from metafem.calibration.proportional import proportional
+from metafem.calibration.sheared.proportional import proportional
 from validation.scenes.sheared_contacts import ERRORS, RATIO, STRENGTH, sheared
 
 AREAS = (ERRORS.of_area, ERRORS.of_area, ERRORS.of_friction_force)

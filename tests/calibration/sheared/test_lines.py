@@ -5,7 +5,7 @@ import pytest
 
 from metafem import Friction
 from metafem.calibration import shear
-from metafem.calibration.shear_fit import parameters
+from metafem.calibration.sheared.fits import parameters
 from metafem.errors import InvalidInput
 from validation.scenes.sheared_contacts import ERRORS, RATIO, STRENGTH, sheared
 

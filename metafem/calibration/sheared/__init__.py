@@ -1,0 +1,1 @@
+"""Sheared contacts: area ratio, shear strength, records of shear tests, fully contacting surfaces."""

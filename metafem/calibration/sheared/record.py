@@ -1,0 +1,260 @@
+"""Records of shear tests: static friction, sliding friction and the contact areas that belong to them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from metafem import _validate as check
+from metafem._calls import checked_call
+from metafem._given import formatted
+from metafem._validate import FloatArray
+from metafem._values import Value, span
+from metafem.calibration.sheared.quantities import measured_or_nan
+from metafem.errors import InvalidInput
+from metafem.notes import Note, counted, information
+
+# Distances after the peak over which the paper averages the sliding friction (page 313 of its text) [mm].
+SLIDING = (0.1, 0.2)
+
+# Largest share of the peak force at which an area counts as that before shear: areas fall with the square of
+# the force by 10 to 15 % at the peak (Fig. 2A of the paper), so by 0.2 % at a tenth of it.
+UNSHEARED = 0.1
+
+# A static friction force this many standard deviations of the noise above the sliding one is a peak: of 1,000
+# samples of noise the largest is usually below it.
+DISTINCT = 4.0
+
+
+# Rounding of a difference of decimal displacements, relative to the last one.
+ROUNDING = 1e-12
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ShearRecord(Value):
+    """What the record of one shear test says about static and sliding friction.
+
+    Attributes
+    ----------
+    static_force, sliding_force : float
+        Largest friction force, and its mean over the sliding range [N].
+    noise : float
+        Standard deviation of the friction force about a straight line over the sliding range [N]. The largest
+        of m noisy values near the peak lies about ``noise sqrt(2 ln m)`` too high.
+    peak_displacement : float
+        Displacement at the largest friction force [mm].
+    sliding_range : (float, float)
+        Distances after the peak between which sliding friction is averaged [mm].
+    area_before, static_area, sliding_area : float or None
+        Contact area before shear, at the peak, and its mean over the sliding range [mm^2]; None if there are
+        no areas.
+    displacement, friction_force : ndarray, (m,)
+        The record [mm], [N].
+    area : ndarray, (m,), or None
+        Contact areas [mm^2]; nan where they were not measured.
+    notes : tuple of Note
+
+    Examples
+    --------
+    >>> displacement = np.linspace(0.0, 0.5, 51)
+    >>> found = shear_record(displacement, np.minimum(displacement / 0.1, 1.0 - 0.2 * (displacement > 0.12)))
+    >>> found
+    <ShearRecord: static 1 N at 0.1 mm, sliding 0.8 N, no areas, no notes>
+    """
+
+    static_force: float
+    sliding_force: float
+    noise: float
+    peak_displacement: float
+    sliding_range: tuple[float, float]
+    area_before: float | None
+    static_area: float | None
+    sliding_area: float | None
+    displacement: FloatArray
+    friction_force: FloatArray
+    area: FloatArray | None = None
+    notes: tuple[Note, ...] = ()
+
+    def __repr__(self) -> str:
+        areas = "no areas" if self.area is None else f"area {span(self.area[np.isfinite(self.area)], 'mm^2')}"
+        return (
+            f"<ShearRecord: static {self.static_force:.4g} N at {self.peak_displacement:.4g} mm, "
+            f"sliding {self.sliding_force:.4g} N, {areas}, {counted(self.notes)}>"
+        )
+
+
+@checked_call
+def shear_record(
+    displacement: ArrayLike,
+    friction_force: ArrayLike,
+    area: ArrayLike | None = None,
+    *,
+    sliding_range: tuple[float, float] = SLIDING,
+) -> ShearRecord:
+    """Return static and sliding friction of the record of a shear test, and the contact areas at both.
+
+    The static friction force is the largest one, and the sliding one the mean of the record over a range of
+    distances after it. The areas are those at the same displacements: interpolated between the two frames
+    around the peak, and the mean of the frames in the range. The area before shear is that of the first
+    frame. Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234, supplementary text "Mechanical
+    testing" and "Applying the design strategy to the sliding friction force".
+
+    Parameters
+    ----------
+    displacement : array_like, (m,)
+        Tangential displacement [mm], not decreasing.
+    friction_force : array_like, (m,)
+        Tangential force [N], positive where it resists sliding.
+    area : array_like, (m,) or (m, n), optional
+        Contact area at the same instants [mm^2], of n contacts that are added; nan between the frames.
+    sliding_range : (float, float)
+        Distances after the peak [mm]; default: (0.1, 0.2), those of the paper.
+
+    Returns
+    -------
+    ShearRecord
+
+    Raises
+    ------
+    InvalidInput
+        If the force is largest at the first or the last entry, so that there is no peak, if the record ends
+        before the end of the sliding range or has fewer than two entries in it, and if areas are missing.
+
+    Examples
+    --------
+    >>> x = np.linspace(0.0, 0.5, 51)
+    >>> found = shear_record(x, 0.2 * x / (x**2 + 0.01), 0.1 - 0.02 * np.minimum(x / 0.1, 1.0))
+    >>> round(found.static_force, 3), round(found.static_area, 3), round(found.area_before, 3)
+    (1.0, 0.08, 0.1)
+    """
+    x = check.array("displacement", displacement, shape=(None,))
+    force = check.array("friction_force", friction_force, shape=(len(x),))
+    low, high = _range(sliding_range)
+    back = np.flatnonzero(np.diff(x) < 0.0)
+    if back.size:
+        i = int(back[0]) + 1
+        raise InvalidInput(
+            f"displacement[{i}] = {formatted('displacement', x[i])} is less than the one before; give one "
+            "pull in one direction"
+        )
+    peak = int(force.argmax())
+    _refuse_without_peak(x, force, peak)
+    after = x - x[peak]
+    rounding = ROUNDING * x[-1]
+    near, far = (formatted("displacement", end) for end in (low, high))
+    if after[-1] < high - rounding:
+        raise InvalidInput(
+            f"the record ends {formatted('displacement', after[-1])} after the peak at displacement "
+            f"{formatted('displacement', x[peak])}; the sliding range needs {far}"
+        )
+    sliding = (after >= low - rounding) & (after <= high + rounding)
+    if sliding.sum() < 2:
+        raise InvalidInput(
+            f"the record has {int(sliding.sum())} entries between {near} and {far} after the peak; "
+            "sliding friction needs at least 2; widen sliding_range"
+        )
+    mean, noise = float(force[sliding].mean()), _noise(x[sliding], force[sliding])
+    notes = []
+    if force[peak] - mean <= DISTINCT * noise:
+        notes.append(
+            Note(
+                f"the largest force, {force[peak]:.4g} N, is not above the mean of sliding, {mean:.4g} N, by "
+                f"more than {DISTINCT:g} times the noise of {noise:.2g} N: the record has no distinct peak"
+            )
+        )
+    areas: FloatArray | None = None
+    found: tuple[float, float, float] | tuple[None, None, None] = (None, None, None)
+    if area is not None:
+        areas = measured_or_nan("area", area)
+        if len(areas) != len(x):
+            raise InvalidInput(
+                f"area has {len(areas)} entries and displacement {len(x)}; give as many of both"
+            )
+        found = _areas(x, force, areas, peak, sliding, notes)
+    return ShearRecord(
+        float(force[peak]),
+        mean,
+        noise,
+        float(x[peak]),
+        (low, high),
+        found[0],
+        found[1],
+        found[2],
+        x,
+        force,
+        areas,
+        tuple(notes),
+    )
+
+
+def _range(given: tuple[float, float]) -> tuple[float, float]:
+    """Return the sliding range; it may begin at the peak."""
+    low, high = check.array("sliding_range", given, shape=(2,)).tolist()
+    if not 0.0 <= low < high:
+        raise InvalidInput(f"sliding_range = ({low:g}, {high:g}) must increase and not begin before the peak")
+    return low, high
+
+
+def _refuse_without_peak(x: FloatArray, force: FloatArray, peak: int) -> None:
+    if force[peak] <= 0.0:
+        raise InvalidInput(
+            f"friction_force is at most {formatted('friction_force', force[peak])}; forces that resist "
+            "sliding are positive"
+        )
+    if peak in (0, len(x) - 1):
+        where = "first" if peak == 0 else "last"
+        remedy = "begin the record before the contact is sheared" if peak == 0 else "shear farther"
+        raise InvalidInput(
+            f"friction_force is largest at the {where} entry (displacement "
+            f"{formatted('displacement', x[peak])}), so the record has no peak; {remedy}"
+        )
+
+
+def _noise(x: FloatArray, force: FloatArray) -> float:
+    """Return the standard deviation about the best straight line; 0 of two points."""
+    apart = x - x.mean()
+    square = float(apart @ apart)
+    slope = float(apart @ force) / square if square > 0.0 else 0.0
+    rest = force - force.mean() - slope * apart
+    return float(np.sqrt((rest @ rest) / max(len(x) - 2, 1)))
+
+
+def _areas(
+    x: FloatArray,
+    force: FloatArray,
+    area: FloatArray,
+    peak: int,
+    sliding: NDArray[np.bool_],
+    notes: list[Note],
+) -> tuple[float, float, float]:
+    """Return the areas before shear, at the peak and while sliding."""
+    frames = np.flatnonzero(np.isfinite(area))
+    if not frames.size or frames[0] > peak or frames[-1] < peak:
+        raise InvalidInput(
+            "area has no frame on both sides of the peak at displacement "
+            f"{formatted('displacement', x[peak])}; measure areas from before shear until sliding"
+        )
+    moving = frames[sliding[frames]]
+    if not moving.size:
+        raise InvalidInput("area has no frame in sliding_range; widen it, or leave out the areas")
+    share = abs(float(force[frames[0]] / force[peak]))
+    if share > UNSHEARED:
+        notes.append(
+            Note(
+                f"the friction force of the first frame is {100.0 * share:.2g} % of the peak: its area may "
+                "already be smaller than before shear"
+            )
+        )
+    if frames[0] <= peak and not np.isfinite(area[peak]):
+        around = frames[np.searchsorted(frames, peak) - 1], frames[np.searchsorted(frames, peak)]
+        notes.append(
+            information(
+                "the area at the peak is interpolated between the frames at "
+                f"{x[around[0]]:.4g} and {x[around[1]]:.4g} mm; the peak is at {x[peak]:.4g} mm"
+            )
+        )
+    # entries are equally far apart in time, and displacements may repeat
+    static = float(np.interp(peak, frames, area[frames]))
+    return float(area[frames[0]]), static, float(area[moving].mean())
