@@ -1,3 +1,7 @@
+from .compression.adhesive_line import AdhesiveLine as AdhesiveLine
+from .compression.calibrate import contact as contact
+from .compression.result import ContactCalibration as ContactCalibration
+from .compression.result import ContactTest as ContactTest
 from .contact_table import ContactTable as ContactTable
 from .heterogeneity import Heterogeneity as Heterogeneity
 from .measured_law.law import MeasuredLaw as MeasuredLaw

@@ -1,0 +1,1 @@
+"""E* and adhesion energy from compression tests."""

@@ -1,0 +1,92 @@
+"""The straight line by which Aymard et al. (2024) read E* and adhesion energy from loads and areas."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from metafem._validate import FloatArray
+from metafem._values import Value
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class AdhesiveLine(Value):
+    """Least squares of ``y = a0^(3/4)/(sqrt(6) pi^(5/4) R)`` on ``x = pi^(1/4) p/(sqrt(6) a0^(3/4))``.
+
+    The law of Johnson, Kendall and Roberts of a paraboloid is the straight line of the slope ``3/(4 E*)`` and
+    the intercept ``sqrt(3 w/(4 E*))``; p and a0 are load and area of a single contact. Least squares neglect
+    that x has errors, which grow as the contacts shrink: the slope is then too small and E* too large.
+    Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234, supplementary text "Calibration of
+    individual microcontacts".
+
+    Attributes
+    ----------
+    x, y : ndarray, (k,)
+        Points of the line [MPa sqrt(mm)], [sqrt(mm)].
+    slope, intercept : float
+        [1/MPa], [sqrt(mm)].
+    composite_modulus, adhesion_root : float
+        E* [MPa], and sqrt(w) [sqrt(N/mm)] of the sign of the intercept.
+    root_covariance : ndarray, (2, 2)
+        Of E* and sqrt(w), from the scatter about the line.
+
+    Examples
+    --------
+    >>> a = np.linspace(0.08, 0.4, 20)
+    >>> load = 4 / 3 * 1.36 * a**3 / 0.526 - np.sqrt(8 * np.pi * 9e-6 * 1.36 * a**3)
+    >>> line = adhesive_line(load, np.pi * a**2, 0.526)
+    >>> round(line.composite_modulus, 6), round(line.adhesion_energy, 9)
+    (1.36, 9e-06)
+    """
+
+    x: FloatArray
+    y: FloatArray
+    slope: float
+    intercept: float
+    composite_modulus: float
+    adhesion_root: float
+    root_covariance: FloatArray
+
+    @property
+    def adhesion_energy(self) -> float:
+        """w [N/mm]; 0 where the intercept is negative."""
+        return max(self.adhesion_root, 0.0) ** 2
+
+
+def line_points(load: FloatArray, area: FloatArray, radius: float) -> tuple[FloatArray, FloatArray]:
+    """Return x and y of loads p [N] and areas a0 [mm^2] of single contacts; any shape."""
+    power = area**0.75
+    x = math.pi**0.25 * load / (math.sqrt(6.0) * power)
+    return x, power / (math.sqrt(6.0) * math.pi**1.25 * radius)
+
+
+def straight_lines(
+    x: FloatArray, y: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Return slope, intercept, E*, sqrt(w) and the covariance of the last two, of lines (..., k)."""
+    centre = x.mean(axis=-1, keepdims=True)
+    spread = ((x - centre) ** 2).sum(axis=-1)
+    slope = ((x - centre) * y).sum(axis=-1) / spread
+    intercept = y.mean(axis=-1) - slope * centre[..., 0]
+    count = x.shape[-1]
+    left = ((y - intercept[..., None] - slope[..., None] * x) ** 2).sum(axis=-1) / (count - 2)
+    both = -centre[..., 0] / spread
+    first = np.stack([1.0 / spread, both, both, 1.0 / count + centre[..., 0] ** 2 / spread], axis=-1)
+    matrix = left[..., None, None] * first.reshape(*slope.shape, 2, 2)
+    with np.errstate(invalid="ignore"):
+        modulus = 0.75 / slope
+        root = intercept / np.sqrt(slope)  # sqrt(4 E*/3) = 1/sqrt(slope)
+        turned = np.zeros(matrix.shape)
+        turned[..., 0, 0] = -modulus / slope
+        turned[..., 1, 0] = -0.5 * root / slope
+        turned[..., 1, 1] = 1.0 / np.sqrt(slope)
+    return slope, intercept, modulus, root, turned @ matrix @ np.swapaxes(turned, -1, -2)
+
+
+def adhesive_line(load: FloatArray, area: FloatArray, radius: float) -> AdhesiveLine:
+    """Return the line of loads p (k,) [N] and areas a0 (k,) [mm^2] of single contacts of one radius [mm]."""
+    x, y = line_points(load, area, radius)
+    slope, intercept, modulus, root, covariance = straight_lines(x, y)
+    return AdhesiveLine(x, y, float(slope), float(intercept), float(modulus), float(root), covariance)

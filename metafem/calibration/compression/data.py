@@ -1,0 +1,160 @@
+"""Checked loads and contact areas of compression tests."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from metafem import _validate as check
+from metafem._given import formatted, label, shown
+from metafem._validate import FloatArray
+from metafem.calibration.compression.distance_fit import DistanceFit, adhesive_load, distance_fit
+from metafem.calibration.compression.scene import AreaCurve
+from metafem.calibration.measurement_errors import MeasurementErrors
+from metafem.errors import InvalidInput
+
+# Fewest points of a fit of two parameters with a residual.
+FEWEST = 3
+
+# Relative difference of areas below which they are one area.
+ONE_AREA = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Data:
+    """Loads (k,) of all contacts together, and areas (k, n) of single ones.
+
+    Each area stands for `contacts` contacts: for all of them where only their total was measured.
+    """
+
+    load: FloatArray
+    load_sd: FloatArray
+    area: FloatArray
+    area_sd: FloatArray | None
+    contacts: int
+    one_by_one: bool
+    errors: MeasurementErrors
+    test: tuple[str, ...]
+
+    @property
+    def total_contacts(self) -> int:
+        """Number of contacts that share a load."""
+        return int(self.contacts * self.area.shape[1])
+
+    def sd_of(self, area: FloatArray, rows: Any = slice(None)) -> FloatArray:
+        """Return the standard deviations of fitted areas [mm^2], or the given ones of these rows."""
+        if self.area_sd is not None:
+            return np.asarray(self.area_sd[rows])
+        # the errors of contacts are independent of each other
+        return self.errors.of_area(area) / math.sqrt(self.contacts)
+
+    def fit(self, curve: AreaCurve, rows: Any = slice(None)) -> DistanceFit:
+        """Return the fit to rows (k,), or the fits to many sets of rows (draws, k)."""
+        return distance_fit(
+            self.load[rows],
+            self.area[rows],
+            curve.load_and_slope,
+            contacts=self.contacts,
+            load_sd=self.load_sd[rows],
+            area_sd=partial(self.sd_of, rows=rows),
+            largest=curve.largest,
+        )
+
+    def loads(self, curve: AreaCurve, fit: DistanceFit) -> FloatArray:
+        """Return the loads [N] of a fitted law at the measured areas, (k,)."""
+        rescaled, lowered = curve.load_and_slope(self.area)[0], adhesive_load(self.area)[0]
+        return np.asarray(self.contacts * (fit.modulus * rescaled - fit.product * lowered).sum(axis=1))
+
+    def refuse_beyond(self, curve: AreaCurve, law: Any) -> None:
+        """Raise InvalidInput for areas that the curve does not reach."""
+        beyond = np.argwhere(self.area > curve.largest)
+        if beyond.size:
+            i, j = beyond[0].tolist()
+            most = self.contacts * float(np.broadcast_to(curve.largest, self.area.shape)[i, j])
+            raise InvalidInput(
+                f"{self._area(i, j)} is beyond the last area of {shown(law)}, {formatted('area', most)}; "
+                "leave the point out, or give a law that reaches it"
+            )
+
+    def refuse_failed(self, fit: DistanceFit) -> None:
+        """Raise InvalidInput if the load falls as the area grows."""
+        if fit.modulus > 0.0:
+            return
+        order = np.argsort(self.area.sum(axis=1), kind="stable")
+        first, last = int(order[0]), int(order[-1])
+        ends = (f"{label(f'load[{i}]')} = {formatted('load', self.load[i])}" for i in (first, last))
+        small, large = ends
+        raise InvalidInput(
+            f"the load does not grow with the contact area: {small} at the smallest area and {large} at the "
+            f"largest, and the fitted E* is {float(fit.modulus):.3g} MPa; check the columns and their order"
+        )
+
+    def _area(self, i: int, j: int) -> str:
+        """Return the name of an area and its value."""
+        if self.one_by_one:
+            return f"{label(f'area[{i}, {j}]')} = {formatted('area', self.area[i, j])}"
+        return f"{label(f'area[{i}]')} = {formatted('area', self.contacts * self.area[i, j])}"
+
+
+def checked_data(
+    load: Any, area: Any, contacts: int, errors: MeasurementErrors, area_sd: Any, test: Any
+) -> Data:
+    """Return checked data; each error names the row."""
+    check.instance("errors", errors, MeasurementErrors, "a metafem.calibration.MeasurementErrors")
+    number = check.integer("contacts", contacts, at_least=1)
+    loads = check.array("load", load, shape=(None,))
+    if len(loads) < FEWEST:
+        raise InvalidInput(
+            f"load has {len(loads)} points; E* and the adhesion energy need at least {FEWEST}, at different "
+            "areas"
+        )
+    one_by_one = check.depth(area) == 2
+    shape = (len(loads), number) if one_by_one else (len(loads),)
+    areas = check.array("area", area, shape=shape)
+    negative = np.argwhere(areas < 0.0)
+    if negative.size:
+        raise InvalidInput(f"{_entry('area', areas, negative[0])} must not be negative")
+    total = areas.sum(axis=1) if one_by_one else areas
+    open_rows = np.flatnonzero(total == 0.0)
+    if open_rows.size:
+        i = int(open_rows[0])
+        raise InvalidInput(
+            f"{label(f'area[{i}]')} is 0: no contact at {label(f'load[{i}]')} = "
+            f"{formatted('load', loads[i])}; leave the row out"
+        )
+    if np.ptp(total) <= ONE_AREA * total.max():
+        raise InvalidInput(
+            f"all areas are {formatted('area', total.max())}: E* and the adhesion energy need points at "
+            "different areas"
+        )
+    sd = None
+    if area_sd is not None:
+        sd = check.array("area_sd", area_sd, shape=shape)
+        bad = np.argwhere((sd < 0.0) | ((sd == 0.0) & (areas > 0.0)))
+        if bad.size:
+            raise InvalidInput(f"{_entry('area_sd', sd, bad[0])} must be greater than 0")
+    if not one_by_one:
+        areas = areas[:, None] / number
+        sd = None if sd is None else sd[:, None] / number
+    stands_for = 1 if one_by_one else number
+    labels = _labels(test, len(loads))
+    return Data(loads, errors.of_load(loads), areas, sd, stands_for, one_by_one, errors, labels)
+
+
+def _labels(test: Any, count: int) -> tuple[str, ...]:
+    """Return the test of each point."""
+    if test is None:
+        return ("",) * count
+    if isinstance(test, str) or np.ndim(test) != 1 or len(test) != count:
+        raise InvalidInput(f"test = {shown(test)} must hold a label for each of the {count} points")
+    return tuple(str(name) for name in test)
+
+
+def _entry(name: str, values: FloatArray, index: Any) -> str:
+    """Return the name and the value of an entry."""
+    place = ", ".join(map(str, index.tolist()))
+    return f"{label(f'{name}[{place}]')} = {formatted(name, values[tuple(index)])}"

@@ -1,0 +1,137 @@
+"""Fit of E* and adhesion energy to loads and areas with errors on both axes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from metafem._validate import FloatArray
+
+# Steps of the iteration, and the change of the parameters over their standard deviations at which it ends.
+# The change falls by a factor of about 100 per step.
+MOST_STEPS, ENOUGH = 60, 1e-9
+
+# Smallest fitted area over the measured one during the iteration: the area of a contact stays positive.
+SMALLEST_PART = 0.1
+
+# Load P/E* [mm^2] and its derivative by the area [-] of contacts of areas (..., n) [mm^2].
+Curve = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
+
+
+@dataclass(frozen=True, eq=False)
+class DistanceFit:
+    """Fits of ``P = c sum_j (E* q(A_j) - b s(A_j))`` to one or many sets of data.
+
+    Attributes
+    ----------
+    modulus, product : ndarray, (...,)
+        E* [MPa] and b = sqrt(w E*) [N/mm^(3/2)], of either sign.
+    covariance : ndarray, (..., 2, 2)
+        Of E* and b.
+    residual : ndarray, (..., k)
+        Distances of the points from the curve over their standard deviations [-].
+    area : ndarray, (..., k, n)
+        Fitted areas of single contacts [mm^2].
+    converged : ndarray of bool, (...,)
+    """
+
+    modulus: FloatArray
+    product: FloatArray
+    covariance: FloatArray
+    residual: FloatArray
+    area: FloatArray
+    converged: NDArray[np.bool_]
+
+    @property
+    def root(self) -> FloatArray:
+        """sqrt(w) = b/sqrt(E*) [sqrt(N/mm)], of the sign of b; nan where E* is not positive."""
+        with np.errstate(invalid="ignore"):
+            return np.asarray(self.product / np.sqrt(self.modulus))
+
+    @property
+    def root_covariance(self) -> FloatArray:
+        """Covariance of E* and sqrt(w), (..., 2, 2)."""
+        with np.errstate(invalid="ignore"):
+            scale = np.sqrt(self.modulus)
+        turned = np.zeros(self.covariance.shape)
+        turned[..., 0, 0] = 1.0
+        turned[..., 1, 0] = -0.5 * self.product / (scale * self.modulus)
+        turned[..., 1, 1] = 1.0 / scale
+        return np.asarray(turned @ self.covariance @ np.swapaxes(turned, -1, -2))
+
+
+def adhesive_load(area: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return s = sqrt(8 pi a^3) [mm^(3/2)] of contacts of areas pi a^2, and its derivative by the area.
+
+    Adhesion lowers the load of a cap by ``sqrt(8 pi w E* a^3)``; Popov and Hess (2015),
+    doi:10.1007/978-3-642-53876-6.
+    """
+    lowered = math.sqrt(8.0 * math.pi) * (area / math.pi) ** 0.75
+    return lowered, np.divide(0.75 * lowered, area, np.zeros(area.shape), where=area > 0.0)
+
+
+def distance_fit(
+    load: FloatArray,
+    area: FloatArray,
+    curve: Curve,
+    *,
+    contacts: int,
+    load_sd: Any,
+    area_sd: Callable[[FloatArray], FloatArray],
+    largest: float | FloatArray = math.inf,
+) -> DistanceFit:
+    """Fit E* and b to loads (..., k) [N] and areas (..., k, n) [mm^2] of single contacts.
+
+    The sum of the squared distances from the curve, over their variances, is smallest. A load is the sum over
+    the n areas, times `contacts` where one area stands for that many. `load_sd` [N] is the standard deviation
+    of the loads, `area_sd` returns those of areas [mm^2], and `largest` [mm^2] is the end of the curve.
+
+    In each step the curve is linear about the fitted areas A: ``y = P - c sum_j p'(A_j) (A_measured - A_j)``
+    is regressed on q(A) and s(A) with the variances ``V = load_sd^2 + sum_j (c p' area_sd)^2``, and
+    ``A_j = A_measured + c p' area_sd^2 r/V`` with the residual r. Regressors and weights are taken at A,
+    whose error is independent of that of r; taken at the measured areas they would bias the fit. York,
+    Earth Planet. Sci. Lett. 5, 320 (1968), doi:10.1016/S0012-821X(68)80059-7.
+    """
+    variance = np.broadcast_to(np.asarray(load_sd, dtype=np.float64) ** 2, load.shape)
+    fitted = area
+    sloped: FloatArray = np.zeros(area.shape)  # c p'
+    spread: FloatArray = np.zeros(area.shape)  # variances of the areas
+    known = np.zeros((*load.shape[:-1], 2))
+    done: NDArray[np.bool_] = np.zeros(load.shape[:-1], dtype=np.bool_)
+    for step in range(MOST_STEPS):
+        rescaled, slope = curve(fitted)
+        lowered, steepness = adhesive_load(fitted)
+        q, s = contacts * rescaled.sum(axis=-1), -contacts * lowered.sum(axis=-1)
+        y = load - (sloped * (area - fitted)).sum(axis=-1)
+        total = variance + (sloped**2 * spread).sum(axis=-1)
+        weight = 1.0 / total
+        found, covariance = _regression(q, s, y, weight)
+        deviation = np.sqrt(np.diagonal(covariance, axis1=-2, axis2=-1))
+        done = np.asarray((np.abs(found - known) <= ENOUGH * deviation).all(axis=-1) & (step > 0))
+        known = found
+        residual = y - found[..., :1] * q - found[..., 1:] * s
+        if done.all():
+            break
+        sloped = contacts * (found[..., :1, None] * slope - found[..., 1:, None] * steepness)
+        spread = area_sd(fitted) ** 2
+        total = variance + (sloped**2 * spread).sum(axis=-1)
+        moved = area + sloped * spread * (residual / total)[..., None]
+        fitted = np.minimum(np.maximum(moved, SMALLEST_PART * area), largest)
+    return DistanceFit(known[..., 0], known[..., 1], covariance, residual * np.sqrt(weight), fitted, done)
+
+
+def _regression(
+    q: FloatArray, s: FloatArray, y: FloatArray, weight: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return the weighted least squares of y on q and s, (..., 2), and their covariance (..., 2, 2)."""
+    qq, qs, ss = ((weight * one * two).sum(axis=-1) for one, two in ((q, q), (q, s), (s, s)))
+    qy, sy = ((weight * one * y).sum(axis=-1) for one in (q, s))
+    determinant = qq * ss - qs**2
+    found = np.stack([ss * qy - qs * sy, qq * sy - qs * qy], axis=-1) / determinant[..., None]
+    inverse = np.stack([ss, -qs, -qs, qq], axis=-1) / determinant[..., None]
+    return found, inverse.reshape(*determinant.shape, 2, 2)

@@ -1,0 +1,57 @@
+"""What a calibration of contacts leaves open, in sentences."""
+
+from __future__ import annotations
+
+import math
+
+from metafem._values import percent
+from metafem.calibration.compression.result import ContactCalibration
+from metafem.contact import Contact, TabulatedContact
+from metafem.notes import Note, information
+
+# Contact radius over R up to which Hertz's law with a fitted E* was compared with finite elements at large
+# strain (neo-Hookean, incompressible): the load is 1 to 2.6 % lower there. README, "Finite elements".
+KNOWN = 0.51
+
+
+def notes_of(found: ContactCalibration, cap: Contact, draws: int) -> tuple[Note, ...]:
+    """Return notes on range, adhesion, fit and tests."""
+    notes = []
+    contacts = 1 if found.area.ndim == 2 else found.contacts
+    widest = math.sqrt(float(found.area.max()) / contacts / math.pi) / found.radius
+    if widest > KNOWN and not isinstance(cap, TabulatedContact):
+        notes.append(
+            Note(
+                f"contact radii reach {widest:.2f} R; up to {KNOWN} R a soft cap at large strain has a load "
+                "1 to 2.6 % below Hertz's, and beyond it was not compared. Leave out the largest loads, or "
+                "give the table of metafem.fe.tabulated_contact as contact="
+            )
+        )
+    if found.adhesion_energy_interval[0] == 0.0:
+        modulus, sd = found.modulus_without_adhesion
+        notes.append(
+            information(
+                f"the data do not show adhesion: the 68 % interval of w begins at 0; with w = 0, "
+                f"E* = {modulus:.4g} ± {sd:.2g} MPa"
+            )
+        )
+    elif isinstance(cap, TabulatedContact):
+        notes.append(
+            Note("contact_law is the table without adhesion, as models need the profile of an adhesive cap")
+        )
+    if not found.verdict.fits:
+        notes.append(Note(f"{found.verdict}; the stated uncertainties hold only for a law that fits"))
+    if found.heterogeneity is not None and not found.heterogeneity.agree:
+        notes.append(
+            Note(f"{found.heterogeneity}; the stated uncertainties do not include what makes them differ")
+        )
+    unfitted = [test.name for test in found.tests if test.composite_modulus is None]
+    if unfitted:
+        notes.append(information(f"no fit of their own have the tests {', '.join(unfitted)}: too few points"))
+    if found.bootstrap is not None and len(found.bootstrap) < draws:
+        lost = draws - len(found.bootstrap)
+        notes.append(Note(f"{lost} of the {draws} draws of the bootstrap have no fit and are left out"))
+    if found.radius_sd:
+        share = abs(found.radius_change[0]) / found.composite_modulus
+        notes.append(information(f"the error of the radius alone changes E* by {percent(share)}"))
+    return tuple(notes)

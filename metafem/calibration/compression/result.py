@@ -1,0 +1,236 @@
+"""E* and adhesion energy with their uncertainties."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from metafem import drawing
+from metafem._calls import checked_call
+from metafem._validate import FloatArray
+from metafem._values import Value
+from metafem.calibration.compression.adhesive_line import AdhesiveLine
+from metafem.calibration.compression.bounded_interval import WIDTH, bounded_interval
+from metafem.calibration.heterogeneity import Heterogeneity
+from metafem.calibration.verdict import Verdict
+from metafem.contact import Contact
+from metafem.material import Material
+from metafem.notes import Note, counted
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+# The parameters in the names and the order of `metafem.studies.uncertainty`.
+PARAMETERS = ("radius", "composite_modulus")
+
+
+@dataclass(frozen=True)
+class ContactTest:
+    """Fit of one of several pooled tests.
+
+    Attributes
+    ----------
+    name : str
+        Label of the test.
+    points : int
+        Number of points.
+    composite_modulus, adhesion_root : float or None
+        E* [MPa] and sqrt(w) [sqrt(N/mm)]; None where the points are too few for a fit.
+    composite_modulus_sd, adhesion_root_sd : float or None
+        Their standard deviations, without the error of the radius.
+    verdict : Verdict or None
+        Whether the law fits this test.
+
+    Examples
+    --------
+    >>> ContactTest("1", 2).composite_modulus is None
+    True
+    """
+
+    name: str
+    points: int
+    composite_modulus: float | None = None
+    adhesion_root: float | None = None
+    composite_modulus_sd: float | None = None
+    adhesion_root_sd: float | None = None
+    verdict: Verdict | None = None
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ContactCalibration(Value):
+    """Composite modulus E* and adhesion energy w from compression tests.
+
+    Intervals contain the true value in 68 % of repeated calibrations.
+
+    Attributes
+    ----------
+    material : Material
+        With the fitted E*.
+    adhesion_root : float
+        sqrt(w) [sqrt(N/mm)], negative if the data lie on the other side of the law without adhesion.
+    root_covariance, statistical_covariance : ndarray, (2, 2)
+        Of E* and sqrt(w): with the error of the radius, and without.
+    radius, radius_sd : float
+        Radius of the caps and its standard deviation [mm].
+    radius_change : ndarray, (2,)
+        Change of E* and sqrt(w) with a radius that is larger by its standard deviation.
+    contact_law : Contact
+        The cap, adhesive if w > 0, for a model.
+    load, load_sd, load_fitted : ndarray, (k,)
+        Measured loads, their standard deviations, and the loads of the law at the measured areas [N].
+    area, area_sd : ndarray, (k,) or (k, contacts)
+        Measured areas, in total or one by one, and the standard deviations of the fitted ones [mm^2].
+    contacts : int
+        Number of contacts that share a load.
+    residual : ndarray, (k,)
+        Distances from the law over their standard deviations [-].
+    verdict : Verdict
+        Whether the law fits.
+    line : AdhesiveLine
+        The straight line of Aymard et al. through the same points.
+    tests : tuple of ContactTest
+        Fit of each test, where there are several.
+    heterogeneity : Heterogeneity or None
+        Whether the tests agree; None of a single test.
+    bootstrap : ndarray, (m, 2), or None
+        E* and sqrt(w) of points drawn again from those of each test.
+    notes : tuple of Note
+
+    Examples
+    --------
+    >>> from metafem.calibration import contact
+    >>> a = np.linspace(0.08, 0.4, 20)
+    >>> found = contact(1.36 * 4 * a**3 / (3 * 0.526), np.pi * a**2, 0.526)
+    >>> round(found.composite_modulus, 4), found.adhesion_energy < 1e-20, found.verdict.fits
+    (1.36, True, True)
+    """
+
+    material: Material
+    adhesion_root: float
+    root_covariance: FloatArray
+    statistical_covariance: FloatArray
+    radius: float
+    radius_sd: float
+    radius_change: FloatArray
+    contact_law: Contact
+    load: FloatArray
+    load_sd: FloatArray
+    load_fitted: FloatArray
+    area: FloatArray
+    area_sd: FloatArray
+    contacts: int
+    residual: FloatArray
+    verdict: Verdict
+    line: AdhesiveLine
+    tests: tuple[ContactTest, ...] = ()
+    heterogeneity: Heterogeneity | None = None
+    bootstrap: FloatArray | None = None
+    notes: tuple[Note, ...] = ()
+
+    def __repr__(self) -> str:
+        modulus, root = np.sqrt(np.diag(self.root_covariance))
+        return (
+            f"<ContactCalibration: E* = {self.composite_modulus:.4g} ± {modulus:.2g} MPa, "
+            f"sqrt(w) = {self.adhesion_root:.3g} ± {root:.2g} sqrt(N/mm), {len(self.load)} points, "
+            f"{'fits' if self.verdict.fits else 'does not fit'}, {counted(self.notes)}>"
+        )
+
+    @property
+    def composite_modulus(self) -> float:
+        """E* [MPa]."""
+        return self.material.composite_modulus
+
+    @property
+    def adhesion_energy(self) -> float:
+        """w [N/mm], at least 0."""
+        return max(self.adhesion_root, 0.0) ** 2
+
+    @property
+    def covariance(self) -> FloatArray:
+        """Covariance of E* and w, (2, 2): the moments of the square of a normal sqrt(w)."""
+        (first, both), (_, last) = self.root_covariance
+        root = max(self.adhesion_root, 0.0)
+        mixed = 2.0 * root * both
+        return np.array([[first, mixed], [mixed, 4.0 * root**2 * last + 2.0 * last**2]])
+
+    @property
+    def composite_modulus_interval(self) -> tuple[float, float]:
+        """68 % interval of E* [MPa]."""
+        half = WIDTH * math.sqrt(self.root_covariance[0, 0])
+        return self.composite_modulus - half, self.composite_modulus + half
+
+    @property
+    def adhesion_root_interval(self) -> tuple[float, float]:
+        """68 % interval of sqrt(w) [sqrt(N/mm)], symmetric about an estimate of either sign."""
+        half = WIDTH * math.sqrt(self.root_covariance[1, 1])
+        return self.adhesion_root - half, self.adhesion_root + half
+
+    @property
+    def adhesion_energy_interval(self) -> tuple[float, float]:
+        """68 % interval of w [N/mm], asymmetric; it begins at 0 where the data do not show adhesion."""
+        low, high = bounded_interval(self.adhesion_root, math.sqrt(self.root_covariance[1, 1]))
+        return float(low) ** 2, float(high) ** 2
+
+    @property
+    def modulus_without_adhesion(self) -> tuple[float, float]:
+        """E* [MPa] and its standard deviation if w is known to be 0."""
+        (first, both), (_, last) = self.statistical_covariance
+        modulus = self.composite_modulus - both / last * self.adhesion_root
+        systematic = self.radius_change[0] - both / last * self.radius_change[1]
+        return modulus, math.sqrt(first - both**2 / last + systematic**2)
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of the rows of `parameter_covariance`, for `metafem.studies.uncertainty`."""
+        return PARAMETERS if self.radius_sd else PARAMETERS[1:]
+
+    @property
+    def parameter_covariance(self) -> FloatArray:
+        """Covariance of the radius [mm], if it has an error, and E* [MPa].
+
+        E* grows with the radius, and at a given load an error of both nearly cancels in the area.
+        """
+        variance, radius = self.root_covariance[0, 0], self.radius_sd
+        if not radius:
+            return np.array([[variance]])
+        both = radius * self.radius_change[0]
+        return np.array([[radius**2, both], [both, variance]])
+
+    @checked_call
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draw loads and areas with their error bars and the law, and return the axes.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            Axes to draw on; default: those of a new figure of ``matplotlib.pyplot``.
+
+        Examples
+        --------
+        >>> from metafem.calibration import contact
+        >>> a = np.linspace(0.08, 0.4, 20)
+        >>> contact(1.36 * 4 * a**3 / (3 * 0.526), np.pi * a**2, 0.526).plot().get_xlabel()
+        'load  P [N]'
+        """
+        from metafem.drawing import calibration
+
+        ax = drawing.axes(ax)
+        calibration.measured(ax, self.load, self.total_area, self.load_sd, self.total_area_sd)
+        order = np.argsort(self.total_area)
+        calibration.fitted(ax, self.load_fitted[order], self.total_area[order])
+        ax.set_xlabel("load  P [N]")
+        ax.set_ylabel("contact area  A0 [mm²]")
+        return ax
+
+    @property
+    def total_area(self) -> FloatArray:
+        """Measured areas of all contacts together, (k,) [mm^2]."""
+        return self.area if self.area.ndim == 1 else np.asarray(self.area.sum(axis=1))
+
+    @property
+    def total_area_sd(self) -> FloatArray:
+        """Standard deviations of the areas of all contacts together, (k,) [mm^2]."""
+        return self.area_sd if self.area.ndim == 1 else np.sqrt((self.area_sd**2).sum(axis=1))

@@ -1,0 +1,40 @@
+"""Drawing of fits to measured points, with error bars and residuals."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from metafem.drawing import ACHIEVED, QUIET, TARGET, FloatArray, new_figure
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+
+def measured(
+    ax: Axes, x: FloatArray, y: FloatArray, x_sd: FloatArray, y_sd: FloatArray, label: str | None = None
+) -> None:
+    """Draw measured points with error bars of one standard deviation."""
+    ax.errorbar(
+        x, y, y_sd, x_sd, fmt="o", ms=3.5, lw=0.8, color=ACHIEVED, ecolor=QUIET, label=label, zorder=2.0
+    )
+
+
+def fitted(ax: Axes, x: FloatArray, y: FloatArray, label: str | None = None) -> None:
+    """Draw a fitted law."""
+    ax.plot(x, y, color=TARGET, lw=1.6, label=label, zorder=3.0)
+
+
+def residuals(ax: Axes, x: FloatArray, residual: FloatArray) -> None:
+    """Draw residuals over their standard deviations, with lines at plus and minus one."""
+    ax.axhspan(-1.0, 1.0, color=QUIET, alpha=0.2, lw=0.0)
+    ax.axhline(0.0, color=TARGET, lw=1.2)
+    ax.plot(x, residual, "o", ms=3.5, color=ACHIEVED)
+    ax.set_ylabel("residual / sd")
+
+
+def with_residuals(columns: int = 1) -> tuple[Figure, list[tuple[Axes, Axes]]]:
+    """Return a figure of fits beside each other, each with axes for its residuals below."""
+    figure = new_figure(4.6 * columns, 4.6)
+    grid = figure.subplots(2, columns, squeeze=False, sharex="col", gridspec_kw={"height_ratios": [3.0, 1.0]})
+    return figure, [(grid[0, i], grid[1, i]) for i in range(columns)]

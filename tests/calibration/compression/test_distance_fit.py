@@ -1,0 +1,90 @@
+"""The fit with errors on both axes against ODRPACK, theory and simulation."""
+
+import math
+
+import numpy as np
+import pytest
+
+from metafem.calibration import MeasurementErrors
+from metafem.calibration.compression.distance_fit import adhesive_load, distance_fit
+
+RADIUS, MODULUS, ENERGY = 0.526, 1.36, 9e-6
+ERRORS = MeasurementErrors()
+AREA = math.pi * np.tile(np.linspace(0.08, 0.4, 20), 3) ** 2
+
+
+def curve(area):
+    load = 4.0 / 3.0 * (area / math.pi) ** 1.5 / RADIUS
+    return load, 1.5 * load / area
+
+
+def law(area, modulus=MODULUS, energy=ENERGY):
+    return modulus * curve(area)[0] - math.sqrt(energy * modulus) * adhesive_load(area)[0]
+
+
+def measured(trials, contacts=1, energy=ENERGY, seed=0, spread=1.0):
+    rng = np.random.default_rng(seed)
+    sd = spread * ERRORS.of_area(AREA) / math.sqrt(contacts)
+    load = contacts * law(AREA, energy=energy) + ERRORS.load * rng.standard_normal((trials, AREA.size))
+    return load, (AREA + sd * rng.standard_normal((trials, AREA.size)))[..., None]
+
+
+def fit(load, area, contacts=1, area_sd=None):
+    def sd(of):
+        return ERRORS.of_area(of) / math.sqrt(contacts)
+
+    return distance_fit(load, area, curve, contacts=contacts, load_sd=ERRORS.load, area_sd=area_sd or sd)
+
+
+def test_exact_data_give_the_law_back():
+    found = fit(5.0 * law(AREA), AREA[:, None], contacts=5)
+    assert found.modulus == pytest.approx(MODULUS, rel=1e-12)
+    assert found.root == pytest.approx(math.sqrt(ENERGY), rel=1e-10)
+    assert found.converged
+
+
+def test_of_given_variances_it_is_the_regression_of_odrpack():
+    import odrpack
+
+    (load,), (area,) = measured(1, seed=3)
+    sd = ERRORS.of_area(AREA)
+    found = fit(load, area, area_sd=lambda of: sd[:, None])
+
+    def model(x, beta):
+        return beta[0] * curve(x)[0] - beta[1] * adhesive_load(x)[0]
+
+    other = odrpack.odr_fit(
+        model, area[:, 0], load, np.array([1.0, 0.0]), weight_x=sd**-2, weight_y=ERRORS.load**-2,
+        diff_scheme="central", sstol=1e-15, partol=1e-15,
+    )  # fmt: skip
+    deviation = np.sqrt(np.diag(found.covariance))
+    assert abs(found.modulus - other.beta[0]) < 1e-5 * deviation[0]
+    assert abs(found.product - other.beta[1]) < 1e-5 * deviation[1]
+    assert np.abs(found.area[:, 0] - other.xplusd).max() < 1e-6 * sd.max()
+    assert (found.residual**2).sum() == pytest.approx(other.sum_square, rel=1e-6)
+
+
+@pytest.mark.parametrize("energy", [ENERGY, 0.0])
+@pytest.mark.parametrize("contacts", [1, 5])
+def test_intervals_of_one_standard_deviation_cover_68_percent(contacts, energy):
+    trials = 2000
+    found = fit(*measured(trials, contacts, energy), contacts=contacts)
+    assert found.converged.all()
+    sd = np.sqrt(np.diagonal(found.root_covariance, axis1=1, axis2=2))
+    for estimate, true, each in (
+        (found.modulus, MODULUS, sd[:, 0]),
+        (found.root, math.sqrt(energy), sd[:, 1]),
+    ):
+        # a fifth of a standard deviation, and four binomial ones
+        assert abs(estimate.mean() - true) < 0.2 * each.mean()
+        assert abs((np.abs(estimate - true) < each).mean() - 0.6827) < 4.0 * math.sqrt(0.22 / trials)
+    # chi-square of 58 degrees of freedom
+    assert (found.residual**2).sum(axis=1).mean() == pytest.approx(58.0, abs=4.0 * math.sqrt(116.0 / trials))
+
+
+def test_contacts_one_by_one_are_fitted_as_their_sum():
+    rng = np.random.default_rng(4)
+    area = AREA[:20, None] * rng.uniform(0.9, 1.1, (20, 5))
+    found = fit(law(area).sum(axis=1), area)
+    assert found.modulus == pytest.approx(MODULUS, rel=1e-12)
+    assert found.area == pytest.approx(area, rel=1e-12)
