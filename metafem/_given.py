@@ -30,7 +30,7 @@ UNITS: Mapping[str, str] = {
             *("area", "area_sd", "asperity_area", "asperity_area_sd"),
             *("area_before", "area_sheared"),
         ),
-        "N": ("load", "friction_force", "load_sd", "friction_force_sd"),
+        "N": ("load", "load_min", "friction_force", "load_sd", "friction_force_sd"),
         "N/mm": ("adhesion_energy",),
         "MPa": ("composite_modulus", "young_modulus", "shear_strength", "hardness", "yield_strength"),
         "rad": ("angle", "angle_x", "angle_y", "tilt"),

@@ -6,6 +6,8 @@ from .contact_table import ContactTable as ContactTable
 from .heterogeneity import Heterogeneity as Heterogeneity
 from .measured_law.law import MeasuredLaw as MeasuredLaw
 from .measurement_errors import MeasurementErrors as MeasurementErrors
+from .sheared.full_contact import StrengthFit as StrengthFit
+from .sheared.full_contact import shear_strength as shear_strength
 from .sheared.lines import shear as shear
 from .sheared.record import ShearRecord as ShearRecord
 from .sheared.record import shear_record as shear_record

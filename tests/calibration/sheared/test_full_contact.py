@@ -1,0 +1,113 @@
+"""Shear strength from full contact: exact laws, stated errors, derivatives, and loads with open contacts."""
+
+import numpy as np
+import pytest
+
+import metafem as mf
+from metafem.calibration import MeasuredLaw, MeasurementErrors, shear_strength
+from metafem.errors import InvalidInput
+
+ERRORS = MeasurementErrors()
+SURFACE = mf.Surface.square_lattice(
+    np.linspace(0.1, 0.12, 9),
+    (3, 3),
+    radius=0.526,
+    material=mf.Material(1.36),
+    friction=mf.Friction(0.37, 0.85),
+    block=mf.Block(20.0, 20.0, 7.2),
+)
+LAYER = mf.Interacting(substrate=mf.BondedLayer())
+
+
+def measured(law, rng=None, **given):
+    """Return the friction forces of a law as measured ones."""
+    load, force = law.load, law.friction_force
+    if rng is not None:
+        load = load + ERRORS.of_load(load) * rng.standard_normal(load.shape)
+        force = force + ERRORS.of_friction_force(force) * rng.standard_normal(load.shape)
+    return MeasuredLaw(
+        load, **({"friction_force": force, "material": law.material, "friction": law.friction} | given)
+    )
+
+
+@pytest.fixture(scope="module")
+def law():
+    return mf.friction_law(SURFACE, load=np.linspace(0.1, 0.6, 12))
+
+
+@pytest.mark.parametrize("model", [None, LAYER])
+def test_the_law_of_the_model_gives_its_strength(model):
+    exact = mf.friction_law(SURFACE, model, load=[0.05, 0.2, 0.4, 0.3])
+    found = shear_strength(measured(exact), SURFACE, 0.1, model=model)
+    assert found.shear_strength == pytest.approx(0.37, rel=1e-12)
+    assert found.load.tolist() == [0.2, 0.3, 0.4]
+    assert found.friction == mf.Friction(found.shear_strength, 0.85)
+
+
+def test_strengths_of_noisy_laws_scatter_as_stated(law):
+    rng = np.random.default_rng(0)
+    fits = [shear_strength(measured(law, rng), SURFACE, 0.05) for _ in range(150)]
+    error = np.array([(fit.shear_strength - 0.37) / fit.measured_sd for fit in fits])
+    assert abs(error.mean()) < 4.0 / np.sqrt(150)
+    assert abs(error.std() - 1.0) < 4.0 / np.sqrt(300)
+    assert np.mean([fit.verdict.fits for fit in fits]) > 0.93
+
+
+def test_errors_of_the_modulus_and_the_ratio_are_passed_on(law):
+    given = np.array([[0.04**2, 0.3 * 0.04 * 0.01], [0.3 * 0.04 * 0.01, 0.01**2]])
+    exact = measured(law)
+    found = shear_strength(exact, SURFACE, 0.1, covariance=given)
+    step = 1e-4
+    changed = [
+        shear_strength(exact, SURFACE.replaced(material=mf.Material(1.36 * (1.0 + step))), 0.1),
+        shear_strength(exact, SURFACE.replaced(friction=mf.Friction(0.37, 0.85 * (1.0 + step))), 0.1),
+    ]
+    slope = [(each.shear_strength - 0.37) / step for each in changed] / np.array([1.36, 0.85])
+    assert found.covariance[2, :2] == pytest.approx(given @ slope, rel=1e-3)
+    assert found.covariance[2, 2] == pytest.approx(slope @ given @ slope + found.measured_sd**2, rel=1e-3)
+    assert np.array_equal(found.covariance[:2, :2], given)
+    assert slope[1] == pytest.approx(-0.37 / 0.85, rel=1e-3)
+
+
+def test_given_deviations_are_weights(law):
+    exact = measured(law)
+    force = exact.friction_force * np.where(np.arange(12) == 5, 1.5, 1.0)
+    deviation = np.where(np.arange(12) == 5, 1e3, 1e-3)
+    found = shear_strength(measured(law, friction_force=force, friction_force_sd=deviation), SURFACE, 0.1)
+    assert found.shear_strength == pytest.approx(0.37, rel=1e-6)
+
+
+def test_a_load_with_open_contacts_is_refused_and_the_first_without_named(law):
+    with pytest.raises(
+        InvalidInput, match=r"load_min = 0.01: \d of 9 asperities are not in contact"
+    ) as error:
+        shear_strength(measured(law), SURFACE, 0.01)
+    named = float(str(error.value).split("all are from ")[1].split()[0])
+    exact = mf.equilibrium(SURFACE, approach=0.02).load
+    assert named == pytest.approx(exact, rel=1e-2)
+    assert shear_strength(measured(law), SURFACE, named).shear_strength == pytest.approx(0.37)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"friction_force": None, "area": np.full(12, 0.2)}, "law has no friction forces"),
+        ({"friction_force": np.linspace(-3e-3, -1e-3, 12)}, "friction_force is not positive"),
+    ],
+)
+def test_laws_without_usable_forces_are_refused(law, change, message):
+    with pytest.raises(InvalidInput, match=message):
+        shear_strength(measured(law, **change), SURFACE, 0.1)
+
+
+def test_other_bad_input_is_named(law):
+    exact = measured(law)
+    with pytest.raises(InvalidInput, match=r"law has 1 points at load_min = 0\.6"):
+        shear_strength(exact, SURFACE, 0.6)
+    with pytest.raises(InvalidInput, match=r"covariance = .* must be symmetric"):
+        shear_strength(exact, SURFACE, 0.1, covariance=[[1e-4, 1.0], [1.0, 1e-4]])
+    with pytest.raises(InvalidInput, match=r"law = .* must be a metafem.calibration.MeasuredLaw"):
+        shear_strength(law, SURFACE, 0.1)
+    alone = MeasuredLaw(law.load, area=law.area, friction_force=law.friction_force, material=law.material)
+    with pytest.raises(InvalidInput, match="the area ratio B is not known"):
+        shear_strength(alone, SURFACE.replaced(friction=None), 0.1)
