@@ -31,6 +31,7 @@ def test_spec_prints_every_key(run):
     assert [(key["section"], key["name"]) for key in data] == [(key.section, key.name) for key in all_keys()]
 
 
+@pytest.mark.slow
 def test_radii_and_layout_of_a_specification_are_designed(run):
     text = demo_text("linear").replace('radius = "526 um"', "").replace("seed = 0", 'tilt = "0.1 deg"')
     text = text.replace("[8, 8]", "[6, 6]")
@@ -44,6 +45,7 @@ def test_radii_and_layout_of_a_specification_are_designed(run):
     assert "misfit with the optimised assignment" in Path("tools/report.html").read_text("utf-8")
 
 
+@pytest.mark.slow
 def test_a_robust_design_is_made_from_a_specification(run):
     errors = '\n[robust]\nheight_sd = "3 um"\nangle = "0.05 deg"\n'
     text = demo_text("linear").replace("[8, 8]", "[6, 6]") + errors
@@ -77,7 +79,8 @@ def test_every_command_has_help(run, command):
 @pytest.mark.parametrize(
     "model",
     [
-        *("mean-field", "half-space", "layer"),
+        "layer",
+        *(pytest.param(name, marks=pytest.mark.slow) for name in ("mean-field", "half-space")),
         # its influence takes half a minute; resolved contacts take longer where the automatic ones need them
         pytest.param("block", marks=pytest.mark.slow),
         "automatic",

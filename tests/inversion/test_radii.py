@@ -55,7 +55,11 @@ def test_one_tool_that_reaches_the_law_is_preferred(template):
     assert len(result.parameters["used_radii"]) == 1
 
 
-@pytest.mark.parametrize("model", MODELS, ids=["alone", "half-space", "layer"])
+@pytest.mark.parametrize(
+    "model",
+    [MODELS[0], *(pytest.param(model, marks=pytest.mark.slow) for model in MODELS[1:])],
+    ids=["alone", "half-space", "layer"],
+)
 @pytest.mark.parametrize("radii", [TOOLS, RANGE], ids=["tools", "range"])
 def test_points_below_those_of_one_radius_are_met(template, radii, model):
     """F grows by less than P^(2/3)."""

@@ -23,7 +23,9 @@ OTHER_LAWS = [
     pytest.param(model, marks=() if i % len(with_law(LAW_OF[model])) < 2 else pytest.mark.slow)
     for i, model in enumerate(LAW_OF)
 ]
-EVERY = (*MODELS, *OTHER_LAWS, CELLS, *AUTOMATIC)
+# Resolved contacts take half of the time of all models; they run with the slow tests, and their own tests in
+# tests/models/boundary_elements run by default.
+EVERY = (*MODELS, *OTHER_LAWS, pytest.param(CELLS, marks=pytest.mark.slow), *AUTOMATIC)
 
 
 def rounding(model, asperities=1e-11):

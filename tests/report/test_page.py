@@ -13,6 +13,9 @@ from metafem.report import all_notes, parameter_rows
 from metafem.report.figures import force_figure, law_figure
 from metafem.report.page import page
 
+# The pages of all demos; those of the others than the linear one run with the slow tests.
+KINDS = [pytest.param(kind, marks=[pytest.mark.slow] * (kind != "linear")) for kind in DEMOS]
+
 
 @pytest.fixture
 def paper(demo_results):
@@ -25,9 +28,7 @@ def paper(demo_results):
     return call
 
 
-@pytest.mark.parametrize(
-    "kind", [pytest.param(kind, marks=[pytest.mark.slow] * (kind != "linear")) for kind in DEMOS]
-)
+@pytest.mark.parametrize("kind", KINDS)
 def test_page_is_self_contained_and_reproducible(paper, kind):
     design, text = paper(kind)
     assert text == page(design)
@@ -149,6 +150,7 @@ def test_page_mentions_other_seeds_for_random_layouts_alone(paper):
     assert ("another seed" in text, "another seed" in page(placed)) == (True, False)
 
 
+@pytest.mark.slow
 def test_a_page_of_thousands_of_summits_is_small():
     template = mf.Surface.square_lattice(0.12, (40, 40), radius=0.526, material=mf.Material(1.36))
     text = page(mf.design(mf.LinearLaw(6.87), template))
@@ -163,6 +165,7 @@ def test_forces_are_shown_where_there_is_a_friction(template, paper):
         assert (words in bare, words in rubbed) == (False, True)
 
 
+@pytest.mark.slow
 def test_page_states_friction_coefficients_of_such_a_target(template):
     target = mf.LinearLaw.from_friction_coefficient(1.4, template.material, template.friction, (0.05, 0.2))
     text = page(mf.design(target, template, limits=mf.Limits(0.27)))
@@ -194,7 +197,9 @@ def crowded(template, **changes):
 
 
 @pytest.mark.parametrize(
-    "changes", [{"block": mf.Block(20.0, 20.0, 0.2)}, {"position": 0.2}], ids=["thin block", "narrow lattice"]
+    "changes",
+    [{"block": mf.Block(20.0, 20.0, 0.2)}, pytest.param({"position": 0.2}, marks=pytest.mark.slow)],
+    ids=["thin block", "narrow lattice"],
 )
 def test_page_warns_of_what_interaction_changes(template, changes):
     if "position" in changes:
@@ -207,7 +212,7 @@ def test_page_warns_of_what_interaction_changes(template, changes):
     assert any("changes A0" in note.text for note in design.notes if note.warns)
 
 
-@pytest.mark.parametrize("kind", DEMOS)
+@pytest.mark.parametrize("kind", KINDS)
 def test_page_of_the_paper_is_free_of_false_alarms(paper, kind):
     text = paper(kind)[1]
     assert not re.findall("use the model (layer|half-space|resolved)", text)
