@@ -22,8 +22,8 @@ UNITS: Mapping[str, str] = {
             *("min_height", "offset", "height_step", "height_sd", "low", "high", "radii"),
             *("separation", "approach", "cell", "contact_radius", "block_radius", "cell_radius"),
             *("alignment_height", "chord_error", "indentation", "r", "tools", "range"),
-            *("radius_sd", "position_sd"),
             *("displacement", "sliding_range", "boundary"),
+            *("radius_sd", "position_sd", "pixel_size"),
         ),
         "mm^2": (
             *("rescaled_load", "rescaled_friction", "crossover_load", "crossover_loads", "load_range"),

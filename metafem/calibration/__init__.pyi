@@ -13,4 +13,6 @@ from .sheared.record import ShearRecord as ShearRecord
 from .sheared.record import shear_record as shear_record
 from .sheared.result import ShearCalibration as ShearCalibration
 from .sheared.result import ShearTest as ShearTest
+from .topography.made_surface import MadeSurface as MadeSurface
+from .topography.made_surface import measured_surface as measured_surface
 from .verdict import Verdict as Verdict

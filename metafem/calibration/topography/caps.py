@@ -1,0 +1,174 @@
+"""A sphere fitted to each cap of a map, with the covariance of its summit and radius."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from metafem._validate import FloatArray
+from metafem.calibration.topography.cells import HeightMap
+from metafem.calibration.topography.correlation import correlation, summed
+from metafem.calibration.topography.levelled import OUTLIER, SD_OF_MEDIAN, Levelling
+from metafem.progress import each
+
+# The lowest part of a cap's height that is left out: the foot is rounded by the tool and by the microscope.
+FOOT = 0.1
+
+# Rounds of fits; the pixels that belong to the cap change less and less. Four suffice from a start that is
+# wrong by a tenth of the radius.
+ROUNDS = 8
+
+# A fit has ended when its last step changes the height by less than this part of what white noise of the
+# size of the residuals makes of it: the smallest possible standard error.
+NEGLIGIBLE = 0.1
+
+# Fewest pixels of a cap, five for each unknown.
+FEWEST = 20
+
+# Number of cells across a cap in which residuals are summed for their correlation.
+ACROSS = 48
+
+# Least standard deviation of the distances over the radius: the resolution of single precision.
+RESOLUTION = float(np.finfo(np.float32).eps)
+
+# Pixels around an outlier that are left out with it.
+BESIDE = 3
+
+
+@dataclass(frozen=True)
+class Cap:
+    """A sphere on a map: centre x, y, height of the summit above the base plane, and radius [mm].
+
+    `sd` is the standard deviation of the pixels' distances from the sphere, `used` their number and `reach`
+    the radius of the circle in which they lie [mm]; `cause` says why a fit failed.
+    """
+
+    x: float
+    y: float
+    height: float
+    radius: float
+    sd: float = 0.0
+    used: int = 0
+    reach: float = 0.0
+    cause: str = ""
+
+    def part(self, steepest: float, foot: float = FOOT) -> float:
+        """Return the radius of the circle [mm] above the foot and below the largest slope."""
+        height = (1.0 - foot) * self.height
+        wide = max(height * (2.0 * self.radius - height), 0.0)
+        steep = steepest / math.hypot(1.0, steepest) * self.radius
+        return min(math.sqrt(wide), steep)
+
+
+@dataclass(frozen=True, eq=False)
+class _Grid:
+    """Residuals of one fit and its derivatives, summed in cells, and the inverse of the normal matrix."""
+
+    residual: FloatArray
+    weight: FloatArray
+    columns: FloatArray
+    inverse: FloatArray
+
+    @property
+    def variance(self) -> float:
+        return float((self.residual**2).sum() / (self.weight**2).sum())
+
+
+def fitted_caps(
+    height_map: HeightMap, levelling: Levelling, starts: list[Cap], steepest: float
+) -> tuple[list[Cap], FloatArray]:
+    """Fit a sphere to each cap; return the caps and the covariance of (x, y, height, radius), (n, 4, 4).
+
+    The squares of the distances from the sphere, per area of the sphere, are minimised: roughness varies
+    along the surface, so that equal areas of it have equal information. A pixel therefore counts with the
+    cosine of its slope times the square of its vertical residual. Residuals above 4.5 robust standard
+    deviations are excluded, with the pixels beside them.
+    """
+    widest = max(cap.part(steepest) for cap in starts)
+    side = max(1, round(2.0 * widest / ACROSS / max(height_map.pixel)))
+    caps, grids = [], []
+    for start in each("fitting spheres: summit", starts):
+        cap, grid = _fitted(height_map, levelling, start, steepest, side)
+        caps.append(cap)
+        grids.append(grid)
+    covariance = np.full((len(caps), 4, 4), np.nan)
+    good = [grid for grid in grids if grid is not None]
+    if good:
+        common = correlation([grid.residual for grid in good], [grid.weight for grid in good], 4)
+        for i, grid in enumerate(grids):
+            if grid is not None:
+                meat = grid.variance * summed(grid.columns, common)
+                covariance[i] = grid.inverse @ meat @ grid.inverse
+    return caps, covariance
+
+
+def _fitted(
+    height_map: HeightMap, levelling: Levelling, start: Cap, steepest: float, side: int
+) -> tuple[Cap, _Grid | None]:
+    """Fit one sphere by Gauss-Newton steps."""
+    cap = start
+    rows, columns = height_map.window(np.array([cap.x, cap.y]), 1.2 * cap.part(steepest))
+    x, y = height_map.x(columns)[None, :], height_map.y(rows)[:, None]
+    z = height_map.heights(rows, columns) - levelling.base(x, y)
+    known = np.isfinite(z)
+    outlier = np.zeros(z.shape, dtype=bool)
+    for _ in range(ROUNDS):
+        reach = cap.part(steepest)
+        dx, dy = x - cap.x, y - cap.y
+        square = dx**2 + dy**2
+        used = known & ~outlier & (square <= reach**2)
+        count = int(used.sum())
+        if count < FEWEST:
+            return replace(cap, cause=f"only {count} of its pixels were measured"), None
+        # z = h - R + q with q = sqrt(R^2 - rho^2), and its derivatives by x, y, h and R
+        dx, dy = np.broadcast_to(dx, z.shape)[used], np.broadcast_to(dy, z.shape)[used]
+        root = np.sqrt(cap.radius**2 - square[used])
+        cosine = root / cap.radius
+        matrix = np.array([dx / root, dy / root, np.ones(count), 1.0 / cosine - 1.0])
+        distance = (z[used] - (cap.height - cap.radius + root)) * cosine
+        inverse = np.linalg.inv((matrix * cosine) @ matrix.T)
+        step = inverse @ (matrix @ distance)
+        moved = Cap(*(np.array([cap.x, cap.y, cap.height, cap.radius]) + step).tolist())
+        middle = float(np.median(distance))
+        sd = SD_OF_MEDIAN * float(np.median(np.abs(distance - middle)))
+        cap = replace(moved, sd=max(sd, RESOLUTION * cap.radius), used=count, reach=reach)
+        if not 0.0 < cap.height < 2.0 * cap.radius:
+            return replace(start, cause="its pixels do not lie on a sphere"), None
+        if abs(step[2]) <= NEGLIGIBLE * cap.sd / math.sqrt(count):
+            break
+        outlier = _outliers(z, known, x, y, cap)
+    else:
+        return replace(cap, cause=f"its sphere is not found in {ROUNDS} steps"), None
+    return cap, _summed(z.shape, used, side, matrix, distance - (matrix.T @ step) * cosine, inverse)
+
+
+def _outliers(
+    z: FloatArray, known: NDArray[np.bool_], x: FloatArray, y: FloatArray, cap: Cap
+) -> NDArray[np.bool_]:
+    """Return the pixels too far from a sphere and those beside them."""
+    from scipy.ndimage import binary_dilation
+
+    square = (x - cap.x) ** 2 + (y - cap.y) ** 2
+    root = np.sqrt(np.maximum(cap.radius**2 - square, 0.0))
+    distance = (z - (cap.height - cap.radius + root)) * root / cap.radius
+    far = known & (np.abs(distance) > OUTLIER * cap.sd) & (square <= cap.reach**2)
+    return np.asarray(binary_dilation(far, iterations=BESIDE) if far.any() else far)
+
+
+def _summed(
+    shape: tuple[int, ...], used: NDArray[np.bool_], side: int, matrix: FloatArray, distance: FloatArray,
+    inverse: FloatArray,
+) -> _Grid:  # fmt: skip
+    """Return sums over cells of pixels."""
+    row, column = (index.astype(np.int64) for index in np.nonzero(used))
+    cells = (-(-shape[0] // side), -(-shape[1] // side))
+    cell = (row // side) * cells[1] + column // side
+
+    def total(values: FloatArray) -> FloatArray:
+        return np.asarray(np.bincount(cell, values, cells[0] * cells[1]).reshape(cells), dtype=np.float64)
+
+    sums = np.array([total(each) for each in matrix])
+    return _Grid(total(distance), total(np.ones(len(distance))), sums, inverse)

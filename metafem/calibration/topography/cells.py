@@ -1,0 +1,81 @@
+"""A height map in large square cells: their mean heights, for the base plane and for finding summits."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from metafem._validate import FloatArray
+from metafem.progress import each
+
+# Pixels that are read at once: a band of rows of a large map, 32 MB in double precision.
+AT_ONCE = 2**22
+
+# A cell is used if at least this part of its pixels was measured.
+MEASURED = 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class HeightMap:
+    """Heights [mm] on pixels of a width and a height [mm], (rows, columns), nan where not measured.
+
+    y is upwards, and the first row is on top. The lower left corner of the map is the origin. `sign` is -1
+    for the map of a mould.
+    """
+
+    values: NDArray[np.floating]
+    pixel: tuple[float, float]
+    sign: float = 1.0
+
+    def x(self, columns: slice) -> FloatArray:
+        """Return the coordinates of the centres of columns [mm]."""
+        return self.pixel[0] * (np.arange(columns.start, columns.stop) + 0.5)
+
+    def y(self, rows: slice) -> FloatArray:
+        """Return the coordinates of the centres of rows [mm]."""
+        return self.pixel[1] * (len(self.values) - np.arange(rows.start, rows.stop) - 0.5)
+
+    def window(self, centre: FloatArray, reach: float) -> tuple[slice, slice]:
+        """Return rows and columns of the pixels within a distance of a point along both axes."""
+        rows, columns = self.values.shape
+        column = np.rint((centre[0] + np.array([-reach, reach])) / self.pixel[0])
+        row = np.rint(rows - (centre[1] + np.array([reach, -reach])) / self.pixel[1])
+        (left, right), (top, bottom) = np.clip(column, 0, columns), np.clip(row, 0, rows)
+        return slice(int(top), int(bottom)), slice(int(left), int(right))
+
+    def heights(self, rows: slice, columns: slice) -> FloatArray:
+        """Return a window in double precision."""
+        return np.asarray(self.sign * self.values[rows, columns].astype(np.float64))
+
+
+@dataclass(frozen=True, eq=False)
+class Cells:
+    """Mean heights of cells of a map, (rows, columns), nan where less than half of a cell was measured."""
+
+    mean: FloatArray
+    x: FloatArray
+    y: FloatArray
+    size: float
+
+
+def cells(height_map: HeightMap, side: int) -> Cells:
+    """Return the means over cells of `side` pixels; incomplete cells at the right and below are left out."""
+    rows, columns = (length // side for length in height_map.values.shape)
+    mean = np.empty((rows, columns))
+    at_once = max(1, AT_ONCE // (columns * side * side))
+    whole = slice(0, columns * side)
+    for start in each("reading the map", range(0, rows, at_once)):
+        stop = min(start + at_once, rows)
+        band = height_map.heights(slice(start * side, stop * side), whole)
+        blocks = band.reshape(stop - start, side, columns, side)
+        known = np.isfinite(blocks)
+        count = known.sum(axis=(1, 3))
+        total = np.where(known, blocks, 0.0).sum(axis=(1, 3))
+        enough = count >= MEASURED * side * side
+        mean[start:stop] = np.where(enough, total / np.maximum(count, 1), np.nan)
+    width, height = side * height_map.pixel[0], side * height_map.pixel[1]
+    x = width * (np.arange(columns) + 0.5)
+    y = height_map.pixel[1] * len(height_map.values) - height * (np.arange(rows) + 0.5)
+    return Cells(mean, x, y, max(width, height))

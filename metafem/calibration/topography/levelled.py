@@ -1,0 +1,143 @@
+"""The base plane of a height map: tilt and bow, found where no asperity stands."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from metafem._validate import FloatArray
+from metafem._values import Value
+from metafem.calibration.topography.cells import Cells, HeightMap
+from metafem.calibration.topography.correlation import correlation, summed
+from metafem.errors import InvalidInput
+
+# Median of the absolute value of a normal variable, inverted: a robust standard deviation.
+SD_OF_MEDIAN = 1.4826
+
+# Standard deviations beyond which a value is no part of the base plane or of a sphere. Of a normal variable
+# one value in 150,000 lies beyond.
+OUTLIER = 4.5
+
+# Steps of the reweighting: on 40 % of cells on caps it needs 15.
+STEPS = 50
+
+# Smallest number of cells of the base plane, five for each of six unknowns.
+FEWEST = 30
+
+# Powers of x and y: a plane, and with the bow.
+PLANE = ((0, 0), (1, 0), (0, 1))
+BOWED = (*PLANE, (2, 0), (1, 1), (0, 2))
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Levelling(Value):
+    """The base plane that was subtracted from a map, about the centre of the map.
+
+    Attributes
+    ----------
+    centre : ndarray, (2,)
+        Centre of the map, from its lower left corner [mm].
+    extent : float
+        Half of the larger side of the map [mm].
+    tilt : ndarray, (2,)
+        Slopes along x and y [rad].
+    bow : ndarray, (3,)
+        Coefficients of x^2, x y and y^2 [1/mm]; zeros if only the tilt was removed.
+    offset : float
+        Height of the base plane at the centre in the map [mm].
+    sd : float
+        Robust standard deviation of the cells' heights about the base plane [mm].
+    cell : float
+        Side of a cell [mm].
+    excluded : float
+        Part of the cells on caps, or excluded as outliers [-].
+    covariance : ndarray
+        Covariance of the coefficients of the powers of (x, y) / extent [mm^2].
+    """
+
+    centre: FloatArray
+    extent: float
+    tilt: FloatArray
+    bow: FloatArray
+    offset: float
+    sd: float
+    cell: float
+    excluded: float
+    covariance: FloatArray
+
+    def base(self, x: FloatArray, y: FloatArray) -> FloatArray:
+        """Return the height of the base plane [mm] at points on the map [mm]."""
+        u, v = x - self.centre[0], y - self.centre[1]
+        bow = self.bow[0] * u**2 + self.bow[1] * u * v + self.bow[2] * v**2
+        return np.asarray(self.offset + self.tilt[0] * u + self.tilt[1] * v + bow)
+
+    def base_sd(self, x: FloatArray, y: FloatArray) -> FloatArray:
+        """Return the standard deviation of the base plane at points (n,) [mm]."""
+        rows = _powers((x - self.centre[0]) / self.extent, (y - self.centre[1]) / self.extent, bowed=True)
+        rows = rows[: len(self.covariance)]
+        return np.asarray(np.sqrt(np.einsum("kn,kl,ln->n", rows, self.covariance, rows)))
+
+
+def levelled(
+    height_map: HeightMap, found: Cells, bowed: bool, caps: NDArray[np.bool_] | None = None
+) -> Levelling:
+    """Fit the base plane to the means of cells.
+
+    Without `caps` the plane is fitted to all cells, from below: least absolute deviations, then least squares
+    over the cells that lie at most 4.5 robust standard deviations above it; the deviations below it give that
+    standard deviation. With `caps`, the cells on summits, the rest is fitted and outliers on both sides are
+    excluded.
+    """
+    rows, columns = height_map.values.shape
+    centre = 0.5 * np.array(height_map.pixel) * np.array([columns, rows])
+    extent = float(centre.max())
+    u, v = np.meshgrid((found.x - centre[0]) / extent, (found.y - centre[1]) / extent)
+    known = np.isfinite(found.mean) if caps is None else np.isfinite(found.mean) & ~caps
+    count = 6 if bowed else 3
+    if known.sum() < FEWEST:
+        raise InvalidInput(
+            f"height_map shows {int(known.sum())} cells of {found.size:.3g} mm between its summits; at least "
+            f"{FEWEST} are needed for the base plane"
+        )
+    values = found.mean[known]
+    matrix = _powers(u[known], v[known], bowed)
+    kept = np.ones(len(values), dtype=bool)
+    weight = np.ones(len(values))
+    sd = 0.0
+    for step in range(STEPS):
+        weighted = matrix * (weight * kept)
+        fit = np.linalg.lstsq(weighted @ matrix.T, weighted @ values, rcond=None)[0]
+        residual = values - fit @ matrix
+        if caps is None and step < STEPS // 2:  # least absolute deviations
+            weight = 1.0 / np.maximum(np.abs(residual), 1e-3 * np.abs(residual).mean() + 1e-300)
+            continue
+        weight[:] = 1.0
+        middle = float(np.median(residual[kept]))
+        below = residual[residual <= middle] if caps is None else residual[kept]
+        sd = SD_OF_MEDIAN * float(np.median(np.abs(below - middle)))
+        before, kept = kept, np.abs(residual - middle) <= OUTLIER * sd
+        if (before == kept).all():
+            break
+    if kept.sum() < FEWEST:
+        raise InvalidInput("height_map holds no base plane: its cells between the summits do not lie on one")
+    grid = np.zeros(found.mean.shape)
+    grid[known] = np.where(kept, residual, 0.0)
+    used = np.zeros(found.mean.shape)
+    used[known] = kept
+    tensor = np.zeros((count, *found.mean.shape))
+    tensor[:, known] = matrix * kept
+    bread = np.linalg.inv(np.einsum("kij,lij->kl", tensor, tensor))
+    meat = summed(tensor, correlation([grid], [used], count)) * float((residual[kept] ** 2).mean())
+    scale = extent ** -np.array([sum(power) for power in BOWED[:count]], dtype=float)
+    coefficient = np.zeros(6)
+    coefficient[:count] = fit * scale
+    return Levelling(
+        centre, extent, coefficient[1:3], coefficient[3:], float(coefficient[0]), sd, found.size,
+        1.0 - float(kept.sum()) / float(np.isfinite(found.mean).sum()), bread @ meat @ bread,
+    )  # fmt: skip
+
+
+def _powers(u: FloatArray, v: FloatArray, bowed: bool) -> FloatArray:
+    return np.array([u**i * v**j for i, j in (BOWED if bowed else PLANE)])

@@ -1,0 +1,305 @@
+"""The surface that was made, from a map of its heights."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from metafem import _validate as check
+from metafem._calls import checked_call
+from metafem._given import formatted
+from metafem._validate import FloatArray, IntArray
+from metafem._values import MICROMETRES, Value, span
+from metafem.calibration.topography.alignment import Alignment, aligned
+from metafem.calibration.topography.caps import Cap, fitted_caps
+from metafem.calibration.topography.cells import HeightMap, cells
+from metafem.calibration.topography.levelled import Levelling, levelled
+from metafem.calibration.topography.radii import pooled
+from metafem.calibration.topography.summits import hills
+from metafem.errors import InvalidInput
+from metafem.notes import Note, information
+from metafem.progress import doing
+from metafem.surface import Surface
+
+# Cells across the smallest cap of the design, in which summits are searched.
+ACROSS = 10
+
+# Summits are searched above this part of the lowest height of the design.
+LOWEST = 0.25
+
+# Caps lower than this part of their radius cannot be told from roughness [-]: 5 um for the paper's radius.
+FLATTEST = 0.01
+
+# A map needs at least this many pixels along each axis.
+FEWEST = 16
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class MadeSurface(Value):
+    """A surface as it was made and measured, beside its design.
+
+    Attributes
+    ----------
+    surface : Surface
+        The asperities that were found: heights above the base plane, radii, positions in the design's
+        coordinates; material, friction and block are those of the design.
+    design : Surface
+        The designed surface.
+    site : ndarray of int, (n,)
+        Asperity of the design that each made one is.
+    height_sd, radius_sd, position_sd : ndarray, (n,)
+        Standard deviations [mm]; that of the position is along each axis.
+    levelling : Levelling
+        The tilt and bow that were subtracted.
+    missing : ndarray of int
+        Asperities of the design that were not found.
+    roughness : float
+        Standard deviation of the heights about the spheres [mm].
+    rotation : float
+        Angle by which the part lay under the microscope [rad], quarter turns included.
+    mirrored : bool
+        Whether the map is a mirror image of the part.
+    notes : tuple of Note
+    height_error, radius_error : ndarray, (n,)
+        Made minus designed [mm].
+    position_error : ndarray, (n, 2)
+        Made minus designed [mm].
+
+    Examples
+    --------
+    >>> import metafem as mf
+    >>> design = mf.Surface([[0.0, 0.0]], [0.1], 0.526, mf.Material(1.36))
+    >>> x = 0.004 * (np.arange(300) - 149.5)
+    >>> cap = np.sqrt(np.maximum(0.526**2 - x**2 - x[:, None] ** 2, 0.425**2)) - 0.425
+    >>> made = mf.calibration.measured_surface(cap, 0.004, design)
+    >>> made.height_error.round(6), made.missing
+    (array([0.001]), array([], dtype=int64))
+    """
+
+    surface: Surface
+    design: Surface
+    site: IntArray
+    height_sd: FloatArray
+    radius_sd: FloatArray
+    position_sd: FloatArray
+    levelling: Levelling
+    missing: IntArray
+    roughness: float
+    rotation: float
+    mirrored: bool
+    notes: tuple[Note, ...] = ()
+
+    @property
+    def height_error(self) -> FloatArray:
+        """Made minus designed heights, (n,) [mm]."""
+        return self.surface.height - self.design.height[self.site]
+
+    @property
+    def radius_error(self) -> FloatArray:
+        """Made minus designed radii, (n,) [mm]."""
+        return self.surface.radius - self.design.radius[self.site]
+
+    @property
+    def position_error(self) -> FloatArray:
+        """Made minus designed positions, (n, 2) [mm]."""
+        return self.surface.position - self.design.position[self.site]
+
+    def __repr__(self) -> str:
+        error = MICROMETRES * self.height_error
+        return (
+            f"<MadeSurface: {self.surface.count} of {self.design.count} asperities, height error "
+            f"{error.mean():.3g} um on average with s.d. {error.std():.3g} um, radius "
+            f"{span(self.surface.radius, 'mm')}>"
+        )
+
+
+@checked_call
+def measured_surface(
+    height_map: ArrayLike,
+    pixel_size: float | tuple[float, float],
+    design_surface: Surface,
+    *,
+    bow: bool = True,
+    steepest: float = 1.0,
+    common_radius: bool = False,
+    mould: bool = False,
+    mirrored: bool | None = None,
+) -> MadeSurface:
+    """Measure the heights, radii and positions of the asperities on a map of heights.
+
+    The base plane (tilt and bow) is fitted between the caps, and a sphere ``z = h - R + sqrt(R^2 - rho^2)``
+    to each cap: to its upper nine tenths as far as its slope is below `steepest`. The largest part of the cap
+    has the most information: for roughness of the standard deviation s with the covariance
+    ``s^2 exp(-r^2/l^2)``, white noise on a circle of radius a gives the standard errors ``2 s l/a`` of the
+    height, ``4 sqrt(3) s l R^2/a^3`` of the radius and ``2 s l R/a^2`` of each coordinate, to first order in
+    a/R and l/a. No unbiased estimate is better by more than terms of the order l/a. The standard errors
+    returned follow from the correlation of the measured residuals.
+
+    Parameters
+    ----------
+    height_map : array_like, (rows, columns)
+        Heights [mm], nan where not measured. Columns run along x, rows downwards along -y, as in an image.
+    pixel_size : float or (float, float)
+        Distance of the centres of two pixels [mm], or those along x and y.
+    design_surface : Surface
+        The designed surface, for the sites and for what is a cap.
+    bow : bool
+        Whether to subtract a second-order surface, not only a plane; default: True. The bow of the part
+        itself is then subtracted as well: a block that is glued to glass is flat, one that lies free may not
+        be.
+    steepest : float
+        Largest slope of a cap that is used [-], positive; default: 1, 45 degrees.
+    common_radius : bool
+        Whether all caps have one radius, as those made with one tool; default: False. The errors of the
+        heights are then halved.
+    mould : bool
+        Whether the map shows the mould, whose holes are the caps; default: False.
+    mirrored : bool, optional
+        Whether the map is a mirror image of the part; default: whichever fits the heights better. The map
+        of a mould is one.
+
+    Returns
+    -------
+    MadeSurface
+
+    Raises
+    ------
+    InvalidInput
+        If the map is too small or holds no base plane, if it shows no cap of a radius within a factor of two
+        of the design's, or if no cap has a site.
+
+    Notes
+    -----
+    ISO 25178-2 defines the autocorrelation length of a surface as the fastest decay to 0.2: 1.27 l here. The
+    fit of spheres by least squares of the distances: Forbes, NPL Report DITC 140/89 (1991).
+
+    Examples
+    --------
+    >>> import metafem as mf
+    >>> design = mf.Surface([[0.0, 0.0]], [0.1], 0.526, mf.Material(1.36))
+    >>> x = 0.004 * (np.arange(300) - 149.5)
+    >>> cap = np.sqrt(np.maximum(0.526**2 - x**2 - x[:, None] ** 2, 0.426**2)) - 0.426
+    >>> made = mf.calibration.measured_surface(cap + 0.002 * x, 0.004, design)
+    >>> made.surface.height.round(6), made.surface.radius.round(6)
+    (array([0.1]), array([0.526]))
+    """
+    check.instance("design_surface", design_surface, Surface, "a metafem.Surface")
+    limit = check.number("steepest", steepest, above=0.0)
+    picture = _height_map(height_map, pixel_size, mould)
+    design = design_surface
+    lowest = _lowest(design)
+    with doing("measuring the surface"):
+        foot = math.sqrt(lowest * (2.0 * float(design.radius.min()) - lowest))
+        side = max(1, int(2.0 * foot / ACROSS / max(picture.pixel)))
+        if min(picture.values.shape) < FEWEST * side:
+            side = max(1, min(picture.values.shape) // FEWEST)
+        found = cells(picture, side)
+        radius = float(np.median(design.radius))
+        first = levelled(picture, found, bow)
+        standing = hills(found, first, LOWEST * lowest, radius)
+        level = levelled(picture, found, bow, standing.cells)
+        if not standing.starts:
+            raise InvalidInput(
+                f"height_map shows no cap of a radius near {formatted('radius', radius)}: "
+                f"{len(standing.other)} hills of other shapes; check pixel_size, the unit of the heights, "
+                f"and mould={not mould}"
+            )
+        caps, covariance = fitted_caps(picture, level, standing.starts, limit)
+    good = np.array([not cap.cause for cap in caps])
+    notes = [
+        Note(f"the cap at {_place(cap.x, cap.y)} on the map was not measured: {cap.cause}")
+        for cap in caps
+        if cap.cause
+    ]
+    if not good.any():
+        raise InvalidInput(f"height_map shows no cap that can be measured; {notes[0].text}")
+    caps = [cap for cap in caps if not cap.cause]
+    covariance = covariance[good]
+    value = np.array([[cap.x, cap.y, cap.height, cap.radius] for cap in caps])
+    if common_radius:
+        value, covariance = pooled(value, covariance)
+    want = True if mould and mirrored is None else mirrored
+    place = aligned(value[:, :2], value[:, 2], design, want)
+    return _made(design, caps, value, covariance, level, place, standing.other, notes)
+
+
+def _made(
+    design: Surface, caps: list[Cap], value: FloatArray, covariance: FloatArray, level: Levelling,
+    place: Alignment, other: list[tuple[float, float]], notes: list[Note],
+) -> MadeSurface:  # fmt: skip
+    matched = np.flatnonzero(place.site >= 0)
+    if not matched.size:
+        raise InvalidInput(f"none of the {len(caps)} caps of height_map lies on a site of design_surface")
+    order = matched[np.argsort(place.site[matched])]
+    site = place.site[order].astype(np.int64)
+    missing = np.setdiff1d(np.arange(design.count), site)
+    for i in np.flatnonzero(place.site < 0):
+        notes.append(Note(f"the cap at {_place(*value[i, :2])} on the map has no site in the design"))
+    notes += [Note(f"the hill at {_place(*each)} on the map is no cap of the design") for each in other]
+    for i in missing[:5]:
+        x, y = design.position[i]
+        notes.append(Note(f"asperity {i} of the design, at {_place(x, y)}, is missing on the map"))
+    if len(missing) > 5:
+        notes.append(Note(f"{len(missing)} asperities of the design are missing on the map"))
+    turn = 90 * place.quarter
+    if not place.decided:
+        notes.append(
+            information(
+                "the heights do not tell how the part was turned or mirrored; the map is taken as it lies"
+            )
+        )
+    elif turn or place.mirrored:
+        ways = [f"turned by {turn} degrees"] * bool(turn) + ["mirrored"] * place.mirrored
+        notes.append(information(f"by its heights, the part is {' and '.join(ways)} on the map"))
+    base = level.base_sd(value[order, 0], value[order, 1])
+    variance = np.diagonal(covariance[order], axis1=1, axis2=2)
+    surface = Surface(
+        place.position[order],
+        value[order, 2],
+        value[order, 3],
+        design.material,
+        design.friction,
+        design.block,
+    )
+    return MadeSurface(
+        surface, design, site, np.sqrt(variance[:, 2] + base**2), np.sqrt(variance[:, 3]),
+        np.sqrt(variance[:, :2].mean(axis=1)), level, missing.astype(np.int64),
+        float(np.sqrt(np.mean([cap.sd**2 for cap in caps]))), place.rotation + 0.5 * math.pi * place.quarter,
+        place.mirrored, tuple(notes),
+    )  # fmt: skip
+
+
+def _height_map(values: ArrayLike, pixel_size: float | tuple[float, float], mould: bool) -> HeightMap:
+    """Return the checked map; its heights are not copied."""
+    if check.scalar(pixel_size):
+        width = height = check.number("pixel_size", pixel_size, above=0.0)
+    else:
+        width, height = check.array("pixel_size", pixel_size, shape=(2,), positive=True).tolist()
+    try:
+        array: NDArray[np.floating] = (
+            np.ma.filled(values, np.nan) if np.ma.isMaskedArray(values) else np.asarray(values)
+        )
+        if array.dtype not in (np.float32, np.float64):
+            array = array.astype(np.float64)
+    except (TypeError, ValueError):
+        raise InvalidInput("height_map is not an array of numbers") from None
+    if array.ndim != 2 or min(array.shape) < FEWEST:
+        raise InvalidInput(
+            f"height_map has shape {array.shape}; it must have shape (rows, columns), each at least {FEWEST}"
+        )
+    return HeightMap(array, (width, height), -1.0 if mould else 1.0)
+
+
+def _lowest(design: Surface) -> float:
+    """Return the least height of the caps that can be measured [mm]."""
+    measurable = design.height > FLATTEST * design.radius
+    if not measurable.any():
+        raise InvalidInput(f"design_surface has no summit above {FLATTEST:g} of its radius")
+    return float(min(design.height[measurable].min(), design.radius.min()))
+
+
+def _place(x: float, y: float) -> str:
+    return f"({x:.3f}, {y:.3f}) mm"

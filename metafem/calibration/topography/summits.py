@@ -1,0 +1,78 @@
+"""Where caps stand on a height map, and first guesses of their spheres."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from metafem._validate import FloatArray
+from metafem.calibration.topography.caps import Cap
+from metafem.calibration.topography.cells import Cells
+from metafem.calibration.topography.levelled import Levelling
+
+# A cap rises at least this many robust standard deviations of the cells' means above the base plane.
+ABOVE = 6.0
+
+# Fewest cells of a cap, twice the number of unknowns; smaller hills are dust.
+FEWEST = 8
+
+# A sphere with a radius outside this range around that of the design is none of its caps.
+RADIUS_FACTOR = 2.0
+
+# The upper part of a hill on which a sphere is guessed: its foot is no part of the sphere.
+UPPER = 0.3
+
+
+@dataclass(frozen=True, eq=False)
+class Hills:
+    """What stands on the base plane: cells of hills with a margin, guesses of caps, and what is no cap."""
+
+    cells: NDArray[np.bool_]
+    starts: list[Cap]
+    other: list[tuple[float, float]]  # centres [mm]
+
+
+def hills(found: Cells, levelling: Levelling, lowest: float, radius: float) -> Hills:
+    """Return the hills of a map; `lowest` is the least height of a cap, `radius` that of the design [mm]."""
+    from scipy import ndimage
+
+    x, y = np.meshgrid(found.x, found.y)
+    above = found.mean - levelling.base(x, y)
+    with np.errstate(invalid="ignore"):
+        high = above > max(ABOVE * levelling.sd, lowest)
+    # holes in the flanks separate no hill
+    closed = ndimage.binary_closing(high, iterations=2) | high
+    label, _ = ndimage.label(closed, np.ones((3, 3)))
+    starts, other = [], []
+    for number, window in enumerate(ndimage.find_objects(label), 1):
+        own = (label[window] == number) & np.isfinite(above[window])
+        at = x[window][own], y[window][own], above[window][own]
+        if own.sum() < FEWEST:
+            other.append((float(at[0].mean()), float(at[1].mean())))
+            continue
+        guess = _sphere(*at)
+        if guess is None or not radius / RADIUS_FACTOR <= guess.radius <= radius * RADIUS_FACTOR:
+            other.append((float(at[0].mean()), float(at[1].mean())))
+        else:
+            starts.append(guess)
+    # the foot below the threshold reaches one cell further; one more for the closing
+    return Hills(np.asarray(ndimage.binary_dilation(closed, np.ones((3, 3)), iterations=2)), starts, other)
+
+
+def _sphere(x: FloatArray, y: FloatArray, z: FloatArray) -> Cap | None:
+    """Return the sphere that minimises the squares of ``|p|^2 - 2 c p - (R^2 - |c|^2)``, if there is one."""
+    upper = z > UPPER * z.max()
+    if upper.sum() < FEWEST:
+        return None
+    middle = np.array([x[upper].mean(), y[upper].mean(), 0.0])
+    points = np.column_stack([x[upper], y[upper], z[upper]]) - middle
+    matrix = np.column_stack([2.0 * points, np.ones(len(points))])
+    solved = np.linalg.lstsq(matrix, (points**2).sum(axis=1), rcond=None)[0]
+    centre, square = solved[:3], solved[3] + (solved[:3] ** 2).sum()
+    if square <= 0.0:
+        return None
+    radius = float(np.sqrt(square))
+    cx, cy, cz = (centre + middle).tolist()
+    return Cap(cx, cy, cz + radius, radius) if 0.0 < cz + radius < 2.0 * radius else None
