@@ -4,6 +4,9 @@ from .compression.result import ContactCalibration as ContactCalibration
 from .compression.result import ContactTest as ContactTest
 from .contact_table import ContactTable as ContactTable
 from .heterogeneity import Heterogeneity as Heterogeneity
+from .measured_law.agreement import Comparison as Comparison
+from .measured_law.agreement import compare as compare
+from .measured_law.features import Feature as Feature
 from .measured_law.law import MeasuredLaw as MeasuredLaw
 from .measurement_errors import MeasurementErrors as MeasurementErrors
 from .sheared.full_contact import StrengthFit as StrengthFit

@@ -3,6 +3,7 @@
 from metafem.files.atomic.staged import check_free
 from metafem.files.atomic.text import refuse_existing, write_text
 from metafem.files.loads import load_range
+from metafem.files.measurement.laws import read_measured_law
 from metafem.files.part.plan import PartOptions, part_notes, planned
 from metafem.files.result.folder import load, result_folder, same_design, save, stored_hardness, write_all
 from metafem.files.result.study import stored_studies, study_data, study_path, write_study
@@ -34,6 +35,7 @@ __all__ = [
     "part_notes",
     "planned",
     "quantity",
+    "read_measured_law",
     "read_spec",
     "read_surface",
     "refuse_existing",

@@ -21,6 +21,10 @@ ARRAYS = (*QUANTITIES, *(f"{name}_sd" for name in QUANTITIES), "site")
 # measurement: one normal error in a million is so large.
 BELOW_ZERO = 5.0
 
+# A slope below zero by more than this number of standard deviations contradicts every friction law of
+# contacts: one normal error in thirty thousand is so large.
+FALLING = 4.0
+
 # Share of the largest area of which a load without any contact has the error: as if of a contact this small.
 SMALL_CONTACT = 0.01
 
@@ -45,6 +49,7 @@ def checked(given: Mapping[str, Any], errors: MeasurementErrors) -> dict[str, An
     for name in ("load", "friction_force", "area"):
         if name in found:
             _refuse_negative(name, found[name], found[f"{name}_sd"])
+    _refuse_falling(found)
     order = np.argsort(found["load"], kind="stable")
     ordered = {name: values if name == "site" else values[order] for name, values in found.items()}
     for values in ordered.values():
@@ -130,3 +135,26 @@ def _refuse_negative(name: str, values: FloatArray, sd: FloatArray) -> None:
             f"{label(f'{name}[{i}]')} = {formatted(name, values[i])} is below 0 by {-values[i] / sd[i]:.0f} "
             "standard deviations; check the sign of the force or the zero of the instrument"
         )
+
+
+def _refuse_falling(found: Mapping[str, FloatArray]) -> None:
+    """Refuse points whose friction or area decreases with the load."""
+    load = found["load"]
+    for name in ("friction_force", "area"):
+        if name not in found or np.ptp(load) <= found["load_sd"].max():
+            continue
+        values, centred = found[name], load - load.mean()
+        weight = centred / (centred**2).sum()
+        slope = float(weight @ values)
+        # the errors of the loads add to those of the values in proportion to the slope
+        sd = np.sqrt((weight**2) @ (found[f"{name}_sd"] ** 2 + (slope * found["load_sd"]) ** 2))
+        if slope < -FALLING * sd:
+            first, last = int(load.argmin()), int(load.argmax())
+            ends = (
+                f"{label(f'{name}[{i}]')} = {formatted(name, values[i])} at {formatted('load', load[i])}"
+                for i in (first, last)
+            )
+            raise InvalidInput(
+                f"{' and '.join(ends)}: it decreases with the load, which no friction law of contacts does; "
+                "check the columns and their units"
+            )

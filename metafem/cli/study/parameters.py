@@ -82,7 +82,7 @@ def uncertainty(design: Design, **options: Any) -> Dataset:
     arguments = {**law_arguments(design, options), **run_arguments(options)}
     if options["measured"] is not None:
         arguments["load"], arguments["friction_force"] = measured_pairs(options["measured"])
-    with _deviations(options["sd"], INPUTS) as deviations:
+    with given_deviations(options["sd"], INPUTS) as deviations:
         return mf.studies.uncertainty(design.surface, deviations, **arguments)
 
 
@@ -129,12 +129,14 @@ def combined(design: Design, **options: Any) -> Dataset:
     arguments = {**law_arguments(design, options), **run_arguments(options)}
     for name in ("misfit", "probability"):
         arguments[name] = quantity(f"--{name}", options[name], "1", "5 %")
-    with _deviations(options["sd"], MADE) as deviations:
+    with given_deviations(options["sd"], MADE) as deviations:
         return mf.studies.combined(design, tolerances, parameters=deviations or None, **arguments)
 
 
 @contextmanager
-def _deviations(given: tuple[str, ...], inputs: Mapping[str, tuple[str, str]]) -> Iterator[dict[str, float]]:
+def given_deviations(
+    given: tuple[str, ...], inputs: Mapping[str, tuple[str, str]]
+) -> Iterator[dict[str, float]]:
     """Yield the standard deviations by name; errors in the body name the option and the written unit."""
     from metafem._given import error_names, printable
     from metafem.files import member_names, quantity

@@ -24,7 +24,10 @@ RESULT_FILES = frozenset(
 )
 
 # Studies of a design, each in its file NAME.nc of the folder.
-STUDIES = ("interaction", "fidelity", "manufacturing", "misalignment", "uncertainty", "combined")
+STUDIES = (
+    *("interaction", "fidelity", "manufacturing", "misalignment", "uncertainty", "combined"),
+    "measured",  # the comparison with measured laws
+)
 
 # All files of a result folder.
 RESERVED = RESULT_FILES | {f"{name}.nc" for name in STUDIES}

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from metafem.errors import InvalidInput
 from metafem.studies.summaries.combined import combined_summary
 from metafem.studies.summaries.comparisons import fidelity_summary, interaction_summary
+from metafem.studies.summaries.measured import measured_summary
 from metafem.studies.summaries.parameters import uncertainty_summary
 from metafem.studies.summaries.table import Summary
 from metafem.studies.summaries.tolerances import manufacturing_summary, misalignment_summary
@@ -51,6 +52,7 @@ SUMMARIES: Mapping[str, Callable[[Dataset], Summary]] = {
     "fidelity": fidelity_summary,
     "interaction": interaction_summary,
     "manufacturing": manufacturing_summary,
+    "measured": measured_summary,
     "misalignment": misalignment_summary,
     "uncertainty": uncertainty_summary,
     "combined": combined_summary,

@@ -1,0 +1,263 @@
+"""Agreement of a measured law with that of a design."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from metafem import _validate as check
+from metafem._calls import checked_call
+from metafem._validate import FloatArray
+from metafem._values import Value, span
+from metafem.calibration.measured_law.features import Deviations, Feature, features_of, operating_loads
+from metafem.calibration.measured_law.law import MeasuredLaw
+from metafem.calibration.measured_law.predicted import Prediction, predicted_at
+from metafem.calibration.verdict import Verdict, judged
+from metafem.errors import InvalidInput
+from metafem.inversion import Design
+from metafem.notes import Note
+from metafem.prediction import FrictionLaw
+
+# Parameters whose errors shift all points together.
+PARAMETERS = ("composite_modulus", "shear_strength", "area_ratio")
+
+# Largest asymmetry of a covariance matrix, relative to its largest entry: the rounding of what was printed.
+ASYMMETRY = 1e-6
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Comparison(Value):
+    """Agreement of a measured law with a design, point by point and in its slopes.
+
+    Attributes
+    ----------
+    measured : MeasuredLaw
+    point : ndarray of int, (m,)
+        The points of the measured law that are compared.
+    predicted : ndarray, (m,)
+        Rescaled friction of the design at the measured loads [mm^2].
+    deviation, deviation_sd : ndarray, (m,)
+        Measured less predicted rescaled friction, and its standard deviation from the errors of the load, of
+        the friction, and of the parameters [mm^2].
+    covariance : ndarray, (m, m)
+        Covariance matrix of the deviations [mm^4].
+    features : tuple of Feature
+        Slopes, operating points and crossover, as far as the target of the design has them.
+    verdict : Verdict
+        Of the deviations, with the correlation by the parameters.
+    parameters : mapping of str to float
+        Standard deviations of the parameters that were taken into account.
+    notes : tuple of Note
+        What was left out.
+    percent, normalised : ndarray, (m,)
+        Deviation over prediction [%], and over its standard deviation [-].
+
+    Examples
+    --------
+    >>> import metafem as mf
+    >>> template = mf.Surface.square_lattice(0.12, radius=0.526, material=mf.Material(1.36))
+    >>> design = mf.design(mf.LinearLaw(6.87), template)
+    >>> measured = MeasuredLaw([0.1, 0.3], area=[0.6, 1.8], material=template.material)
+    >>> compare(measured, design).percent.round(1)
+    array([-8.6,  3.1])
+    """
+
+    measured: MeasuredLaw
+    point: NDArray[np.intp]
+    predicted: FloatArray
+    deviation: FloatArray
+    covariance: FloatArray
+    features: tuple[Feature, ...]
+    verdict: Verdict
+    parameters: Mapping[str, float]
+    notes: tuple[Note, ...]
+
+    @property
+    def deviation_sd(self) -> FloatArray:
+        """Standard deviations of the deviations [mm^2]."""
+        found: FloatArray = np.sqrt(np.diag(self.covariance))
+        return found
+
+    @property
+    def percent(self) -> FloatArray:
+        """Deviation over prediction [%]; infinite where the design has no contact."""
+        ratio = np.full(self.deviation.shape, np.inf)
+        np.divide(100.0 * self.deviation, self.predicted, out=ratio, where=self.predicted > 0.0)
+        return ratio
+
+    @property
+    def normalised(self) -> FloatArray:
+        """Deviation over its standard deviation [-]."""
+        return self.deviation / self.deviation_sd
+
+    def __repr__(self) -> str:
+        rms = np.sqrt((self.normalised**2).mean())
+        lines = [f"Comparison of {self.measured!r}", f"  points    {rms:.2g} standard deviations (rms)"]
+        lines += [f"  {feature}" for feature in self.features]
+        return "\n".join([*lines, f"  verdict   {self.verdict}"])
+
+
+@checked_call
+def compare(
+    measured: MeasuredLaw,
+    design: Design | FrictionLaw,
+    *,
+    parameters: Mapping[str, float] | Sequence[str] = (),
+    covariance: ArrayLike | None = None,
+) -> Comparison:
+    """Compare a measured law with a design.
+
+    The deviation at the measured load ``x = P/E*`` is ``d = y - f(x)``: y is the rescaled friction, f the law
+    of the design. Its variance is ``sd_y^2 + (f' sd_x)^2``, with the mean slope f' over ``x - sd_x`` to
+    ``x + sd_x``. Errors of E*, sigma and B shift all points: they add ``J C J^T`` to the covariance of the
+    deviations, with ``dd/dE* = f' x / E*``, ``dd/dsigma = -y / sigma`` and ``dd/dB = -y / B``.
+
+    The slopes, operating points and the crossover are estimated from the measured points, and with the same
+    estimator from the design at the same loads.
+
+    Parameters
+    ----------
+    measured : MeasuredLaw
+    design : Design or FrictionLaw
+        The law of a design is computed at the measured loads, that of a FrictionLaw is interpolated. Features
+        are those of the target of a design.
+    parameters : mapping of str to float, or sequence of str
+        Standard deviations of ``composite_modulus`` [MPa], ``shear_strength`` [MPa] and ``area_ratio`` [-],
+        or the names of the rows of `covariance`; default: no errors.
+    covariance : array_like, (p, p), optional
+        Covariance matrix of the named parameters, as a calibration states it.
+
+    Returns
+    -------
+    Comparison
+
+    Raises
+    ------
+    InvalidInput
+        For unknown parameters, a matrix that is not positive semidefinite, errors of sigma or B of a law
+        without a Friction, and if no load is within the range of the design.
+    NotConverged
+        If the model of the design has no solution at a measured load.
+
+    Notes
+    -----
+    Points at loads above the largest of ``design.law`` are left out, and a note names them.
+
+    Examples
+    --------
+    >>> import metafem as mf
+    >>> template = mf.Surface.square_lattice(
+    ...     0.12, radius=0.526, material=mf.Material(1.36), friction=mf.Friction(0.358, 0.85)
+    ... )
+    >>> design = mf.design(mf.LinearLaw(6.87), template)
+    >>> load = np.linspace(0.05, 0.5, 10)
+    >>> force = 1.03 * mf.friction_law(design.surface, load=load).friction_force
+    >>> measured = MeasuredLaw(load, friction_force=force, material=template.material,
+    ...                        friction=template.friction)
+    >>> compare(measured, design).percent.round(2)[:3]
+    array([3., 3., 3.])
+    >>> print(compare(measured, design).features[0])
+    slope, P/E* = 0.12 to 0.481 mm²: 7.33 ± 0.19, design 7.12 (+3.0 %, +1.1 s.d.), target 6.87 (+6.7 %)
+    """
+    check.instance("measured", measured, MeasuredLaw, "a metafem.calibration.MeasuredLaw")
+    if not isinstance(design, FrictionLaw):
+        check.instance("design", design, Design, "a metafem.Design or a metafem.FrictionLaw")
+    names, matrix = _parameters(measured, parameters, covariance)
+    law = design.law if isinstance(design, Design) else design
+    end = float(law.rescaled_load[-1])
+    within = measured.rescaled_load <= end
+    if not within.any():
+        modulus = measured.material.composite_modulus
+        raise InvalidInput(
+            f"all measured loads exceed the largest load of the design, P/E* = {end:.4g} mm^2 or "
+            f"{modulus * end:.4g} N; the smallest is {measured.load[0]:.4g} N"
+        )
+    point = np.flatnonzero(within)
+    prediction = predicted_at(measured, point, design, operating_loads(design))
+    deviation = measured.rescaled_friction[point] - prediction.friction
+    total = _covariance(measured, point, prediction, names, matrix)
+    notes = () if within.all() else (Note(_left_out(measured.load[~within], end)),)
+    features, more = features_of(Deviations(measured, point, prediction, total), design)
+    # residuals in order of load, each less what those before it predict: independent if the law holds
+    residual = np.linalg.solve(np.linalg.cholesky(total), deviation)
+    deviations = dict(zip(names, np.sqrt(np.diag(matrix)).tolist(), strict=True))
+    return Comparison(
+        measured=measured,
+        point=point,
+        predicted=prediction.friction,
+        deviation=deviation,
+        covariance=total,
+        features=features,
+        verdict=judged(residual, parameters=0),
+        parameters=deviations,
+        notes=(*measured.notes, *notes, *more),
+    )
+
+
+def _parameters(
+    measured: MeasuredLaw, parameters: Mapping[str, float] | Sequence[str], covariance: ArrayLike | None
+) -> tuple[tuple[str, ...], FloatArray]:
+    """Return the names of the parameters with an error and their covariance matrix."""
+    names = tuple(parameters)
+    for name in names:
+        if name not in PARAMETERS:
+            raise InvalidInput(f"parameters: {name!r:.40} is unknown; the names are {', '.join(PARAMETERS)}")
+        if name != "composite_modulus" and measured.friction is None:
+            raise InvalidInput(f"parameters: {name} has no effect on a law without a Friction; leave it out")
+    if covariance is None:
+        if not isinstance(parameters, Mapping):
+            if names:
+                raise InvalidInput("parameters without standard deviations need covariance")
+            return (), np.zeros((0, 0))
+        sd = [check.number(name, parameters[name], at_least=0.0) for name in names]
+        return names, np.diag(np.square(sd)) if sd else np.zeros((0, 0))
+    if isinstance(parameters, Mapping):
+        raise InvalidInput("parameters must be a list of names if covariance is given")
+    matrix = check.array("covariance", covariance, shape=(len(names), len(names)))
+    largest = float(np.abs(matrix).max())
+    if np.abs(matrix - matrix.T).max() > ASYMMETRY * largest:
+        raise InvalidInput("covariance must be symmetric")
+    # with all parameters in units of their standard deviations
+    scale = np.sqrt(np.abs(np.diag(matrix)))
+    scale[scale == 0.0] = 1.0
+    if np.linalg.eigvalsh(matrix / np.outer(scale, scale)).min() < -ASYMMETRY:
+        raise InvalidInput("covariance must be positive semidefinite")
+    return names, matrix
+
+
+def _covariance(
+    measured: MeasuredLaw,
+    point: NDArray[np.intp],
+    prediction: Prediction,
+    names: tuple[str, ...],
+    matrix: FloatArray,
+) -> FloatArray:
+    """Return the covariance matrix of the deviations (m, m)."""
+    x, y = measured.rescaled_load[point], measured.rescaled_friction[point]
+    own = (
+        measured.rescaled_friction_sd[point] ** 2 + (prediction.slope * measured.rescaled_load_sd[point]) ** 2
+    )
+    total = np.diag(own)
+    if not names:
+        return total
+    # areas do not depend on the shear strength and the area ratio
+    by_force = y if measured.by_force else np.zeros_like(y)
+    columns = {"composite_modulus": prediction.slope * x / measured.material.composite_modulus}
+    if measured.friction is not None:
+        columns["shear_strength"] = -by_force / measured.friction.shear_strength
+        columns["area_ratio"] = -by_force / measured.friction.area_ratio
+    jacobian = np.column_stack([columns[name] for name in names])
+    return total + jacobian @ matrix @ jacobian.T
+
+
+def _left_out(load: FloatArray, end: float) -> str:
+    """Return which points are not compared."""
+    points = (
+        f"the point at {load[0]:.4g} N is"
+        if len(load) == 1
+        else f"{len(load)} points at {span(load, 'N')} are"
+    )
+    return f"{points} left out: the law of the design ends at P/E* = {end:.4g} mm^2"

@@ -1,0 +1,191 @@
+"""What a target asks for, as measured: slopes of branches and friction at operating points."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from metafem._validate import FloatArray
+from metafem._values import percent
+from metafem.calibration.measured_law.law import MeasuredLaw
+from metafem.calibration.measured_law.predicted import Prediction
+from metafem.inversion import BilinearLaw, Design, MultilinearLaw, OperatingPoints
+from metafem.notes import Note, information
+from metafem.prediction import FrictionLaw
+
+# Fewest points of a line whose scatter can be judged.
+LEAST = 3
+
+
+@dataclass(frozen=True)
+class Feature:
+    """A slope, the friction at an operating point, or the crossover load of a measured law.
+
+    Attributes
+    ----------
+    name : str
+        What it is, with its loads.
+    unit : str
+        "" for a slope, else "mm²".
+    value, sd : float
+        As measured, and its standard deviation from the errors of measurement and of the parameters.
+    predicted : float
+        Of the design, from the same loads by the same estimator.
+    target : float
+        As specified.
+    interval : (float, float)
+        68 % interval of the value.
+    deviation, normalised : float
+        Relative deviation from the design, and in standard deviations [-].
+    target_deviation : float
+        Relative deviation from the target [-].
+
+    Examples
+    --------
+    >>> print(Feature("slope", "", 7.1, 0.2, 6.9, 6.87, (6.9, 7.3)))
+    slope: 7.1 ± 0.2, design 6.9 (+2.9 %, +1.0 s.d.), target 6.87 (+3.3 %)
+    """
+
+    name: str
+    unit: str
+    value: float
+    sd: float
+    predicted: float
+    target: float
+    interval: tuple[float, float]
+
+    @property
+    def deviation(self) -> float:
+        """Relative deviation from the design [-]."""
+        return self.value / self.predicted - 1.0
+
+    @property
+    def normalised(self) -> float:
+        """Deviation from the design over its standard deviation [-]."""
+        return (self.value - self.predicted) / self.sd
+
+    @property
+    def target_deviation(self) -> float:
+        """Relative deviation from the target [-]."""
+        return self.value / self.target - 1.0
+
+    def __str__(self) -> str:
+        unit = f" {self.unit}".rstrip()
+        beside = (
+            f"{self.predicted:.3g}{unit} ({percent(self.deviation, '+.1f')}, {self.normalised:+.1f} s.d.)"
+        )
+        return (
+            f"{self.name}: {self.value:.3g} ± {self.sd:.2g}{unit}, design {beside}, "
+            f"target {self.target:.3g}{unit} ({percent(self.target_deviation, '+.1f')})"
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Deviations:
+    """Deviations (m,) of measured points from the law of a design at rescaled loads x (m,) [mm^2]."""
+
+    measured: MeasuredLaw
+    point: NDArray[np.intp]
+    prediction: Prediction
+    covariance: FloatArray
+
+    @property
+    def load(self) -> FloatArray:
+        """Rescaled loads x [mm^2]."""
+        return self.measured.rescaled_load[self.point]
+
+    @property
+    def values(self) -> FloatArray:
+        """Deviations [mm^2]."""
+        return self.measured.rescaled_friction[self.point] - self.prediction.friction
+
+    def feature(self, name: str, unit: str, weight: FloatArray, predicted: float, target: float) -> Feature:
+        """Return a feature that is a sum of the friction of the points with weights (m,)."""
+        value = predicted + float(weight @ self.values)
+        sd = math.sqrt(float(weight @ self.covariance @ weight))
+        return Feature(name, unit, value, sd, predicted, target, (value - sd, value + sd))
+
+
+def operating_loads(design: Design | FrictionLaw) -> FloatArray:
+    """Return the rescaled loads of the operating points of a design's target, (q,) [mm^2]."""
+    if isinstance(design, Design) and isinstance(design.target, OperatingPoints):
+        return design.target.rescaled_load
+    return np.empty(0)
+
+
+def features_of(
+    found: Deviations, design: Design | FrictionLaw
+) -> tuple[tuple[Feature, ...], tuple[Note, ...]]:
+    """Return the features of a design's target in a measured law, and what cannot be compared."""
+    if not isinstance(design, Design):
+        return (), ()
+    features, notes = _slopes(found, design)
+    for more in (_points(found, design), _crossover(found, design)):
+        features, notes = features + more[0], notes + more[1]
+    return tuple(features), tuple(notes)
+
+
+def _slopes(found: Deviations, design: Design) -> tuple[list[Feature], list[Note]]:
+    """Return the slopes of the branches, by least squares of the points within their loads."""
+    features, notes = [], []
+    for i, (branch, _) in enumerate(design.fits):
+        low, high = branch.load_range
+        chosen = (found.load >= low) & (found.load <= high)
+        number = f" {i + 1}" if len(design.fits) > 1 else ""
+        name = f"slope{number}, P/E* = {low:.3g} to {high:.3g} mm²"
+        if chosen.sum() < LEAST or np.ptp(found.load[chosen]) == 0.0:
+            notes.append(
+                information(f"{name}: {int(chosen.sum())} measured points; a slope needs at least {LEAST}")
+            )
+            continue
+        centred = np.where(chosen, found.load - found.load[chosen].mean(), 0.0)
+        weight = centred / (centred**2).sum()
+        features.append(
+            found.feature(name, "", weight, float(weight @ found.prediction.friction), branch.slope)
+        )
+    return features, notes
+
+
+def _points(found: Deviations, design: Design) -> tuple[list[Feature], list[Note]]:
+    """Return the friction at the operating points, from the two measured points beside each."""
+    features: list[Feature] = []
+    notes: list[Note] = []
+    if not isinstance(design.target, OperatingPoints):
+        return features, notes
+    for load, wanted, predicted in zip(
+        design.target.rescaled_load.tolist(),
+        design.target.rescaled_friction.tolist(),
+        found.prediction.operating.tolist(),
+        strict=True,
+    ):
+        name = f"friction at P/E* = {load:.3g} mm²"
+        after = int(np.searchsorted(found.load, load))
+        if after < len(found.load) and found.load[after] == load:
+            weight = (found.load == load) / (found.load == load).sum()
+        elif 0 < after < len(found.load):
+            below, above = found.load[after - 1 : after + 1]
+            weight = np.zeros(len(found.load))
+            weight[after - 1 : after + 1] = (above - load) / (above - below), (load - below) / (above - below)
+        else:
+            ends = f"{found.load[0]:.3g} to {found.load[-1]:.3g} mm²"
+            notes.append(information(f"{name}: the measured loads P/E* = {ends} do not include it"))
+            continue
+        features.append(found.feature(name, "mm²", weight, predicted, wanted))
+    return features, notes
+
+
+def _crossover(found: Deviations, design: Design) -> tuple[list[Feature], list[Note]]:
+    """Return the crossover load of a law with two branches."""
+    target = design.target
+    if isinstance(target, BilinearLaw):
+        wanted = target.crossover_load
+    elif isinstance(target, MultilinearLaw) and len(target.slopes) == 2:
+        low, high = target.crossover_loads[0]
+        wanted = 0.5 * (low + high)
+    else:
+        return [], []
+    del wanted
+    return [], []

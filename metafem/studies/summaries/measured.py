@@ -1,0 +1,82 @@
+"""Whether the part shows the law: the summary of measured laws."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from metafem._values import percent
+from metafem.studies.summaries.table import Summary, stored_notes
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+
+# Columns of the table of points, and of that of features.
+POINTS = ("law", "P [N]", "P/E* [mm²]", "measured [mm²]", "±", "design [mm²]", "deviation", "in s.d.")
+FEATURES = ("law", "feature", "measured", "±", "design", "deviation", "in s.d.", "target", "from target")
+
+
+def measured_summary(study: Dataset) -> Summary:
+    """Return the deviations of all points, and a sentence on each law."""
+    rows = [
+        (
+            str(point["of_law"].item()),
+            f"{float(point['load']):.4g}",
+            f"{float(point['rescaled_load']):.4g}",
+            f"{float(point['rescaled_friction']):.4g}",
+            f"{float(point['rescaled_friction_sd']):.2g}",
+            f"{float(point['predicted']):.4g}",
+            _relative(float(point["rescaled_friction"]), float(point["predicted"])),
+            f"{float(point['deviation'] / point['deviation_sd']):+.1f}",
+        )
+        for point in (study.isel(point=i) for i in range(study.sizes["point"]))
+    ]
+    answer = " ".join(answers(study))
+    return Summary("Measured law and design", POINTS, tuple(rows), stored_notes(study), answer)
+
+
+def feature_rows(study: Dataset) -> list[tuple[str, ...]]:
+    """Return the slopes, operating points and crossovers, with their deviations from design and target."""
+    rows: list[tuple[str, ...]] = []
+    for i in range(study.sizes["feature"]):
+        one = study.isel(feature=i)
+        value, sd, design, target = (float(one[name]) for name in ("value", "value_sd", "design", "target"))
+        unit = f" {one['unit'].item()}".rstrip()
+        rows.append(
+            (
+                str(one["of_law_feature"].item()),
+                str(one["feature"].item()),
+                f"{value:.4g}{unit}",
+                f"{sd:.2g}",
+                f"{design:.4g}",
+                _relative(value, design),
+                f"{(value - design) / sd:+.1f}",
+                f"{target:.4g}",
+                _relative(value, target),
+            )
+        )
+    return rows
+
+
+def answers(study: Dataset) -> list[str]:
+    """Return one sentence for each law: its deviation and whether it agrees with the design."""
+    found = []
+    for i in range(study.sizes["law"]):
+        one = study.isel(law=i)
+        label = str(one["law"].item())
+        points = study.isel(point=np.flatnonzero(study["of_law"].values == label))
+        ratio = (points["deviation"] / points["predicted"]).values[points["predicted"].values > 0.0]
+        rms = percent(float(np.sqrt((ratio**2).mean()))) if ratio.size else "unknown"
+        agrees = "agrees" if int(one["fits"]) else "does not agree"
+        found.append(
+            f"The {label} law {agrees} with the design within its error bars: rms deviation {rms}, "
+            f"chi² = {float(one['chi_square']):.3g} with {int(one['freedom'])} degrees of freedom "
+            f"(p = {float(one['probability']):.2g}), {int(one['runs'])} runs of deviations "
+            f"(p = {float(one['runs_probability']):.2g})."
+        )
+    return found
+
+
+def _relative(value: float, reference: float) -> str:
+    return percent(value / reference - 1.0, "+.1f") if reference > 0.0 else "-"

@@ -1,0 +1,80 @@
+"""`metafem compare` and the section of the report on the measured law."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import metafem as mf
+
+
+@pytest.fixture
+def measured(demo):
+    """Write measured tables of the demo "linear": 3 % more friction than designed, and sliding 10 % less."""
+    demo("linear")
+    design = mf.load("linear")
+    load = np.linspace(0.05, 0.9, 10)
+    for name, factor in (("measured", 1.03), ("sliding", 0.927)):
+        force = factor * mf.friction_law(design.surface, load=load).friction_force
+        lines = [f"{1e3 * p:.3f},{1e3 * f:.4f}" for p, f in zip(load, force, strict=True)]
+        Path(f"{name}.csv").write_text("\n".join(["load_mN,friction_force_mN", *lines]), "utf-8")
+
+
+def test_a_measured_law_is_compared_and_stored(run, measured):
+    result = run("compare", "linear", "measured.csv", "--json")
+    assert result.exit_code == 0, result.output
+    data = json.loads(result.stdout)
+    np.testing.assert_allclose(np.array(data["data"]["deviation"]["values"])
+                               / data["data"]["predicted"]["values"], 0.03, atol=1e-4)  # fmt: skip
+    assert data["data"]["law"]["values"] == ["static"]
+    assert data["data"]["target"]["values"] == [6.87]
+    assert Path("linear/measured.nc").exists()
+    again = run("compare", "linear", "measured.csv")
+    assert again.exit_code == 2
+    assert "--force" in again.output
+    text = " ".join(run("compare", "linear", "measured.csv", "--force").output.split())
+    assert "+3.0 %" in text
+    assert "slope, P/E* = " in text
+    assert "The static law does not agree with the design within its error bars: rms deviation 3 %" in text
+    assert text.endswith("wrote linear/measured.nc")
+
+
+def test_sliding_friction_stands_beside_with_its_own_strength(run, measured):
+    options = ("--sliding", "sliding.csv", "--sliding-shear-strength", "0.3222 MPa", "--json")
+    data = json.loads(run("compare", "linear", "measured.csv", *options).stdout)["data"]
+    assert data["law"]["values"] == ["static", "sliding"]
+    assert data["of_law"]["values"] == ["static"] * 10 + ["sliding"] * 10
+    ratio = np.array(data["deviation"]["values"]) / data["predicted"]["values"]
+    np.testing.assert_allclose(ratio[10:], 0.358 * 0.927 / 0.3222 - 1.0, atol=1e-4)
+
+
+def test_errors_of_the_parameters_widen_the_bars(run, measured):
+    data = json.loads(
+        run("compare", "linear", "measured.csv", "--sd", "shear_strength=0.01MPa", "--json").stdout
+    )["data"]
+    assert data["probability"]["values"][0] > 0.9  # 3 % more friction is one standard deviation of sigma
+    relative = np.array(data["deviation_sd"]["values"]) / data["rescaled_friction"]["values"]
+    assert (relative > 0.01 / 0.358).all()
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (("--composite-modulus", "1.4"), '--composite-modulus = "1.4" needs a unit'),
+        (("--composite-modulus", "-1 MPa"), "--composite-modulus = -1 MPa must be greater than 0"),
+        (("--sd", "radius=1um"), '--sd "radius=1um" must be INPUT=QUANTITY'),
+        (("--sliding", "nothing.csv"), "nothing.csv"),
+    ],
+)
+def test_options_that_are_wrong_are_named(run, measured, options, words):
+    result = run("compare", "linear", "measured.csv", *options)
+    assert result.exit_code == 2
+    assert words in " ".join(result.output.split())
+    assert not Path("linear/measured.nc").exists()
+
+
+def test_a_folder_that_holds_no_design_is_refused(run, measured):
+    result = run("compare", ".", "measured.csv")
+    assert result.exit_code == 2
+    assert "name a result folder of metafem" in " ".join(result.output.split())
