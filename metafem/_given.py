@@ -33,7 +33,7 @@ UNITS: Mapping[str, str] = {
         "N": ("load", "load_min", "friction_force", "load_sd", "friction_force_sd"),
         "N/mm": ("adhesion_energy",),
         "MPa": ("composite_modulus", "young_modulus", "shear_strength", "hardness", "yield_strength"),
-        "rad": ("angle", "angle_x", "angle_y", "tilt"),
+        "rad": ("angle", "angle_x", "angle_y", "angle_sd", "tilt"),
     }.items()
     for name in names
 }

@@ -3,6 +3,12 @@ from .compression.calibrate import contact as contact
 from .compression.result import ContactCalibration as ContactCalibration
 from .compression.result import ContactTest as ContactTest
 from .contact_table import ContactTable as ContactTable
+from .diagnosis.explain import explain as explain
+from .diagnosis.explanation import Cause as Cause
+from .diagnosis.explanation import Explanation as Explanation
+from .diagnosis.explanation import SingleErrors as SingleErrors
+from .diagnosis.priors import Priors as Priors
+from .diagnosis.unresolved import Unresolved as Unresolved
 from .heterogeneity import Heterogeneity as Heterogeneity
 from .measured_law.agreement import Comparison as Comparison
 from .measured_law.agreement import compare as compare

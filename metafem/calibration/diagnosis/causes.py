@@ -1,0 +1,130 @@
+"""The unknown errors of a part as standard normal numbers, and the part that they make."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from metafem._validate import FloatArray
+from metafem.calibration.diagnosis.priors import Priors
+from metafem.surface import Surface
+
+# Errors of the whole part and of the calibration, one number each.
+COMMON = ("angle_x", "angle_y", "height_scale", "composite_modulus", "friction")
+
+# Errors of single asperities, one number or two of each asperity.
+SINGLE = ("height", "radius", "position")
+
+# Causes that are one in tables and in the shares of the misfit.
+GROUPS = {
+    "tilt": ("angle_x", "angle_y"),
+    "height_scale": ("height_scale",),
+    "composite_modulus": ("composite_modulus",),
+    "friction": ("friction",),
+    "height": ("height",),
+    "radius": ("radius",),
+    "position": ("position",),
+}
+
+# Smallest true load over the standard deviation of a measured one: there is a contact.
+LIGHTEST = 0.01
+
+# Smallest radius of a made summit over the designed one, and smallest factor of E* and sigma B.
+LEAST = 0.1
+
+
+@dataclass(frozen=True, eq=False)
+class Made:
+    """A made part, and the true loads of its measurement."""
+
+    surface: Surface
+    slope: FloatArray  # (2,), tangents of the tilts
+    stiffer: float  # E* over the nominal one
+    friction: float  # sigma B over the nominal one
+    load: FloatArray  # (k,), [N]
+
+
+@dataclass(frozen=True, eq=False)
+class Causes:
+    """Where each unknown stands among the standard normal numbers z (p,), and its prior standard deviation.
+
+    The last k numbers are the errors of the measured loads, over their standard deviations.
+    """
+
+    surface: Surface
+    load: FloatArray
+    load_sd: FloatArray
+    sd: dict[str, float]
+    wide: dict[int, float]  # standard deviations of the heights of outliers [mm], by asperity
+    where: dict[str, slice]
+
+    @staticmethod
+    def of(surface: Surface, load: FloatArray, load_sd: FloatArray, priors: Priors, friction: bool) -> Causes:
+        """Return the unknowns with a prior that is not 0; friction: whether friction forces were measured."""
+        sd = {name: getattr(priors, f"{name}_sd") for name in (*COMMON[2:], *SINGLE)}
+        sd = {"angle_x": priors.angle_sd, "angle_y": priors.angle_sd, **sd}
+        if not friction:
+            del sd["friction"]
+        sd = {name: value for name, value in sd.items() if value > 0.0}
+        where, end = {}, 0
+        for name in sd:
+            size = 1 if name in COMMON else surface.count * (2 if name == "position" else 1)
+            where[name], end = slice(end, end + size), end + size
+        where["load"] = slice(end, end + len(load))
+        return Causes(surface, load, load_sd, sd, {}, where)
+
+    @property
+    def size(self) -> int:
+        """Number of unknowns, p."""
+        return int(self.where["load"].stop)
+
+    @property
+    def common(self) -> list[str]:
+        """Names of the errors of the whole part."""
+        return [name for name in COMMON if name in self.sd]
+
+    @property
+    def single(self) -> list[str]:
+        """Names of the errors of single asperities."""
+        return [name for name in SINGLE if name in self.sd]
+
+    def value(self, name: str, z: FloatArray) -> FloatArray:
+        """Return an error in its unit."""
+        if name == "load":
+            return np.asarray(self.load_sd * z[self.where["load"]])
+        if name not in self.sd:
+            return np.zeros(1)
+        return np.asarray(self.scale(name) * z[self.where[name]])
+
+    def scale(self, name: str) -> FloatArray:
+        """Return the standard deviation of each number of one kind, in its unit."""
+        where = self.where[name]
+        result = np.full(where.stop - where.start, self.sd[name])
+        if name == "height":
+            for i, sd in self.wide.items():
+                result[i] = sd
+        return result
+
+    def made(self, z: FloatArray) -> Made:
+        """Return the part with these errors, and the true loads."""
+        design = self.surface
+        slope = np.tan([self.value(name, z)[0] for name in ("angle_x", "angle_y")])
+        position = design.position
+        if "position" in self.sd:
+            position = position + self.value("position", z).reshape(-1, 2)
+        summits = design.height * (1.0 + self.value("height_scale", z)[0]) + self.value("height", z)
+        radius = np.maximum(design.radius + self.value("radius", z), LEAST * design.radius)
+        load = np.maximum(self.load + self.value("load", z), LIGHTEST * self.load_sd)
+        stiffer, friction = (
+            max(1.0 + float(self.value(name, z)[0]), LEAST) for name in ("composite_modulus", "friction")
+        )
+        modulus = stiffer * design.material.composite_modulus
+        surface = replace(
+            design,
+            position=position,
+            height=summits + position @ slope,
+            radius=radius,
+            material=replace(design.material, composite_modulus=modulus),
+        )
+        return Made(surface, slope, stiffer, friction, load)

@@ -1,0 +1,238 @@
+"""Which errors of a part explain the difference between its measured law and the design."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from metafem import _validate as check
+from metafem._calls import checked_call
+from metafem._given import shown
+from metafem._validate import FloatArray
+from metafem.calibration.diagnosis.causes import Causes
+from metafem.calibration.diagnosis.explanation import Cause, Explanation, SingleErrors
+from metafem.calibration.diagnosis.linearised import Scene
+from metafem.calibration.diagnosis.observations import Observations
+from metafem.calibration.diagnosis.priors import Priors
+from metafem.calibration.diagnosis.shares import shares
+from metafem.calibration.diagnosis.unresolved import unresolved
+from metafem.calibration.diagnosis.update import Posterior, update
+from metafem.calibration.measured_law.law import MeasuredLaw
+from metafem.calibration.verdict import judged
+from metafem.errors import InvalidInput
+from metafem.inversion import Design
+from metafem.models import Independent, Interacting, Model
+from metafem.models.model import checked_model
+from metafem.notes import Note
+from metafem.progress import doing
+from metafem.substrate import BondedLayer
+from metafem.surface import Friction, Surface
+
+# Probability that no error of a part within its tolerances is called an outlier.
+NO_OUTLIER = 0.99
+
+
+@doing("explaining the measured law")
+@checked_call
+def explain(
+    measured: MeasuredLaw,
+    design: Design | Surface,
+    priors: Priors | None = None,
+    *,
+    model: Model | None = None,
+) -> Explanation:
+    """Which errors of a part explain the difference between its measured law and the design.
+
+    A linear Bayesian update: each error has a Gaussian prior, the measured values y have independent Gaussian
+    errors, and the posterior of the errors z, over their prior standard deviations, is that of the law
+    linearised at the mean m of the posterior,
+
+        V = (1 + J'W J)^-1,   m = V J'W (y - f(m) + J m),
+
+    J = df/dz and W the inverse variances. It is relinearised until it stands still, since the law is not
+    linear where contacts open. Tarantola, Inverse Problem Theory (SIAM, 2005), doi:10.1137/1.9780898717921,
+    section 3.2.3.
+
+    The error of a load enters all that was measured at this load: the true loads are unknowns beside the
+    errors of the part, with the measured ones as their means. Linearised, this is the effective covariance
+    ``C + J_P C_P J_P'``, but with its derivatives at the true loads and not at the measured ones. The error
+    of the area of a contact is that of its boundary, and grows with the true area. A contact found open has
+    no area with an error: it says that the indentation is at most 0 at the largest load at which it was found
+    open. This step is replaced by the Gaussian factor with the same mean and variance (expectation
+    propagation). The total area is not used beside the areas of the contacts, whose sum it is.
+
+    A common offset of all heights changes nothing at a given load. An outlier among the heights, larger than
+    the largest error of 99 % of parts, is no draw from the prior: it gets its own size as prior standard
+    deviation, and does not distort the other errors.
+
+    Parameters
+    ----------
+    measured : MeasuredLaw
+        Any of friction forces, areas and areas of the contacts. Its material and friction, those of the
+        calibration, are the means of E* and sigma B.
+    design : Design or Surface
+        The designed heights, radii and positions.
+    priors : Priors
+        Expected errors; default: `Priors()`.
+    model : Model, optional
+        Default: the one of independent asperities and, if the surface has a block, asperities interacting
+        through the bonded layer, under which the measured values are more probable. The derivatives by errors
+        of single asperities, and all those of independent ones, have a closed form for independent Hertz
+        contacts; those by other errors are central differences of the model.
+
+    Returns
+    -------
+    Explanation
+
+    Raises
+    ------
+    InvalidInput
+        For arguments of another kind, sites that the design does not have, and friction forces without a
+        Friction.
+    NotConverged
+        If the model has no solution at a load.
+
+    Examples
+    --------
+    >>> import metafem as mf
+    >>> from metafem.calibration import MeasuredLaw, explain
+    >>> material = mf.Material(1.36)
+    >>> design = mf.Surface.square_lattice([0.1, 0.11, 0.12, 0.13], (2, 2), radius=0.526, material=material)
+    >>> tilted = design.tilted(0.002, 0.0)
+    >>> loads = np.array([0.05, 0.1, 0.2])
+    >>> areas = [mf.equilibrium(tilted, load=load).asperity_area for load in loads]
+    >>> measured = MeasuredLaw(loads, asperity_area=areas, material=material)
+    >>> found = explain(measured, design, model=mf.Independent())
+    >>> print(found["angle_x"])
+    tilt along x +0.0613° ± 0.034° (expected: 0 ± 0.05°)
+    """
+    check.instance("measured", measured, MeasuredLaw, "a metafem.calibration.MeasuredLaw")
+    surface = design.surface if isinstance(design, Design) else design
+    if not isinstance(surface, Surface):
+        raise InvalidInput(f"design = {shown(design)} must be a metafem.Design or a metafem.Surface")
+    expected = Priors() if priors is None else priors
+    check.instance("priors", expected, Priors, "a metafem.calibration.Priors")
+    friction = measured.friction if measured.friction is not None else surface.friction
+    if measured.friction_force is not None and friction is None:
+        raise InvalidInput("measured friction forces need a design or a measured law with a Friction")
+    surface = surface.replaced(material=measured.material)
+    observed = Observations.of(measured, surface)
+    forces = measured.friction_force is not None
+    causes = Causes.of(surface, measured.load, measured.load_sd, expected, forces)
+    tried = _models(model, surface)
+    found: dict[str, tuple[Scene, Posterior]] = {}
+    for one in tried:
+        found[one.name] = _solved(Scene(one, causes, observed, friction))
+    best = max(found, key=lambda name: found[name][1].log_evidence)
+    evidence = {name: posterior.log_evidence for name, (_, posterior) in found.items()}
+    return _explanation(*found[best], expected, evidence)
+
+
+def _models(model: Model | None, surface: Surface) -> list[Model]:
+    if model is not None:
+        return [checked_model(model)]
+    return (
+        [Independent(), Interacting(substrate=BondedLayer())]
+        if surface.block is not None
+        else [Independent()]
+    )
+
+
+def _solved(scene: Scene) -> tuple[Scene, Posterior]:
+    """Return the posterior; an outlier among the heights is no draw from their prior and gets a wide one."""
+    causes = scene.causes
+    posterior = update(scene.linear, causes.size)
+    if "height" in causes.sd:
+        found = _single(causes, "height", posterior.mean, np.ones(causes.size))
+        outlier = np.flatnonzero(found.outlier)
+        if outlier.size:
+            wide = {int(i): float(abs(found.mean[i])) for i in outlier}
+            scene = replace(scene, causes=replace(causes, wide=wide))
+            posterior = update(scene.linear, causes.size)
+    return scene, posterior
+
+
+def _explanation(
+    scene: Scene, posterior: Posterior, priors: Priors, evidence: dict[str, float]
+) -> Explanation:
+    """Return the posterior of one model in terms of the part."""
+    causes, mean, at = scene.causes, posterior.mean, posterior.linear
+    sd = np.sqrt(np.diag(posterior.covariance))
+    common = causes.common
+    index = [causes.where[name].start for name in common]
+    scale = np.array([causes.sd[name] for name in common])
+    covariance = posterior.covariance[np.ix_(index, index)] * scale[:, None] * scale
+    part = causes.made(mean)
+    share, before, after = shares(causes, posterior)
+    friction = scene.friction
+    if friction is not None:
+        friction = Friction(part.friction * friction.shear_strength, friction.area_ratio)
+    notes = []
+    if not posterior.converged:
+        notes.append(
+            Note(
+                f"the update does not stand still: its last step is {posterior.change:.2g} standard "
+                "deviations; a contact opens and closes in turn at a measured load"
+            )
+        )
+    measured = np.concatenate([-mean[causes.where["load"]], at.residual])
+    gradient = at.gradient
+    fitted = float(np.einsum("mp,pq,mq->", gradient, posterior.covariance, gradient, optimize=True))
+    fitted += float((sd[causes.where["load"]] ** 2).sum())
+    return Explanation(
+        causes=tuple(
+            Cause(name, float(s), float(s * mean[i]), float(s * sd[i]))
+            for name, i, s in zip(common, index, scale, strict=True)
+        ),
+        covariance=covariance,
+        single={name: _single(causes, name, mean, sd) for name in causes.single},
+        shares=dict(sorted(share.items(), key=lambda item: -item[1])),
+        unresolved=unresolved(causes, posterior.covariance, posterior.precision),
+        misfit_design=before,
+        misfit=after,
+        count=len(at.residual),
+        verdict=judged(measured, round(fitted)),
+        load=part.load,
+        load_sd=causes.load_sd * sd[causes.where["load"]],
+        residual=_residuals(scene, at.residual, mean),
+        log_evidence=evidence,
+        surface=part.surface.replaced(friction=friction),
+        friction=friction,
+        model=scene.model,
+        priors=priors,
+        notes=tuple(notes),
+    )
+
+
+def _single(causes: Causes, name: str, mean: FloatArray, sd: FloatArray) -> SingleErrors:
+    """Return the errors of the asperities of one kind."""
+    from scipy.special import ndtri
+
+    where, prior, scale = causes.where[name], causes.sd[name], causes.scale(name)
+    shape = (-1, 2) if name == "position" else (-1,)
+    size = where.stop - where.start
+    largest = float(ndtri(0.5 + 0.5 * NO_OUTLIER ** (1.0 / size)))
+    return SingleErrors(
+        name,
+        prior,
+        (scale * mean[where]).reshape(shape),
+        (scale * sd[where]).reshape(shape),
+        (np.abs(scale * mean[where]) > largest * prior).reshape(shape),
+    )
+
+
+def _residuals(scene: Scene, residual: FloatArray, mean: FloatArray) -> dict[str, FloatArray]:
+    """Return the normalised residuals by quantity."""
+    seen, causes = scene.observed, scene.causes
+    k, start = len(seen.load), 0
+    result = {"load": -mean[causes.where["load"]]}
+    for name, values in (("friction_force", seen.force), ("area", seen.total)):
+        if values is not None:
+            result[name] = residual[start : start + k]
+            start += k
+    if len(seen.area):
+        table = np.full((k, causes.surface.count), np.nan)
+        table[seen.row, seen.site] = residual[start:]
+        result["asperity_area"] = table
+    return result

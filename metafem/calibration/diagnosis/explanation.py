@@ -1,0 +1,164 @@
+"""What explains a measured law: the errors with their uncertainties, their shares, and what remains."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from metafem._validate import FloatArray, IntArray
+from metafem._values import Value, percent
+from metafem.calibration.diagnosis import sentences
+from metafem.calibration.diagnosis.causes import GROUPS
+from metafem.calibration.diagnosis.priors import Priors
+from metafem.calibration.diagnosis.unresolved import Unresolved
+from metafem.calibration.verdict import Verdict
+from metafem.models import Model
+from metafem.notes import Note, counted
+from metafem.surface import Friction, Surface
+
+
+@dataclass(frozen=True)
+class Cause:
+    """One error of the whole part or of its calibration.
+
+    Attributes
+    ----------
+    name : str
+        ``angle_x``, ``angle_y``, ``height_scale``, ``composite_modulus`` or ``friction``.
+    prior_sd, mean, sd : float
+        Standard deviation before the measurement, and mean and standard deviation after it; angles in [rad],
+        all others relative [-]. The 68 % interval is ``mean - sd`` to ``mean + sd``.
+    """
+
+    name: str
+    prior_sd: float
+    mean: float
+    sd: float
+
+    def __str__(self) -> str:
+        return sentences.cause(self.name, self.prior_sd, self.mean, self.sd)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SingleErrors(Value):
+    """Errors of the n asperities by themselves, [mm].
+
+    Attributes
+    ----------
+    name : str
+        ``height``, ``radius`` or ``position``.
+    prior_sd : float
+        Standard deviation before the measurement [mm].
+    mean, sd : ndarray, (n,), or (n, 2) for positions
+        Mean and standard deviation after it [mm].
+    outlier : ndarray of bool, as mean
+        Whether an error is larger than the largest of n Gaussian errors is in 99 % of parts.
+    """
+
+    name: str
+    prior_sd: float
+    mean: FloatArray
+    sd: FloatArray
+    outlier: np.ndarray
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Explanation(Value):
+    """Errors of a part that explain its measured law; the result of `explain`.
+
+    Attributes
+    ----------
+    causes : tuple of Cause
+        Errors of the whole part and of its calibration that have a prior.
+    covariance : ndarray, (c, c)
+        Covariance of these errors after the measurement, in the order of `causes`.
+    single : mapping of str to SingleErrors
+        Errors of single asperities that have a prior, by ``height``, ``radius`` and ``position``.
+    shares : mapping of str to float
+        Share of each cause in the explained misfit [-], largest first: ``tilt``, ``height_scale``,
+        ``composite_modulus``, ``friction``, ``height``, ``radius`` and ``position``. They add up to 1.
+    unresolved : tuple of Unresolved
+        Errors, and combinations of them, that the measured values do not determine.
+    misfit_design, misfit : float
+        Chi-square of the measured values from the design, without any of the errors and with all of them,
+        whose squares over their variances are included [-].
+    count : int
+        Number of measured values, without loads and open contacts: the expected `misfit`.
+    verdict : Verdict
+        Whether what remains is an error of measurement.
+    load, load_sd : ndarray, (k,)
+        True loads and their standard deviations after the measurement [N].
+    residual : mapping of str to ndarray
+        Measured minus explained value over its standard deviation [-]: ``load``, ``friction_force`` and
+        ``area`` (k,), ``asperity_area`` (k, n), nan where no contact was measured.
+    log_evidence : mapping of str to float
+        Logarithm of the probability density of the measured values under each model that was tried.
+    surface : Surface
+        The part with the mean errors, without its tilt taken out, and with its E*.
+    friction : Friction or None
+        Friction with the mean error of sigma B.
+    model : Model
+    priors : Priors
+    notes : tuple of Note
+    """
+
+    causes: tuple[Cause, ...]
+    covariance: FloatArray
+    single: Mapping[str, SingleErrors]
+    shares: Mapping[str, float]
+    unresolved: tuple[Unresolved, ...]
+    misfit_design: float
+    misfit: float
+    count: int
+    verdict: Verdict
+    load: FloatArray
+    load_sd: FloatArray
+    residual: Mapping[str, FloatArray]
+    log_evidence: Mapping[str, float]
+    surface: Surface
+    friction: Friction | None
+    model: Model
+    priors: Priors
+    notes: tuple[Note, ...] = field(default=())
+
+    def __getitem__(self, name: str) -> Cause:
+        return next(cause for cause in self.causes if cause.name == name)
+
+    def __repr__(self) -> str:
+        first = next(iter(self.shares), None)
+        what = "no causes" if first is None else f"{percent(self.shares[first])} by {sentences.NAMES[first]}"
+        return (
+            f"<Explanation: chi² {self.misfit_design:.4g} of the design, {self.misfit:.4g} explained, "
+            f"{what}, {counted(self.notes)}>"
+        )
+
+    @property
+    def outliers(self) -> IntArray:
+        """Numbers of the asperities with a height or radius far outside its tolerance."""
+        found = [errors.outlier for name, errors in self.single.items() if name != "position"]
+        return np.flatnonzero(np.any(found, axis=0)) if found else np.zeros(0, dtype=np.int64)
+
+    def sentences(self) -> tuple[str, ...]:
+        """Return the explanation in plain sentences, the most important cause first."""
+        found = [sentences.misfit(self.misfit_design, self.misfit, self.count)]
+        for group, share in self.shares.items():
+            parts = [str(cause) for cause in self.causes if cause.name in GROUPS[group]]
+            if group in self.single:
+                errors = self.single[group]
+                parts = [sentences.single(group, errors.prior_sd, errors.mean, errors.sd)]
+            found.append(f"{sentences.share(group, share)}: {', '.join(parts)}")
+        for name, errors in self.single.items():
+            if name != "position":
+                for i in np.flatnonzero(errors.outlier):
+                    found.append(
+                        sentences.outlier(name, int(i), errors.mean[i], errors.sd[i], errors.prior_sd)
+                    )
+        found += [sentences.unresolved(dict(one.change), one.variance_left) for one in self.unresolved]
+        found += sentences.models(self.log_evidence)
+        found.append(sentences.remaining(self.verdict))
+        return tuple(found)
+
+    def __str__(self) -> str:
+        return "\n".join(self.sentences())

@@ -1,0 +1,135 @@
+"""The measured values around one part: residuals and their derivatives by the unknowns."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from metafem._validate import FloatArray
+from metafem.calibration.diagnosis.causes import Causes, Made
+from metafem.calibration.diagnosis.observations import Observations
+from metafem.calibration.diagnosis.sensitivities import Response, has_closed_derivatives, response
+from metafem.models import Model
+from metafem.surface import Friction
+
+# Step of central differences over the prior standard deviation of a cause, or over that of the load.
+STEP = 0.03
+
+# Least area of a contact over the measured one at which the error of the area is taken: at half the radius.
+LEAST_AREA = 0.25
+
+
+@dataclass(frozen=True, eq=False)
+class Linear:
+    """Residuals over their standard deviations, their derivatives by z, and the gaps of open contacts."""
+
+    residual: FloatArray  # (m,), measured minus computed: friction forces, total areas, areas of contacts
+    gradient: FloatArray  # (m, p), derivatives of the computed values
+    sd: FloatArray  # (m,), standard deviations, in the unit of each value
+    indentation: FloatArray  # (c,), latent indentation of the contacts found open [mm]
+    indentation_gradient: FloatArray  # (c, p)
+    resolution: FloatArray  # (c,), indentation that is still taken for an open contact [mm]
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """The design, its unknown errors and its measured values under one model."""
+
+    model: Model
+    causes: Causes
+    observed: Observations
+    friction: Friction | None
+
+    def response(self, made: Made) -> Response:
+        """Return the contacts of a part at its true loads."""
+        return response(self.model, made.surface, made.load / made.surface.material.composite_modulus)
+
+    def linear(self, z: FloatArray) -> Linear:
+        """Return residuals and derivatives at the unknowns z (p,)."""
+        made = self.causes.made(z)
+        found = self.response(made)
+        return self._observed(made, found, self._derivatives(z, made, found))
+
+    def _derivatives(self, z: FloatArray, made: Made, found: Response) -> FloatArray:
+        """Return the derivatives of the areas of all contacts by z, (k, n, p)."""
+        causes, design = self.causes, self.causes.surface
+        k, n = found.area.shape
+        result = np.zeros((k, n, causes.size))
+        rows = np.arange(k)
+        loads = result[:, :, causes.where["load"]]
+        if has_closed_derivatives(self.model, made.surface):
+            modulus = made.surface.material.composite_modulus
+            by_load = found.by_load()
+            loads[rows, :, rows] = by_load * (causes.load_sd / modulus)[:, None]
+            rescaled = (made.load / modulus)[:, None]
+            x, y = made.surface.position.T
+            changes = {
+                "angle_x": x * (1.0 + made.slope[0] ** 2),
+                "angle_y": y * (1.0 + made.slope[1] ** 2),
+                "height_scale": design.height,
+            }
+            for name, change in changes.items():
+                if name in causes.sd:
+                    result[:, :, causes.where[name].start] = causes.sd[name] * found.by_height(change)
+            if "composite_modulus" in causes.sd:
+                rate = -by_load * rescaled / made.stiffer
+                result[:, :, causes.where["composite_modulus"].start] = causes.sd["composite_modulus"] * rate
+        else:
+            for name in causes.common:
+                if name != "friction":
+                    result[:, :, causes.where[name].start] = self._difference(z, causes.where[name])
+            loads[rows, :, rows] = self._difference(z, causes.where["load"])
+        if {"height", "position"} & causes.sd.keys():
+            each = found.by_each_height()
+            if "height" in causes.sd:
+                result[:, :, causes.where["height"]] = causes.scale("height") * each
+            if "position" in causes.sd:
+                moved = causes.sd["position"] * each[..., None] * made.slope
+                result[:, :, causes.where["position"]] = moved.reshape(k, n, 2 * n)
+        if "radius" in causes.sd:
+            result[:, :, causes.where["radius"]] = causes.sd["radius"] * found.by_each_radius()
+        return result
+
+    def _difference(self, z: FloatArray, where: slice) -> FloatArray:
+        """Return the central difference of the areas, with all numbers of one kind changed together."""
+        sides = []
+        for step in (STEP, -STEP):
+            other = z.copy()
+            other[where] += step
+            sides.append(self.response(self.causes.made(other)).area)
+        return np.asarray((sides[0] - sides[1]) / (2.0 * STEP))
+
+    def _observed(self, made: Made, found: Response, derivative: FloatArray) -> Linear:
+        """Return the residuals of all measured values and of the gaps of open contacts."""
+        seen, causes = self.observed, self.causes
+        closed = found.area > 0.0
+        total = np.where(closed, found.area, 0.0).sum(axis=1)
+        by_total = np.where(closed[:, :, None], derivative, 0.0).sum(axis=1)
+        parts: list[tuple[FloatArray, FloatArray, FloatArray]] = []
+        if seen.force is not None and seen.force_sd is not None and self.friction is not None:
+            nominal = self.friction.shear_strength * self.friction.area_ratio
+            gradient = made.friction * nominal * by_total
+            if "friction" in causes.sd:
+                gradient[:, causes.where["friction"].start] += causes.sd["friction"] * nominal * total
+            parts.append((seen.force - made.friction * nominal * total, gradient, seen.force_sd))
+        if seen.total is not None and seen.total_sd is not None:
+            parts.append((seen.total - total, by_total, seen.total_sd))
+        if len(seen.area):
+            computed = found.area[seen.row, seen.site]
+            # the error of an area grows with its true value: that of the measured one would favour small ones
+            least = np.maximum(LEAST_AREA * seen.area, math.pi * seen.boundary**2)
+            sd = 2.0 * seen.boundary * np.sqrt(math.pi * np.maximum(computed, least))
+            parts.append((seen.area - computed, derivative[seen.row, seen.site], sd))
+        residual, gradient, sd = (np.concatenate(values) for values in zip(*parts, strict=True))
+        rate = found.area_rate[seen.open_row, seen.open_site]
+        boundary = float(np.median(seen.boundary)) if len(seen.boundary) else 0.0
+        return Linear(
+            residual / sd,
+            gradient / sd[:, None],
+            sd,
+            found.area[seen.open_row, seen.open_site] / rate,
+            derivative[seen.open_row, seen.open_site] / rate[:, None],
+            boundary**2 / made.surface.radius[seen.open_site],
+        )

@@ -1,0 +1,118 @@
+"""Sentences about the errors that explain a measured law."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from metafem._validate import FloatArray
+from metafem._values import MICROMETRES, percent
+from metafem.calibration.verdict import Verdict
+
+# Names of causes and of groups of them.
+NAMES = {
+    "tilt": "tilt",
+    "angle_x": "tilt along x",
+    "angle_y": "tilt along y",
+    "height_scale": "height scale",
+    "composite_modulus": "E*",
+    "friction": "σB",
+    "height": "single heights",
+    "radius": "radii",
+    "position": "positions",
+}
+
+# Difference of the logarithms of two evidences from which data favour a model: 20 to 1.
+FAVOURED = math.log(20.0)
+
+# Logarithm of odds above which only their power of ten is stated.
+LARGE = math.log(1e4)
+
+
+def amount(name: str, value: float, form: str = "+.3g") -> str:
+    """Return an error with its unit: degrees for angles, percent for factors, um for lengths."""
+    if name.startswith("angle"):
+        return f"{math.degrees(value):{form}}°"
+    if name in ("height", "radius", "position"):
+        return f"{MICROMETRES * value:{form}} µm"
+    return percent(value, form)
+
+
+def cause(name: str, prior_sd: float, mean: float, sd: float) -> str:
+    """Return an error of the whole part with its interval."""
+    interval = f"{amount(name, mean)} ± {amount(name, sd, '.2g')}"
+    return f"{NAMES[name]} {interval} (expected: 0 ± {amount(name, prior_sd, '.2g')})"
+
+
+def single(name: str, prior_sd: float, mean: FloatArray, sd: FloatArray) -> str:
+    """Return how large the errors of single asperities are."""
+    rms = float(np.sqrt((mean**2).mean()))
+    largest = float(np.abs(mean).max())
+    error = f"± {amount(name, float(np.median(sd)), '.2g')}"
+    return (
+        f"{amount(name, rms, '.2g')} rms, {amount(name, largest, '.2g')} at most, each {error} "
+        f"(expected: 0 ± {amount(name, prior_sd, '.2g')})"
+    )
+
+
+def misfit(design: float, left: float, count: int) -> str:
+    """Return the misfit before and after."""
+    return (
+        f"the measured law differs from the design by chi² = {design:.4g} over {count} measured values; with "
+        f"the errors below it is {left:.4g}"
+    )
+
+
+def share(group: str, value: float) -> str:
+    """Return the share of a cause."""
+    return f"{NAMES[group]} explains {percent(max(value, 0.0))} of the misfit"
+
+
+def outlier(name: str, site: int, mean: float, sd: float, prior_sd: float) -> str:
+    """Return an asperity with an error far outside its tolerance."""
+    words = {"height": ("higher", "lower"), "radius": ("larger in radius", "smaller in radius")}[name]
+    size = f"{amount(name, abs(mean), '.3g')} ± {amount(name, sd, '.2g')}"
+    return (
+        f"asperity {site} is {size} {words[0] if mean > 0.0 else words[1]} than designed, "
+        f"{abs(mean) / prior_sd:.0f} times the expected deviation"
+    )
+
+
+def unresolved(change: Mapping[str, float], variance_left: float) -> str:
+    """Return a combination of errors that the data do not determine."""
+    left = percent(math.sqrt(min(variance_left, 1.0)), ".0f")
+    if len(change) == 1:
+        (name,) = change
+        return f"{NAMES[name]} is not determined: {left} of its expected deviation is left"
+    parts = joined([f"{amount(name, value, '+.2g')} of {NAMES[name]}" for name, value in change.items()])
+    named = joined([NAMES[name] for name in change])
+    return (
+        f"{named} cannot be told apart: {parts} together change the measured values by less than their "
+        f"errors ({left} of the expected deviation is left)"
+    )
+
+
+def joined(words: list[str]) -> str:
+    """Return words as a list in a sentence."""
+    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}"
+
+
+def models(log_evidence: Mapping[str, float]) -> list[str]:
+    """Return which model the measured values favour."""
+    if len(log_evidence) < 2:
+        return []
+    (best, most), (second, less), *_ = sorted(log_evidence.items(), key=lambda item: -item[1])
+    ratio = most - less
+    odds = f"{math.exp(ratio):.2g}" if ratio < LARGE else f"10^{ratio / math.log(10.0):.0f}"
+    if ratio < FAVOURED:
+        return [f"the measured values do not tell the models {best} and {second} apart ({odds} to 1)"]
+    return [f"the measured values favour the model {best} over {second} ({odds} to 1)"]
+
+
+def remaining(verdict: Verdict) -> str:
+    """Return what remains unexplained."""
+    if verdict.fits:
+        return f"what remains is no larger than the errors of the measurement: {verdict}"
+    return f"something else is at work: what remains exceeds the errors of the measurement; {verdict}"

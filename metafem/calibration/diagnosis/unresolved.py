@@ -1,0 +1,70 @@
+"""Combinations of errors that a measurement does not tell apart."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from metafem._validate import FloatArray
+from metafem.calibration.diagnosis.causes import Causes
+
+# A cause is not seen if the data would leave it this part of its prior variance even with all others known.
+UNSEEN = 0.7
+
+# A combination is not resolved if the data leave it this part of its prior variance: three quarters of the
+# standard deviation.
+UNRESOLVED = 0.55
+
+# Part of a combination, its largest part being 1, below which a cause is not named in it.
+NAMED = 0.3
+
+
+@dataclass(frozen=True)
+class Unresolved:
+    """Errors that the measured values do not determine: one, or several that compensate each other.
+
+    Attributes
+    ----------
+    change : mapping of str to float
+        Change of each error [rad or relative] that together remain within the errors of the measurement, of
+        one standard deviation.
+    variance_left : float
+        Variance that the measurement leaves, over that of the prior [-].
+    """
+
+    change: Mapping[str, float]
+    variance_left: float
+
+
+def unresolved(causes: Causes, covariance: FloatArray, precision: FloatArray) -> tuple[Unresolved, ...]:
+    """Return what is not resolved among the errors of the whole part.
+
+    covariance, precision: of the unknowns over their prior standard deviations, (p, p). The combinations are
+    eigenvectors of the posterior covariance against that of the prior, with all other unknowns unknown.
+    """
+    names = causes.common
+    index = np.array([causes.where[name].start for name in names], dtype=np.intp)
+    if not names:
+        return ()
+    block = covariance[np.ix_(index, index)]
+    # known others: those of the whole part; single errors and loads stay unknown
+    known = 1.0 / np.diag(np.linalg.inv(block))
+    unseen = known > UNSEEN
+    found = [Unresolved({names[i]: causes.sd[names[i]]}, float(block[i, i])) for i in np.flatnonzero(unseen)]
+    seen = np.flatnonzero(~unseen)
+    if len(seen) > 1:
+        values, vectors = np.linalg.eigh(block[np.ix_(seen, seen)])
+        for value, vector in sorted(zip(values, vectors.T, strict=True), key=lambda pair: -pair[0]):
+            if value < UNRESOLVED:
+                break
+            vector = vector * np.sign(vector[np.abs(vector).argmax()])
+            large = np.abs(vector) >= NAMED * np.abs(vector).max()
+            size = np.sqrt(value)
+            change = {
+                names[seen[i]]: float(size * vector[i] * causes.sd[names[seen[i]]])
+                for i in np.flatnonzero(large)
+            }
+            found.append(Unresolved(change, float(value)))
+    return tuple(found)

@@ -1,0 +1,132 @@
+"""The Gaussian posterior of the unknowns: a linear update, relinearised until it stands still.
+
+The prior of the unknowns z is the standard normal distribution. A measured value has a Gaussian error, and a
+contact that was found open says that its indentation is at most 0: a step of the likelihood, which is
+replaced by the Gaussian factor that gives the same mean and variance of the indentation (expectation
+propagation; Minka, Proc. 17th Conf. Uncertainty in Artificial Intelligence, 362 (2001), arXiv:1301.2294).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from metafem._validate import FloatArray
+from metafem.calibration.diagnosis.linearised import Linear
+
+# The update ends when no mean moves by more than this part of its standard deviation.
+STILL = 1e-6
+
+# Number of full steps, after which each is damped more, and largest number of steps.
+FULL_STEPS, MOST_STEPS = 15, 150
+
+# A step changes no unknown by more than this number of prior standard deviations.
+LONGEST = 10.0
+
+# Part of the change of the factors of open contacts that one step makes.
+DAMPING = 0.7
+
+# An open contact whose gap exceeds this number of standard deviations says nothing.
+FAR = 8.0
+
+# Step of the posterior, in its standard deviations, below which it is converged although it does not stand
+# still, as where a contact opens and closes in turn.
+NEARLY = 1e-2
+
+
+@dataclass(frozen=True, eq=False)
+class Posterior:
+    """Mean (p,) and covariance (p, p) of the unknowns, and what they leave."""
+
+    mean: FloatArray
+    covariance: FloatArray
+    precision: FloatArray
+    linear: Linear  # at the mean
+    log_evidence: float
+    change: float  # last step over the standard deviations
+
+    @property
+    def converged(self) -> bool:
+        """Whether the posterior stands still."""
+        return self.change <= NEARLY
+
+
+def update(linear: Callable[[FloatArray], Linear], size: int) -> Posterior:
+    """Return the posterior of `size` unknowns under residuals that are linearised at its mean."""
+    from scipy.linalg import cho_factor, cho_solve
+
+    mean = np.zeros(size)
+    precision_open = shift_open = np.zeros(0)
+    covariance = np.eye(size)
+    change, log_open = math.inf, 0.0
+    for step in range(MOST_STEPS):
+        at = linear(mean)
+        gradient, gap_gradient = at.gradient, at.indentation_gradient
+        if not len(precision_open):
+            precision_open = shift_open = np.zeros(len(at.indentation))
+        precision = gradient.T @ gradient
+        precision[np.diag_indices(size)] += 1.0
+        precision += (gap_gradient.T * precision_open) @ gap_gradient
+        # Newton's step of the quadratic form around the present mean
+        force = gradient.T @ at.residual - mean
+        force += gap_gradient.T @ (shift_open - precision_open * at.indentation)
+        factor = cho_factor(precision, lower=True)
+        move = cho_solve(factor, force)
+        move *= min(1.0, LONGEST / max(float(np.abs(move).max()), 1e-300))
+        move *= 1.0 if step < FULL_STEPS else FULL_STEPS / (step + 1.0)
+        covariance = cho_solve(factor, np.eye(size))
+        moved = 0.0
+        if len(precision_open):
+            new = _factors(at, move, covariance, precision_open, shift_open)
+            precision_new, shift_new, log_open = new
+            moved = float(
+                np.abs(precision_new - precision_open).max(initial=0.0) / (1.0 + precision_open.max())
+            )
+            precision_open = precision_open + DAMPING * (precision_new - precision_open)
+            shift_open = shift_open + DAMPING * (shift_new - shift_open)
+        mean = mean + move
+        change = max(float((np.abs(move) / np.sqrt(np.diag(covariance))).max()), moved)
+        if change <= STILL:
+            break
+    at = linear(mean)
+    log_det = 2.0 * float(np.log(np.diag(factor[0])).sum())
+    log_evidence = log_open - 0.5 * (at.residual @ at.residual + mean @ mean + log_det)
+    log_evidence -= float(np.log(at.sd).sum()) + 0.5 * len(at.sd) * math.log(2.0 * math.pi)
+    return Posterior(mean, covariance, precision, at, float(log_evidence), change)
+
+
+def _factors(
+    at: Linear, move: FloatArray, covariance: FloatArray, precision: FloatArray, shift: FloatArray
+) -> tuple[FloatArray, FloatArray, float]:
+    """Return the Gaussian factors ``exp(-precision g^2 / 2 + shift g)`` of open contacts.
+
+    The last number is the logarithm of their product, normalised, at the mean of the indentations g.
+    """
+    from scipy.special import erfcx, log_ndtr
+
+    gradient = at.indentation_gradient
+    mean = at.indentation + gradient @ move
+    variance = np.einsum("cp,pq,cq->c", gradient, covariance, gradient, optimize=True)
+    active = mean > -FAR * np.sqrt(variance)
+    new_precision, new_shift = np.zeros_like(precision), np.zeros_like(shift)
+    if not active.any():
+        return new_precision, new_shift, 0.0
+    g, v, tau, nu = mean[active], variance[active], precision[active], shift[active]
+    # the distribution without the factor itself
+    without = 1.0 / np.maximum(1.0 / v - tau, 1e-6 / v)
+    centre = without * (g / v - nu)
+    width = np.sqrt(without + at.resolution[active] ** 2)
+    u = -centre / width
+    log_mass = log_ndtr(u)
+    ratio = math.sqrt(2.0 / math.pi) / erfcx(-u / math.sqrt(2.0))  # density over distribution, at any u
+    matched = centre - without * ratio / width
+    narrowed = without - (without / width) ** 2 * ratio * (ratio + u)
+    narrowed = np.clip(narrowed, 1e-9 * without, without)
+    tau, nu = 1.0 / narrowed - 1.0 / without, matched / narrowed - centre / without
+    new_precision[active], new_shift[active] = tau, nu
+    alone = 0.5 * ((centre / without + nu) ** 2 / (1.0 / without + tau) - centre**2 / without)
+    log = log_mass + 0.5 * np.log1p(tau * without) - alone - 0.5 * tau * g**2 + nu * g
+    return new_precision, new_shift, float(log.sum())

@@ -1,0 +1,128 @@
+"""Known errors of a part are found from its measured law."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import metafem as mf
+from metafem.calibration import MeasuredLaw, Priors, explain
+from tests.calibration.diagnosis.scenes import COMMON, LOADS, NOTHING, design, measured
+
+PART = design()
+ALONE = mf.Independent()
+
+
+def test_a_tilted_part_is_recognised_as_tilted():
+    tilted = PART.tilted(math.radians(0.08), math.radians(-0.05))
+    found = explain(measured(tilted, rng=np.random.default_rng(1)), PART, model=ALONE)
+    assert next(iter(found.shares)) == "tilt"
+    assert found.shares["tilt"] > 0.7
+    for name, angle in (("angle_x", 0.08), ("angle_y", -0.05)):
+        assert abs(found[name].mean - math.radians(angle)) < 3.0 * found[name].sd
+        assert found[name].sd < 0.2 * found[name].prior_sd
+    assert found.verdict.fits
+    assert not found.outliers.size
+    assert "tilt explains" in found.sentences()[1]
+
+
+def test_a_scaled_part_is_recognised_as_scaled():
+    scaled = PART.replaced(height=1.05 * PART.height)
+    found = explain(measured(scaled, rng=np.random.default_rng(2)), PART, model=ALONE)
+    assert next(iter(found.shares)) == "height_scale"
+    assert found.shares["height_scale"] > 0.6
+    assert abs(found["height_scale"].mean - 0.05) < 3.0 * found["height_scale"].sd
+
+
+def test_one_deep_hole_is_that_hole():
+    height = PART.height.copy()
+    site = int(height.argmax())
+    height[site] -= 0.015
+    found = explain(measured(PART.replaced(height=height), rng=np.random.default_rng(3)), PART, model=ALONE)
+    assert found.outliers.tolist() == [site]
+    errors = found.single["height"]
+    assert abs(errors.mean[site] + 0.015) < 3.0 * errors.sd[site]
+    assert any(f"asperity {site} is" in sentence and "lower" in sentence for sentence in found.sentences())
+    assert abs(found["angle_x"].mean) < 3.0 * found["angle_x"].sd
+
+
+def test_measured_values_without_information_give_the_prior_back():
+    law = measured(PART.tilted(0.001, 0.0))
+    vague = MeasuredLaw(
+        law.load, friction_force=law.friction_force, friction_force_sd=np.full(len(LOADS), 1e6),
+        load_sd=np.full(len(LOADS), 1e-6), material=law.material, friction=law.friction,
+    )  # fmt: skip
+    found = explain(vague, PART, model=ALONE)
+    for cause in found.causes:
+        assert cause.mean == pytest.approx(0.0, abs=1e-6 * cause.prior_sd)
+        assert cause.sd == pytest.approx(cause.prior_sd, rel=1e-6)
+    assert len(found.unresolved) == len(found.causes)
+
+
+def test_the_order_of_the_sites_does_not_matter():
+    law = measured(PART.tilted(0.001, 0.0005), rng=np.random.default_rng(4))
+    order = np.random.default_rng(5).permutation(PART.count)
+    other = PART.replaced(position=PART.position[order], height=PART.height[order])
+    areas = law.asperity_area[:, order]
+    moved = MeasuredLaw(
+        law.load, friction_force=law.friction_force, asperity_area=areas, material=law.material,
+        friction=law.friction,
+    )  # fmt: skip
+    first, second = explain(law, PART, model=ALONE), explain(moved, other, model=ALONE)
+    assert second["angle_x"].mean == pytest.approx(first["angle_x"].mean, rel=1e-5)
+    np.testing.assert_allclose(
+        second.single["height"].mean, first.single["height"].mean[order], rtol=0.0, atol=1e-8
+    )
+    # the columns of the areas may be in any order, too
+    shuffled = MeasuredLaw(
+        law.load, friction_force=law.friction_force, asperity_area=areas, site=order, material=law.material,
+        friction=law.friction,
+    )  # fmt: skip
+    third = explain(shuffled, PART, model=ALONE)
+    assert third["angle_x"].mean == pytest.approx(first["angle_x"].mean, rel=1e-5)
+
+
+def test_friction_over_load_alone_does_not_tell_modulus_strength_and_height_scale_apart():
+    found = explain(measured(PART, rng=np.random.default_rng(6), areas=False), PART, COMMON, model=ALONE)
+    named = [set(one.change) for one in found.unresolved]
+    assert any({"composite_modulus", "friction"} <= names for names in named)
+    assert any("height_scale" in names for names in named)
+    assert any("cannot be told apart" in sentence for sentence in found.sentences())
+
+
+def test_a_common_offset_of_the_heights_changes_nothing():
+    law = measured(PART, rng=np.random.default_rng(7))
+    priors = replace(COMMON, height_scale_sd=0.0)
+    first = explain(law, PART, priors, model=ALONE)
+    second = explain(law, PART.replaced(height=PART.height + 0.02), priors, model=ALONE)
+    np.testing.assert_allclose(
+        [cause.mean for cause in second.causes], [cause.mean for cause in first.causes], rtol=1e-5
+    )
+
+
+def test_causes_with_no_prior_are_left_out():
+    law = measured(PART)
+    found = explain(law, PART, replace(NOTHING, angle_sd=1e-3), model=ALONE)
+    assert [cause.name for cause in found.causes] == ["angle_x", "angle_y"]
+    assert not found.single
+    assert list(found.shares) == ["tilt"]
+    assert explain(law, PART, NOTHING, model=ALONE).causes == ()
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda law: explain(1, PART), "measured = 1"),
+        (lambda law: explain(law, 1), "design = 1"),
+        (lambda law: explain(law, PART, 1), "priors = 1"),
+        (lambda law: explain(law, design((2, 2))), "names asperity 24; the design has 4"),
+        (lambda law: Priors(angle_sd=-1.0), "angle_sd"),
+        (lambda law: Priors(friction_sd=0.5), "friction_sd"),
+    ],
+)
+def test_bad_input_is_named(call, message):
+    with pytest.raises(mf.InvalidInput, match=message):
+        call(measured(PART))
