@@ -30,6 +30,11 @@ class Cause:
     prior_sd, mean, sd : float
         Standard deviation before the measurement, and mean and standard deviation after it; angles in [rad],
         all others relative [-]. The 68 % interval is ``mean - sd`` to ``mean + sd``.
+
+    Examples
+    --------
+    >>> print(Cause("height_scale", 0.02, 0.013, 0.001))
+    height scale +1.3 % ± 0.1 % (expected: 0 ± 2 %)
     """
 
     name: str
@@ -55,6 +60,12 @@ class SingleErrors(Value):
         Mean and standard deviation after it [mm].
     outlier : ndarray of bool, as mean
         Whether an error is larger than the largest of n Gaussian errors is in 99 % of parts.
+
+    Examples
+    --------
+    >>> errors = SingleErrors("height", 9e-4, np.array([0.0, -0.01]), np.full(2, 1e-4), np.array([False, True]))
+    >>> errors.mean[errors.outlier]
+    array([-0.01])
     """
 
     name: str
@@ -102,6 +113,18 @@ class Explanation(Value):
     model : Model
     priors : Priors
     notes : tuple of Note
+
+    Examples
+    --------
+    >>> import metafem as mf
+    >>> from metafem.calibration import MeasuredLaw, explain
+    >>> material = mf.Material(1.36)
+    >>> design = mf.Surface.square_lattice([0.1, 0.11, 0.12, 0.13], (2, 2), radius=0.526, material=material)
+    >>> loads = np.array([0.05, 0.1, 0.2])
+    >>> areas = [mf.equilibrium(design.tilted(0.002, 0.0), load=load).asperity_area for load in loads]
+    >>> measured = MeasuredLaw(loads, asperity_area=areas, material=material)
+    >>> explain(measured, design, model=mf.Independent()).sentences()[-1][:50]
+    'what remains is no larger than the errors of the m'
     """
 
     causes: tuple[Cause, ...]

@@ -32,6 +32,11 @@ class Unresolved:
         one standard deviation.
     variance_left : float
         Variance that the measurement leaves, over that of the prior [-].
+
+    Examples
+    --------
+    >>> Unresolved({"composite_modulus": 0.03, "friction": 0.02}, 0.9).variance_left
+    0.9
     """
 
     change: Mapping[str, float]
