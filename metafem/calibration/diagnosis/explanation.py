@@ -63,7 +63,8 @@ class SingleErrors(Value):
 
     Examples
     --------
-    >>> errors = SingleErrors("height", 9e-4, np.array([0.0, -0.01]), np.full(2, 1e-4), np.array([False, True]))
+    >>> mean, sd = np.array([0.0, -0.01]), np.full(2, 1e-4)
+    >>> errors = SingleErrors("height", 9e-4, mean, sd, np.array([False, True]))
     >>> errors.mean[errors.outlier]
     array([-0.01])
     """

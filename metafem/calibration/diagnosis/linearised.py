@@ -17,6 +17,9 @@ from metafem.surface import Friction
 # Step of central differences over the prior standard deviation of a cause, or over that of the load.
 STEP = 0.03
 
+# Radius of a contact over the error of its boundary at which it is seen: its area is its error.
+SEEN = 2.0
+
 # Least area of a contact over the measured one at which the error of the area is taken: at half the radius.
 LEAST_AREA = 0.25
 
@@ -131,5 +134,5 @@ class Scene:
             sd,
             found.area[seen.open_row, seen.open_site] / rate,
             derivative[seen.open_row, seen.open_site] / rate[:, None],
-            boundary**2 / made.surface.radius[seen.open_site],
+            (SEEN * boundary) ** 2 / made.surface.radius[seen.open_site],
         )
