@@ -114,6 +114,16 @@ class ShearCalibration(Value):
         return Friction(self.shear_strength, self.area_ratio)
 
     @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of the rows of `parameter_covariance`, for `metafem.studies.uncertainty`."""
+        return ("area_ratio", "shear_strength")
+
+    @property
+    def parameter_covariance(self) -> FloatArray:
+        """Covariance of B [-] and sigma [MPa]."""
+        return self.covariance
+
+    @property
     def area_ratio_interval(self) -> tuple[float, float]:
         """68 % interval of B [-]."""
         return self._interval(self.area_ratio, 0)

@@ -1,0 +1,80 @@
+"""Covariance of parameters from several calibrations, for `metafem.studies.uncertainty`."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+
+from metafem._given import shown
+from metafem._validate import FloatArray
+from metafem.errors import InvalidInput
+
+
+class Calibration(Protocol):
+    """Parameters in the names of `metafem.studies.uncertainty`, with their covariance."""
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of the parameters."""
+        ...
+
+    @property
+    def parameter_covariance(self) -> FloatArray:
+        """Covariance of the parameters, (p, p)."""
+        ...
+
+
+def joint_covariance(*calibrations: Calibration) -> tuple[tuple[str, ...], FloatArray]:
+    """Return the names of all parameters and their covariance, for `metafem.studies.uncertainty`.
+
+    Calibrations from different measurements are independent: the matrix is block diagonal.
+
+    Parameters
+    ----------
+    *calibrations : ContactCalibration or ShearCalibration
+        Each parameter belongs to one of them.
+
+    Returns
+    -------
+    names : tuple of str
+    covariance : ndarray, (p, p)
+        In mm, MPa and 1, as in `metafem.studies.uncertainty`.
+
+    Raises
+    ------
+    InvalidInput
+        If two calibrations have the same parameter, or an argument is not a calibration.
+
+    Examples
+    --------
+    >>> from metafem.calibration import contact, shear
+    >>> a = np.linspace(0.08, 0.4, 20)
+    >>> area = np.pi * a**2
+    >>> pressed = contact(1.36 * 4 / 3 * a**3 / 0.526, area, 0.526)
+    >>> names, covariance = joint_covariance(pressed, shear(area, 0.85 * area, 0.3 * area))
+    >>> names, np.sqrt(np.diag(covariance)).round(3)
+    (('composite_modulus', 'area_ratio', 'shear_strength'), array([0.06 , 0.003, 0.002]))
+    """
+    names: list[str] = []
+    blocks = []
+    for calibration in calibrations:
+        if isinstance(calibration, type) or not hasattr(calibration, "parameter_covariance"):
+            raise InvalidInput(
+                f"{shown(calibration)} must be a result of metafem.calibration.contact or "
+                "metafem.calibration.shear"
+            )
+        twice = [name for name in calibration.parameters if name in names]
+        if twice:
+            raise InvalidInput(
+                f"{twice[0]} is a parameter of two calibrations; pool their tests in one calibration"
+            )
+        names += calibration.parameters
+        blocks.append(calibration.parameter_covariance)
+    matrix = np.zeros((len(names), len(names)))
+    start = 0
+    for block in blocks:
+        end = start + len(block)
+        matrix[start:end, start:end] = block
+        start = end
+    return tuple(names), matrix
