@@ -15,7 +15,7 @@ from metafem.contact import JKR, Contact, SphericalCap, TabulatedContact
 from metafem.errors import InvalidInput
 from metafem.material import Material
 from metafem.models import Independent, Model
-from metafem.models.model import checked_model, with_contact
+from metafem.models.model import checked_contact, checked_model, with_contact
 from metafem.prediction import equilibrium
 from metafem.surface import Surface
 
@@ -51,6 +51,7 @@ class AreaCurve:
 
 def checked_cap(contact: Contact) -> Contact:
     """Return a law whose load is proportional to E* at a given area, or raise InvalidInput."""
+    contact = checked_contact(contact)
     if contact.adhesive:
         raise InvalidInput(
             f"contact = {shown(contact)} has an adhesion energy, which is fitted; give its cap, such as "

@@ -1,0 +1,225 @@
+"""Calibration of contacts: round trips, pooled tests, the radius, the bootstrap, and wrong data."""
+
+import math
+import re
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import metafem as mf
+from metafem.calibration import MeasurementErrors, contact
+
+RADIUS, MODULUS, ENERGY = 0.526, 1.36, 9e-6
+A = np.linspace(0.08, 0.4, 20)
+AREA = math.pi * A**2
+SMALL = np.linspace(0.05, 0.25, 20)
+TABLE = mf.TabulatedContact(
+    *np.loadtxt("meshes/soft_cap.csv", delimiter=",", skiprows=1).T, material=mf.Material(1.0)
+)
+
+
+def load_of(a, cap=None, energy=ENERGY, modulus=MODULUS):
+    rescaled = (cap or mf.Hertz()).load(a, RADIUS)
+    return modulus * rescaled - np.sqrt(8.0 * math.pi * energy * modulus * a**3)
+
+
+def noisy(seed, contacts=1, energy=ENERGY, modulus=MODULUS):
+    errors, rng = MeasurementErrors(), np.random.default_rng(seed)
+    load = contacts * load_of(A, energy=energy, modulus=modulus) + errors.load * rng.standard_normal(A.size)
+    total = contacts * AREA
+    return load, total + errors.of_area(total) * rng.standard_normal(A.size)
+
+
+@pytest.mark.parametrize(
+    "cap",
+    [
+        mf.Hertz(),
+        mf.SphericalCap(),
+        mf.PowerCap(3.0, 0.4),
+        mf.AxisymmetricCap(lambda rho: rho**2 / (2 * RADIUS) + rho**4, extent=0.4),
+        TABLE,
+    ],
+    ids=repr,
+)
+def test_exact_data_of_any_cap_give_e_and_w_back(cap):
+    found = contact(5.0 * load_of(SMALL, cap), 5.0 * math.pi * SMALL**2, RADIUS, contacts=5, contact=cap)
+    assert found.composite_modulus == pytest.approx(MODULUS, rel=1e-9)
+    assert found.adhesion_energy == pytest.approx(ENERGY, rel=1e-7)
+    assert found.load_fitted == pytest.approx(found.load, rel=1e-9)
+    assert found.verdict.fits
+
+
+@settings(max_examples=20, deadline=None)
+@given(
+    modulus=st.floats(0.1, 1e3),
+    energy=st.floats(0.0, 1e-4),
+    contacts=st.integers(1, 9),
+    scale=st.floats(0.1, 10.0),
+)
+def test_units_of_length_and_force_do_not_matter(modulus, energy, contacts, scale):
+    a = scale * A
+    load = contacts * (
+        modulus * 4.0 / 3.0 * a**3 / (scale * RADIUS) - np.sqrt(8.0 * math.pi * energy * modulus * a**3)
+    )
+    found = contact(load, contacts * math.pi * a**2, scale * RADIUS, contacts=contacts)
+    assert found.composite_modulus == pytest.approx(modulus, rel=1e-7)
+    assert found.adhesion_root == pytest.approx(math.sqrt(energy), rel=1e-5, abs=1e-7 * math.sqrt(modulus))
+
+
+def test_the_law_that_comes_out_predicts_the_data():
+    found = contact(load_of(A), AREA, RADIUS)
+    surface = mf.Surface([[0.0, 0.0]], [0.5], RADIUS, found.material)
+    law = mf.friction_law(surface, mf.Independent(found.contact_law), load=load_of(A)[5:])
+    assert law.area == pytest.approx(AREA[5:], rel=1e-6)
+    assert found.contact_law == mf.JKR(found.adhesion_energy)
+
+
+def test_the_table_that_comes_out_has_the_loads_of_the_fitted_modulus():
+    found = contact(load_of(SMALL, TABLE, 0.0), math.pi * SMALL**2, RADIUS, contact=TABLE)
+    law = found.contact_law.for_material(mf.Material(2.0))
+    assert 2.0 * law.load(0.1, RADIUS) == pytest.approx(MODULUS * TABLE.load(0.1, RADIUS), rel=1e-6)
+
+
+def test_areas_one_by_one_and_in_total_are_one_calibration_of_equal_contacts():
+    load, each = 5.0 * load_of(A), np.repeat(AREA[:, None], 5, axis=1)
+    total = contact(load, 5.0 * AREA, RADIUS, contacts=5)
+    single = contact(load, each, RADIUS, contacts=5)
+    assert single.composite_modulus == pytest.approx(total.composite_modulus, rel=1e-12)
+    assert single.root_covariance == pytest.approx(total.root_covariance, rel=1e-9)
+    assert single.total_area_sd == pytest.approx(total.total_area_sd, rel=1e-9)
+    assert single.line.slope == pytest.approx(total.line.slope, rel=1e-12)
+
+
+def test_an_open_contact_bears_no_load():
+    each = np.repeat(AREA[:, None], 3, axis=1)
+    each[:4, 2] = 0.0
+    load = 3.0 * load_of(A)
+    load[:4] *= 2.0 / 3.0
+    found = contact(load, each, RADIUS, contacts=3)
+    assert found.composite_modulus == pytest.approx(MODULUS, rel=1e-9)
+
+
+def test_errors_of_areas_can_be_given():
+    load, area = noisy(1)
+    usual = contact(load, area, RADIUS)
+    given_sd = contact(load, area, RADIUS, area_sd=usual.area_sd)
+    assert given_sd.composite_modulus == pytest.approx(usual.composite_modulus, rel=1e-9)
+    rough = contact(load, area, RADIUS, area_sd=10.0 * usual.area_sd)
+    assert rough.root_covariance[0, 0] > usual.root_covariance[0, 0]
+
+
+def test_the_error_of_the_radius_enters_as_theory_says():
+    found = contact(*noisy(2, contacts=5), RADIUS, contacts=5, radius_sd=0.005)
+    relative = 0.005 / RADIUS
+    # P = E* 4 a^3/(3 R) - b sqrt(8 pi a^3) with b = sqrt(w E*): E* ~ R and sqrt(w) ~ 1/sqrt(R)
+    expected = relative * np.array([found.composite_modulus, -0.5 * found.adhesion_root])
+    assert found.radius_change == pytest.approx(expected, rel=1e-3)
+    systematic = found.root_covariance - found.statistical_covariance
+    assert systematic == pytest.approx(np.outer(expected, expected), rel=2e-3)
+    assert found.parameters == ("radius", "composite_modulus")
+    assert found.parameter_covariance[0, 1] == pytest.approx(0.005 * expected[0], rel=1e-3)
+    assert "the error of the radius alone changes E* by 0.95 %" in map(str, found.notes)
+
+
+def test_equal_tests_agree_and_different_ones_are_told_apart():
+    tests = [noisy(seed, contacts=5) for seed in range(3)]
+    labels = np.repeat(["a", "b", "c"], A.size)
+    load, area = (np.concatenate(part) for part in zip(*tests, strict=True))
+    same = contact(load, area, RADIUS, contacts=5, test=labels)
+    assert same.heterogeneity.agree
+    assert [test.name for test in same.tests] == ["a", "b", "c"]
+    alone = contact(*tests[1], RADIUS, contacts=5)
+    assert same.tests[1].composite_modulus == alone.composite_modulus
+    assert same.tests[1].verdict == alone.verdict
+    # chi-squares of nested fits of a linear law add
+    total = sum(test.verdict.chi_square for test in same.tests) + same.heterogeneity.chi_square
+    assert same.verdict.chi_square == pytest.approx(total, rel=0.02)
+    other = np.concatenate([*load[:40].reshape(2, 20), noisy(2, contacts=5, modulus=1.45)[0]])
+    different = contact(other, area, RADIUS, contacts=5, test=labels)
+    assert not different.heterogeneity.agree
+    assert any("the tests differ" in str(note) for note in different.notes)
+
+
+def test_the_bootstrap_has_the_spread_of_the_covariance():
+    tests = [noisy(seed) for seed in range(6)]
+    load, area = (np.concatenate(part) for part in zip(*tests, strict=True))
+    found = contact(load, area, RADIUS, test=np.repeat(np.arange(6), A.size), bootstrap=600)
+    ratio = found.bootstrap.std(axis=0) / np.sqrt(np.diag(found.statistical_covariance))
+    # the points' own scatter has a relative error of 1/sqrt(2 * 118)
+    assert ratio == pytest.approx(1.0, abs=4.0 * math.hypot(1.0 / math.sqrt(236), 1.0 / math.sqrt(1200)))
+    again = contact(load, area, RADIUS, test=np.repeat(np.arange(6), A.size), bootstrap=600)
+    assert (again.bootstrap == found.bootstrap).all()
+
+
+def test_without_adhesion_the_interval_of_w_begins_at_zero():
+    found = contact(*noisy(5, energy=0.0), RADIUS)
+    assert found.adhesion_energy_interval[0] == 0.0
+    modulus, sd = found.modulus_without_adhesion
+    assert abs(modulus - MODULUS) < 3.0 * sd < 3.0 * math.sqrt(found.root_covariance[0, 0])
+    assert any("the data do not show adhesion" in str(note) for note in found.notes)
+
+
+def test_a_negative_root_is_kept_and_the_law_has_no_adhesion():
+    load = load_of(A, energy=0.0) + 5.0 * math.sqrt(1e-6) * A**1.5
+    found = contact(load, AREA, RADIUS)
+    assert found.adhesion_root < 0.0
+    assert found.adhesion_energy == 0.0
+    assert found.contact_law == mf.Hertz()
+    assert np.linalg.eigvalsh(found.covariance).min() >= 0.0
+
+
+def test_another_law_is_rejected():
+    found = contact(5.0 * 2.0 * AREA**1.1, 5.0 * AREA, RADIUS, contacts=5)
+    assert not found.verdict.fits
+    assert any("does not fit" in str(note) for note in found.notes)
+
+
+def test_the_largest_radii_are_noted():
+    notes = contact(load_of(A), AREA, RADIUS).notes
+    assert any("contact radii reach 0.76 R" in str(note) for note in notes)
+    assert not any("contact radii" in str(note) for note in contact(load_of(A[:10]), AREA[:10], RADIUS).notes)
+
+
+LOAD = load_of(A)
+EACH = np.repeat(AREA[:, None], 2, axis=1)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (
+            {"load": LOAD[:2], "area": AREA[:2]},
+            "load has 2 points; E* and the adhesion energy need at least 3",
+        ),
+        ({"area": AREA[:5]}, "area has shape (5,); it must have shape (20)"),
+        ({"area": np.where(A < 0.09, 0.0, AREA)}, "area[0] is 0: no contact at load[0] = "),
+        ({"area": np.where(A < 0.09, -0.01, AREA)}, "area[0] = -0.01 must not be negative"),
+        ({"area": np.where(A < 0.09, np.nan, AREA)}, "area holds nan at entry 0"),
+        ({"area": EACH, "contacts": 3}, "area has shape (20, 2); it must have shape (20, 3)"),
+        (
+            {"area": np.full(20, 0.1)},
+            "all areas are 0.1: E* and the adhesion energy need points at different",
+        ),
+        ({"area": AREA[::-1]}, "the load does not grow with the contact area: load[19] = "),
+        ({"area": 4.0 * AREA, "contact": mf.SphericalCap()}, "area[11] = 0.884227 is beyond the last"),
+        ({"area": AREA, "contact": TABLE}, "area[11] = 0.221057 is beyond the last"),
+        ({"area_sd": np.zeros(20)}, "area_sd[0] = 0 must be greater than 0"),
+        ({"contacts": 0}, "contacts = 0 must be a whole number of at least 1"),
+        ({"radius_sd": 0.6}, "radius_sd = 0.6 must be less than the radius, 0.526"),
+        ({"errors": 0.005}, "errors = 0.005 must be a metafem.calibration.MeasurementErrors"),
+        ({"test": ["a"] * 19}, "must hold a label for each of the 20 points"),
+        ({"test": "a"}, "test = 'a' must hold a label"),
+        ({"contact": mf.JKR(1e-6)}, "has an adhesion energy, which is fitted"),
+        ({"contact": mf.KogutEtsion(0.1)}, "is plastic; E* is fitted to an elastic law"),
+        ({"contact": mf.TabulatedContact([1, 2, 3], [1, 2, 3], [1, 2, 3])}, "has loads in N for one E*"),
+        ({"contact": "hertz"}, "contact = 'hertz' must be a contact law"),
+        ({"model": mf.Interacting()}, "model needs surface, the calibration sample"),
+        ({"poisson_ratio": 0.6}, "poisson_ratio = 0.6 must be at most 0.5"),
+        ({"bootstrap": -1}, "bootstrap = -1 must be a whole number"),
+    ],
+)
+def test_wrong_data_are_named(arguments, message):
+    with pytest.raises(mf.InvalidInput, match=re.escape(message)):
+        contact(**({"load": LOAD, "area": AREA, "radius": RADIUS} | arguments))
