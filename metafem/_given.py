@@ -22,18 +22,18 @@ UNITS: Mapping[str, str] = {
             *("min_height", "offset", "height_step", "height_sd", "low", "high", "radii"),
             *("separation", "approach", "cell", "contact_radius", "block_radius", "cell_radius"),
             *("alignment_height", "chord_error", "indentation", "r", "tools", "range"),
-            *("displacement", "sliding_range", "boundary"),
+            *("displacement", "sliding_range", "boundary", "centre", "site_position", "frame"),
             *("radius_sd", "position_sd", "pixel_size"),
         ),
         "mm^2": (
             *("rescaled_load", "rescaled_friction", "crossover_load", "crossover_loads", "load_range"),
             *("area", "area_sd", "asperity_area", "asperity_area_sd"),
-            *("area_before", "area_sheared"),
+            *("area_before", "area_sheared", "expected_area"),
         ),
         "N": ("load", "load_min", "friction_force", "load_sd", "friction_force_sd"),
         "N/mm": ("adhesion_energy",),
         "MPa": ("composite_modulus", "young_modulus", "shear_strength", "hardness", "yield_strength"),
-        "rad": ("angle", "angle_x", "angle_y", "angle_sd", "tilt"),
+        "rad": ("angle", "angle_x", "angle_y", "angle_sd", "tilt", "rotation", "rotation_range"),
     }.items()
     for name in names
 }

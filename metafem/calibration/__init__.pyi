@@ -23,6 +23,8 @@ from .sheared.record import ShearRecord as ShearRecord
 from .sheared.record import shear_record as shear_record
 from .sheared.result import ShearCalibration as ShearCalibration
 from .sheared.result import ShearTest as ShearTest
+from .sites.match import SiteMatch as SiteMatch
+from .sites.match import match_sites as match_sites
 from .topography.made_surface import MadeSurface as MadeSurface
 from .topography.made_surface import measured_surface as measured_surface
 from .verdict import Verdict as Verdict

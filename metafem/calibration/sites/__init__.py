@@ -1,0 +1,1 @@
+"""Matching of the contacts in images to the sites of a design."""

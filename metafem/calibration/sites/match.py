@@ -1,0 +1,345 @@
+"""Matching of the contacts in one image to the sites of a design."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from metafem import _validate as check
+from metafem._calls import checked_call
+from metafem._given import shown
+from metafem._validate import FloatArray
+from metafem._values import Value
+from metafem.calibration.sites import search
+from metafem.calibration.sites.areas import decides, log_likelihood
+from metafem.calibration.sites.search import Bounds, IntArray, Lattice, Pose
+from metafem.calibration.sites.similarity import ComplexArray, Similarity, complex_points, real_points
+from metafem.errors import InvalidInput
+from metafem.notes import Note, information
+
+# The sides from which a contact is seen, and whether x is then mirrored.
+SIDES = {"glass": False, "block": True}
+
+# Smallest number of contacts that determine shift, rotation and scale and leave something to be compared.
+FEWEST = 3
+
+# Smallest fraction of the contacts that lie on sites. Of those of a lattice with two thirds or half of the
+# pitch, at most 0.45 do.
+ON_SITES = 0.6
+
+# Largest rotation and change of scale that are searched for.
+TURN, STRETCH = math.radians(5.0), 0.1
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SiteMatch(Value):
+    """The sites of the contacts in an image.
+
+    A site x of the design is seen at ``scale R(rotation) M x + shift``, with the rotation matrix R and
+    M = diag(-1, 1) if the image is mirrored, else 1.
+
+    Attributes
+    ----------
+    site : ndarray of int, (n,)
+        Index of the site of each contact in ``site_position``; -1 where a region lies on no site.
+    shift : ndarray, (2,)
+        Position at which the design's origin is seen [mm].
+    rotation : float
+        Anticlockwise rotation of the design in the image [rad].
+    scale : float
+        Lengths in the image over those in the design [-].
+    mirrored : bool
+        Whether the design is seen mirrored, x -> -x, as through the block.
+    residual : float
+        Root mean square of the distances of the matched contacts from their sites [mm].
+    ambiguous : bool
+        Whether the contacts match as well with another shift, for example by one pitch.
+    notes : tuple of Note
+    """
+
+    site: IntArray
+    shift: FloatArray
+    rotation: float
+    scale: float
+    mirrored: bool
+    residual: float
+    ambiguous: bool
+    notes: tuple[Note, ...] = ()
+
+    def to_image(self, position: ArrayLike) -> FloatArray:
+        """Return where points of the design (m, 2) are seen in the image [mm]."""
+        factor = self.scale * np.exp(1j * self.rotation)
+        points = complex_points(np.asarray(position, dtype=np.float64), self.mirrored)
+        return real_points(factor * points) + self.shift
+
+    def to_design(self, position: ArrayLike) -> FloatArray:
+        """Return the points of the design that are seen at points of the image (m, 2) [mm]."""
+        factor = self.scale * np.exp(1j * self.rotation)
+        points = complex_points(np.asarray(position, dtype=np.float64) - self.shift) / factor
+        return real_points(-points.conj() if self.mirrored else points)
+
+
+@checked_call
+def match_sites(
+    centre: ArrayLike,
+    site_position: ArrayLike,
+    *,
+    viewed_from: str = "glass",
+    rotation: float = 0.0,
+    rotation_range: float = TURN,
+    scale_range: float = STRETCH,
+    area: ArrayLike | None = None,
+    expected_area: ArrayLike | None = None,
+    frame: ArrayLike | None = None,
+) -> SiteMatch:
+    """Match the contacts in an image to the sites of a design, with unknown shift, rotation and scale.
+
+    Pairs of contacts are compared with pairs of sites. Each similarity that maps one to the other is rated by
+    the number of contacts near sites, and the best ones are refined by least squares. Open contacts, regions
+    that are no contacts and a part of the design that lies outside the frame are admitted.
+
+    Parameters
+    ----------
+    centre : array_like, (n, 2)
+        Centres of the contacts in the image [mm], x to the right and y upwards; at least 3.
+    site_position : array_like, (m, 2)
+        Sites of the design [mm] as in `heights.csv`, which are seen from above the asperities; any
+        arrangement of at least 3.
+    viewed_from : {"glass", "block"}
+        "glass": the camera looks through the glass on the summits, as heights.csv shows them. "block": it
+        looks through the base of the block, and the image is mirrored against heights.csv, x -> -x, like
+        mould.csv. A mirror in the optics or in the camera's software exchanges the two. Default: "glass".
+    rotation : float
+        Rotation of the design in the image, anticlockwise [rad], if it is known roughly; default: 0.
+    rotation_range : float
+        Largest difference from it [rad]; default: 5°. On a square lattice it must be less than 45°.
+    scale_range : float
+        Largest relative error of the pixel size [-]; default: 0.1.
+    area, expected_area : array_like, (n,) and (m,)
+        Measured areas of the contacts and those that the design's law predicts at their sites [mm^2], up to a
+        common factor. They decide where several shifts match equally many contacts, and tell if another
+        viewing side or a quarter turn is much more likely; default: None.
+    frame : array_like, (2,)
+        Width and height of the image [mm]. Sites outside it count neither as open nor as in contact when
+        areas are compared; default: all sites are in the image.
+
+    Returns
+    -------
+    SiteMatch
+
+    Raises
+    ------
+    InvalidInput
+        For fewer than 3 contacts, and for those of another lattice: fewer than 60 % of them lie on sites.
+
+    Notes
+    -----
+    A square lattice with its outer row open looks like a smaller lattice in two places, and
+    ``SiteMatch.ambiguous`` says so unless the areas decide. Without areas, the design's middle is then placed
+    as near as possible to the middle of the frame or of the contacts. From positions alone nothing can tell
+    a mirrored square lattice, nor one turned by 90°.
+
+    Examples
+    --------
+    >>> x = 1.5 * np.arange(8)
+    >>> sites = np.array([(a, b) for b in x for a in x])
+    >>> turn = np.array([[0.998, -0.05], [0.05, 0.998]])
+    >>> seen = [60, 3, 17, 40, 7, 56, 0]
+    >>> found = match_sites(sites[seen] @ turn.T + 2.0, sites)
+    >>> found.site.tolist(), round(found.rotation, 4), found.shift.round(6)
+    ([60, 3, 17, 40, 7, 56, 0], 0.0501, array([2., 2.]))
+    """
+    centres = check.array("centre", centre, shape=(None, 2))
+    sites = check.array("site_position", site_position, shape=(None, 2))
+    mirrored = viewing_side(viewed_from)
+    bounds = Bounds(
+        check.number("rotation", rotation),
+        check.number("rotation_range", rotation_range, above=0.0, at_most=math.pi),
+        check.number("scale_range", scale_range, above=0.0, at_most=0.5),
+    )
+    areas = None
+    if expected_area is not None:
+        if area is None:
+            raise InvalidInput("expected_area needs area, the measured areas of the contacts")
+        areas = (
+            check.array("area", area, shape=(len(centres),)),
+            check.array("expected_area", expected_area, shape=(len(sites),)),
+        )
+    size = None if frame is None else check.array("frame", frame, shape=(2,), positive=True)
+    for what, points in (("contacts", centres), ("sites", sites)):
+        if len(points) < FEWEST:
+            raise InvalidInput(
+                f"{len(points)} {what} cannot be matched: shift, rotation and scale need at least {FEWEST}"
+            )
+    scene = _Scene(complex_points(centres), sites, bounds, areas, size)
+    lattice = scene.lattice(mirrored)
+    if lattice.spacing == 0.0:
+        raise InvalidInput("site_position holds coincident sites; each site must have a position of its own")
+    poses = scene.poses(mirrored)
+    if not poses or poses[0].matched < max(FEWEST, ON_SITES * len(centres)):
+        raise InvalidInput(scene.another_lattice(poses[:1], mirrored))
+    return scene.match(poses, mirrored)
+
+
+def viewing_side(viewed_from: Any) -> bool:
+    """Return whether the image is mirrored."""
+    if viewed_from not in SIDES:
+        raise InvalidInput(
+            f"viewed_from = {shown(viewed_from)} must be 'glass', if the camera looks through the glass, or "
+            "'block', if it looks through the block"
+        )
+    return SIDES[viewed_from]
+
+
+@dataclass(frozen=True)
+class _Scene:
+    """The contacts in an image, the sites of a design, and what else is known."""
+
+    points: ComplexArray
+    sites: FloatArray
+    bounds: Bounds
+    areas: tuple[FloatArray, FloatArray] | None
+    frame: FloatArray | None
+
+    def lattice(self, mirrored: bool) -> Lattice:
+        return Lattice(complex_points(self.sites, mirrored))
+
+    def poses(self, mirrored: bool) -> list[Pose]:
+        """Return the poses that match most contacts, all of them equally many, the most likely first."""
+        lattice = self.lattice(mirrored)
+        found = search.searched(self.points, lattice, self.bounds)
+        if not found:
+            return []
+        shifted = search.shifted(self.points, lattice, found[0], self.bounds)
+        return self._best([*found, *shifted], lattice)
+
+    def view(self, pose: Pose, mirrored: bool, quarters: int) -> list[Pose]:
+        """Return the best poses from a side after quarter turns of a pose, for lattices that allow them."""
+        turned = Similarity(pose.similarity.factor * 1j**quarters, pose.similarity.shift)
+        rotation = self.bounds.rotation + 0.5 * math.pi * quarters
+        bounds = Bounds(rotation, self.bounds.turn, self.bounds.stretch)
+        lattice = self.lattice(mirrored)
+        return self._best(search.shifted(self.points, lattice, Pose(turned, pose.site), bounds), lattice)
+
+    def _best(self, poses: list[Pose], lattice: Lattice) -> list[Pose]:
+        if not poses:
+            return []
+        known = {pose.site.tobytes(): pose for pose in reversed(poses)}
+        most = max(pose.matched for pose in known.values())
+        best = [pose for pose in known.values() if pose.matched == most]
+        if self.areas is None:
+            return sorted(best, key=lambda pose: self._off_centre(pose, lattice))
+        return sorted(best, key=lambda pose: -self.likely(pose, lattice))
+
+    def _off_centre(self, pose: Pose, lattice: Lattice) -> float:
+        """Return the distance between the middle of the design and that of the frame or of the contacts."""
+        middle = 0.5 * complex(*self.frame) if self.frame is not None else self.points.mean()
+        return float(abs(pose.similarity.image(lattice.sites).mean() - middle))
+
+    def likely(self, pose: Pose, lattice: Lattice) -> float:
+        """Return the log-likelihood of the areas."""
+        assert self.areas is not None
+        seen = np.ones(len(self.sites), dtype=bool)
+        if self.frame is not None:
+            place = real_points(pose.similarity.image(lattice.sites))
+            seen = np.all((place >= 0.0) & (place <= self.frame), axis=1)
+        return log_likelihood(*self.areas, pose.site, seen)
+
+    def match(self, poses: list[Pose], mirrored: bool) -> SiteMatch:
+        """Return the first of the poses, which match equally many contacts."""
+        best, lattice = poses[0], self.lattice(mirrored)
+        similarity = best.similarity
+        matched = best.site >= 0
+        away = self.points[matched] - similarity.image(lattice.sites[best.site[matched]])
+        ambiguous = len(poses) > 1
+        if self.areas is not None and ambiguous:
+            ambiguous = not decides(self.likely(best, lattice), self.likely(poses[1], lattice))
+        site = best.site.copy()
+        site.flags.writeable = False
+        return SiteMatch(
+            site=site,
+            shift=np.array([similarity.shift.real, similarity.shift.imag]),
+            rotation=float(np.angle(similarity.factor)),
+            scale=abs(similarity.factor),
+            mirrored=mirrored,
+            residual=float(np.sqrt(np.mean(np.abs(away) ** 2))),
+            ambiguous=ambiguous,
+            notes=tuple(self._notes(poses, mirrored, ambiguous)),
+        )
+
+    def _notes(self, poses: list[Pose], mirrored: bool, ambiguous: bool) -> list[Note]:
+        notes = []
+        n, best = len(poses), poses[0]
+        if ambiguous:
+            remedy = (
+                "expected areas" if self.areas is None else "a larger load, at which more contacts close,"
+            )
+            notes.append(
+                Note(
+                    f"the {best.matched} contacts match the sites equally well in {n} places; {remedy} can "
+                    "decide between them"
+                )
+            )
+        elif n > 1:
+            notes.append(
+                information(
+                    f"the contacts match the sites in {n} places; their areas fit one of them best, by odds "
+                    "of more than 100 to 1"
+                )
+            )
+        if self.areas is not None:
+            notes += self._other_views(best, mirrored)
+        return notes
+
+    def _other_views(self, best: Pose, mirrored: bool) -> list[Note]:
+        """Return a warning if the areas are more likely from the other side or after a quarter turn."""
+        own = self.likely(best, self.lattice(mirrored))
+        others = []
+        for side in (mirrored, not mirrored):
+            for quarter in range(4):
+                if side == mirrored and not quarter:
+                    continue
+                poses = self.view(best, side, quarter)
+                if poses and poses[0].matched >= best.matched:
+                    others.append((self.likely(poses[0], self.lattice(side)), side, 90 * quarter))
+        likely, side, angle = max(others, default=(own, mirrored, 0))
+        if not decides(likely, own):
+            return []
+        views = [name for name, value in SIDES.items() if value == side and side != mirrored]
+        changes = [f"seen through the {name}" for name in views] + [f"turned by {angle}°"] * bool(angle)
+        return [
+            Note(
+                f"the areas fit the design much better if it is {' and '.join(changes)}; check the viewing "
+                "side and the rotation of the image"
+            )
+        ]
+
+    def another_lattice(self, poses: list[Pose], mirrored: bool) -> str:
+        """Return the error about contacts that are not on sites."""
+        lattice, count = self.lattice(mirrored), len(self.points)
+        own = Lattice(self.points).spacing
+        apart = f"neighbours are {own:.3g} mm apart in the image and {lattice.spacing:.3g} mm in the design"
+        turn, range_ = math.degrees(self.bounds.rotation), math.degrees(self.bounds.turn)
+        searched = (
+            f"rotations of {turn:.3g}° ± {range_:.3g}° and scales of 1 ± {self.bounds.stretch:.2g} were tried"
+        )
+        best = "no pair of them"
+        if poses:
+            distance, _ = lattice.nearest(poses[0].similarity.sites(self.points), np.inf)
+            median = float(np.median(distance))
+            best = (
+                f"at best {poses[0].matched} of them, and the median distance from the nearest site is "
+                f"{median:.3g} mm, {100.0 * median / lattice.spacing:.0f} % of the distance between sites"
+            )
+        ratio = lattice.spacing / own if own else 1.0
+        pixel = ""
+        if abs(1.0 / ratio - 1.0) > self.bounds.stretch:
+            pixel = f", which would agree if the pixels were {ratio:.3g} times as large"
+        return (
+            f"the {count} contacts are not on the sites of the design: {best}; {apart}{pixel}; {searched}. "
+            "Check the design, the pixel size, the rotation and the viewing side"
+        )

@@ -1,0 +1,196 @@
+"""Search for the similarities that map the sites of a design to the contacts of an image."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from metafem._validate import FloatArray
+from metafem.calibration.sites.similarity import ComplexArray, Similarity, fitted, real_points
+
+IntArray = NDArray[np.intp]
+
+# Lengths in distances between neighbouring sites. A contact this near to the image of a site may belong to
+# it while the similarity is still sought: images of two sites are at least 0.9 apart, so it is near one only.
+REACH = 0.2
+
+# Once it is found, so many medians of the distances; for normal errors the median is 1.18 standard
+# deviations, so that the bound is 7 of these. The least bound admits errors of the centres of a few pixels.
+MEDIANS, LEAST_REACH = 6.0, 0.02
+
+# Pairs of contacts at most so far apart are compared with pairs of sites. A longer pair has the smaller error
+# of direction, and more of the longer ones are spoilt by open contacts.
+LONGEST = 6.0
+
+# Number of pairs that are compared, of contacts that rate a similarity, and of similarities that are refined.
+# With a fifth of the regions no contacts, a third of the pairs is spoilt.
+PAIRS, RATING, REFINED = 30, 40, 24
+
+# A search admits this much more than the stated ranges of rotation and scale, for the errors of short pairs.
+SLACK = 1.2
+
+
+@dataclass(frozen=True)
+class Pose:
+    """A similarity, and the site of each contact, -1 if none: (n,)."""
+
+    similarity: Similarity
+    site: IntArray
+
+    @property
+    def matched(self) -> int:
+        """Number of contacts that have a site."""
+        return int(np.count_nonzero(self.site >= 0))
+
+
+@dataclass(frozen=True)
+class Lattice:
+    """The sites of a design as seen in the image, in any arrangement."""
+
+    sites: ComplexArray
+
+    @cached_property
+    def tree(self) -> Any:
+        """The sites in a tree of their positions."""
+        from scipy.spatial import cKDTree
+
+        return cKDTree(real_points(self.sites))
+
+    @cached_property
+    def spacing(self) -> float:
+        """Median distance of a site from its nearest neighbour [mm]."""
+        distance, _ = self.tree.query(real_points(self.sites), k=2)
+        return float(np.median(distance[:, 1]))
+
+    def nearest(self, points: ComplexArray, reach: float) -> tuple[FloatArray, IntArray]:
+        """Return the nearest site of each point of the design and its distance; inf beyond `reach`."""
+        flat = points.ravel()
+        distance, site = self.tree.query(real_points(flat), distance_upper_bound=reach)
+        return distance.reshape(points.shape), site.reshape(points.shape)
+
+    def pairs(self) -> tuple[IntArray, IntArray]:
+        """Return first and second sites of the pairs, in both orders, that are compared."""
+        first, second = near_pairs(self.tree, 1.2 * LONGEST * self.spacing)
+        return np.concatenate([first, second]), np.concatenate([second, first])
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """Rotations within `turn` of `rotation` [rad], and scales within `stretch` of 1."""
+
+    rotation: float
+    turn: float
+    stretch: float
+
+    def admit(self, factor: Any, slack: float = SLACK) -> Any:
+        """Whether the factors of similarities are within the bounds."""
+        angle = np.abs(np.angle(factor * np.exp(-1j * self.rotation)))
+        return (angle <= slack * self.turn) & (np.abs(np.abs(factor) - 1.0) <= slack * self.stretch)
+
+
+def near_pairs(tree: Any, reach: float) -> tuple[IntArray, IntArray]:
+    """Return the pairs of points within a distance, in a fixed order."""
+    pairs = tree.query_pairs(reach, output_type="ndarray")
+    pairs = pairs[np.lexsort(pairs.T[::-1])]
+    return pairs[:, 0], pairs[:, 1]
+
+
+def searched(points: ComplexArray, lattice: Lattice, bounds: Bounds) -> list[Pose]:
+    """Return the poses that the search finds, the one that matches most contacts first."""
+    factor, shift = _candidates(points, lattice, bounds)
+    if not factor.size:
+        return []
+    rating = _rating(points, lattice, factor, shift)
+    best = np.argsort(-rating, kind="stable")[:REFINED]
+    return _ordered(
+        points, lattice, [Similarity(complex(factor[i]), complex(shift[i])) for i in best], bounds
+    )
+
+
+def shifted(points: ComplexArray, lattice: Lattice, pose: Pose, bounds: Bounds) -> list[Pose]:
+    """Return the poses with the rotation and scale of a pose and any shift, the best first.
+
+    Each of them maps some site to the contact nearest to the middle of the matched ones.
+    """
+    matched = np.flatnonzero(pose.site >= 0)
+    middle = matched[np.argmin(np.abs(points[matched] - points[matched].mean()))]
+    factor = np.full(len(lattice.sites), pose.similarity.factor)
+    shift = points[middle] - factor * lattice.sites
+    rating = _rating(points, lattice, factor, shift)
+    best = np.argsort(-rating, kind="stable")[:REFINED]
+    similarities = [pose.similarity, *(Similarity(complex(factor[i]), complex(shift[i])) for i in best)]
+    return _ordered(points, lattice, similarities, bounds)
+
+
+def _candidates(points: ComplexArray, lattice: Lattice, bounds: Bounds) -> tuple[ComplexArray, ComplexArray]:
+    """Return factors and shifts of the similarities that map a pair of sites to a pair of contacts."""
+    from scipy.spatial import cKDTree
+
+    first, second = near_pairs(cKDTree(real_points(points)), LONGEST * lattice.spacing)
+    apart = np.abs(points[second] - points[first])
+    long = np.flatnonzero(apart > REACH * lattice.spacing)
+    chosen = long[np.unique(np.linspace(0, len(long) - 1, PAIRS).astype(int))] if long.size else long
+    site, other = lattice.pairs()
+    between = lattice.sites[other] - lattice.sites[site]
+    factors, shifts = [np.zeros(0, complex)], [np.zeros(0, complex)]
+    for i in chosen:
+        factor = (points[second[i]] - points[first[i]]) / between
+        admitted = np.flatnonzero(bounds.admit(factor))
+        factors.append(factor[admitted])
+        shifts.append(points[first[i]] - factor[admitted] * lattice.sites[site[admitted]])
+    return np.concatenate(factors), np.concatenate(shifts)
+
+
+def _rating(points: ComplexArray, lattice: Lattice, factor: ComplexArray, shift: ComplexArray) -> FloatArray:
+    """Return how many contacts are near sites, each weighted by its distance, for each similarity."""
+    some = points[np.unique(np.linspace(0, len(points) - 1, RATING).astype(int))]
+    reach = REACH * lattice.spacing
+    distance, _ = lattice.nearest((some - shift[:, None]) / factor[:, None], reach)
+    return np.asarray(np.maximum(1.0 - (distance / reach) ** 2, 0.0).sum(axis=1))
+
+
+def _ordered(
+    points: ComplexArray, lattice: Lattice, similarities: list[Similarity], bounds: Bounds
+) -> list[Pose]:
+    """Return the different poses to which the similarities are refined, in order of what they match."""
+    found: dict[bytes, Pose] = {}
+    for similarity in similarities:
+        pose = _refined(points, lattice, similarity)
+        if pose is not None and bounds.admit(pose.similarity.factor):
+            found.setdefault(pose.site.tobytes(), pose)
+    return sorted(found.values(), key=lambda pose: -pose.matched)
+
+
+def _refined(points: ComplexArray, lattice: Lattice, similarity: Similarity) -> Pose | None:
+    """Return the pose with the least squares of the distances of its matched contacts."""
+    reach, before = REACH, None
+    for _ in range(20):  # ends after three or four
+        site, distance = assigned(points, lattice, similarity, reach * lattice.spacing)
+        matched = site >= 0
+        if np.count_nonzero(matched) < 2:
+            return None
+        if before is not None and np.array_equal(site, before):
+            break
+        similarity, before = fitted(points[matched], lattice.sites[site[matched]]), site
+        _, distance = assigned(points, lattice, similarity, reach * lattice.spacing)
+        median = np.median(distance[np.isfinite(distance)]) / lattice.spacing
+        reach = min(max(MEDIANS * float(median), LEAST_REACH), REACH)
+    return Pose(similarity, site)
+
+
+def assigned(
+    points: ComplexArray, lattice: Lattice, similarity: Similarity, reach: float
+) -> tuple[IntArray, FloatArray]:
+    """Return the site of each contact, -1 if none, and its distance; the nearer of two contacts has it."""
+    distance, nearest = lattice.nearest(similarity.sites(points), reach)
+    site = np.full(len(points), -1, dtype=np.intp)
+    order = np.argsort(distance, kind="stable")
+    order = order[np.isfinite(distance[order])]
+    _, first = np.unique(nearest[order], return_index=True)
+    chosen = order[first]
+    site[chosen] = nearest[chosen]
+    return site, distance
