@@ -59,6 +59,13 @@ class SiteMatch(Value):
     ambiguous : bool
         Whether the contacts match as well with another shift, for example by one pitch.
     notes : tuple of Note
+
+    Examples
+    --------
+    >>> sites = [[0.0, 0.0], [1.5, 0.0], [3.0, 0.0], [0.0, 1.5]]
+    >>> found = match_sites([[3.5, 6.0], [3.5, 4.5], [5.0, 4.5], [6.5, 4.5]], sites)
+    >>> found.site, found.shift.round(6), found.to_image([[3.0, 1.5]]).round(6)
+    (array([3, 0, 1, 2]), array([3.5, 4.5]), array([[6.5, 6. ]]))
     """
 
     site: IntArray
