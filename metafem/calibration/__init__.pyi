@@ -10,6 +10,8 @@ from .diagnosis.explanation import SingleErrors as SingleErrors
 from .diagnosis.priors import Priors as Priors
 from .diagnosis.unresolved import Unresolved as Unresolved
 from .heterogeneity import Heterogeneity as Heterogeneity
+from .images.areas import contact_areas as contact_areas
+from .images.contact_areas import ContactAreas as ContactAreas
 from .joint import joint_covariance as joint_covariance
 from .measured_law.agreement import Comparison as Comparison
 from .measured_law.agreement import compare as compare

@@ -7,6 +7,7 @@ H - i - 1 < y < H - i.
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -99,7 +100,7 @@ def _add(covered: FloatArray, x: float, y: float, a: float, b: float, phi: float
     if not patch.size:
         return
     per_height = max(PER_PIXEL, PER_BLUR / blur if blur else 16.0)
-    node, weight = np.polynomial.legendre.leggauss(NODES + int(per_height * height))
+    node, weight = _rule(NODES * -(-int(NODES + per_height * height) // NODES))
     s, c = np.sin(0.5 * np.pi * node), np.cos(0.5 * np.pi * node)
     weight = 0.5 * np.pi * weight * height * c
     middle, half = x + s * (a**2 - b**2) * sin * cos / height, a * b / height * c
@@ -108,6 +109,12 @@ def _add(covered: FloatArray, x: float, y: float, a: float, b: float, phi: float
     lower = rows.start + np.arange(patch.shape[0] + 1)
     row = _step(lower[:, None] - (y + height * s), blur)
     patch += (np.diff(row, axis=0) * weight) @ np.diff(interval, axis=1)
+
+
+@cache
+def _rule(nodes: int) -> tuple[FloatArray, FloatArray]:
+    """Return the nodes and the weights of Gauss quadrature from -1 to 1."""
+    return np.polynomial.legendre.leggauss(nodes)
 
 
 def _step(u: FloatArray, blur: float) -> FloatArray:

@@ -1,0 +1,1 @@
+"""Areas of contacts in images of the contact interface."""

@@ -1,0 +1,126 @@
+"""Contours of an image at one level: their areas, lengths and moments, for all contacts at once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from metafem._validate import FloatArray, IntArray
+
+# Cells of four pixels by which of them are dark: upper left 1, upper right 2, lower right 4, lower left 8.
+# The contour crosses a cell from one side to another, with the dark pixels on its left; sides: 0 upper, 1
+# right, 2 lower, 3 left. It belongs to the region of the dark pixel in the given corner, 0 to 3 in the order
+# above. Dark pixels that touch at a corner alone are not connected, so that codes 5 and 10 are crossed twice.
+# The last number is the turn of the contour in quarters: +1 about one dark pixel, -1 about one bright one.
+CROSSINGS = (
+    (1, 3, 0, 0, 1),
+    (2, 0, 1, 1, 1),
+    (4, 1, 2, 2, 1),
+    (8, 2, 3, 3, 1),
+    (3, 3, 1, 0, 0),
+    (6, 0, 2, 1, 0),
+    (12, 1, 3, 2, 0),
+    (9, 2, 0, 0, 0),
+    (14, 0, 3, 1, -1),
+    (13, 1, 0, 0, -1),
+    (11, 2, 1, 0, -1),
+    (7, 3, 2, 0, -1),
+    (5, 3, 0, 0, 1),
+    (5, 1, 2, 2, 1),
+    (10, 0, 1, 1, 1),
+    (10, 2, 3, 3, 1),
+)
+ROW, COLUMN = np.array([0, 0, 1, 1]), np.array([0, 1, 1, 0])
+
+
+@dataclass(frozen=True)
+class Contours:
+    """Contours of n regions, in pixels; x to the right, y upwards from the lower left corner of the frame.
+
+    `area`, `length` (n,); `centre` (n, 2); `moment` (n, 3): integrals of x², y² and xy about the centre;
+    `holes` (n,); `solidity` (n,): area over that of the convex hull.
+    """
+
+    area: FloatArray
+    length: FloatArray
+    centre: FloatArray
+    moment: FloatArray
+    holes: IntArray
+    solidity: FloatArray
+
+
+def contours(image: NDArray[np.float32], labels: NDArray[np.int32], level: float, count: int) -> Contours:
+    """Return the contours of the regions 1 to count, where the image is below the level.
+
+    Both arrays have a border of one pixel on the ground, so that contours are closed.
+    """
+    label, start, end, turn = _segments(image, labels, level)
+    origin = _mean(label, start, count)
+    p, q = start - origin[label - 1], end - origin[label - 1]
+
+    def total(of: FloatArray) -> FloatArray:
+        return np.asarray(np.bincount(label - 1, of, count), dtype=np.float64)
+
+    # integrals over a polygon as sums over its sides
+    (x0, y0), (x1, y1) = p.T, q.T
+    cross = x0 * y1 - x1 * y0
+    area = total(cross) / 2.0
+    mean = np.stack([total((x0 + x1) * cross), total((y0 + y1) * cross)], axis=1) / (6.0 * area[:, None])
+    moment = np.stack(
+        [
+            total((x0 * x0 + x0 * x1 + x1 * x1) * cross) / 12.0 - area * mean[:, 0] ** 2,
+            total((y0 * y0 + y0 * y1 + y1 * y1) * cross) / 12.0 - area * mean[:, 1] ** 2,
+            total((x0 * y1 + 2.0 * x0 * y0 + 2.0 * x1 * y1 + x1 * y0) * cross) / 24.0
+            - area * mean[:, 0] * mean[:, 1],
+        ],
+        axis=1,
+    )
+    length = total(np.hypot(x1 - x0, y1 - y0))
+    # the turns of the outer contours and of those about holes, which turn backwards
+    holes = 1 - np.round(total(turn) / 4.0).astype(np.int64)
+    return Contours(area, length, origin + mean, moment, holes, _solidity(label, p, area))
+
+
+def _segments(
+    image: NDArray[np.float32], labels: NDArray[np.int32], level: float
+) -> tuple[NDArray[np.intp], FloatArray, FloatArray, FloatArray]:
+    """Return region, both ends (m, 2) and turn of the pieces of the contours in all cells."""
+    dark = (labels > 0).view(np.uint8)
+    code = dark[:-1, :-1] + 2 * dark[:-1, 1:] + 4 * dark[1:, 1:] + 8 * dark[1:, :-1]
+    row, column = np.nonzero((code > 0) & (code < 15))
+    code = code[row, column]
+    corner = image[row[:, None] + ROW, column[:, None] + COLUMN].astype(np.float64) - level
+    following = np.roll(corner, -1, axis=1)
+    crossed = (corner < 0.0) != (following < 0.0)
+    share = np.divide(corner, corner - following, out=np.zeros_like(corner), where=crossed)
+    # the border shifts the pixels by one, and the centre of a pixel is at one half
+    left, upper = column - 0.5, image.shape[0] - 2 - row + 0.5
+    x = np.stack([left + share[:, 0], left + 1.0, left + 1.0 - share[:, 2], left], axis=1)
+    y = np.stack([upper, upper - share[:, 1], upper - 1.0, upper - 1.0 + share[:, 3]], axis=1)
+    pieces = []
+    for which, begin, stop, at, turn in CROSSINGS:
+        (cell,) = np.nonzero(code == which)
+        owner = labels[row[cell] + ROW[at], column[cell] + COLUMN[at]]
+        ends = (np.stack([x[cell, side], y[cell, side]], axis=1) for side in (begin, stop))
+        pieces.append((owner, *ends, np.full(cell.size, float(turn))))
+    label, start, end, turns = (np.concatenate(parts) for parts in zip(*pieces, strict=True))
+    return label.astype(np.intp), start, end, turns
+
+
+def _mean(label: NDArray[np.intp], points: FloatArray, count: int) -> FloatArray:
+    """Return the mean of the points of each region."""
+    number = np.bincount(label - 1, minlength=count)
+    sums = [np.bincount(label - 1, column, count) for column in points.T]
+    return np.asarray(np.stack(sums, axis=1) / number[:, None], dtype=np.float64)
+
+
+def _solidity(label: NDArray[np.intp], points: FloatArray, area: FloatArray) -> FloatArray:
+    """Return the areas over those of the convex hulls."""
+    from scipy.spatial import ConvexHull
+
+    order = np.argsort(label, kind="stable")
+    parts = np.split(points[order], np.flatnonzero(np.diff(label[order])) + 1)
+    # "volume" of a plane hull is its area
+    return np.asarray(area / np.array([ConvexHull(part).volume for part in parts]), dtype=np.float64)

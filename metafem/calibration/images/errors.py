@@ -1,0 +1,76 @@
+"""Standard deviations of contact areas that are found in images; lengths in pixels, grey levels in contrasts.
+
+A contact with the perimeter L, radius r, in an image with the noise n of each pixel over the contrast and an
+edge that is a step smoothed by a Gaussian of standard deviation s. The contour is taken after another
+smoothing by w; its edge has s_t² = s² + w², and the slope 1/(sqrt(2 pi) s_t) at the half level.
+
+Noise. The contour is displaced by the smoothed noise over the slope. Its integral along a line, the error of
+the area, has the variance 2 pi s_t² L n²/(2 sqrt(pi) w), least for w = s: 2 sqrt(pi) s L n². That is the
+Cramér-Rao bound of the position of a straight edge: its Fisher information is L/n² times the integral of the
+square of the edge's slope, L/(2 sqrt(pi) s n²), for an area of L times the displacement.
+
+Curvature. Smoothing by s moves the half level by s² kappa/2 towards the centre of curvature. The curvature of
+a closed contour integrates to 2 pi, so that its area shrinks by pi s² whatever its shape, and grows by as
+much about each hole. For a circle, the half level is where the noncentral chi-square distribution of two
+degrees of freedom has its median, and the next term is pi s² s²/(6 r²).
+
+Level. An error d of the half level displaces the contour by d sqrt(2 pi) s_t everywhere.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from metafem._validate import FloatArray
+
+# Contours that connect points on the sides of cells of pixels lie inside of smooth ones, by linear
+# interpolation along the sides and by their sagitta: the area lost is pi times this variance [pixels²],
+# whatever the shape and the blur. The variance of an edge from its quarter levels is larger by the second
+# number, and for a circle by half of s_t²/r² of itself. Measured on circles of radius 15 to 120 and random
+# centre, with s_t of 1.4 to 3.5.
+INTERPOLATION, EDGE_INTERPOLATION, EDGE_CURVATURE = 0.21, 0.13, 0.5
+
+# Variance of the number of pixels whose centres lie in a convex region, over its perimeter: for a disc of
+# radius r and random centre it is 0.0728 times 2 pi r (Gundersen and Jensen, J. Microsc. 147, 229 (1987),
+# doi:10.1111/j.1365-2818.1987.tb02837.x).
+COUNTED = 0.0728
+
+
+def enclosed(area: FloatArray, holes: FloatArray | float, total: float) -> FloatArray:
+    """Return the areas of contacts whose contours at the half level enclose `area`; `total` is s_t."""
+    variance = total**2 + INTERPOLATION
+    return area + math.pi * variance * (1.0 - holes) + (math.pi * total**2) ** 2 / (6.0 * area)
+
+
+def of_contour(
+    length: FloatArray, noise: float, smoothing: float, total: float, level: float, blur: float
+) -> FloatArray:
+    """Return the standard deviations of areas from noise, from the level's error and from that of s_t."""
+    from_noise = 2.0 * math.pi * total**2 * length * noise**2 / (2.0 * math.sqrt(math.pi) * smoothing)
+    from_level = math.sqrt(2.0 * math.pi) * total * length * level
+    from_blur = 2.0 * math.pi * total * blur
+    return np.sqrt(from_noise + from_level**2 + from_blur**2)
+
+
+def counting_bias(length: FloatArray, threshold: float, edge: float) -> FloatArray:
+    """Return the bias of the number of pixels darker than a threshold, 0 to 1 from the ground to the dark.
+
+    The pixels' own edge s is `edge`: the contour lies sqrt(2) s erfinv(1 - 2 threshold) outside of the half
+    level, which has lost pi s².
+    """
+    from scipy.special import ndtri
+
+    displaced = edge * float(ndtri(1.0 - np.clip(threshold, 1e-6, 1.0 - 1e-6)))
+    return length * displaced + math.pi * (displaced**2 - edge**2)
+
+
+def of_counting(length: FloatArray, noise: float, threshold: float, edge: float) -> FloatArray:
+    """Return the errors of counted areas: scatter and bias, added in squares.
+
+    A pixel at the distance u from the contour is counted wrongly with a probability that follows from the
+    noise and the slope of the edge; the variances add up to sqrt(2) s n L.
+    """
+    scatter = (math.sqrt(2.0) * edge * noise + COUNTED) * length
+    return np.sqrt(scatter + counting_bias(length, threshold, edge) ** 2)

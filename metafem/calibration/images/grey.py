@@ -1,0 +1,77 @@
+"""Images that a user passed in, as grey values, and where they are clipped."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from metafem._given import FOREIGN, shown
+from metafem.errors import InvalidInput
+
+# Pixels along the shorter side of the smallest image that is measured: a contact and ground around it.
+FEWEST = 16
+
+# Largest grey levels of cameras, whose pictures of 10 to 14 bits are stored in 16.
+FULL_SCALE = tuple(2**bits - 1 for bits in (8, 10, 12, 14, 16, 32))
+
+
+def grey_values(image: Any) -> NDArray[Any]:
+    """Return the grey values (rows, columns) of an image, row 0 uppermost, in its own type of numbers."""
+    if isinstance(image, (str, bytes)) or hasattr(image, "__fspath__"):
+        raise InvalidInput(
+            f"image = {shown(image)} is a name; it must be an array of grey values. "
+            "`metafem images` reads files"
+        )
+    try:
+        values = np.asarray(np.ma.getdata(image) if not np.ma.is_masked(image) else None)
+    except (TypeError, ValueError):
+        raise InvalidInput(f"image = {shown(image)} must be an array of grey values") from None
+    if values.dtype.kind not in "uif":
+        kind = FOREIGN.get(values.dtype.kind, "something else")
+        raise InvalidInput(f"image must be an array of grey values without mask; its entries are {kind}")
+    values = _one_channel(values)
+    if values.ndim != 2 or min(values.shape) < FEWEST:
+        several = "; a stack of images is measured by stack_areas" if values.ndim > 2 else ""
+        raise InvalidInput(
+            f"image has shape {values.shape}; it must be (rows, columns) with at least "
+            f"{FEWEST} of each{several}"
+        )
+    finite = np.isfinite(values)
+    if not finite.all():
+        row, column = np.argwhere(~finite)[0].tolist()
+        raise InvalidInput(
+            f"image holds {values[row, column]} in row {row}, column {column}; all grey values must be finite"
+        )
+    low, high = float(values.min()), float(values.max())
+    if low == high:
+        raise InvalidInput(
+            f"image is constant: all its grey values are {low:g}, all dark or all bright; it shows no contact"
+        )
+    if not max(abs(low), abs(high)) < np.finfo(np.float32).max / values.size:
+        raise InvalidInput(f"image holds grey values from {low:g} to {high:g}; they are too large")
+    return values
+
+
+def _one_channel(values: NDArray[Any]) -> NDArray[Any]:
+    """Return the grey values of an image that is stored in colour; one in several colours is refused."""
+    if values.ndim != 3 or values.shape[2] not in (1, 2, 3, 4) or min(values.shape[:2]) < FEWEST:
+        return values
+    channels = values.shape[2]
+    colours = values[..., : channels - (channels in (2, 4))]  # the last of 2 or 4 is the opacity
+    if (colours != colours[..., :1]).any():
+        raise InvalidInput(
+            f"image has shape {values.shape}: it is in colour, and its channels differ; pass one channel, "
+            "such as image[..., 1], or the grey values of the camera"
+        )
+    return colours[..., 0]
+
+
+def clipped(values: NDArray[Any]) -> tuple[NDArray[np.bool_] | None, NDArray[np.bool_] | None]:
+    """Return which pixels are at the lower and at the upper end of the scale, None where no pixel is."""
+    if values.dtype.kind not in "ui":
+        return None, None
+    low = values == 0 if values.min() == 0 else None
+    largest = int(values.max())
+    return low, values == largest if largest in FULL_SCALE else None

@@ -1,0 +1,145 @@
+"""Illumination of an image: a smooth surface through the grey levels of the ground between the contacts."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.polynomial import legendre
+from numpy.typing import NDArray
+
+from metafem._validate import FloatArray
+
+# Degree of the polynomial in each coordinate: a tilt, and a lamp or a lens that is darker towards the
+# corners.
+DEGREE = 2
+
+# Blocks of the coarse grid along the shorter side, their least size [pixels], and pixels that are read along
+# each side of a block.
+BLOCKS, LEAST_BLOCK, READ = 96, 4, 7
+
+# A block is ground if its grey level is within so many standard deviations of the surface; rounds of the fit.
+CLIPPED, ROUNDS = 3.0, 12
+
+# Share of the blocks that is enough for the fit.
+ENOUGH = 0.1
+
+# Median absolute deviation of a normal distribution over its standard deviation.
+MAD = 0.6745
+
+# A ground darker than this share of the contrast carries no illumination to divide by, as in a dark field.
+FAINT = 0.2
+
+
+@dataclass(frozen=True)
+class Ground:
+    """The ground of an image.
+
+    `corrected` is the image with the illumination removed: 1 on the ground, and smaller in the contacts.
+    `structure` is the standard deviation of what the polynomial leaves, over scales of a block; `divided`
+    whether the image was divided by the ground, else the ground was subtracted.
+    """
+
+    corrected: NDArray[np.float32]
+    structure: float
+    level: float
+    divided: bool
+
+
+def without_illumination(image: NDArray[np.float32], bright_contacts: bool) -> Ground:
+    """Return the image over its ground, inverted if the contacts are bright.
+
+    The ground is a polynomial of degree 2 in each coordinate, fitted to the interquartile means of blocks;
+    the blocks that hold contacts are left out by clipping.
+    """
+    grid, error, y, x = _blocks(image)
+    levels = grid.ravel()
+    sign = -1.0 if bright_contacts else 1.0
+    threshold = otsu(levels) if np.ptp(levels) > CLIPPED * error else -sign * np.inf
+    kept = _clear_of(sign * grid < sign * threshold)
+    terms = legendre.legvander2d(y, x, [DEGREE, DEGREE])
+    for _ in range(ROUNDS):
+        coefficients = np.linalg.lstsq(terms[kept], levels[kept], rcond=None)[0]
+        residual = levels - terms @ coefficients
+        # blocks on the other side of the surface than the contacts hold nothing but ground
+        beyond = np.abs(residual[kept & (sign * residual > 0.0)])
+        scale = max(np.median(beyond) / MAD if beyond.size else 0.0, error)
+        now = _clear_of((sign * residual < -CLIPPED * scale).reshape(grid.shape))
+        now &= sign * residual < 2.0 * CLIPPED * scale
+        if np.array_equal(now, kept) or now.sum() < 2 * terms.shape[1]:
+            break
+        kept = now
+    structure = _structure(np.where(kept, residual, np.nan).reshape(grid.shape), error)
+    rows, columns = (
+        legendre.legvander(_scaled(np.arange(n, dtype=np.float64) + 0.5, n), DEGREE) for n in image.shape
+    )
+    ground = (rows @ coefficients.reshape(DEGREE + 1, -1) @ columns.T).astype(np.float32)
+    level = float(coefficients[0])
+    contrast = float(np.abs(residual).max())
+    divided = float(ground.min()) > FAINT * contrast
+    if divided:
+        corrected, scale = image / ground, abs(level)
+    else:
+        scale = contrast or 1.0
+        corrected = 1.0 + (image - ground) / np.float32(scale)
+    return Ground(2.0 - corrected if bright_contacts else corrected, structure / scale, level, divided)
+
+
+def otsu(values: NDArray[Any]) -> float:
+    """Return Otsu's threshold."""
+    from skimage.filters import threshold_otsu
+
+    return float(threshold_otsu(values))  # type: ignore[no-untyped-call]
+
+
+def _clear_of(dark: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return which blocks are not dark and, where that leaves enough, have no dark block beside them."""
+    from scipy.ndimage import binary_dilation
+
+    beside = ~binary_dilation(dark, np.ones((3, 3)))
+    enough = np.count_nonzero(beside) >= ENOUGH * dark.size
+    return (beside if enough else ~dark).ravel()
+
+
+def _structure(residual: FloatArray, error: float) -> float:
+    """Return the standard deviation of what is left, nan in contacts, without the noise of single blocks.
+
+    The noise of neighbouring blocks is independent, so the mean product of their residuals is free of it. Its
+    own error is subtracted.
+    """
+    products = np.concatenate(
+        [(residual[:, 1:] * residual[:, :-1]).ravel(), (residual[1:] * residual[:-1]).ravel()]
+    )
+    products = products[~np.isnan(products)]
+    if not products.size:
+        return 0.0
+    return math.sqrt(max(float(products.mean()) - 2.0 * error**2 / math.sqrt(products.size), 0.0))
+
+
+def _scaled(pixel: FloatArray, count: int) -> FloatArray:
+    """Return coordinates from -1 to 1."""
+    return 2.0 * pixel / count - 1.0
+
+
+def _blocks(image: NDArray[np.float32]) -> tuple[FloatArray, float, FloatArray, FloatArray]:
+    """Return the grey levels of blocks, their standard error from noise, and the centres of the blocks."""
+    size = max(min(image.shape) // BLOCKS, LEAST_BLOCK)
+    step = max(size // READ, 1)
+    rows, columns = (n // size for n in image.shape)
+    cut = image[: rows * size, : columns * size].reshape(rows, size, columns, size)[:, ::step, :, ::step]
+    values = np.sort(cut.transpose(0, 2, 1, 3).reshape(rows * columns, -1), axis=1).astype(np.float64)
+    count = values.shape[1]
+    low = count // 4
+    middle = values[:, low : count - low]
+    levels = middle.mean(axis=1)
+    # the interquartile range of a normal distribution is 2 MAD standard deviations; the interquartile mean of
+    # many values has 1.1 times the standard error of their mean
+    noise = np.median(values[:, count - 1 - low] - values[:, low]) / (2.0 * MAD)
+    y, x = np.meshgrid(
+        _scaled((np.arange(rows) + 0.5) * size, image.shape[0]),
+        _scaled((np.arange(columns) + 0.5) * size, image.shape[1]),
+        indexing="ij",
+    )
+    return levels.reshape(rows, columns), float(1.1 * noise / np.sqrt(count)), y.ravel(), x.ravel()

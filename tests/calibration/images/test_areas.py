@@ -1,0 +1,161 @@
+"""Areas of contacts in synthetic images against the exact areas of the ellipses that are drawn."""
+
+import numpy as np
+import pytest
+
+import metafem as mf
+from metafem.calibration import contact_areas
+from validation.scenes.pictures import coverage, picture
+
+PIXEL = 0.005
+
+
+def lattice(side, pitch, rng):
+    """Return the shape of a frame and centres [pixels] about the sites of a square lattice."""
+    sites = (np.arange(side) + 0.5) * pitch
+    x, y = np.meshgrid(sites, sites)
+    return (side * pitch, side * pitch), np.stack([x, y], axis=-1).reshape(-1, 2) + rng.uniform(
+        -0.5, 0.5, (side * side, 2)
+    )
+
+
+def in_order(found, centre):
+    """Return for each drawn contact the number of the found one."""
+    distance = np.hypot(*(found.centre[None] / PIXEL - np.asarray(centre)[:, None]).transpose(2, 0, 1))
+    assert distance.min(axis=1).max() < 0.5
+    return distance.argmin(axis=1)
+
+
+@pytest.mark.parametrize("radius", [10.0, 30.0])
+@pytest.mark.parametrize("blur", [0.8, 1.5, 2.5])
+def test_without_noise_the_correction_leaves_no_bias(radius, blur):
+    shape, centre = lattice(3, int(4 * radius), np.random.default_rng(3))
+    found = contact_areas(picture(shape, centre, np.full(9, radius), blur=blur), PIXEL)
+    error = found.area / (np.pi * (radius * PIXEL) ** 2) - 1.0
+    # 0.2 square pixels are left of the third order of the curvature, and of the steps between pixels
+    assert np.abs(error).max() < 0.2 / (np.pi * radius**2) + 2e-5
+    # a pixel adds the variance 1/12 of its square
+    assert found.blur / PIXEL == pytest.approx(np.sqrt(blur**2 + 1.0 / 12.0), abs=0.02)
+
+
+def test_sheared_contacts_are_ellipses():
+    shape, centre = lattice(4, 90, np.random.default_rng(4))
+    rng = np.random.default_rng(5)
+    axes = np.sort(rng.uniform(12.0, 30.0, (16, 2)))[:, ::-1]
+    angle = rng.uniform(-1.5, 1.5, 16)
+    found = contact_areas(picture(shape, centre, axes, angle, gradient=(0.3, -0.2), vignetting=0.1), PIXEL)
+    which = in_order(found, centre)
+    exact = np.pi * axes.prod(axis=1) * PIXEL**2
+    assert found.area[which] == pytest.approx(exact, rel=1e-3)
+    assert found.centre[which] == pytest.approx(centre * PIXEL, abs=0.02 * PIXEL)
+    assert found.axes[which] == pytest.approx(axes * PIXEL, rel=2e-3)
+    turned = (found.angle[which] - angle + 0.5 * np.pi) % np.pi - 0.5 * np.pi
+    assert np.abs(turned * (1.0 - axes[:, 1] / axes[:, 0])).max() < 2e-3
+    assert found.complete.all()
+    assert not found.notes
+
+
+@pytest.mark.parametrize("noise", [0.02, 0.05, 0.1])
+def test_reported_errors_are_the_scatter(noise):
+    radius, rng = 15.0, np.random.default_rng(6)
+    shape, centre = lattice(10, 60, rng)
+    found = contact_areas(picture(shape, centre, np.full(100, radius), noise=noise, rng=rng), PIXEL)
+    error = found.area - np.pi * (radius * PIXEL) ** 2
+    ratio = np.sqrt(np.mean((error / found.area_error) ** 2))
+    assert ratio == pytest.approx(1.0, abs=0.2)
+    assert found.noise == pytest.approx(noise, rel=0.1)
+    # the Cramer-Rao bound of a straight edge as long as the perimeter
+    s = np.hypot(1.5, np.sqrt(1.0 / 12.0))
+    bound = noise * np.sqrt(2.0 * np.sqrt(np.pi) * s * 2.0 * np.pi * radius) * PIXEL**2
+    assert error.std() == pytest.approx(bound, rel=0.2)
+
+
+def test_flags_name_contacts_at_the_edge_merged_and_with_holes():
+    centre = [(60.0, 60.0), (96.0, 60.0), (100.0, 140.0), (190.0, 80.0), (30.0, 150.0)]
+    covered = coverage((200, 200), centre, [18.0, 18.0, 20.0, 25.0, 12.0])
+    covered -= coverage((200, 200), [(100.0, 140.0)], [6.0])
+    covered += coverage((200, 200), [(180.0, 180.0)], [3.5])
+    found = contact_areas(0.7 - 0.5 * np.minimum(covered, 1.0), PIXEL)
+    assert found.count == 4
+    (merged,) = np.flatnonzero(found.merged)
+    assert found.centre[merged] / PIXEL == pytest.approx((78.0, 60.0), abs=0.5)
+    (edge,) = np.flatnonzero(found.edge)
+    assert found.centre[edge, 0] / PIXEL > 175.0
+    assert found.holes.tolist() == [0, 1, 0, 0]
+    ring = found.holes.argmax()
+    assert found.area[ring] == pytest.approx(np.pi * (20.0**2 - 6.0**2) * PIXEL**2, rel=1e-3)
+    texts = " ".join(map(str, found.notes))
+    assert all(word in texts for word in ("edge of the frame", "merged", "bright spots", "1 dark spot"))
+
+
+def test_bright_contacts_are_the_inverted_picture():
+    shape, centre = lattice(2, 80, np.random.default_rng(1))
+    radius = np.array([10.0, 15.0, 20.0, 25.0])
+    bright = picture(shape, centre, radius, levels=(0.8, 0.3), gradient=(0.2, 0.1), noise=0.01)
+    found = contact_areas(bright, PIXEL, bright_contacts=True)
+    assert found.area[in_order(found, centre)] == pytest.approx(np.pi * (radius * PIXEL) ** 2, rel=3e-3)
+    field = picture(shape, centre, radius, levels=(0.8, 0.02), noise=0.01)
+    found = contact_areas(field, PIXEL, bright_contacts=True)
+    assert found.area[in_order(found, centre)] == pytest.approx(np.pi * (radius * PIXEL) ** 2, rel=3e-3)
+
+
+@pytest.mark.parametrize("change", [lambda i: 3.0 * i, lambda i: i[::-1], lambda i: i.T, lambda i: i - 1.0])
+def test_areas_do_not_depend_on_scale_and_direction(change):
+    shape, centre = lattice(2, 80, np.random.default_rng(1))
+    image = picture(shape, centre, [12.0, 15.0, 20.0, 25.0], noise=0.01, bits=16) / 65535.0
+    one, other = contact_areas(image, PIXEL), contact_areas(change(image), PIXEL)
+    # single precision of the image; Otsu's threshold is a bin of a histogram, and enters the dark level
+    assert np.sort(other.area) == pytest.approx(np.sort(one.area), rel=1e-4)
+
+
+def test_units_scale_and_bits_agree():
+    shape, centre = lattice(2, 80, np.random.default_rng(1))
+    image = picture(shape, centre, [12.0, 15.0, 20.0, 25.0], noise=0.02, bits=8)
+    one, two = contact_areas(image, PIXEL), contact_areas(image, 2.0 * PIXEL)
+    assert two.area == pytest.approx(4.0 * one.area, rel=1e-12)
+    assert two.centre == pytest.approx(2.0 * one.centre, rel=1e-12)
+    colour = contact_areas(np.repeat(image[..., None], 3, axis=2), PIXEL)
+    assert colour == one
+    again = contact_areas(image, PIXEL, threshold=one.threshold, dark_level=one.dark_level, blur=one.blur)
+    assert again.area == pytest.approx(one.area, rel=1e-6)
+
+
+def test_saturated_contacts_and_ground_are_named():
+    shape, centre = lattice(2, 80, np.random.default_rng(1))
+    good = picture(shape, centre, np.full(4, 20.0), noise=0.05, bits=8)
+    assert not contact_areas(good, PIXEL).saturated.any()
+    low = picture(shape, centre, np.full(4, 20.0), noise=0.05, bits=8, levels=(0.02, 0.7))
+    assert contact_areas(low, PIXEL).saturated.all()
+    high = picture(shape, centre, np.full(4, 20.0), noise=0.05, bits=8, levels=(0.2, 1.0))
+    found = contact_areas(high, PIXEL)
+    assert found.saturated.all()
+    assert "saturated" in str(found.notes[-1])
+
+
+@pytest.mark.parametrize(
+    ("image", "words"),
+    [
+        (np.full((50, 50), 7), "constant"),
+        (np.random.default_rng(0).normal(200.0, 5.0, (100, 100)), "shows no contacts"),
+        (np.random.default_rng(0).normal(5.0, 1.0, (100, 100)).astype(np.uint8), "shows no contacts"),
+        (np.where(np.eye(50) > 0, np.nan, 1.0), "row 0, column 0"),
+        (np.random.default_rng(0).random((50, 50, 3)), "in colour"),
+        (np.zeros((4, 50, 50)), "stack_areas"),
+        (np.zeros((5, 50)), "at least 16"),
+        (np.eye(50) > 0, "a truth value"),
+        ("picture.tif", "metafem images"),
+        ([[1.0, 2.0], [3.0]], "array of grey values"),
+    ],
+)
+def test_images_that_cannot_be_measured_are_refused(image, words):
+    with pytest.raises(mf.InvalidInput, match=words):
+        contact_areas(image, PIXEL)
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [{"pixel_size": 0.0}, {"threshold": 1.2}, {"dark_level": 1.0}, {"blur": -1.0}, {"smallest_area": -1.0}],
+)
+def test_values_out_of_range_are_refused(arguments):
+    with pytest.raises(mf.InvalidInput, match=next(iter(arguments))):
+        contact_areas(np.eye(50), **{"pixel_size": PIXEL, **arguments})
