@@ -27,6 +27,8 @@ from .sheared.result import ShearCalibration as ShearCalibration
 from .sheared.result import ShearTest as ShearTest
 from .sites.match import SiteMatch as SiteMatch
 from .sites.match import match_sites as match_sites
+from .topography.correction import Correction as Correction
+from .topography.correction import corrected as corrected
 from .topography.made_surface import MadeSurface as MadeSurface
 from .topography.made_surface import measured_surface as measured_surface
 from .verdict import Verdict as Verdict

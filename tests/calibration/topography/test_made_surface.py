@@ -91,7 +91,7 @@ def test_missing_summits_and_hills_are_named(rough):
         ({"height_map": np.zeros((800, 800))}, "no cap of a radius near 0.526"),
         ({"height_map": np.zeros(800)}, r"shape \(800,\)"),
         ({"height_map": np.full((800, 800), np.nan)}, "base plane"),
-        ({"pixel_size": 0.04}, "no cap"),
+        ({"pixel_size": 0.012}, "no cap"),
         ({"pixel_size": -1.0}, "pixel_size"),
         ({"steepest": 0.0}, "steepest"),
         ({"mould": True}, "mould=False"),

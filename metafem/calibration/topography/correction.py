@@ -1,0 +1,272 @@
+"""Heights for the next part, from the systematic errors of this one."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from metafem import _validate as check
+from metafem._calls import checked_call
+from metafem._given import formatted
+from metafem._validate import FloatArray, IntArray
+from metafem._values import MICROMETRES, Value, percent
+from metafem.calibration.topography.made_surface import MadeSurface
+from metafem.errors import InvalidInput
+from metafem.inversion import Design
+from metafem.notes import Note, information
+from metafem.surface import Surface
+
+# Probability below which a term is significant: one in a hundred terms that are not there.
+SIGNIFICANT = 0.01
+
+# Fewest asperities of a regression, and least number of those in excess of the terms.
+FEWEST, SPARE = 3, 2
+
+# A deviation of the mean radius is noted above this number of its standard errors, and if it exceeds this
+# part of the radius, the resolution of single precision.
+NOTED, RESOLUTION = 3.0, 1e-6
+
+# A norm that divides without changing what is not zero.
+_TINY = float(np.finfo(float).tiny)
+
+# Terms of the regression, by group: the terms of a group are kept or dropped together.
+GROUPS = {
+    "offset": ("offset",),
+    "scale": ("scale",),
+    "tilt": ("tilt_x", "tilt_y"),
+    "bow": ("bow_xx", "bow_xy", "bow_yy"),
+}
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Correction(Value):
+    """Systematic errors of the heights of a part, and the heights to make next.
+
+    The height errors of the part are ``e = offset + scale (h - h0) + tilt_x x + tilt_y y + bow_xx x^2 +
+    bow_xy x y + bow_yy y^2`` and a random rest, with the designed height h, its mean h0, and x, y from the
+    mean position. Only groups of terms that are significant at 1 % by an F test are kept.
+
+    Attributes
+    ----------
+    surface : Surface
+        The design with the heights to make next.
+    terms : tuple of str
+        The terms that were kept: ``offset`` [mm], ``scale`` [-], ``tilt_x``, ``tilt_y`` [-], ``bow_xx``,
+        ``bow_xy``, ``bow_yy`` [1/mm].
+    value, value_sd : ndarray, (number of terms,)
+        Their values and standard deviations.
+    random_sd : float
+        Standard deviation of the random errors of making [mm], without those of the measurement. They
+        cannot be corrected.
+    error, spread : float
+        Root mean square of the height errors of this part, and their standard deviation [mm]: a common
+        offset changes no friction law.
+    expected_error, expected_spread : float
+        The same of the next part [mm], if it has the same systematic errors: the random errors, and what
+        the uncertainty of the terms adds.
+    design : Design or None
+        The design with the corrected heights, for `metafem.save`; its law remains that of the designed
+        heights, which the next part is expected to have. None if a Surface was corrected.
+    notes : tuple of Note
+
+    Examples
+    --------
+    >>> import metafem as mf
+    >>> surface = mf.Surface([[0.0, 0.0]], [0.1], 0.526, mf.Material(1.36))
+    >>> one = np.array([1e-3])
+    >>> Correction(surface, ("offset",), one, 0.1 * one, 0.0, 1e-3, 0.0, 1e-4, 0.0)
+    <Correction: offset; height error 1 um, expected for the next part 0.1 um>
+    """
+
+    surface: Surface
+    terms: tuple[str, ...]
+    value: FloatArray
+    value_sd: FloatArray
+    random_sd: float
+    error: float
+    spread: float
+    expected_error: float
+    expected_spread: float
+    design: Design | None = None
+    notes: tuple[Note, ...] = ()
+
+    def __repr__(self) -> str:
+        return (
+            f"<Correction: {', '.join(self.terms) or 'nothing significant'}; height error "
+            f"{MICROMETRES * self.error:.3g} um, expected for the next part "
+            f"{MICROMETRES * self.expected_error:.3g} um>"
+        )
+
+
+@checked_call
+def corrected(design: Surface | Design, made: MadeSurface) -> Correction:
+    """Return the heights with which the next part comes out as designed.
+
+    A height h' that is ordered becomes ``h' + e(h')``; the corrected height is the one for which this is the
+    designed height. The errors are regressed on the designed heights and the positions (see `Correction`);
+    groups of terms are dropped one by one, the least significant first, until all others are significant.
+
+    Parameters
+    ----------
+    design : Surface or Design
+        What was made; its asperities are those of `made.design`.
+    made : MadeSurface
+        The measured part.
+
+    Returns
+    -------
+    Correction
+
+    Raises
+    ------
+    InvalidInput
+        If `design` is not the design of `made`, or if fewer than three asperities were measured.
+
+    Examples
+    --------
+    >>> import metafem as mf
+    >>> design = mf.Surface.square_lattice(0.1, (2, 2), radius=0.526, material=mf.Material(1.36))
+    >>> x = 0.01 * (np.arange(320) - 159.5)
+    >>> square = (np.abs(x) - 0.75) ** 2 + (np.abs(x[:, None]) - 0.75) ** 2
+    >>> caps = np.sqrt(np.maximum(0.526**2 - square, 0.425**2)) - 0.425  # 0.101 mm high
+    >>> made = mf.calibration.measured_surface(caps, 0.01, design)
+    >>> correction = mf.calibration.corrected(design, made)
+    >>> correction.terms, correction.surface.height.round(4)
+    (('offset',), array([0.099, 0.099, 0.099, 0.099]))
+    """
+    wanted = design.surface if isinstance(design, Design) else design
+    check.instance("design", wanted, Surface, "a metafem.Surface or a metafem.Design")
+    check.instance("made", made, MadeSurface, "a metafem.calibration.MadeSurface")
+    same = wanted.count == made.design.count and all(
+        np.array_equal(getattr(wanted, name), getattr(made.design, name)) for name in ("position", "height")
+    )
+    if not same:
+        raise InvalidInput("design is not the surface that was given to measured_surface; pass made.design")
+    count = len(made.site)
+    if count < FEWEST:
+        raise InvalidInput(f"made has {count} asperities; the regression of their errors needs {FEWEST}")
+    error = made.height_error
+    every = _terms(wanted, made.site)
+    fit = _significant(every, made.site, error)
+    kept = dict(zip(fit.names, fit.value.tolist(), strict=True))
+    systematic = sum((value * every[name] for name, value in kept.items()), np.zeros(wanted.count))
+    # the corrected height h' solves h' + e(h') = h
+    surface = wanted.replaced(height=wanted.height - systematic / (1.0 + kept.get("scale", 0.0)))
+    random = max(fit.variance - float((made.height_sd**2).mean()), 0.0)
+    # the errors of p terms add p / n of the variance, and that of the offset is common to all heights
+    terms = len(kept)
+    around = terms - ("offset" in kept)
+    notes = _notes(made, surface, fit.left_out)
+    return Correction(
+        surface,
+        fit.names,
+        fit.value,
+        fit.sd,
+        math.sqrt(random),
+        math.sqrt(float((error**2).mean())),
+        float(error.std()),
+        math.sqrt(random + fit.variance * terms / count),
+        math.sqrt(random + fit.variance * around / count),
+        _renewed(design, surface) if isinstance(design, Design) else None,
+        tuple(notes),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Fit:
+    names: tuple[str, ...]
+    value: FloatArray
+    sd: FloatArray
+    variance: float
+    left_out: tuple[str, ...]  # groups that the asperities do not determine
+
+
+def _terms(surface: Surface, site: IntArray) -> dict[str, FloatArray]:
+    """Return the terms at all asperities; except for the offset their mean over the measured ones is 0."""
+    x, y = (surface.position - surface.position[site].mean(axis=0)).T
+    terms = {
+        "scale": surface.height,
+        "tilt_x": x,
+        "tilt_y": y,
+        "bow_xx": x**2,
+        "bow_xy": x * y,
+        "bow_yy": y**2,
+    }
+    centred = {name: values - values[site].mean() for name, values in terms.items()}
+    return {"offset": np.ones(surface.count), **centred}
+
+
+def _significant(every: dict[str, FloatArray], site: IntArray, error: FloatArray) -> _Fit:
+    """Drop the least significant group of terms until all are significant."""
+    from scipy.special import fdtrc
+
+    groups: list[str] = []
+    left_out: list[str] = []
+    for group in GROUPS:  # those that the asperities determine, with three degrees of freedom to spare
+        matrix = _matrix(every, [*groups, group], site)
+        full = (
+            np.linalg.matrix_rank(matrix / np.maximum(np.linalg.norm(matrix, axis=0), _TINY))
+            == matrix.shape[1]
+        )
+        (groups if full and matrix.shape[1] + SPARE <= len(error) else left_out).append(group)
+    while True:
+        matrix = _matrix(every, groups, site)
+        value, square = _least_squares(matrix, error)
+        freedom = len(error) - matrix.shape[1]
+        variance = square / freedom
+        worst, probability = "", SIGNIFICANT
+        for group in groups:
+            less = [each for each in groups if each != group]
+            count = len(GROUPS[group])
+            added = _least_squares(_matrix(every, less, site), error)[1] - square
+            chance = float(fdtrc(count, freedom, added / count / variance)) if variance > 0.0 else 0.0
+            if chance >= probability:
+                worst, probability = group, chance
+        if not worst:
+            break
+        groups.remove(worst)
+    names = tuple(name for group in groups for name in GROUPS[group])
+    sd = np.sqrt(variance * np.diagonal(np.linalg.inv(matrix.T @ matrix))) if names else np.empty(0)
+    return _Fit(names, value, sd, variance, tuple(left_out))
+
+
+def _matrix(every: dict[str, FloatArray], groups: list[str], site: IntArray) -> FloatArray:
+    columns = [every[name][site] for group in groups for name in GROUPS[group]]
+    return np.array(columns).reshape(-1, len(site)).T
+
+
+def _least_squares(matrix: FloatArray, error: FloatArray) -> tuple[FloatArray, float]:
+    """Return coefficients and the sum of the squares of the residuals."""
+    value = np.asarray(np.linalg.lstsq(matrix, error, rcond=None)[0]) if matrix.size else np.empty(0)
+    return value, float(((error - matrix @ value) ** 2).sum())
+
+
+def _notes(made: MadeSurface, surface: Surface, left_out: tuple[str, ...]) -> list[Note]:
+    notes = []
+    if left_out:
+        notes.append(information(f"the asperities do not determine the terms {', '.join(left_out)}"))
+    if made.missing.size:
+        missing = f"{made.missing.size} of the asperities were not measured"
+        notes.append(Note(f"{missing}; the same terms correct their heights"))
+    designed = float(made.design.radius[made.site].mean())
+    weight = made.radius_sd**-2 if made.radius_sd.all() else np.ones(len(made.site))
+    off = float((weight * made.radius_error).sum() / weight.sum())
+    spread = float(made.radius_error.std() / math.sqrt(len(made.site)))
+    if abs(off) > NOTED * spread + RESOLUTION * designed:
+        larger = f"{formatted('radius', abs(off))} {'larger' if off > 0.0 else 'smaller'} than designed"
+        remedy = "other heights do not correct that; design the next part with the radius of the tool"
+        notes.append(Note(f"the radii are {larger} ({percent(off / designed)}); {remedy}"))
+    for i in np.flatnonzero(surface.height <= 0.0)[:1].tolist():
+        height = formatted("height", float(surface.height[i]))
+        notes.append(Note(f"the corrected height of asperity {i} is {height}: it cannot be made"))
+    return notes
+
+
+def _renewed(design: Design, surface: Surface) -> Design:
+    note = Note(
+        "the heights are those to make next, corrected for the errors of a measured part; the law is that of "
+        "the designed heights"
+    )
+    return replace(design, surface=surface, notes=(*design.notes, note))
