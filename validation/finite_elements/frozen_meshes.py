@@ -24,6 +24,10 @@ CAP_HEIGHT, CAP_CONTACT, CELL_CONTACT = 0.12, 0.10, 0.20
 SOFT_HEIGHT = 0.2
 SOFT_CONTACTS = RADIUS * np.geomspace(0.02, 0.5, 12)
 
+# Heights of the caps that are pressed deeply [mm], and the contact radii of their tables, a/R up to 0.76.
+DEEP_HEIGHTS = (0.3, 0.4, 0.5)
+DEEP_CONTACTS = np.geomspace(0.06, 0.4, 9)
+
 
 def cap() -> Cap:
     """Return the geometry of the frozen cap."""
@@ -40,17 +44,23 @@ def recipes() -> dict[str, MeshQuad]:
     }
 
 
-def soft_cap(contact_radius: FloatArray = SOFT_CONTACTS) -> FloatArray:
-    """Return the table of the soft cap at large strain for E* = 1 MPa: indentation, load and area, (m, 3)."""
+def soft_cap(contact_radius: FloatArray = SOFT_CONTACTS, height: float = SOFT_HEIGHT) -> FloatArray:
+    """Return the table of a soft cap at large strain for E* = 1 MPa: indentation, load and area, (m, 3)."""
     law = tabulated_contact(
         contact_radius,
         RADIUS,
-        height=SOFT_HEIGHT,
+        height=height,
         thickness=THICKNESS,
         block_radius=BLOCK_RADIUS,
         material=Material(1.0),
     )
     return law.table.T
+
+
+def deep_caps() -> dict[float, FloatArray]:
+    """Return the frozen tables of caps that are pressed deeply, (9, 3) by their heights."""
+    rows = np.loadtxt(FOLDER / "deep_caps.csv", delimiter=",", skiprows=1)
+    return {height: rows[rows[:, 0] == height, 1:] for height in DEEP_HEIGHTS}
 
 
 if __name__ == "__main__":
@@ -62,5 +72,17 @@ if __name__ == "__main__":
         "%.12e",
         ",",
         header="indentation_mm,load_N,area_mm2",
+        comments="",
+    )
+    deep = [
+        np.column_stack([np.full(DEEP_CONTACTS.size, height), soft_cap(DEEP_CONTACTS, height)])
+        for height in DEEP_HEIGHTS
+    ]
+    np.savetxt(
+        FOLDER / "deep_caps.csv",
+        np.concatenate(deep),
+        "%.12e",
+        ",",
+        header="height_mm,indentation_mm,load_N,area_mm2",
         comments="",
     )

@@ -70,9 +70,9 @@ def contact(
     ``P = sum_j (E* q(A_j) - b s(A_j))`` with ``b = sqrt(w E*)`` and ``s = sqrt(8 pi a^3)``, ``A = pi a^2``:
     q = P/E* is the load of the cap without adhesion, 4 a^3/(3 R) for `metafem.Hertz`, or with `surface` that
     of the sample under `model`. The law is linear in E* and b. The sum of squared distances from it, over
-    their variances, is smallest; for given variances that is the orthogonal distance regression of ODRPACK.
-    Variances are those of the fitted areas: those of the measured ones would bias E* and w. b has a sign, so
-    that intervals of sqrt(w) are right where w is nearly 0. The straight line of Aymard et al. is computed
+    their variances at the fitted areas, is smallest; for given variances that is the orthogonal distance
+    regression of ODRPACK. b has a sign, so that intervals of sqrt(w) are right where w is nearly 0. The
+    straight line of Aymard et al. is computed
     beside it (`AdhesiveLine`). Valid for elastic contacts with adhesion of short range. Johnson, Kendall and
     Roberts, Proc. R. Soc. A 324, 301 (1971), doi:10.1098/rspa.1971.0141.
 

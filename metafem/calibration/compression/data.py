@@ -20,8 +20,8 @@ from metafem.errors import InvalidInput
 # Fewest points of a fit of two parameters with a residual.
 FEWEST = 3
 
-# Relative difference of areas below which they are one area.
-ONE_AREA = 1e-6
+# Relative difference of areas below which they are one area, and that is rounding.
+ONE_AREA, ROUNDING = 1e-6, 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +71,7 @@ class Data:
 
     def refuse_beyond(self, curve: AreaCurve, law: Any) -> None:
         """Raise InvalidInput for areas that the curve does not reach."""
-        beyond = np.argwhere(self.area > curve.largest)
+        beyond = np.argwhere(self.area > np.multiply(1.0 + ROUNDING, curve.largest))
         if beyond.size:
             i, j = beyond[0].tolist()
             most = self.contacts * float(np.broadcast_to(curve.largest, self.area.shape)[i, j])

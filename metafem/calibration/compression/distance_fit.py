@@ -94,8 +94,9 @@ def distance_fit(
     In each step the curve is linear about the fitted areas A: ``y = P - c sum_j p'(A_j) (A_measured - A_j)``
     is regressed on q(A) and s(A) with the variances ``V = load_sd^2 + sum_j (c p' area_sd)^2``, and
     ``A_j = A_measured + c p' area_sd^2 r/V`` with the residual r. Regressors and weights are taken at A,
-    whose error is independent of that of r; taken at the measured areas they would bias the fit. York,
-    Earth Planet. Sci. Lett. 5, 320 (1968), doi:10.1016/S0012-821X(68)80059-7.
+    whose error is independent of that of r. Regressors at the measured areas would bias E* in proportion to
+    the variances of the areas, by a thirtieth of its standard deviation at the usual errors. York, Earth
+    Planet. Sci. Lett. 5, 320 (1968), doi:10.1016/S0012-821X(68)80059-7.
     """
     variance = np.broadcast_to(np.asarray(load_sd, dtype=np.float64) ** 2, load.shape)
     fitted = area

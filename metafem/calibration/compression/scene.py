@@ -74,17 +74,17 @@ def checked_cap(contact: Contact) -> Contact:
 def cap_curve(cap: Contact, radius: float) -> AreaCurve:
     """Return the curve of a contact of its own, of a radius [mm]."""
 
+    deepest = float(cap.largest_indentation(radius))
+    widest = MOST_OF_SPHERE * radius if isinstance(cap, SphericalCap) else math.inf
+    if math.isfinite(deepest):
+        widest = float(cap.contact_radius(deepest, radius))
+
     def load_and_slope(area: FloatArray) -> tuple[FloatArray, FloatArray]:
-        a = np.sqrt(area / math.pi)
-        closed = np.maximum(a, OPEN * radius)
-        load = np.where(a > 0.0, cap.load(closed, radius), 0.0)
+        closed = np.clip(np.sqrt(area / math.pi), OPEN * radius, widest)
+        load = np.where(area > 0.0, cap.load(closed, radius), 0.0)
         return load, np.asarray(cap.stiffness(closed, radius) / cap.area_slope(closed, radius))
 
-    deepest = float(cap.largest_indentation(radius))
-    if math.isfinite(deepest):
-        return AreaCurve(load_and_slope, float(cap.area(cap.contact_radius(deepest, radius))))
-    steepest = MOST_OF_SPHERE * radius if isinstance(cap, SphericalCap) else math.inf
-    return AreaCurve(load_and_slope, math.pi * steepest**2)
+    return AreaCurve(load_and_slope, math.pi * widest**2)
 
 
 def adhesive_cap(cap: Contact, adhesion_energy: float, modulus: float) -> Contact:

@@ -82,6 +82,18 @@ def test_intervals_of_one_standard_deviation_cover_68_percent(contacts, energy):
     assert (found.residual**2).sum(axis=1).mean() == pytest.approx(58.0, abs=4.0 * math.sqrt(116.0 / trials))
 
 
+def test_regressors_at_the_measured_areas_would_bias_the_fit():
+    trials, spread = 1000, 5.0
+    load, area = measured(trials, spread=spread)
+    found = fit(load, area, area_sd=lambda of: spread * ERRORS.of_area(of))
+    q, s = curve(area[..., 0])[0], adhesive_load(area[..., 0])[0]
+    design = np.stack([q, -s], axis=-1)
+    plain = np.array([np.linalg.lstsq(x, y, rcond=None)[0] for x, y in zip(design, load, strict=True)])
+    scatter = found.modulus.std() / math.sqrt(trials)
+    assert abs(found.modulus.mean() - MODULUS) < 6.0 * scatter
+    assert abs(plain[:, 0].mean() - MODULUS) > 12.0 * scatter
+
+
 def test_contacts_one_by_one_are_fitted_as_their_sum():
     rng = np.random.default_rng(4)
     area = AREA[:20, None] * rng.uniform(0.9, 1.1, (20, 5))

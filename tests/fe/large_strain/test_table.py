@@ -5,7 +5,13 @@ import pytest
 from numpy.testing import assert_allclose
 
 import metafem as mf
-from validation.finite_elements.frozen_meshes import FOLDER, SOFT_CONTACTS, soft_cap
+from validation.finite_elements.frozen_meshes import (
+    DEEP_CONTACTS,
+    FOLDER,
+    SOFT_CONTACTS,
+    deep_caps,
+    soft_cap,
+)
 
 RADIUS = 0.526
 BODY = {"height": 0.2, "thickness": 7.2, "block_radius": 10.0}
@@ -40,6 +46,12 @@ def test_the_frozen_table_is_a_contact_law(frozen):
 def test_the_finite_elements_still_make_the_table(frozen):
     rows = [0, 6, 11]
     assert_allclose(soft_cap(SOFT_CONTACTS[rows]), frozen[rows], rtol=1e-6)
+
+
+@pytest.mark.slow
+def test_the_finite_elements_still_make_the_tables_of_deep_caps():
+    rows = [0, 3, 5]
+    assert_allclose(soft_cap(DEEP_CONTACTS[rows], 0.4), deep_caps()[0.4][rows], rtol=1e-6)
 
 
 @pytest.mark.parametrize(
