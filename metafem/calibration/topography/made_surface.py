@@ -12,7 +12,7 @@ from metafem import _validate as check
 from metafem._calls import checked_call
 from metafem._given import formatted
 from metafem._validate import FloatArray, IntArray
-from metafem._values import MICROMETRES, Value, span
+from metafem._values import MICROMETRES, Value, percent, span
 from metafem.calibration.topography.alignment import Alignment, aligned
 from metafem.calibration.topography.caps import Cap, fitted_caps
 from metafem.calibration.topography.cells import HeightMap, cells
@@ -32,6 +32,11 @@ LOWEST = 0.25
 
 # Caps lower than this part of their radius cannot be told from roughness [-]: 5 um for the paper's radius.
 FLATTEST = 0.01
+
+# Largest relative error of distances on the map that is not noted; microscopes are calibrated to this.
+SCALE = 2e-3
+
+UNDECIDED = "the heights do not tell how the part was turned, mirrored or shifted; it is taken as it lies"
 
 # A map needs at least this many pixels along each axis.
 FEWEST = 16
@@ -59,7 +64,7 @@ class MadeSurface(Value):
     roughness : float
         Standard deviation of the heights about the spheres [mm].
     rotation : float
-        Angle by which the part lay under the microscope [rad], quarter turns included.
+        Angle of the part on the map, anticlockwise [rad], quarter turns included.
     mirrored : bool
         Whether the map is a mirror image of the part.
     notes : tuple of Note
@@ -244,16 +249,15 @@ def _made(
         notes.append(Note(f"asperity {i} of the design, at {_place(x, y)}, is missing on the map"))
     if len(missing) > 5:
         notes.append(Note(f"{len(missing)} asperities of the design are missing on the map"))
-    turn = 90 * place.quarter
+    turn = round(math.degrees(place.rotation) / 90.0) % 4 * 90
     if not place.decided:
-        notes.append(
-            information(
-                "the heights do not tell how the part was turned or mirrored; the map is taken as it lies"
-            )
-        )
+        notes.append(information(UNDECIDED))
     elif turn or place.mirrored:
         ways = [f"turned by {turn} degrees"] * bool(turn) + ["mirrored"] * place.mirrored
         notes.append(information(f"by its heights, the part is {' and '.join(ways)} on the map"))
+    if abs(place.scale - 1.0) > SCALE:
+        larger = percent(place.scale - 1.0, "+.2g")
+        notes.append(Note(f"distances on the map differ from the design's by {larger}; check pixel_size"))
     base = level.base_sd(value[order, 0], value[order, 1])
     variance = np.diagonal(covariance[order], axis1=1, axis2=2)
     surface = Surface(
@@ -267,7 +271,7 @@ def _made(
     return MadeSurface(
         surface, design, site, np.sqrt(variance[:, 2] + base**2), np.sqrt(variance[:, 3]),
         np.sqrt(variance[:, :2].mean(axis=1)), level, missing.astype(np.int64),
-        float(np.sqrt(np.mean([cap.sd**2 for cap in caps]))), place.rotation + 0.5 * math.pi * place.quarter,
+        float(np.sqrt(np.mean([cap.sd**2 for cap in caps]))), place.rotation,
         place.mirrored, tuple(notes),
     )  # fmt: skip
 

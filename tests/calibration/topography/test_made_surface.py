@@ -32,7 +32,7 @@ def test_exact_caps_are_found_exactly():
     # single precision of a map of 0.3 mm: 2e-8 mm
     assert np.abs(made.height_error).max() < 2e-8
     assert np.abs(made.radius_error).max() < 1e-6
-    assert made.rotation == pytest.approx(-0.01, abs=1e-6)
+    assert made.rotation == pytest.approx(0.01, abs=1e-6)
     assert np.abs(made.position_error).max() < 1e-6
     assert made.missing.size == 0
     assert not made.mirrored
