@@ -92,6 +92,13 @@ class Bounds:
         return (angle <= slack * self.turn) & (np.abs(np.abs(factor) - 1.0) <= slack * self.stretch)
 
 
+def reach_of(distance: FloatArray | None, lattice: Lattice) -> float:
+    """Return how far from its site a contact may be [mm], from the distances of all; None: not yet known."""
+    if distance is None:
+        return REACH * lattice.spacing
+    return min(max(MEDIANS * float(np.median(distance)), LEAST_REACH * lattice.spacing), reach_of(None, lattice))
+
+
 def near_pairs(tree: Any, reach: float) -> tuple[IntArray, IntArray]:
     """Return the pairs of points within a distance, in a fixed order."""
     pairs = tree.query_pairs(reach, output_type="ndarray")
@@ -104,7 +111,7 @@ def searched(points: ComplexArray, lattice: Lattice, bounds: Bounds) -> list[Pos
     factor, shift = _candidates(points, lattice, bounds)
     if not factor.size:
         return []
-    rating = _rating(points, lattice, factor, shift)
+    rating = rating(points, lattice, factor, shift)
     best = np.argsort(-rating, kind="stable")[:REFINED]
     return _ordered(
         points, lattice, [Similarity(complex(factor[i]), complex(shift[i])) for i in best], bounds
@@ -120,7 +127,7 @@ def shifted(points: ComplexArray, lattice: Lattice, pose: Pose, bounds: Bounds) 
     middle = matched[np.argmin(np.abs(points[matched] - points[matched].mean()))]
     factor = np.full(len(lattice.sites), pose.similarity.factor)
     shift = points[middle] - factor * lattice.sites
-    rating = _rating(points, lattice, factor, shift)
+    rating = rating(points, lattice, factor, shift)
     best = np.argsort(-rating, kind="stable")[:REFINED]
     similarities = [pose.similarity, *(Similarity(complex(factor[i]), complex(shift[i])) for i in best)]
     return _ordered(points, lattice, similarities, bounds)
@@ -145,10 +152,10 @@ def _candidates(points: ComplexArray, lattice: Lattice, bounds: Bounds) -> tuple
     return np.concatenate(factors), np.concatenate(shifts)
 
 
-def _rating(points: ComplexArray, lattice: Lattice, factor: ComplexArray, shift: ComplexArray) -> FloatArray:
+def rating(points: ComplexArray, lattice: Lattice, factor: ComplexArray, shift: ComplexArray) -> FloatArray:
     """Return how many contacts are near sites, each weighted by its distance, for each similarity."""
     some = points[np.unique(np.linspace(0, len(points) - 1, RATING).astype(int))]
-    reach = REACH * lattice.spacing
+    reach = reach_of(None, lattice)
     distance, _ = lattice.nearest((some - shift[:, None]) / factor[:, None], reach)
     return np.asarray(np.maximum(1.0 - (distance / reach) ** 2, 0.0).sum(axis=1))
 
@@ -167,18 +174,17 @@ def _ordered(
 
 def _refined(points: ComplexArray, lattice: Lattice, similarity: Similarity) -> Pose | None:
     """Return the pose with the least squares of the distances of its matched contacts."""
-    reach, before = REACH, None
+    reach, before = reach_of(None, lattice), None
     for _ in range(20):  # ends after three or four
-        site, distance = assigned(points, lattice, similarity, reach * lattice.spacing)
+        site, distance = assigned(points, lattice, similarity, reach)
         matched = site >= 0
         if np.count_nonzero(matched) < 2:
             return None
         if before is not None and np.array_equal(site, before):
             break
         similarity, before = fitted(points[matched], lattice.sites[site[matched]]), site
-        _, distance = assigned(points, lattice, similarity, reach * lattice.spacing)
-        median = np.median(distance[np.isfinite(distance)]) / lattice.spacing
-        reach = min(max(MEDIANS * float(median), LEAST_REACH), REACH)
+        _, distance = assigned(points, lattice, similarity, reach)
+        reach = reach_of(distance[np.isfinite(distance)], lattice)
     return Pose(similarity, site)
 
 
