@@ -25,8 +25,10 @@ from .sheared.record import ShearRecord as ShearRecord
 from .sheared.record import shear_record as shear_record
 from .sheared.result import ShearCalibration as ShearCalibration
 from .sheared.result import ShearTest as ShearTest
-from .sites.match import SiteMatch as SiteMatch
 from .sites.match import match_sites as match_sites
+from .sites.site_match import SiteMatch as SiteMatch
+from .sites.tracked_contacts import TrackedContacts as TrackedContacts
+from .sites.tracking import track_contacts as track_contacts
 from .topography.correction import Correction as Correction
 from .topography.correction import corrected as corrected
 from .topography.made_surface import MadeSurface as MadeSurface

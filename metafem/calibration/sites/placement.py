@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from metafem._validate import FloatArray
 from metafem._values import Value
 from metafem.calibration.images.contact_areas import ContactAreas
 from metafem.calibration.sites.search import (
     REFINED,
-    Bounds,
     IntArray,
     Lattice,
     Pose,
@@ -24,8 +24,8 @@ from metafem.calibration.sites.similarity import ComplexArray, Similarity, compl
 # Number of contacts from which a drift is guessed: one of them is a contact.
 GUESSES = 8
 
-# A region belongs to a site within so many of its semi-axes. Half a circle, cut by the frame, has the circle's
-# centre at 0.8 of its own.
+# A region belongs to a site within so many of its semi-axes. Half a circle, cut by the frame, has the centre
+# of the circle at 0.8 of its own.
 SEMI_AXES = 1.5
 
 
@@ -49,7 +49,7 @@ class Placed(Value):
 
     position: FloatArray
     site: IntArray
-    outside: np.ndarray
+    outside: NDArray[np.bool_]
     spoilt: tuple[tuple[int, str], ...]
     strays: IntArray
 
@@ -107,7 +107,7 @@ def _settled(points: ComplexArray, lattice: Lattice, shift: complex) -> Pose:
     reach = reach_of(None, lattice)
     for _ in range(3):
         similarity = Similarity(1.0, shift)
-        site, distance = assigned(points, lattice, similarity, reach)
+        site, _ = assigned(points, lattice, similarity, reach)
         matched = site >= 0
         if not matched.any():
             break

@@ -96,7 +96,9 @@ def reach_of(distance: FloatArray | None, lattice: Lattice) -> float:
     """Return how far from its site a contact may be [mm], from the distances of all; None: not yet known."""
     if distance is None:
         return REACH * lattice.spacing
-    return min(max(MEDIANS * float(np.median(distance)), LEAST_REACH * lattice.spacing), reach_of(None, lattice))
+    return min(
+        max(MEDIANS * float(np.median(distance)), LEAST_REACH * lattice.spacing), reach_of(None, lattice)
+    )
 
 
 def near_pairs(tree: Any, reach: float) -> tuple[IntArray, IntArray]:
@@ -111,8 +113,8 @@ def searched(points: ComplexArray, lattice: Lattice, bounds: Bounds) -> list[Pos
     factor, shift = _candidates(points, lattice, bounds)
     if not factor.size:
         return []
-    rating = rating(points, lattice, factor, shift)
-    best = np.argsort(-rating, kind="stable")[:REFINED]
+    rated = rating(points, lattice, factor, shift)
+    best = np.argsort(-rated, kind="stable")[:REFINED]
     return _ordered(
         points, lattice, [Similarity(complex(factor[i]), complex(shift[i])) for i in best], bounds
     )
@@ -127,8 +129,8 @@ def shifted(points: ComplexArray, lattice: Lattice, pose: Pose, bounds: Bounds) 
     middle = matched[np.argmin(np.abs(points[matched] - points[matched].mean()))]
     factor = np.full(len(lattice.sites), pose.similarity.factor)
     shift = points[middle] - factor * lattice.sites
-    rating = rating(points, lattice, factor, shift)
-    best = np.argsort(-rating, kind="stable")[:REFINED]
+    rated = rating(points, lattice, factor, shift)
+    best = np.argsort(-rated, kind="stable")[:REFINED]
     similarities = [pose.similarity, *(Similarity(complex(factor[i]), complex(shift[i])) for i in best)]
     return _ordered(points, lattice, similarities, bounds)
 

@@ -1,0 +1,36 @@
+"""Remarks on what could not be measured in an image."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from metafem.calibration.images.contact_areas import ContactAreas
+from metafem.calibration.sites.placement import Placed
+
+
+def remarks_of(
+    image: str, where: str, areas: ContactAreas, found: Placed | None, names: list[str]
+) -> tuple[list[str], list[tuple[int, str]]]:
+    """Return what is to be said of an image, and of its sites by their indices."""
+    if found is None:
+        texts = [str(note) for note in areas.notes] or ["could not be measured"]
+        return [f"{image}: {where}{text}" for text in texts], []
+    kind, general = names[0].split()[0], []
+    if len(found.strays):
+        largest = found.strays[np.argmax(areas.area[found.strays])]
+        x, y = areas.centre[largest]
+        belong = "region belongs" if len(found.strays) == 1 else "regions belong"
+        general.append(
+            f"{len(found.strays)} {belong} to no {kind}; the largest has {areas.area[largest]:.3g} mm² at "
+            f"({x:.4g}, {y:.4g}) mm"
+        )
+    if found.outside.any():
+        which = [names[s].split()[1] for s in np.flatnonzero(found.outside)]
+        general.append(f"{kind}{'s' * (len(which) > 1)} {', '.join(which)} outside the frame")
+    by_site = list(found.spoilt)
+    for contact in np.flatnonzero(areas.saturated & (found.site >= 0)):
+        by_site.append((int(found.site[contact]), "saturated grey levels, the area may be wrong"))
+    return (
+        [f"{image}: {where}{text}" for text in general],
+        [(s, f"{image}, {names[s]}: {where}{text}") for s, text in by_site],
+    )

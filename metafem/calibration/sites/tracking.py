@@ -1,0 +1,273 @@
+"""Contact areas of a stack of images, contact by contact."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from metafem import _validate as check
+from metafem._calls import checked_call
+from metafem._given import printable
+from metafem._validate import FloatArray
+from metafem.calibration.contact_table import ContactTable
+from metafem.calibration.images.contact_areas import ContactAreas
+from metafem.calibration.sites.match import match_sites
+from metafem.calibration.sites.placement import Placed, placed
+from metafem.calibration.sites.site_match import SiteMatch
+from metafem.calibration.sites.stack_remarks import remarks_of
+from metafem.calibration.sites.tracked_contacts import TrackedContacts
+from metafem.errors import InvalidInput
+
+# Number of images, those with most contacts, that are tried as the one whose contacts are matched.
+TRIED = 3
+
+
+@checked_call
+def track_contacts(
+    areas: Sequence[ContactAreas],
+    image: Sequence[str],
+    *,
+    test: Sequence[str] | None = None,
+    load: ArrayLike | None = None,
+    friction_force: ArrayLike | None = None,
+    sheared: Sequence[ContactAreas | None] | None = None,
+    site_position: ArrayLike | None = None,
+    site: ArrayLike | None = None,
+    viewed_from: str = "glass",
+    rotation: float = 0.0,
+    expected_area: Any = None,
+) -> TrackedContacts:
+    """Find the same contacts in all images of one sample, and list their areas.
+
+    The image with most contacts is matched to the sites of the design, as `match_sites` does. In the others,
+    the same sites are looked for where that image shows them, after a shift that matches most contacts.
+    Without sites, the contacts of the image with most contacts take their place. A site without a contact is
+    open: its area is 0. One outside the frame, at its edge or merged with another has the area nan and a
+    remark.
+
+    Parameters
+    ----------
+    areas : sequence of ContactAreas, (k,)
+        Contacts of the images, as `stack_areas` returns them. One that ``failed`` has areas nan.
+    image : sequence of str, (k,)
+        Names of the images, all different.
+    test : sequence of str, (k,), optional
+        Name of the test of each image; default: none.
+    load, friction_force : array_like, (k,), optional
+        Normal load and friction force of each image [N]; nan where they are not known; default: not known.
+    sheared : sequence of ContactAreas or None, (k,), optional
+        Contacts of the images at the peak of the friction force; default: none.
+    site_position : array_like, (m, 2), optional
+        Sites of the design [mm], as in `heights.csv`; default: contacts are not matched.
+    site : array_like of int, (m,), optional
+        Numbers of the sites in the table; default: 0 to m - 1.
+    viewed_from : {"glass", "block"}
+        As for `match_sites`; default: "glass".
+    rotation : float
+        As for `match_sites` [rad]; default: 0.
+    expected_area : array_like, (k, m), optional
+        Areas that the design's law predicts at the loads of the images [mm^2], nan where they are not known;
+        default: none.
+
+    Returns
+    -------
+    TrackedContacts
+
+    Raises
+    ------
+    InvalidInput
+        If no image shows a contact, or the images with most contacts do not match the sites; names the image.
+
+    Examples
+    --------
+    >>> import numpy as np, metafem as mf
+    >>> y, x = np.mgrid[:60, :80]
+    >>> image = 200.0 - 120.0 / (1.0 + np.exp(np.hypot(x - 40.0, y - 30.0) - 20.0))
+    >>> stack = [image, np.roll(image, 3, axis=1)]
+    >>> areas = [mf.calibration.contact_areas(one, 0.005) for one in stack]
+    >>> table = track_contacts(areas, ["1.tif", "2.tif"], load=[0.05, 0.05]).table
+    >>> table.area.round(3).tolist(), table.load
+    ([[0.032], [0.032]], array([0.05, 0.05]))
+    """
+    stack = _Stack.checked(areas, image, test, load, friction_force, sheared)
+    if site_position is None:
+        return stack.numbered()
+    sites = check.array("site_position", site_position, shape=(None, 2))
+    number = np.arange(len(sites)) if site is None else np.asarray(site, dtype=np.intp)
+    if number.shape != (len(sites),) or len(np.unique(number)) != len(sites):
+        raise InvalidInput(f"site must hold {len(sites)} different numbers, one for each site")
+    if expected_area is not None and np.shape(expected_area) != (len(stack.areas), len(sites)):
+        shape = (len(stack.areas), len(sites))
+        raise InvalidInput(f"expected_area has shape {np.shape(expected_area)}; it must have shape {shape}")
+    options = {"viewed_from": viewed_from, "rotation": rotation}
+    return stack.matched(sites, number, options, expected_area)
+
+
+@dataclass(frozen=True)
+class _Stack:
+    """The images of a sample with their measured contacts, forces and names."""
+
+    areas: tuple[ContactAreas, ...]
+    sheared: tuple[ContactAreas | None, ...]
+    image: tuple[str, ...]
+    test: tuple[str, ...]
+    load: FloatArray
+    friction_force: FloatArray
+
+    @classmethod
+    def checked(
+        cls, areas: Any, image: Any, test: Any, load: Any, friction_force: Any, sheared: Any
+    ) -> _Stack:
+        """Return the stack, or raise InvalidInput."""
+        found, names = tuple(areas), tuple(map(str, image))
+        k = len(found)
+        for one in found:
+            check.instance("areas", one, ContactAreas, "ContactAreas, as stack_areas returns them")
+        tests = ("",) * k if test is None else tuple(map(str, test))
+        others = (None,) * k if sheared is None else tuple(sheared)
+        for name, values in (("image", names), ("test", tests), ("sheared", others)):
+            if len(values) != k:
+                raise InvalidInput(f"{name} holds {len(values)} entries; areas holds {k}")
+        twice = next((name for i, name in enumerate(names) if name in names[:i]), None)
+        if twice is not None:
+            raise InvalidInput(f"image holds {printable(twice, 60)} twice; names of images must differ")
+        forces = []
+        for name, values in (("load", load), ("friction_force", friction_force)):
+            force = np.full(k, np.nan) if values is None else np.array(values, dtype=np.float64)
+            if force.shape != (k,) or np.isinf(force).any():
+                raise InvalidInput(f"{name} must hold {k} forces, one for each image, or nan")
+            forces.append(force)
+        return cls(found, others, names, tests, *forces)
+
+    def fullest(self) -> list[int]:
+        """Return the images, those with most contacts that can be measured first."""
+        complete = [np.count_nonzero(one.complete) for one in self.areas]
+        total = [one.area[one.complete].sum() for one in self.areas]
+        order = sorted(range(len(complete)), key=lambda i: (-complete[i], -total[i]))
+        order = [i for i in order if complete[i]]
+        if not order:
+            names = printable(", ".join(self.image), 120)
+            raise InvalidInput(f"no contact can be measured in {names or 'an empty list of images'}")
+        return order
+
+    def numbered(self) -> TrackedContacts:
+        """Number the contacts of the fullest image from top to bottom of the frame."""
+        reference = self.fullest()[0]
+        centre = self.areas[reference].centre[self.areas[reference].complete]
+        names = [f"contact {j + 1}" for j in range(len(centre))]
+        found, sheared = self._placed(centre, names)
+        position = _mean(found, self.areas, centre)
+        remarks = self._remarks(found, sheared, names, {})
+        table = self._table(found, sheared, position, np.arange(len(centre)), False, remarks)
+        return TrackedContacts(table, reference, None, found, sheared)
+
+    def matched(
+        self, sites: FloatArray, number: Any, options: dict[str, Any], expected: Any
+    ) -> TrackedContacts:
+        """Match the contacts of the fullest image to sites."""
+        reference, match = self._match(sites, options, expected)
+        names = [f"site {s}" for s in number]
+        found, sheared = self._placed(match.to_image(sites), names)
+        own = {reference: tuple(str(note) for note in match.notes if note.warns)}
+        table = self._table(found, sheared, sites, number, True, self._remarks(found, sheared, names, own))
+        notes = tuple(replace(note, text=f"{self.image[reference]}: {note.text}") for note in match.notes)
+        return TrackedContacts(table, reference, match, found, sheared, notes)
+
+    def _match(self, sites: FloatArray, options: dict[str, Any], expected: Any) -> tuple[int, SiteMatch]:
+        """Return the fullest image that can be matched, and its match."""
+        first: InvalidInput | None = None
+        for i in self.fullest()[:TRIED]:
+            areas = self.areas[i]
+            known = None if expected is None else np.asarray(expected, dtype=np.float64)[i]
+            by_area = {}
+            if known is not None and np.isfinite(known).all():
+                by_area = {"area": areas.area[areas.complete], "expected_area": known}
+            frame = areas.pixel_size * np.array(areas.shape[::-1])
+            try:
+                match = match_sites(areas.centre[areas.complete], sites, frame=frame, **options, **by_area)
+            except InvalidInput as error:
+                first = first or InvalidInput(f"{printable(self.image[i], 60)}: {error}")
+                continue
+            return i, match
+        raise first or AssertionError  # fullest() returns at least one image
+
+    def _placed(
+        self, position: FloatArray, names: list[str]
+    ) -> tuple[tuple[Placed | None, ...], tuple[Placed | None, ...]]:
+        """Return the sites in each image, and in each sheared one."""
+        found = tuple(None if one.failed else placed(one, position, names) for one in self.areas)
+        sheared = tuple(
+            None
+            if one is None or one.failed
+            else placed(one, position if near is None else near.position, names)
+            for one, near in zip(self.sheared, found, strict=True)
+        )
+        return found, sheared
+
+    def _remarks(
+        self,
+        found: Sequence[Placed | None],
+        sheared: Sequence[Placed | None],
+        names: list[str],
+        own: Mapping[int, tuple[str, ...]],
+    ) -> tuple[str, ...]:
+        """Return the remarks in order of the images, with those that an image has of its `own`."""
+        remarks: list[str] = []
+        for i, image in enumerate(self.image):
+            remarks += [f"{image}: {text}" for text in own.get(i, ())]
+            ahead, behind = remarks_of(image, "", self.areas[i], found[i], names)
+            if (other := self.sheared[i]) is not None:
+                first, second = remarks_of(image, "in the sheared image ", other, sheared[i], names)
+                ahead, behind = [*ahead, *first], [*behind, *second]
+            remarks += [*ahead, *(text for _, text in sorted(behind))]
+        return tuple(remarks)
+
+    def _table(
+        self,
+        found: Sequence[Placed | None],
+        sheared: Sequence[Placed | None],
+        position: FloatArray,
+        number: Any,
+        matched: bool,
+        remarks: tuple[str, ...],
+    ) -> ContactTable:
+        none = np.full(len(position), np.nan)
+        area, area_error, sheared_area, sheared_area_error = (
+            np.array([
+                none if one is None or areas is None else one.values(getattr(areas, quantity))
+                for one, areas in zip(sites, stack, strict=True)
+            ])
+            for sites, stack in ((found, self.areas), (sheared, self.sheared))
+            for quantity in ("area", "area_error")
+        )  # fmt: skip
+        return ContactTable(
+            image=self.image,
+            test=self.test,
+            load=self.load,
+            friction_force=self.friction_force,
+            position=position,
+            site=np.asarray(number, dtype=np.intp),
+            matched=matched,
+            area=area,
+            area_error=area_error,
+            sheared_area=sheared_area,
+            sheared_area_error=sheared_area_error,
+            remarks=remarks,
+        )
+
+
+def _mean(found: Sequence[Placed | None], areas: Sequence[ContactAreas], centre: FloatArray) -> FloatArray:
+    """Return the mean positions of contacts, without the shifts between images, (m, 2)."""
+    total, count = np.zeros_like(centre), np.zeros(len(centre))
+    for one, each in zip(found, areas, strict=True):
+        if one is not None:
+            matched = one.site >= 0
+            sites = one.site[matched]
+            shift = one.position[0] - centre[0]
+            total[sites] += each.centre[matched] - shift
+            count[sites] += 1
+    return total / count[:, None]
