@@ -12,6 +12,7 @@ from .diagnosis.unresolved import Unresolved as Unresolved
 from .heterogeneity import Heterogeneity as Heterogeneity
 from .images.areas import contact_areas as contact_areas
 from .images.contact_areas import ContactAreas as ContactAreas
+from .images.stack import stack_areas as stack_areas
 from .joint import joint_covariance as joint_covariance
 from .measured_law.agreement import Comparison as Comparison
 from .measured_law.agreement import compare as compare

@@ -40,7 +40,7 @@ class Contours:
     """Contours of n regions, in pixels; x to the right, y upwards from the lower left corner of the frame.
 
     `area`, `length` (n,); `centre` (n, 2); `moment` (n, 3): integrals of x², y² and xy about the centre;
-    `holes` (n,); `solidity` (n,): area over that of the convex hull.
+    `holes` (n,).
     """
 
     area: FloatArray
@@ -48,7 +48,6 @@ class Contours:
     centre: FloatArray
     moment: FloatArray
     holes: IntArray
-    solidity: FloatArray
 
 
 def contours(image: NDArray[np.float32], labels: NDArray[np.int32], level: float, count: int) -> Contours:
@@ -80,7 +79,7 @@ def contours(image: NDArray[np.float32], labels: NDArray[np.int32], level: float
     length = total(np.hypot(x1 - x0, y1 - y0))
     # the turns of the outer contours and of those about holes, which turn backwards
     holes = 1 - np.round(total(turn) / 4.0).astype(np.int64)
-    return Contours(area, length, origin + mean, moment, holes, _solidity(label, p, area))
+    return Contours(area, length, origin + mean, moment, holes)
 
 
 def _segments(
@@ -114,13 +113,3 @@ def _mean(label: NDArray[np.intp], points: FloatArray, count: int) -> FloatArray
     number = np.bincount(label - 1, minlength=count)
     sums = [np.bincount(label - 1, column, count) for column in points.T]
     return np.asarray(np.stack(sums, axis=1) / number[:, None], dtype=np.float64)
-
-
-def _solidity(label: NDArray[np.intp], points: FloatArray, area: FloatArray) -> FloatArray:
-    """Return the areas over those of the convex hulls."""
-    from scipy.spatial import ConvexHull
-
-    order = np.argsort(label, kind="stable")
-    parts = np.split(points[order], np.flatnonzero(np.diff(label[order])) + 1)
-    # "volume" of a plane hull is its area
-    return np.asarray(area / np.array([ConvexHull(part).volume for part in parts]), dtype=np.float64)

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from metafem._validate import FloatArray
 from metafem.calibration.images.boundary import Contours, contours
 from metafem.calibration.images.errors import EDGE_CURVATURE, EDGE_INTERPOLATION
-from metafem.calibration.images.illumination import MAD
+from metafem.calibration.images.flags import Window, at_edge, pixels_of
+from metafem.calibration.images.illumination import MAD, Ground
 
 # Smoothing before the blur is known [pixels], and the least smoothing of an image in which contours are
 # sought: narrower kernels are not resolved by pixels.
@@ -43,12 +44,13 @@ QUARTILE = 0.6745
 
 @dataclass(frozen=True)
 class Levels:
-    """Otsu's threshold and the dark level over the level of the ground, and the edge's blur [pixels].
+    """Grey level of the ground; Otsu's threshold and the dark level over it; the blur of the edge [pixels].
 
     `dark_scatter` and `blur_error` are the standard deviations of the dark level among contacts and of the
     blur; `narrow` says that no contact is wide enough to show its dark level, `cut` that all are at the edge.
     """
 
+    ground: float
     threshold: float
     dark: float
     blur: float
@@ -75,17 +77,19 @@ def smoothed(corrected: NDArray[np.float32], width: float) -> tuple[NDArray[np.f
     return bordered, float((weight * place**2).sum() / weight.sum())
 
 
-def smoothed_noise(bordered: NDArray[np.float32], labels: NDArray[np.int32], width: float) -> float:
+def smoothed_noise(bordered: NDArray[np.float32], windows: list[Window], width: float) -> float:
     """Return the standard deviation of the noise of a smoothed image, from differences across its ground.
 
     The image is divided into blocks so large that the middle pixels of neighbours have independent noise.
-    Pairs of blocks enter that are away from contacts.
+    Pairs of blocks enter that are away from contacts, whose windows are given.
     """
     from scipy.ndimage import binary_dilation
 
     size = int(np.ceil(INDEPENDENT * width))
     rows, columns = (n // size for n in bordered.shape)
-    dark = (labels[: rows * size, : columns * size] > 0).reshape(rows, size, columns, size).any(axis=(1, 3))
+    dark = np.zeros((rows, columns), dtype=bool)
+    for window in windows:
+        dark[tuple(slice(s.start // size, (s.stop - 1) // size + 1) for s in window)] = True
     middle = bordered[size // 2 :: size, size // 2 :: size][:rows, :columns].astype(np.float64)
     for distance in (2, 1, 0):
         clear = ~np.asarray(binary_dilation(dark, iterations=distance) if distance else dark)
@@ -105,21 +109,26 @@ def smoothed_noise(bordered: NDArray[np.float32], labels: NDArray[np.int32], wid
     return float(np.sqrt(np.mean(kept**2) / 2.0))
 
 
-def measured_levels(
-    corrected: NDArray[np.float32], threshold: float, dark: float | None, blur: float | None
-) -> Levels:
+def measured_levels(ground: Ground, threshold: float, dark: float | None, blur: float | None) -> Levels:
     """Return the levels of an image; what is given is kept."""
+    if dark is not None and blur is not None:
+        return Levels(ground.level, threshold, dark, blur)
+    return _from_widest(ground, threshold, dark, blur)
+
+
+def _from_widest(ground: Ground, threshold: float, dark: float | None, blur: float | None) -> Levels:
+    """Return the levels of the widest contacts of an image."""
     from scipy.ndimage import distance_transform_edt, find_objects, label
     from scipy.special import chndtr
 
-    image, variance = smoothed(corrected, LEAST_SMOOTHING)
-    below = image[1:-1, 1:-1][corrected < threshold]
+    image, variance = smoothed(ground.corrected, LEAST_SMOOTHING)
+    below = image[1:-1, 1:-1][ground.corrected < threshold]
     first = float(np.median(below)) if dark is None else dark
-    labels, count = label(image < Levels(threshold, first, 0.0).half)
+    labels, count = label(image < Levels(ground.level, threshold, first, 0.0).half)
     if not count:
-        return Levels(threshold, first, blur or LEAST_SMOOTHING, narrow=True)
-    size = np.bincount(labels.ravel(), minlength=count + 1)[1:]
+        return Levels(ground.level, threshold, first, blur or LEAST_SMOOTHING, narrow=True)
     objects = find_objects(labels)
+    size = pixels_of(labels, objects)
     whole = [i for i in np.argsort(-size, kind="stable")[: 2 * MOST] if not at_edge(objects[i], image.shape)]
     used = whole[:MOST] or [int(np.argmax(size))]
     windows = [tuple(slice(max(s.start - 4, 0), s.stop + 4) for s in objects[i]) for i in used]
@@ -128,10 +137,10 @@ def measured_levels(
     chosen = [(w, d) for w, d in zip(windows, depths, strict=True) if d.max() >= AS_DEEP * deepest]
     cores, pixels = np.array([_core(image[w], d) for w, d in chosen]).T
     level = float(np.median(cores)) if dark is None else dark
-    noise = smoothed_noise(image, labels, LEAST_SMOOTHING)
+    noise = smoothed_noise(image, objects, LEAST_SMOOTHING)
     scatter = _scatter(cores, noise, pixels, math.sqrt(variance)) if dark is None else 0.0
     if not whole:
-        return Levels(threshold, level, blur or LEAST_SMOOTHING, scatter, 0.0, cut=True)
+        return Levels(ground.level, threshold, level, blur or LEAST_SMOOTHING, scatter, 0.0, cut=True)
     for _ in range(ROUNDS):
         edge, radius = np.array([_edge(image[w], d, level) for w, d in chosen]).T
         total = float(np.median(edge)) if blur is None else np.sqrt(blur**2 + variance)
@@ -144,12 +153,9 @@ def measured_levels(
     own = np.sqrt(max(total**2 - variance, 0.0)) if blur is None else blur
     # the error of s from that of s_t, of which the smoothing is exact
     spread = 0.0 if blur is not None else total / max(own, LEAST_SMOOTHING) * error
-    return Levels(threshold, level, float(own), scatter, float(spread), narrow=deepest < DEEP * total)
-
-
-def at_edge(window: tuple[slice, ...], shape: tuple[int, ...], margin: int = 1) -> bool:
-    """Whether a region of an image with a border comes within so many pixels of the frame's edge."""
-    return any(s.start <= margin or s.stop >= n - margin for s, n in zip(window, shape, strict=True))
+    return Levels(
+        ground.level, threshold, level, float(own), scatter, float(spread), narrow=deepest < DEEP * total
+    )
 
 
 def _core(window: NDArray[np.float32], depth: FloatArray) -> tuple[float, int]:

@@ -21,13 +21,13 @@ NAMED = 10
 
 
 def remarks(
-    found: ContactAreas, levels: Levels, ground: Ground, dropped: int, smallest: float, known: bool
+    found: ContactAreas, levels: Levels, ground: Ground, dropped: int, smallest: float
 ) -> ContactAreas:
     """Return the contacts with notes on what was left out and on what is uncertain."""
     notes = []
     if levels.cut:
         notes.append(Note("all contacts are at the edge of the frame: the blur is not measured, give blur"))
-    elif levels.narrow and not known:
+    elif levels.narrow:
         notes.append(
             Note(
                 "no contact is wide enough to show its dark level: areas may be wrong by more "

@@ -1,0 +1,126 @@
+"""How contacts are found in an image, and what is known of each."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from metafem._validate import FloatArray
+from metafem.calibration.images import errors, levels
+from metafem.calibration.images.boundary import contours
+from metafem.calibration.images.contact_areas import ContactAreas
+from metafem.calibration.images.ellipses import semi_axes
+from metafem.calibration.images.flags import Window, at_edge, merged, pixels_of, saturated
+from metafem.calibration.images.grey import grey_values
+from metafem.calibration.images.illumination import Ground, otsu, without_illumination
+from metafem.calibration.images.levels import Levels
+from metafem.calibration.images.options import Options
+from metafem.calibration.images.remarks import remarks
+from metafem.errors import InvalidInput
+
+# A contrast is that of contacts if it is so many standard deviations of the noise of the smoothed image.
+CONTRAST = 6.0
+
+# Least radius of a contact that is measured, in standard deviations of the smoothed edge: below it, the area
+# of the half level is less than three quarters of the contact's, and grows so steeply that noise decides.
+SMALLEST = 2.0
+
+
+def measured(image: Any, options: Options, found: Levels | None = None) -> tuple[ContactAreas, Levels]:
+    """Return the contacts of an image, and its levels; the levels of another image are used if given."""
+    values = grey_values(image)
+    ground = without_illumination(values.astype(np.float32), options.bright_contacts)
+    if found is None:
+        threshold = otsu(ground.corrected) if options.threshold is None else options.threshold
+        blur = None if options.blur is None else options.blur / options.pixel_size
+        found = levels.measured_levels(ground, threshold, options.dark_level, blur)
+    elif abs(ground.level / found.ground - 1.0) > 0.5 * (1.0 - found.dark):
+        raise InvalidInput(
+            f"image is all dark or bright: the grey level of its ground is {ground.level:.4g}, and that of "
+            f"the image at the largest load is {found.ground:.4g}"
+        )
+    return _contacts(values, ground, found, options), found
+
+
+def _contacts(values: NDArray[Any], ground: Ground, found: Levels, options: Options) -> ContactAreas:
+    """Measure the contacts of an image whose levels are known."""
+    from scipy.ndimage import find_objects, label
+
+    width = max(found.blur, levels.LEAST_SMOOTHING)
+    image, variance = levels.smoothed(ground.corrected, width)
+    labels, count = label(image < found.half)
+    windows = find_objects(labels)
+    contrast, scatter = 1.0 - found.dark, levels.smoothed_noise(image, windows, width)
+    if contrast < CONTRAST * max(scatter, 0.5 * ground.structure):
+        raise InvalidInput(
+            f"image shows no contacts, it is all dark or bright: its grey levels differ by {contrast:.2g} "
+            f"of the ground's, with noise of {scatter:.2g} after smoothing. If it has contacts too small for "
+            "Otsu's method, give threshold and dark_level of an image with larger ones"
+        )
+    # white noise of the standard deviation n is n/(2 sqrt(pi) w) after the smoothing
+    noise = 2.0 * math.sqrt(math.pi * variance) * scatter / contrast
+    total = math.sqrt(found.blur**2 + variance)
+    pixel = options.pixel_size
+    least = math.pi * (SMALLEST * total) ** 2
+    if options.smallest_area is not None:
+        least = options.smallest_area / pixel**2
+    size = pixels_of(labels, windows)
+    # regions that are certainly too small are dropped before, others after their contours are known
+    kept = size >= max(0.5 * (least - math.pi * total**2), 4.0)
+    if not kept.all():
+        labels = np.concatenate([[0], np.where(kept, np.cumsum(kept), 0)]).astype(np.int32)[labels]
+        windows, size = [windows[i] for i in np.flatnonzero(kept)], size[kept]
+    shape = contours(image, labels, found.half, size.size)
+    area = errors.enclosed(shape.area, shape.holes.astype(np.float64), total)
+    enough = area >= least
+    edge = np.array([at_edge(w, image.shape, math.ceil(2.0 * total)) for w in windows], dtype=bool)
+    counted = _counted(ground.corrected, labels, windows, found.threshold)
+    at_level = 0.5 * math.hypot(found.dark_scatter, ground.structure) / contrast
+    error = errors.of_contour(
+        shape.length, noise, math.sqrt(variance), total, at_level, found.blur_error * found.blur / total
+    )
+    if not options.subpixel:
+        relative = (1.0 - found.threshold) / contrast
+        area, error = counted, errors.of_counting(shape.length, noise, relative, found.blur)
+    axes, angle = semi_axes(shape, total)
+    clipped = saturated(values, labels[1:-1, 1:-1], size, options.bright_contacts)
+    order = np.flatnonzero(enough)
+    result = ContactAreas(
+        area=area[order] * pixel**2,
+        area_error=error[order] * pixel**2,
+        otsu_area=counted[order] * pixel**2,
+        centre=shape.centre[order] * pixel,
+        axes=axes[order] * pixel,
+        angle=angle[order],
+        edge=edge[order],
+        merged=(merged(shape, labels, windows) & ~edge)[order],
+        saturated=clipped[order],
+        holes=shape.holes[order],
+        threshold=found.threshold,
+        dark_level=found.dark,
+        blur=found.blur * pixel,
+        noise=noise,
+        pixel_size=pixel,
+        shape=(values.shape[0], values.shape[1]),
+    )
+    return remarks(result, found, ground, count - len(order), least * pixel**2)
+
+
+def _counted(
+    corrected: NDArray[np.float32], labels: NDArray[np.int32], windows: list[Window], threshold: float
+) -> FloatArray:
+    """Return the numbers of pixels below the threshold in each region and around it."""
+    counts = []
+    for number, (rows, columns) in enumerate(windows, 1):
+        # the border shifts the pixels by one; three more on each side belong to the edge of the contact
+        window = (
+            slice(max(rows.start - 4, 0), rows.stop + 2),
+            slice(max(columns.start - 4, 0), columns.stop + 2),
+        )
+        owner = labels[1:-1, 1:-1][window]
+        dark = (corrected[window] < threshold) & ((owner == number) | (owner == 0))
+        counts.append(np.count_nonzero(dark))
+    return np.array(counts, dtype=np.float64)
