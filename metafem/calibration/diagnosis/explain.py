@@ -51,8 +51,8 @@ def explain(
         V = (1 + J'W J)^-1,   m = V J'W (y - f(m) + J m),
 
     J = df/dz and W the inverse variances. It is relinearised until it stands still, since the law is not
-    linear where contacts open. Tarantola, Inverse Problem Theory (SIAM, 2005), doi:10.1137/1.9780898717921,
-    section 3.2.3.
+    linear where contacts open; sums of areas are averaged over the posterior. Tarantola, Inverse Problem
+    Theory (SIAM, 2005), doi:10.1137/1.9780898717921, section 3.2.3.
 
     The error of a load enters all that was measured at this load: the true loads are unknowns beside the
     errors of the part, with the measured ones as their means. Linearised, this is the effective covariance

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +20,9 @@ STEP = 0.03
 
 # Radius of a contact over the error of its boundary at which it is seen: its area is its error.
 SEEN = 2.0
+
+# Smallest standard deviation of an area over the largest area.
+SMALLEST = 1e-12
 
 # Least area of a contact over the measured one at which the error of the area is taken: at half the radius.
 LEAST_AREA = 0.25
@@ -49,11 +53,11 @@ class Scene:
         """Return the contacts of a part at its true loads."""
         return response(self.model, made.surface, made.load / made.surface.material.composite_modulus)
 
-    def linear(self, z: FloatArray) -> Linear:
-        """Return residuals and derivatives at the unknowns z (p,)."""
+    def linear(self, z: FloatArray, covariance: FloatArray) -> Linear:
+        """Return residuals and derivatives at unknowns of the mean z (p,) and a covariance (p, p)."""
         made = self.causes.made(z)
         found = self.response(made)
-        return self._observed(made, found, self._derivatives(z, made, found))
+        return self._observed(made, found, self._derivatives(z, made, found), covariance)
 
     def _derivatives(self, z: FloatArray, made: Made, found: Response) -> FloatArray:
         """Return the derivatives of the areas of all contacts by z, (k, n, p)."""
@@ -104,24 +108,27 @@ class Scene:
             sides.append(self.response(self.causes.made(other)).area)
         return np.asarray((sides[0] - sides[1]) / (2.0 * STEP))
 
-    def _observed(self, made: Made, found: Response, derivative: FloatArray) -> Linear:
+    # the error of a value is that of the computed one: that of the measured one would favour small values
+    def _observed(
+        self, made: Made, found: Response, derivative: FloatArray, covariance: FloatArray
+    ) -> Linear:
         """Return the residuals of all measured values and of the gaps of open contacts."""
         seen, causes = self.observed, self.causes
-        closed = found.area > 0.0
-        total = np.where(closed, found.area, 0.0).sum(axis=1)
-        by_total = np.where(closed[:, :, None], derivative, 0.0).sum(axis=1)
+        total, by_total = _total(found.area, derivative, covariance)
         parts: list[tuple[FloatArray, FloatArray, FloatArray]] = []
         if seen.force is not None and seen.force_sd is not None and self.friction is not None:
             nominal = self.friction.shear_strength * self.friction.area_ratio
             gradient = made.friction * nominal * by_total
             if "friction" in causes.sd:
                 gradient[:, causes.where["friction"].start] += causes.sd["friction"] * nominal * total
-            parts.append((seen.force - made.friction * nominal * total, gradient, seen.force_sd))
+            force = made.friction * nominal * total
+            sd = seen.force_sd * _ratio(seen.errors.of_friction_force, force, seen.force)
+            parts.append((seen.force - force, gradient, sd))
         if seen.total is not None and seen.total_sd is not None:
-            parts.append((seen.total - total, by_total, seen.total_sd))
+            sd = seen.total_sd * _ratio(seen.errors.of_area, total, seen.total)
+            parts.append((seen.total - total, by_total, sd))
         if len(seen.area):
             computed = found.area[seen.row, seen.site]
-            # the error of an area grows with its true value: that of the measured one would favour small ones
             least = np.maximum(LEAST_AREA * seen.area, math.pi * seen.boundary**2)
             sd = 2.0 * seen.boundary * np.sqrt(math.pi * np.maximum(computed, least))
             parts.append((seen.area - computed, derivative[seen.row, seen.site], sd))
@@ -136,3 +143,27 @@ class Scene:
             derivative[seen.open_row, seen.open_site] / rate[:, None],
             (SEEN * boundary) ** 2 / made.surface.radius[seen.open_site],
         )
+
+
+def _total(area: FloatArray, derivative: FloatArray, covariance: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the total areas (k,) and their derivatives (k, p), as means over the covariance of z.
+
+    The mean of max(A, 0) over a normal distribution of A, with the standard deviation s and u = A/s, is
+    ``A N(u) + s n(u)``, with the derivative N(u): it has no kink where a contact opens.
+    """
+    from scipy.special import ndtr
+
+    sd = np.sqrt(np.maximum(np.einsum("knp,knp->kn", derivative @ covariance, derivative), 0.0))
+    u = area / np.maximum(sd, SMALLEST * np.abs(area).max())
+    closed = ndtr(u)
+    mean = area * closed + sd * np.exp(-0.5 * u**2) / math.sqrt(2.0 * math.pi)
+    return mean.sum(axis=1), np.einsum("kn,knp->kp", closed, derivative)
+
+
+def _ratio(
+    error: Callable[[FloatArray], FloatArray], computed: FloatArray, measured: FloatArray
+) -> FloatArray:
+    """Return the error of the computed values over that of the measured ones, at most twice or half."""
+    of_measured = error(measured)
+    ratio = np.divide(error(computed), of_measured, np.ones_like(computed), where=of_measured > 0.0)
+    return np.asarray(np.clip(ratio, 0.5, 2.0))

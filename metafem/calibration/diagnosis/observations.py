@@ -10,6 +10,7 @@ import numpy as np
 from metafem._given import shown
 from metafem._validate import FloatArray, IntArray
 from metafem.calibration.measured_law.law import MeasuredLaw
+from metafem.calibration.measurement_errors import MeasurementErrors
 from metafem.errors import InvalidInput
 from metafem.surface import Surface
 
@@ -30,6 +31,7 @@ class Observations:
     boundary: FloatArray  # (m,), error of the boundary of each contact [mm]
     open_row: IntArray  # (c,), largest load at which a contact was found open, and its asperity
     open_site: IntArray
+    errors: MeasurementErrors
 
     @staticmethod
     def of(measured: MeasuredLaw, surface: Surface) -> Observations:
@@ -61,7 +63,7 @@ class Observations:
             open_row, open_site = last[column], numbers[column]
         return Observations(
             measured.load, measured.load_sd, measured.friction_force, measured.friction_force_sd, total,
-            total_sd, row, site, area, boundary, open_row, open_site,
+            total_sd, row, site, area, boundary, open_row, open_site, measured.errors,
         )  # fmt: skip
 
     @property

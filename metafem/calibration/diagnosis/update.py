@@ -54,7 +54,7 @@ class Posterior:
         return self.change <= NEARLY
 
 
-def update(linear: Callable[[FloatArray], Linear], size: int) -> Posterior:
+def update(linear: Callable[[FloatArray, FloatArray], Linear], size: int) -> Posterior:
     """Return the posterior of `size` unknowns under residuals that are linearised at its mean."""
     from scipy.linalg import cho_factor, cho_solve
 
@@ -63,7 +63,7 @@ def update(linear: Callable[[FloatArray], Linear], size: int) -> Posterior:
     covariance = np.eye(size)
     change, log_open = math.inf, 0.0
     for step in range(MOST_STEPS):
-        at = linear(mean)
+        at = linear(mean, covariance)
         gradient, gap_gradient = at.gradient, at.indentation_gradient
         if not len(precision_open):
             precision_open = shift_open = np.zeros(len(at.indentation))
@@ -91,7 +91,7 @@ def update(linear: Callable[[FloatArray], Linear], size: int) -> Posterior:
         change = max(float((np.abs(move) / np.sqrt(np.diag(covariance))).max()), moved)
         if change <= STILL:
             break
-    at = linear(mean)
+    at = linear(mean, covariance)
     log_det = 2.0 * float(np.log(np.diag(factor[0])).sum())
     log_evidence = log_open - 0.5 * (at.residual @ at.residual + mean @ mean + log_det)
     log_evidence -= float(np.log(at.sd).sum()) + 0.5 * len(at.sd) * math.log(2.0 * math.pi)
