@@ -164,7 +164,7 @@ def _explanation(
     scale = np.array([causes.sd[name] for name in common])
     covariance = posterior.covariance[np.ix_(index, index)] * scale[:, None] * scale
     part = causes.made(mean)
-    share, before, after = shares(causes, posterior)
+    explained = shares(causes, posterior)
     friction = scene.friction
     if friction is not None:
         friction = Friction(part.friction * friction.shear_strength, friction.area_ratio)
@@ -187,10 +187,11 @@ def _explanation(
         ),
         covariance=covariance,
         single={name: _single(causes, name, mean, sd) for name in causes.single},
-        shares=dict(sorted(share.items(), key=lambda item: -item[1])),
+        shares=explained.share,
+        misfit_without=explained.without,
         unresolved=unresolved(causes, posterior.covariance, posterior.precision),
-        misfit_design=before,
-        misfit=after,
+        misfit_design=explained.before,
+        misfit=explained.after,
         count=len(at.residual),
         verdict=judged(measured, round(fitted)),
         load=part.load,

@@ -91,6 +91,8 @@ class Explanation(Value):
     shares : mapping of str to float
         Share of each cause in the explained misfit [-], largest first: ``tilt``, ``height_scale``,
         ``composite_modulus``, ``friction``, ``height``, ``radius`` and ``position``. They add up to 1.
+    misfit_without : mapping of str to float
+        The misfit if one of these causes is left out and all others remain, in the same order [-].
     unresolved : tuple of Unresolved
         Errors, and combinations of them, that the measured values do not determine.
     misfit_design, misfit : float
@@ -125,13 +127,14 @@ class Explanation(Value):
     >>> areas = [mf.equilibrium(design.tilted(0.002, 0.0), load=load).asperity_area for load in loads]
     >>> measured = MeasuredLaw(loads, asperity_area=areas, material=material)
     >>> explain(measured, design, model=mf.Independent()).sentences()[-1][:50]
-    'what remains is no larger than the errors of the m'
+    'What remains is no larger than the errors of the m'
     """
 
     causes: tuple[Cause, ...]
     covariance: FloatArray
     single: Mapping[str, SingleErrors]
     shares: Mapping[str, float]
+    misfit_without: Mapping[str, float]
     unresolved: tuple[Unresolved, ...]
     misfit_design: float
     misfit: float
@@ -165,24 +168,25 @@ class Explanation(Value):
         return np.flatnonzero(np.any(found, axis=0)) if found else np.zeros(0, dtype=np.int64)
 
     def sentences(self) -> tuple[str, ...]:
-        """Return the explanation in plain sentences, the most important cause first."""
+        """Return what explains the measured law, what is not determined and what remains, in sentences."""
         found = [sentences.misfit(self.misfit_design, self.misfit, self.count)]
-        for group, share in self.shares.items():
-            parts = [str(cause) for cause in self.causes if cause.name in GROUPS[group]]
-            if group in self.single:
-                errors = self.single[group]
-                parts = [sentences.single(group, errors.prior_sd, errors.mean, errors.sd)]
-            found.append(f"{sentences.share(group, share)}: {', '.join(parts)}")
+        found += sentences.ranking(self.shares)
         for name, errors in self.single.items():
             if name != "position":
                 for i in np.flatnonzero(errors.outlier):
                     found.append(
                         sentences.outlier(name, int(i), errors.mean[i], errors.sd[i], errors.prior_sd)
                     )
-        found += [sentences.unresolved(dict(one.change), one.variance_left) for one in self.unresolved]
+        found += [sentences.unresolved(one.change, one.variance_left) for one in self.unresolved]
         found += sentences.models(self.log_evidence)
         found.append(sentences.remaining(self.verdict))
         return tuple(found)
 
     def __str__(self) -> str:
-        return "\n".join(self.sentences())
+        lines = []
+        for group in self.shares:
+            lines += [str(cause) for cause in self.causes if cause.name in GROUPS[group]]
+            if group in self.single:
+                errors = self.single[group]
+                lines.append(sentences.single(group, errors.prior_sd, errors.mean, errors.sd))
+        return "\n".join([*lines, *self.sentences()])

@@ -134,13 +134,18 @@ class Scene:
             parts.append((seen.area - computed, derivative[seen.row, seen.site], sd))
         residual, gradient, sd = (np.concatenate(values) for values in zip(*parts, strict=True))
         rate = found.area_rate[seen.open_row, seen.open_site]
+        by_indentation = derivative[seen.open_row, seen.open_site] / rate[:, None]
+        if "radius" in causes.sd:  # the latent area is pi R d: that of the gap alone
+            place = causes.where["radius"].start + seen.open_site
+            own = found.area_by_radius[seen.open_row, seen.open_site] / rate
+            by_indentation[np.arange(len(rate)), place] -= causes.sd["radius"] * own
         boundary = float(np.median(seen.boundary)) if len(seen.boundary) else 0.0
         return Linear(
             residual / sd,
             gradient / sd[:, None],
             sd,
             found.area[seen.open_row, seen.open_site] / rate,
-            derivative[seen.open_row, seen.open_site] / rate[:, None],
+            by_indentation,
             (SEEN * boundary) ** 2 / made.surface.radius[seen.open_site],
         )
 

@@ -24,6 +24,9 @@ NAMES = {
     "position": "positions",
 }
 
+# Smallest share of the misfit that is named in a sentence.
+SMALL = 0.01
+
 # Difference of the logarithms of two evidences from which data favour a model: 20 to 1.
 FAVOURED = math.log(20.0)
 
@@ -46,28 +49,32 @@ def cause(name: str, prior_sd: float, mean: float, sd: float) -> str:
     return f"{NAMES[name]} {interval} (expected: 0 ± {amount(name, prior_sd, '.2g')})"
 
 
-def single(name: str, prior_sd: float, mean: FloatArray, sd: FloatArray) -> str:
+def spread(name: str, mean: FloatArray, sd: FloatArray) -> str:
     """Return how large the errors of single asperities are."""
-    rms = float(np.sqrt((mean**2).mean()))
-    largest = float(np.abs(mean).max())
-    error = f"± {amount(name, float(np.median(sd)), '.2g')}"
-    return (
-        f"{amount(name, rms, '.2g')} rms, {amount(name, largest, '.2g')} at most, each {error} "
-        f"(expected: 0 ± {amount(name, prior_sd, '.2g')})"
-    )
+    rms = amount(name, float(np.sqrt((mean**2).mean())), ".2g")
+    return f"{rms} rms, each ± {amount(name, float(np.median(sd)), '.2g')}"
+
+
+def single(name: str, prior_sd: float, mean: FloatArray, sd: FloatArray) -> str:
+    """Return the errors of single asperities with their expected size."""
+    return f"{NAMES[name]} {spread(name, mean, sd)} (expected: 0 ± {amount(name, prior_sd, '.2g')})"
 
 
 def misfit(design: float, left: float, count: int) -> str:
     """Return the misfit before and after."""
     return (
-        f"the measured law differs from the design by chi² = {design:.4g} over {count} measured values; with "
-        f"the errors below it is {left:.4g}"
+        f"The measured law differs from the design by chi² = {design:.4g} over {count} measured values; with "
+        f"the errors below it is {left:.4g}."
     )
 
 
-def share(group: str, value: float) -> str:
-    """Return the share of a cause."""
-    return f"{NAMES[group]} explains {percent(max(value, 0.0))} of the misfit"
+def ranking(shares: Mapping[str, float]) -> list[str]:
+    """Return which causes explain the misfit, the most important first."""
+    named = [(NAMES[name], value) for name, value in shares.items() if value >= SMALL]
+    if not named:
+        return []
+    parts = joined([f"{name} ({percent(value, '.0f')})" for name, value in named])
+    return [f"It is explained by {parts}."]
 
 
 def outlier(name: str, site: int, mean: float, sd: float, prior_sd: float) -> str:
@@ -75,8 +82,8 @@ def outlier(name: str, site: int, mean: float, sd: float, prior_sd: float) -> st
     words = {"height": ("higher", "lower"), "radius": ("larger in radius", "smaller in radius")}[name]
     size = f"{amount(name, abs(mean), '.3g')} ± {amount(name, sd, '.2g')}"
     return (
-        f"asperity {site} is {size} {words[0] if mean > 0.0 else words[1]} than designed, "
-        f"{abs(mean) / prior_sd:.0f} times the expected deviation"
+        f"Asperity {site} is {size} {words[0] if mean > 0.0 else words[1]} than designed, "
+        f"{abs(mean) / prior_sd:.0f} times the expected deviation."
     )
 
 
@@ -85,12 +92,12 @@ def unresolved(change: Mapping[str, float], variance_left: float) -> str:
     left = percent(math.sqrt(min(variance_left, 1.0)), ".0f")
     if len(change) == 1:
         (name,) = change
-        return f"{NAMES[name]} is not determined: {left} of its expected deviation is left"
+        return f"These values do not determine {NAMES[name]}: {left} of its expected deviation is left."
     parts = joined([f"{amount(name, value, '+.2g')} of {NAMES[name]}" for name, value in change.items()])
     named = joined([NAMES[name] for name in change])
     return (
-        f"{named} cannot be told apart: {parts} together change the measured values by less than their "
-        f"errors ({left} of the expected deviation is left)"
+        f"These values do not tell {named} apart: {parts} together change them by less than their errors "
+        f"({left} of the expected deviation is left)."
     )
 
 
@@ -107,12 +114,12 @@ def models(log_evidence: Mapping[str, float]) -> list[str]:
     ratio = most - less
     odds = f"{math.exp(ratio):.2g}" if ratio < LARGE else f"10^{ratio / math.log(10.0):.0f}"
     if ratio < FAVOURED:
-        return [f"the measured values do not tell the models {best} and {second} apart ({odds} to 1)"]
-    return [f"the measured values favour the model {best} over {second} ({odds} to 1)"]
+        return [f"The measured values do not tell the models {best} and {second} apart ({odds} to 1)."]
+    return [f"The measured values favour the model {best} over {second} ({odds} to 1)."]
 
 
 def remaining(verdict: Verdict) -> str:
     """Return what remains unexplained."""
     if verdict.fits:
-        return f"what remains is no larger than the errors of the measurement: {verdict}"
-    return f"something else is at work: what remains exceeds the errors of the measurement; {verdict}"
+        return f"What remains is no larger than the errors of the measurement: {verdict}."
+    return f"Other errors remain: what is left is not explained by the errors of the measurement; {verdict}."

@@ -2,14 +2,26 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
+from metafem._validate import FloatArray
 from metafem.calibration.diagnosis.causes import GROUPS, Causes
 from metafem.calibration.diagnosis.update import Posterior
 
 
-def shares(causes: Causes, posterior: Posterior) -> tuple[dict[str, float], float, float]:
-    """Return the share of each cause in the explained misfit [-], the misfit without any, and with all.
+class Shares(NamedTuple):
+    """What each group of causes explains, the largest share first, and the misfit without and with all."""
+
+    share: dict[str, float]  # of the explained misfit [-]
+    without: dict[str, float]  # the misfit if a group is left out
+    before: float
+    after: float
+
+
+def shares(causes: Causes, posterior: Posterior) -> Shares:
+    """Return the share of each group of causes in the explained misfit.
 
     The misfit without causes is that of the values linearised at the posterior, ``r'S^-1 r``, with the
     residuals r of the prior prediction and the covariance S of the measurement, loads included. With all:
@@ -22,15 +34,32 @@ def shares(causes: Causes, posterior: Posterior) -> tuple[dict[str, float], floa
     residual = at.residual + at.gradient @ posterior.mean
     information, force = at.gradient.T @ at.gradient, at.gradient.T @ residual
     matrix = information + np.eye(causes.size)
-    loads = cho_solve(cho_factor(matrix[load, load], lower=True), force[load])
-    before = float(residual @ residual - force[load] @ loads)
-    means = cho_solve(cho_factor(matrix, lower=True), force)
-    terms = (force - information[:, load] @ loads) * means
-    parts = {
-        name: sum(float(terms[causes.where[one]].sum()) for one in members if one in causes.sd)
+    square = float(residual @ residual)
+
+    def solved(on: np.ndarray) -> tuple[FloatArray, float]:
+        found = np.zeros(causes.size)
+        found[on] = cho_solve(cho_factor(matrix[np.ix_(on, on)], lower=True), force[on])
+        return found, square - float(force @ found)
+
+    groups = {
+        name: [causes.where[one] for one in members if one in causes.sd]
         for name, members in GROUPS.items()
         if any(one in causes.sd for one in members)
     }
-    explained = sum(parts.values())
-    found = {name: part / explained if explained > 0.0 else 0.0 for name, part in parts.items()}
-    return found, before, before - explained
+    alone = np.zeros(causes.size, dtype=bool)
+    alone[load] = True
+    loads, before = solved(alone)
+    means, after = solved(np.ones(causes.size, dtype=bool))
+    terms = (force - information @ loads) * means
+    share, without = {}, {}
+    for name, places in groups.items():
+        part = sum(float(terms[where].sum()) for where in places)
+        share[name] = part / (before - after) if before > after else 0.0
+        on = np.ones(causes.size, dtype=bool)
+        for where in places:
+            on[where] = False
+        without[name] = solved(on)[1]
+    order = sorted(share, key=lambda name: -share[name])
+    return Shares(
+        {name: share[name] for name in order}, {name: without[name] for name in order}, before, after
+    )

@@ -20,6 +20,9 @@ UNRESOLVED = 0.55
 # Part of a combination, its largest part being 1, below which a cause is not named in it.
 NAMED = 0.3
 
+# Steps of the rotation to combinations of few errors.
+ROTATIONS = 50
+
 
 @dataclass(frozen=True)
 class Unresolved:
@@ -47,7 +50,8 @@ def unresolved(causes: Causes, covariance: FloatArray, precision: FloatArray) ->
     """Return what is not resolved among the errors of the whole part.
 
     covariance, precision: of the unknowns over their prior standard deviations, (p, p). The combinations are
-    eigenvectors of the posterior covariance against that of the prior, with all other unknowns unknown.
+    eigenvectors of the posterior covariance against that of the prior, with all other unknowns unknown,
+    rotated in the space of those that are not resolved until each has few errors.
     """
     names = causes.common
     index = np.array([causes.where[name].start for name in names], dtype=np.intp)
@@ -59,17 +63,28 @@ def unresolved(causes: Causes, covariance: FloatArray, precision: FloatArray) ->
     unseen = known > UNSEEN
     found = [Unresolved({names[i]: causes.sd[names[i]]}, float(block[i, i])) for i in np.flatnonzero(unseen)]
     seen = np.flatnonzero(~unseen)
-    if len(seen) > 1:
-        values, vectors = np.linalg.eigh(block[np.ix_(seen, seen)])
-        for value, vector in sorted(zip(values, vectors.T, strict=True), key=lambda pair: -pair[0]):
-            if value < UNRESOLVED:
-                break
+    if len(seen):
+        part = block[np.ix_(seen, seen)]
+        values, vectors = np.linalg.eigh(part)
+        for vector in _sparse(vectors[:, values >= UNRESOLVED]).T:
             vector = vector * np.sign(vector[np.abs(vector).argmax()])
-            large = np.abs(vector) >= NAMED * np.abs(vector).max()
-            size = np.sqrt(value)
+            left = float(vector @ part @ vector)
+            large = np.flatnonzero(np.abs(vector) >= NAMED * np.abs(vector).max())
             change = {
-                names[seen[i]]: float(size * vector[i] * causes.sd[names[seen[i]]])
-                for i in np.flatnonzero(large)
+                names[seen[i]]: float(np.sqrt(left) * vector[i] * causes.sd[names[seen[i]]]) for i in large
             }
-            found.append(Unresolved(change, float(value)))
+            found.append(Unresolved(change, left))
     return tuple(found)
+
+
+def _sparse(vectors: FloatArray) -> FloatArray:
+    """Return orthonormal vectors (q, u) of the same space with few large entries each.
+
+    Varimax: Kaiser, Psychometrika 23, 187 (1958), doi:10.1007/BF02289233.
+    """
+    rotated = vectors
+    for _ in range(ROTATIONS if vectors.shape[1] > 1 else 0):
+        target = rotated * (rotated**2 - (rotated**2).mean(axis=0))
+        left, _, right = np.linalg.svd(vectors.T @ target)
+        rotated = vectors @ (left @ right)
+    return rotated

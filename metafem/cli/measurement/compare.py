@@ -10,6 +10,12 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from metafem.cli.group import Name, force_option, json_option, main
+from metafem.cli.measurement.explanation import (
+    explain_options,
+    explanation,
+    given_priors,
+    print_explanation,
+)
 from metafem.cli.progress import progress
 from metafem.cli.study.options import option_name, with_options
 from metafem.cli.study.parameters import deviation_option, given_deviations
@@ -61,6 +67,7 @@ pair_options = with_options(
     help="Table of the sliding friction law, to be compared beside the static one.",
 )
 @pair_options
+@explain_options
 @force_option
 @json_option
 def compare(
@@ -68,6 +75,7 @@ def compare(
     table: Path,
     sliding: Path | None,
     sd: tuple[str, ...],
+    explain: bool,
     force: bool,
     as_json: bool,
     **given: Any,
@@ -78,15 +86,21 @@ def compare(
     load_mN,area_mm2, optionally with load_sd_mN, friction_force_sd_mN and area_sd_mm2; without these the
     errors are 5 mN, 1 mN + 1 % and 1.4 um of the contacts' boundary. Or it is a table of `metafem images`.
 
-    The result is the file DIR/measured.nc; `metafem report DIR` adds it to the report.
+    With --explain it also states which errors of the part explain the difference: tilt, height scale, E*,
+    sigma B, and the height and radius of each asperity.
 
-    Example: metafem compare linear measured.csv --sd composite_modulus=0.04MPa
+    The results are the files DIR/measured.nc and DIR/explained.nc; `metafem report DIR` adds them to the
+    report.
+
+    Example: metafem compare linear measured.csv --sd composite_modulus=0.04MPa --explain
     """
     import metafem as mf
     from metafem.files import same_design, study_path, write_study
     from metafem.studies.measured import measured
 
     path = study_path(folder, "measured", force)
+    explained = study_path(folder, "explained", force) if explain else None
+    priors = given_priors(given, explain)
     still = same_design(folder)
     design = mf.load(folder)
     with progress(), given_deviations(sd, PARAMETERS) as errors:
@@ -94,12 +108,21 @@ def compare(
         comparisons = [mf.calibration.compare(law, design, parameters=_of_law(errors, law)) for law in laws]
         dataset = measured(comparisons, design.law.model)
         write_study(dataset, path, force=force, still=still)
+        why = None
+        if explained is not None:
+            why = explanation(laws[0], design, priors)
+            write_study(why, explained, force=force, still=still)
     if as_json:
         from metafem.files import study_data
 
-        click.echo(json.dumps({"file": str(path), **study_data(dataset)}))
+        data = {"file": str(path), **study_data(dataset)}
+        if why is not None:
+            data["explanation"] = {"file": str(explained), **study_data(why)}
+        click.echo(json.dumps(data))
     else:
         _print(dataset, path)
+        if why is not None:
+            print_explanation(why, explained)
 
 
 def _laws(surface: Surface, table: Path, sliding: Path | None, given: Mapping[str, Any]) -> list[MeasuredLaw]:

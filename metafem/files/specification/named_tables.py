@@ -27,6 +27,7 @@ RESULT_FILES = frozenset(
 STUDIES = (
     *("interaction", "fidelity", "manufacturing", "misalignment", "uncertainty", "combined"),
     "measured",  # the comparison with measured laws
+    "explained",  # the errors of the part that explain the difference
 )
 
 # All files of a result folder.

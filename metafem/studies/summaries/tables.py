@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from metafem.errors import InvalidInput
 from metafem.studies.summaries.combined import combined_summary
 from metafem.studies.summaries.comparisons import fidelity_summary, interaction_summary
+from metafem.studies.summaries.explained import explained_summary
 from metafem.studies.summaries.measured import measured_summary
 from metafem.studies.summaries.parameters import uncertainty_summary
 from metafem.studies.summaries.table import Summary
@@ -49,6 +50,7 @@ def summary(study: Dataset) -> Summary:
 
 
 SUMMARIES: Mapping[str, Callable[[Dataset], Summary]] = {
+    "explained": explained_summary,
     "fidelity": fidelity_summary,
     "interaction": interaction_summary,
     "manufacturing": manufacturing_summary,

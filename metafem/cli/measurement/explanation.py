@@ -1,0 +1,98 @@
+"""The options of `metafem compare --explain`, and what it prints."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from metafem.cli.study.options import option_name, with_options
+from metafem.cli.terminal import print_notes, print_table, terminal
+from metafem.errors import InvalidInput
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+
+    from metafem.calibration import MeasuredLaw, Priors
+    from metafem.inversion import Design
+
+# Unit, example and meaning of each expected error; relative ones are in percent.
+EXPECTED = {
+    "angle_sd": ("rad", "0.05deg", "Expected tilt about either axis"),
+    "height_scale_sd": ("%", "2%", "Expected error of the scale of all heights"),
+    "composite_modulus_sd": ("%", "5%", "Expected error of E*"),
+    "friction_sd": ("%", "5%", "Expected error of σB"),
+    "height_sd": ("mm", "0.9um", "Expected error of each height"),
+    "radius_sd": ("mm", "5um", "Expected error of each radius"),
+    "position_sd": ("mm", "0um", "Expected error of x and of y of each site"),
+}
+
+explain_options = with_options(
+    click.option("--explain", is_flag=True, help="State which errors of the part explain the difference."),
+    *(
+        click.option(
+            option_name(name),
+            metavar="PERCENT" if unit == "%" else "QUANTITY",
+            help=f"{meaning}, as a standard deviation; 0 leaves it out. Default: {example}.",
+        )
+        for name, (unit, example, meaning) in EXPECTED.items()
+    ),
+)
+
+
+def given_priors(options: dict[str, Any], explain: bool) -> Priors | None:
+    """Return the expected errors of the options, which it removes; None without any."""
+    texts = {name: options.pop(name) for name in EXPECTED}
+    texts = {name: text for name, text in texts.items() if text is not None}
+    if texts and not explain:
+        raise InvalidInput(f"{option_name(next(iter(texts)))} needs --explain")
+    if not texts:
+        return None
+    from metafem.calibration import Priors
+
+    return Priors(**{name: _number(name, text) for name, text in texts.items()})
+
+
+def _number(name: str, text: str) -> float:
+    """Return an expected error of the command line."""
+    from metafem.files import quantity
+
+    unit, example, _ = EXPECTED[name]
+    if text.strip() == "0":
+        return 0.0
+    if unit != "%":
+        return quantity(option_name(name), text, unit, example)
+    number = text.strip()
+    try:
+        value = float(number.removesuffix("%"))
+    except ValueError:
+        value = math.nan
+    if not (number.endswith("%") and math.isfinite(value)):
+        raise InvalidInput(
+            f'{option_name(name)} = "{text:.40}" must be in percent; write for example "{example}"'
+        )
+    return value / 100.0
+
+
+def explanation(law: MeasuredLaw, design: Design, priors: Priors | None) -> Dataset:
+    """Return the errors that explain a measured law."""
+    from metafem.calibration import explain
+    from metafem.studies.explained import explained
+
+    return explained(explain(law, design, priors))
+
+
+def print_explanation(dataset: Dataset, path: Path | None) -> None:
+    """Print the table of the errors, the sentences and the file."""
+    from metafem.studies.summaries import summary
+    from metafem.studies.summaries.explained import answers
+
+    found = summary(dataset)
+    console = terminal()
+    print_table(console, found.columns, found.rows, found.title)
+    print_notes(console, found.notes)
+    for answer in answers(dataset):
+        console.print(answer, highlight=False, markup=False, soft_wrap=True)
+    console.print(f"wrote {path}", highlight=False, markup=False)

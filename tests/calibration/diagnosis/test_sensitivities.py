@@ -1,0 +1,76 @@
+"""Derivatives of the measured values by all errors, against differences."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import metafem as mf
+from metafem.calibration import Priors
+from metafem.calibration.diagnosis.causes import Causes
+from metafem.calibration.diagnosis.linearised import Scene
+from metafem.calibration.diagnosis.observations import Observations
+from metafem.calibration.diagnosis.sensitivities import response
+from tests.calibration.diagnosis.scenes import COMMON, design, measured
+
+PART = design((3, 3))
+
+
+def scene(model: mf.Model, priors: Priors, areas: bool = True) -> Scene:
+    """Return the part with its measured values without noise."""
+    law = measured(PART, areas=areas)
+    causes = Causes.of(PART, law.load, law.load_sd, priors, True)
+    return Scene(model, causes, Observations.of(law, PART), PART.friction)
+
+
+def computed(scene: Scene, z: np.ndarray) -> np.ndarray:
+    """Return the measured values less the residuals."""
+    at = scene.linear(z, np.zeros((len(z), len(z))))
+    return np.concatenate([-at.residual * at.sd, at.indentation])
+
+
+@pytest.mark.parametrize("areas", [True, False])
+def test_derivatives_of_independent_contacts_are_exact(areas):
+    one = scene(mf.Independent(), Priors(position_sd=5e-3), areas)
+    z = 0.3 * np.random.default_rng(0).standard_normal(one.causes.size)
+    at = one.linear(z, np.zeros((len(z), len(z))))
+    gradient = np.concatenate([at.gradient * at.sd[:, None], at.indentation_gradient])
+    step = 1e-5
+    for i in range(len(z)):
+        other = step * np.eye(len(z))[i]
+        difference = (computed(one, z + other) - computed(one, z - other)) / (2.0 * step)
+        np.testing.assert_allclose(gradient[:, i], difference, rtol=1e-4, atol=1e-6 * np.abs(gradient).max())
+
+
+def test_derivatives_of_interacting_contacts_are_differences_of_the_model():
+    one = scene(mf.Interacting(), COMMON)
+    z = np.zeros(one.causes.size)
+    at = one.linear(z, np.zeros((len(z), len(z))))
+    step = 1e-3
+    for name in ("angle_x", "height_scale", "composite_modulus", "friction"):
+        other = np.zeros(len(z))
+        other[one.causes.where[name]] = step
+        difference = (computed(one, other) - computed(one, -other))[: len(at.sd)] / (2.0 * step)
+        gradient = at.gradient[:, one.causes.where[name].start] * at.sd
+        np.testing.assert_allclose(gradient, difference, rtol=1e-3, atol=1e-4 * np.abs(gradient).max())
+
+
+@pytest.mark.parametrize("model", [mf.Independent(mf.SphericalCap()), mf.Interacting(), mf.MeanField()])
+def test_areas_of_all_models_are_those_of_their_states(model):
+    load = np.array([0.02, 0.2])
+    found = response(model, PART, load)
+    for k, value in enumerate(load):
+        state = mf.equilibrium(PART, model, load=value * PART.material.composite_modulus)
+        np.testing.assert_allclose(np.maximum(found.area[k], 0.0), state.asperity_area, rtol=1e-9, atol=1e-12)
+    assert (found.area[0] < 0.0).any()  # open contacts have a gap
+
+
+def test_a_light_load_of_one_contact_follows_hertz():
+    load = np.array([1e-3])
+    one = mf.Surface([[0.0, 0.0]], [0.1], 0.5, mf.Material(1.0))
+    found = response(mf.Independent(), one, load)
+    area = np.pi * (0.75 * 0.5 * load[0]) ** (2.0 / 3.0)
+    assert found.area[0, 0] == pytest.approx(area, rel=1e-10)
+    assert found.by_load()[0, 0] == pytest.approx(2.0 / 3.0 * area / load[0], rel=1e-10)
+    assert found.by_each_radius()[0, 0, 0] == pytest.approx(2.0 / 3.0 * area / 0.5, rel=1e-10)
+    assert found.by_each_height()[0, 0, 0] == pytest.approx(0.0, abs=1e-12)

@@ -1,0 +1,37 @@
+"""Shares of the misfit against the dense formula of its quadratic form."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import metafem as mf
+from metafem.calibration import Priors, explain
+from tests.calibration.diagnosis.scenes import COMMON, design, measured
+
+PART = design((3, 3))
+
+
+def test_shares_add_up_and_the_misfit_is_that_of_the_prior_prediction():
+    law = measured(PART.tilted(0.001, 0.0), rng=np.random.default_rng(0))
+    found = explain(law, PART, Priors(), model=mf.Independent())
+    assert sum(found.shares.values()) == pytest.approx(1.0)
+    assert list(found.shares.values()) == sorted(found.shares.values(), reverse=True)
+    # the misfit with all errors, at its minimum, is that of the values and of the errors over their priors
+    squares = sum(float(np.nansum(values**2)) for values in found.residual.values())
+    for cause in found.causes:
+        squares += (cause.mean / cause.prior_sd) ** 2
+    for errors in found.single.values():
+        squares += float((errors.mean**2).sum()) / errors.prior_sd**2
+    assert found.misfit == pytest.approx(squares, rel=0.02)
+    assert found.misfit < found.misfit_design
+
+
+def test_the_misfit_without_a_cause_is_that_of_an_explanation_without_it():
+    law = measured(PART, stiffer=1.05, rng=np.random.default_rng(1))
+    found = explain(law, PART, COMMON, model=mf.Independent())
+    other = explain(law, PART, replace(COMMON, composite_modulus_sd=0.0), model=mf.Independent())
+    assert found.misfit_without["composite_modulus"] == pytest.approx(other.misfit, rel=0.05)
+    assert all(value >= found.misfit for value in found.misfit_without.values())

@@ -1,0 +1,61 @@
+"""`metafem compare --explain`."""
+
+import json
+import math
+from pathlib import Path
+
+import pytest
+
+import metafem as mf
+
+
+@pytest.fixture
+def tilted(demo):
+    """Write the table of the contacts of the demo "linear", tilted by 0.1 degrees."""
+    demo("linear")
+    surface = mf.load("linear").surface
+    made = surface.tilted(math.radians(0.1), 0.0)
+    lines = [
+        "image,test,load_N,friction_force_N,contact,site,x_mm,y_mm,area_mm2,area_error_mm2,"
+        "sheared_area_mm2,sheared_area_error_mm2,remark"
+    ]
+    for load in (0.2, 0.8):
+        state = mf.equilibrium(made, load=load)
+        force = surface.friction.shear_strength * surface.friction.area_ratio * state.area
+        for i, area in enumerate(state.asperity_area):
+            error = 2.8e-3 * math.sqrt(math.pi * area)
+            x, y = surface.position[i]
+            lines.append(f"{load:.2f}.tif,,{load},{force},{i + 1},{i},{x},{y},{area},{error},,,")
+    Path("contacts.csv").write_text("\n".join(lines), "utf-8")
+
+
+def test_a_tilt_is_explained_and_stored(run, tilted):
+    result = run("compare", "linear", "contacts.csv", "--explain", "--json")
+    assert result.exit_code == 0, result.output
+    found = json.loads(result.stdout)["explanation"]["data"]
+    assert found["group"]["values"][0] == "tilt"
+    assert found["share"]["values"][0] > 0.8
+    assert math.degrees(found["mean"]["values"][0]) == pytest.approx(0.1, abs=0.01)
+    assert Path("linear/explained.nc").exists()
+    options = ("--explain", "--force", "--height-sd", "0", "--radius-sd", "0", "--position-sd", "1um")
+    text = run("compare", "linear", "contacts.csv", *options).output
+    assert "What explains the measured law" in text
+    assert "single heights" not in text
+    assert "It is explained by tilt (" in text
+    assert text.rstrip().endswith("wrote linear/explained.nc")
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (("--angle-sd", "0.1deg"), "--angle-sd needs --explain"),
+        (("--explain", "--friction-sd", "3"), '--friction-sd = "3" must be in percent'),
+        (("--explain", "--angle-sd", "3"), "--angle-sd"),
+        (("--explain", "--height-scale-sd", "90%"), "height_scale_sd"),
+    ],
+)
+def test_wrong_options_are_named(run, tilted, options, message):
+    result = run("compare", "linear", "contacts.csv", *options)
+    assert result.exit_code == 2
+    assert message in result.output
+    assert not Path("linear/measured.nc").exists()
