@@ -61,7 +61,7 @@ class ErrorNames:
 
     `units` holds the unit in which a quantity was written and the size of that unit in the package's unit;
     `lines` holds the line number of each entry in the file, `names` the file's names of arguments, and
-    `file` the name of the file.
+    `file` the name of the file. `places` holds the place of each entry where they are of several files.
     """
 
     section: str = ""
@@ -69,6 +69,7 @@ class ErrorNames:
     file: str = ""
     lines: tuple[int, ...] = ()
     names: Mapping[str, str] = field(default_factory=dict)
+    places: tuple[str, ...] = ()
 
     def number(self, name: str, value: float) -> str:
         """Return a number in the unit in which its quantity was written."""
@@ -82,9 +83,10 @@ class ErrorNames:
     def label(self, name: str) -> str:
         """Return the file's name of an argument or of an entry, such as ``radius[3]``."""
         base, bracket, index = name.partition("[")
-        if self.lines and bracket:
-            line = self.lines[int(index.rstrip("]").partition(",")[0])]
-            return f"{self.file}, line {line}: {self.names.get(base, base)}"
+        if (self.lines or self.places) and bracket:
+            entry = int(index.rstrip("]").partition(",")[0])
+            place = self.places[entry] if self.places else f"{self.file}, line {self.lines[entry]}"
+            return f"{place}: {self.names.get(base, base)}"
         return self.names.get(base, base) + bracket + index
 
 

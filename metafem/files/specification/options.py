@@ -49,7 +49,7 @@ def contact_named(text: str) -> Contact:
 
     from metafem.files.specification.contents import Sections
 
-    table = _section(text.split())
+    table = section_named(text.split())
     kind = table["kind"]
     section: Any = contacts()[kind]
     with error_names(ErrorNames(section="contact", units=written_units({"contact": table}))):
@@ -92,8 +92,8 @@ def _worded_keys(kind: str) -> Iterator[tuple[str, FieldInfo]]:
             yield name, field
 
 
-def _section(words: list[str]) -> dict[str, Any]:
-    """Return the section that words stand for."""
+def section_named(words: list[str]) -> dict[str, Any]:
+    """Return the section of a specification that words stand for."""
     kind, rest = " ".join(words[:1]), words[1:]
     if kind not in contacts():
         raise InvalidInput(f'contact law "{printable(kind, 60)}" is unknown{suggestion(kind, contacts())}')
@@ -105,7 +105,7 @@ def _section(words: list[str]) -> dict[str, Any]:
         if isinstance(shown, float):
             section[name] = _number(rest.pop(0))
         elif isinstance(shown, dict):
-            section[name], rest = _section(rest), []
+            section[name], rest = section_named(rest), []
         elif name == "file":
             section[name], rest = " ".join(rest), []
         else:  # a quantity, whose unit may be a word of its own

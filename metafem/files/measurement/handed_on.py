@@ -1,0 +1,181 @@
+"""Calibrations as JSON, and the covariance in it that `metafem study uncertainty` reads."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from metafem._given import printable
+from metafem._validate import FloatArray
+from metafem.calibration import (
+    ContactCalibration,
+    Heterogeneity,
+    ShearCalibration,
+    ShearRecord,
+    Verdict,
+    joint_covariance,
+)
+from metafem.errors import InvalidInput
+from metafem.files.reading import file_label, read_record
+
+# Name of the kind of file.
+KIND = "metafem calibration"
+
+# Parameters that a calibration determines, with their units in the names of keys.
+UNITS = {"radius": "mm", "composite_modulus": "MPa", "area_ratio": "1", "shear_strength": "MPa"}
+
+
+@dataclass(frozen=True, eq=False)
+class HandedOn:
+    """Parameters of a calibration with their values and their covariance, in mm, MPa and 1."""
+
+    parameters: tuple[str, ...]
+    value: FloatArray
+    covariance: FloatArray
+
+    @property
+    def sd(self) -> FloatArray:
+        """Standard deviations."""
+        return np.sqrt(np.diagonal(self.covariance))
+
+
+def calibration_data(
+    contact: ContactCalibration | None,
+    shear: ShearCalibration | None,
+    sources: Sequence[str],
+    records: Mapping[str, ShearRecord],
+) -> dict[str, Any]:
+    """Return the results for JSON, with names, values and covariance of the parameters."""
+    names, covariance = joint_covariance(*(each for each in (contact, shear) if each is not None))
+    values: dict[str, float] = {}
+    data: dict[str, Any] = {"kind": KIND, "files": list(sources)}
+    if contact is not None:
+        values |= {"radius": contact.radius, "composite_modulus": contact.composite_modulus}
+        modulus, without_sd = contact.modulus_without_adhesion
+        data |= {
+            "composite_modulus_MPa": contact.composite_modulus,
+            "composite_modulus_sd_MPa": math.sqrt(contact.root_covariance[0, 0]),
+            "composite_modulus_interval_MPa": list(contact.composite_modulus_interval),
+            "poisson_ratio": contact.material.poisson_ratio,
+            "adhesion_energy_N_per_mm": contact.adhesion_energy,
+            "adhesion_energy_interval_N_per_mm": list(contact.adhesion_energy_interval),
+            "modulus_without_adhesion_MPa": modulus,
+            "modulus_without_adhesion_sd_MPa": without_sd,
+            "compression_verdict": _verdict(contact.verdict),
+            "compression_tests": [
+                {
+                    "test": test.name,
+                    "points": test.points,
+                    "composite_modulus_MPa": test.composite_modulus,
+                    "composite_modulus_sd_MPa": test.composite_modulus_sd,
+                }
+                for test in contact.tests
+            ],
+            "compression_heterogeneity": _heterogeneity(contact.heterogeneity),
+            "compression_bootstrap_sd": _spread(contact.bootstrap, ("composite_modulus", "adhesion_root")),
+        }
+    if shear is not None:
+        values |= {"area_ratio": shear.area_ratio, "shear_strength": shear.shear_strength}
+        ratio_sd, strength_sd = np.sqrt(np.diagonal(shear.covariance)).tolist()
+        data |= {
+            "area_ratio": shear.area_ratio,
+            "area_ratio_sd": ratio_sd,
+            "area_ratio_interval": list(shear.area_ratio_interval),
+            "shear_strength_MPa": shear.shear_strength,
+            "shear_strength_sd_MPa": strength_sd,
+            "shear_strength_interval_MPa": list(shear.shear_strength_interval),
+            "area_ratio_verdict": _verdict(shear.area_verdict),
+            "shear_strength_verdict": _verdict(shear.friction_verdict),
+            "shear_tests": [
+                {
+                    "test": test.name,
+                    "points": test.points,
+                    "area_ratio": test.area_ratio,
+                    "area_ratio_sd": test.area_ratio_sd,
+                    "shear_strength_MPa": test.shear_strength,
+                    "shear_strength_sd_MPa": test.shear_strength_sd,
+                }
+                for test in shear.tests
+            ],
+            "shear_heterogeneity": _heterogeneity(shear.heterogeneity),
+            "shear_bootstrap_sd": _spread(shear.bootstrap, ("area_ratio", "shear_strength")),
+        }
+    if records:
+        data["records"] = [
+            {
+                "file": name,
+                "static_force_N": record.static_force,
+                "sliding_force_N": record.sliding_force,
+                "area_before_mm2": record.area_before,
+                "static_area_mm2": record.static_area,
+                "sliding_area_mm2": record.sliding_area,
+                "noise_N": record.noise,
+            }
+            for name, record in records.items()
+        ]
+    return data | {
+        "parameters": list(names),
+        "units": [UNITS[name] for name in names],
+        "values": [values[name] for name in names],
+        "covariance": covariance.tolist(),
+    }
+
+
+def read_handed_on(path: str | Path) -> HandedOn:
+    """Return parameters, values and covariance of a file that ``metafem calibrate`` wrote as JSON."""
+    label = file_label(path)
+    data = read_record(path)
+    if not isinstance(data, dict) or data.get("kind") != KIND:
+        raise InvalidInput(
+            f"{label} is not a calibration; write one with metafem calibrate DATA.csv -o calibration.json"
+        )
+    try:
+        names = tuple(data["parameters"])
+        value, covariance = np.array(data["values"], float), np.array(data["covariance"], float)
+    except (KeyError, TypeError, ValueError):
+        raise InvalidInput(f"{label} is damaged: parameters, values or covariance cannot be read") from None
+    unknown = [name for name in names if name not in UNITS]
+    count = len(names)
+    if unknown or len(set(names)) != count or value.shape != (count,) or covariance.shape != (count, count):
+        raise InvalidInput(
+            f"{label} is damaged: parameters, values and covariance of {printable(str(names), 80)} do not fit "
+            "together"
+        )
+    return HandedOn(names, value, covariance)
+
+
+def is_calibration(content: bytes) -> bool:
+    """Whether a file holds the data of `calibration_data`."""
+    return content.startswith(b'{"kind": "' + KIND.encode() + b'"')
+
+
+def _verdict(found: Verdict) -> dict[str, Any]:
+    return {
+        "fits": found.fits,
+        "chi_square": found.chi_square,
+        "freedom": found.freedom,
+        "probability": found.probability,
+        "runs": found.runs,
+        "runs_probability": found.runs_probability,
+    }
+
+
+def _heterogeneity(found: Heterogeneity | None) -> dict[str, Any] | None:
+    if found is None:
+        return None
+    return {
+        "agree": found.agree,
+        "chi_square": found.chi_square,
+        "freedom": found.freedom,
+        "probability": found.probability,
+    }
+
+
+def _spread(draws: FloatArray | None, names: tuple[str, str]) -> dict[str, float] | None:
+    """Return the standard deviations of a bootstrap."""
+    return None if draws is None else dict(zip(names, draws.std(axis=0, ddof=1).tolist(), strict=True))

@@ -1,0 +1,49 @@
+"""Measured values with their errors, as they are published."""
+
+from __future__ import annotations
+
+import math
+
+
+def rounded(value: float, sd: float, digits: int = 2) -> str:
+    """Return a value with so many digits that its standard deviation has `digits` of them.
+
+    Examples
+    --------
+    >>> rounded(1.35987, 0.0193), rounded(0.37, 0.0)
+    ('1.360', '0.37')
+    """
+    if not (sd > 0.0 and math.isfinite(sd)):
+        return f"{value:.6g}"
+    return f"{value:.{_places(sd, digits)}f}"
+
+
+def published(value: float, sd: float, unit: str = "") -> str:
+    """Return value ± standard deviation: one digit of the deviation, or two if the first is 1.
+
+    Examples
+    --------
+    >>> published(1.35987, 0.0393, "MPa"), published(0.8512, 0.0121)
+    ('1.36 ± 0.04 MPa', '0.851 ± 0.012')
+    """
+    digits = 1
+    if sd > 0.0 and f"{sd:e}"[0] == "1":
+        digits = 2
+    return f"{rounded(value, sd, digits)} ± {rounded(sd, sd, digits)} {unit}".rstrip()
+
+
+def interval(ends: tuple[float, float], sd: float, unit: str = "") -> str:
+    """Return an interval with two digits of the standard deviation.
+
+    Examples
+    --------
+    >>> interval((1.3406, 1.3794), 0.0193, "MPa")
+    '1.341 to 1.379 MPa'
+    """
+    low, high = (rounded(end, sd) for end in ends)
+    return f"{low} to {high} {unit}".rstrip()
+
+
+def _places(sd: float, digits: int) -> int:
+    """Return the number of decimals."""
+    return max(0, digits - 1 - math.floor(math.log10(float(f"{sd:.{digits - 1}e}"))))

@@ -1,0 +1,298 @@
+"""Tables of calibration tests: compression, shear, records of single pulls, and contacts in images."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from metafem._given import ErrorNames, error_names, printable
+from metafem._validate import FloatArray
+from metafem.calibration import ContactTable, ShearRecord, shear_record
+from metafem.errors import InvalidInput
+from metafem.files.csv_rows import Table, read_table
+from metafem.files.measurement.contacts import read_contacts
+from metafem.files.measurement.quantity_columns import Column, numbers, quantity_columns
+from metafem.progress import message
+
+# Quantities with the package's unit and a usual one in the name of a column.
+UNITS = {
+    "load": ("N", "mN"),
+    "area": ("mm^2", "mm2"),
+    "area_before": ("mm^2", "mm2"),
+    "area_sheared": ("mm^2", "mm2"),
+    "friction_force": ("N", "mN"),
+    "displacement": ("mm", "um"),
+}
+
+# Column of the labels of tests.
+TEST = "test"
+
+EXAMPLE = "load_mN,area_mm2"
+
+WANTED = (
+    "load_mN,area_mm2 of a compression test, area_before_mm2,area_sheared_mm2,friction_force_mN of a shear "
+    "test, or displacement_um,friction_force_mN,area_mm2 of the record of one pull (or in other units)"
+)
+
+# Columns of a table of contacts in images.
+CONTACTS = frozenset({"image", "contact"})
+
+# Errors print numbers with the package's units.
+PLAIN = {"": ("", 1.0)}
+
+# Areas of single contacts: area_1, area_2 and so on.
+SINGLE = re.compile(r"area_\d{1,4}", re.ASCII)
+
+
+@dataclass(frozen=True, eq=False)
+class Compression:
+    """Loads (k,) [N], areas (k,) or (k, n) [mm^2], labels of the tests, and the place of each point."""
+
+    load: FloatArray
+    area: FloatArray
+    test: tuple[str, ...]
+    place: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Shear:
+    """Areas before shear and sheared [mm^2] and friction forces [N], (k,); nan where not measured."""
+
+    area_before: FloatArray
+    area_sheared: FloatArray
+    friction_force: FloatArray
+    test: tuple[str, ...]
+    place: tuple[str, ...]
+
+
+@dataclass(eq=False)
+class CalibrationData:
+    """What tables hold, pooled.
+
+    `records` holds the records of pulls by the name of their file, and `boundary` the error of the contacts'
+    boundary [mm] that the tables of images state, for all areas or not at all.
+    """
+
+    compression: Compression | None = None
+    shear: Shear | None = None
+    records: dict[str, ShearRecord] = field(default_factory=dict)
+    boundary: float | None = None
+
+
+def read_calibration(
+    paths: Iterable[str | Path],
+    *,
+    sliding: bool = False,
+    sliding_range: tuple[float, float] | None = None,
+) -> CalibrationData:
+    """Read tables of calibration tests, each recognised by its columns, and pool them.
+
+    Parameters
+    ----------
+    paths : iterable of str or Path
+        CSV files whose first line names the columns as quantity_unit. A compression test has ``load`` and
+        ``area`` (the total) or ``area_1``, ``area_2`` ... of single contacts. A shear test has
+        ``area_before`` (or ``area``), ``area_sheared`` and ``friction_force``; entries may be empty, and a
+        column ``load`` may stand beside them. A record of one pull has ``displacement``, ``friction_force``
+        and ``area``, which is empty between the frames. Tables of ``metafem images`` are read too. A column
+        ``test`` holds labels of tests; without it each table is a test, and all records together are one.
+    sliding : bool
+        Whether records yield sliding instead of static friction.
+    sliding_range : (float, float), optional
+        Of `metafem.calibration.shear_record`.
+    """
+    data = CalibrationData()
+    parts: list[Compression | Shear] = []
+    boundaries: list[float | None] = []
+    for path in paths:
+        table = read_table(path, EXAMPLE)
+        if set(table.header) >= CONTACTS:
+            contacts = read_contacts(path)
+            parts += _of_contacts(contacts, table.name)
+            boundaries.append(_boundary(contacts))
+            continue
+        boundaries.append(None)
+        columns = quantity_columns(table, UNITS, _quantity)
+        table.report_unread([*(table.header[column] for column, _ in columns.values()), TEST])
+        if not table.entries():
+            raise InvalidInput(f"{table.name} names columns but holds no measured point")
+        if "displacement" in columns:
+            if table.name in data.records:
+                raise InvalidInput(f"{table.name} is given twice")
+            record = data.records[table.name] = _record(table, columns, sliding_range)
+            parts.append(_pull(table, record, sliding))
+        else:
+            parts += _points(table, columns)
+    data.compression = _pooled_compression([part for part in parts if isinstance(part, Compression)])
+    data.shear = _pooled_shear([part for part in parts if isinstance(part, Shear)])
+    known = [each for each in boundaries if each is not None]
+    if known and len(known) == len(boundaries):
+        data.boundary = float(np.sqrt(np.mean(np.square(known))))
+    return data
+
+
+def _quantity(name: str) -> str | None:
+    """Return the quantity of a column's name."""
+    return "area" if SINGLE.fullmatch(name) else name if name in UNITS else None
+
+
+def _points(table: Table, columns: dict[str, Column]) -> list[Compression | Shear]:
+    """Return the points of a compression test, of a shear test, or of both."""
+    sheared = "area_sheared" in columns  # beside which an entry may be empty
+    values = {name: numbers(table, column, empty=sheared) for name, column in columns.items()}
+    single = sorted((name for name in values if SINGLE.fullmatch(name)), key=lambda name: int(name[5:]))
+    if single and "area" in values:
+        raise InvalidInput(f"{table.name} has a column of the total area and {single[0]}; keep one")
+    if "area" in values and "area_before" in values:
+        raise InvalidInput(f"{table.name} has the columns area and area_before, which are the same; keep one")
+    area = np.stack([values[name] for name in single], axis=1) if single else None
+    if area is None:
+        area = values.get("area", values.get("area_before"))
+    line = [number for number, _ in table.entries()]
+    place = np.array([f"{table.name}, line {number}" for number in line])
+    test = np.array(_tests(table, Path(table.name).stem))
+    found: list[Compression | Shear] = []
+    if "load" in values and area is not None:
+        known = np.isfinite(values["load"]) & np.isfinite(area if area.ndim == 1 else area.sum(axis=1))
+        found.append(Compression(values["load"][known], area[known], tuple(test[known]), tuple(place[known])))
+    total = area if area is None or area.ndim == 1 else area.sum(axis=1)
+    if sheared and (total is not None or "friction_force" in values):
+        missing = np.full(len(line), np.nan)
+        before, force = missing if total is None else total, values.get("friction_force", missing)
+        found.append(Shear(before, values["area_sheared"], force, tuple(test), tuple(place)))
+    if not found:
+        titles = printable(", ".join(table.header), 120)
+        raise InvalidInput(f"{table.name} has the columns {titles}; name its columns {WANTED}")
+    return found
+
+
+def _tests(table: Table, default: str) -> list[str]:
+    """Return the test of each line."""
+    if TEST not in table.header:
+        return [default] * len(table.rows)
+    column = table.header.index(TEST)
+    return [printable(row[column].strip(), 60) for _, row in table.rows]
+
+
+def _record(
+    table: Table, columns: dict[str, Column], sliding_range: tuple[float, float] | None
+) -> ShearRecord:
+    """Return the record of one pull."""
+    missing = [name for name in ("friction_force", "area") if name not in columns]
+    if missing:
+        wanted = ", ".join(f"{name}_{UNITS[name][1]}" for name in missing)
+        raise InvalidInput(
+            f"{table.name} has the column of a displacement, as the record of a pull, but lacks {wanted}"
+        )
+    displacement, force, area = (
+        numbers(table, columns[name], empty=name == "area")
+        for name in ("displacement", "friction_force", "area")
+    )
+    names = ErrorNames(
+        file=table.name,
+        lines=tuple(line for line, _ in table.entries()),
+        names={name: table.header[column] for name, (column, _) in columns.items()},
+        units=PLAIN,
+    )
+    try:
+        with error_names(names):
+            if sliding_range is None:
+                record = shear_record(displacement, force, area)
+            else:
+                record = shear_record(displacement, force, area, sliding_range=sliding_range)
+    except InvalidInput as error:
+        raise of_files(error, [table.name]) from None
+    for note in record.notes:
+        message(f"{table.name}: {note}")
+    return record
+
+
+def _pull(table: Table, record: ShearRecord, sliding: bool) -> Shear:
+    """Return the point of the record of one pull."""
+    if sliding:
+        area, force = record.sliding_area, record.sliding_force
+    else:
+        area, force = record.static_area, record.static_force
+    assert record.area_before is not None
+    assert area is not None
+    test = (_tests(table, "records")[0],)
+    return Shear(np.array([record.area_before]), np.array([area]), np.array([force]), test, (table.name,))
+
+
+def _of_contacts(contacts: ContactTable, name: str) -> list[Compression | Shear]:
+    """Return the points of the images; a contact that could not be measured leaves out its image."""
+    place = np.array([f"{name}, image {image}" for image in contacts.image])
+    test = np.array([each or Path(name).stem for each in contacts.test])
+    whole = np.isfinite(contacts.area).all(axis=1)
+    usable = whole & np.isfinite(contacts.load) & (np.nan_to_num(contacts.area).sum(axis=1) > 0.0)
+    found: list[Compression | Shear] = []
+    if usable.any():
+        left = int((np.isfinite(contacts.load) & ~whole).sum())
+        if left:
+            message(f"{name}: {left} images with contacts that could not be measured are not used for E*")
+        found.append(
+            Compression(
+                contacts.load[usable], contacts.area[usable], tuple(test[usable]), tuple(place[usable])
+            )
+        )
+    both = np.isfinite(contacts.area) & np.isfinite(contacts.sheared_area)
+    before = np.where(both, contacts.area, 0.0).sum(axis=1)
+    after = np.where(both, contacts.sheared_area, 0.0).sum(axis=1)
+    # the friction force belongs to all contacts together
+    force = np.where(both.all(axis=1), contacts.friction_force, np.nan)
+    usable = (before > 0.0) & (after > 0.0)
+    if usable.any():
+        found.append(
+            Shear(before[usable], after[usable], force[usable], tuple(test[usable]), tuple(place[usable]))
+        )
+    if not found:
+        raise InvalidInput(
+            f"{name} holds neither images with a load and the areas of all contacts, nor sheared areas"
+        )
+    return found
+
+
+def _boundary(contacts: ContactTable) -> float | None:
+    """Return the rms error of the boundary [mm] of which the errors of the areas follow."""
+    known = np.isfinite(contacts.area) & (contacts.area > 0.0)
+    if not known.any():
+        return None
+    errors = contacts.area_error[known] / (2.0 * np.sqrt(np.pi * contacts.area[known]))
+    return float(np.sqrt(np.mean(errors**2))) or None
+
+
+def _pooled_compression(parts: list[Compression]) -> Compression | None:
+    if not parts:
+        return None
+    areas = [part.area for part in parts]
+    if len({area.shape[1:] for area in areas}) > 1:
+        message("some tables hold the areas of single contacts and others their total; the totals are used")
+        areas = [area if area.ndim == 1 else area.sum(axis=1) for area in areas]
+    return Compression(
+        np.concatenate([part.load for part in parts]),
+        np.concatenate(areas),
+        tuple(label for part in parts for label in part.test),
+        tuple(place for part in parts for place in part.place),
+    )
+
+
+def _pooled_shear(parts: list[Shear]) -> Shear | None:
+    if not parts:
+        return None
+    return Shear(
+        np.concatenate([part.area_before for part in parts]),
+        np.concatenate([part.area_sheared for part in parts]),
+        np.concatenate([part.friction_force for part in parts]),
+        tuple(label for part in parts for label in part.test),
+        tuple(place for part in parts for place in part.place),
+    )
+
+
+def of_files(error: InvalidInput, names: list[str]) -> InvalidInput:
+    """Return an error that begins with the files it belongs to."""
+    text = str(error)
+    return error if text.startswith(tuple(names)) else InvalidInput(f"{', '.join(names)}: {text}")
