@@ -2,10 +2,11 @@
 
 from metafem.cli import demo_and_design, doctor, predict, report, spec
 from metafem.cli.group import main
-from metafem.cli.measurement import compare
+from metafem.cli.measurement import calibrate, compare
 from metafem.cli.study import comparisons, parameters, tolerances
 
 __all__ = [
+    "calibrate",
     "compare",
     "comparisons",
     "demo_and_design",

@@ -3,7 +3,11 @@
 from metafem.files.atomic.staged import check_free
 from metafem.files.atomic.text import refuse_existing, write_text
 from metafem.files.loads import load_range
+from metafem.files.measurement.block import block_text, is_block
+from metafem.files.measurement.figures import refuse_figure, write_figure
+from metafem.files.measurement.handed_on import calibration_data, is_calibration, read_handed_on
 from metafem.files.measurement.laws import read_measured_law
+from metafem.files.measurement.tables import CalibrationData, of_files, read_calibration
 from metafem.files.part.plan import PartOptions, part_notes, planned
 from metafem.files.result.folder import load, result_folder, same_design, save, stored_hardness, write_all
 from metafem.files.result.study import stored_studies, study_data, study_path, write_study
@@ -18,12 +22,17 @@ from metafem.files.units import member_names, option_names, quantity
 
 __all__ = [
     "MODELS",
+    "CalibrationData",
     "PartOptions",
     "Specification",
     "all_keys",
+    "block_text",
+    "calibration_data",
     "check_free",
     "chosen_model",
     "demo_text",
+    "is_block",
+    "is_calibration",
     "is_law_table",
     "law_table",
     "load",
@@ -31,14 +40,18 @@ __all__ = [
     "manual",
     "measured_pairs",
     "member_names",
+    "of_files",
     "option_names",
     "part_notes",
     "planned",
     "quantity",
+    "read_calibration",
+    "read_handed_on",
     "read_measured_law",
     "read_spec",
     "read_surface",
     "refuse_existing",
+    "refuse_figure",
     "refuse_missing_block",
     "result_folder",
     "same_design",
@@ -48,6 +61,7 @@ __all__ = [
     "study_data",
     "study_path",
     "write_all",
+    "write_figure",
     "write_study",
     "write_text",
 ]

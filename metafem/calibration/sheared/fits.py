@@ -13,6 +13,9 @@ from metafem.calibration.sheared.proportional import proportional
 from metafem.calibration.sheared.result import ShearTest
 from metafem.calibration.verdict import Verdict, judged
 
+# Residual over its standard deviation below which it is rounding.
+ROUNDING = 1e-6
+
 # Numbers of points that are drawn at once.
 AT_ONCE = 200_000
 
@@ -54,8 +57,14 @@ def fitted(points: FloatArray, errors: MeasurementErrors) -> ShearFit:
         (force - strength * sheared) / np.hypot(force_sd, strength * sheared_sd),
     )
     order = np.argsort(value, kind="stable")
-    verdicts = tuple(judged(each[order][np.isfinite(each[order])], 1) for each in residual)
-    return ShearFit(found, covariance, value, residual, (verdicts[0], verdicts[1]))
+    of_area, of_friction = (_judged(each[order]) for each in residual)
+    return ShearFit(found, covariance, value, residual, (of_area, of_friction))
+
+
+def _judged(residual: FloatArray) -> Verdict:
+    """Return the verdict on the residuals of one line; rounding has no sign."""
+    known = residual[np.isfinite(residual)]
+    return judged(np.where(np.abs(known) > ROUNDING, known, 0.0), 1)
 
 
 def fitted_tests(

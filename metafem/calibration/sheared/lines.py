@@ -111,6 +111,7 @@ def shear(
         found.residual[1],
         found.verdicts[0],
         found.verdicts[1],
+        errors,
         tests,
         heterogeneity(values, covariances) if tests else None,
         draws,

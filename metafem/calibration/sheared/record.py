@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from metafem import _validate as check
 from metafem._calls import checked_call
-from metafem._given import formatted
+from metafem._given import formatted, label
 from metafem._validate import FloatArray
 from metafem._values import Value, span
 from metafem.calibration.sheared.quantities import measured_or_nan
@@ -136,8 +136,8 @@ def shear_record(
     if back.size:
         i = int(back[0]) + 1
         raise InvalidInput(
-            f"displacement[{i}] = {formatted('displacement', x[i])} is less than the one before; give one "
-            "pull in one direction"
+            f"{label(f'displacement[{i}]')} = {formatted('displacement', x[i])} is less than the "
+            "one before; give one pull in one direction"
         )
     peak = int(force.argmax())
     _refuse_without_peak(x, force, peak)

@@ -3,15 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from metafem import drawing
+from metafem._calls import checked_call
+from metafem._given import shown
 from metafem._validate import FloatArray
 from metafem._values import Value
 from metafem.calibration.heterogeneity import Heterogeneity
+from metafem.calibration.measurement_errors import MeasurementErrors
 from metafem.calibration.verdict import Verdict
+from metafem.errors import InvalidInput
 from metafem.material import Friction
 from metafem.notes import Note
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 # Half the width of a 68 % interval of a normal distribution, over its standard deviation.
 WIDTH_68 = 0.994458
@@ -65,6 +74,8 @@ class ShearCalibration(Value):
         deviations [-]; nan where the point is not one of the line's.
     area_verdict, friction_verdict : Verdict
         Whether each line fits.
+    errors : MeasurementErrors
+        The standard deviations of the points.
     tests : tuple of ShearTest
         Fit of each test, where there are several.
     heterogeneity : Heterogeneity or None
@@ -96,6 +107,7 @@ class ShearCalibration(Value):
     friction_residual: FloatArray
     area_verdict: Verdict
     friction_verdict: Verdict
+    errors: MeasurementErrors
     tests: tuple[ShearTest, ...] = ()
     heterogeneity: Heterogeneity | None = None
     bootstrap: FloatArray | None = None
@@ -132,6 +144,46 @@ class ShearCalibration(Value):
     def shear_strength_interval(self) -> tuple[float, float]:
         """68 % interval of sigma [MPa]."""
         return self._interval(self.shear_strength, 1)
+
+    @checked_call
+    def plot(self, ax: Axes | None = None, line: Literal["area", "friction"] = "friction") -> Axes:
+        """Draw the points of one line with their error bars, and return the axes.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            Axes to draw on; default: those of a new figure of ``matplotlib.pyplot``.
+        line : {"area", "friction"}
+            Sheared area over area before shear, or friction force over sheared area; default: "friction".
+
+        Examples
+        --------
+        >>> from metafem.calibration import shear
+        >>> before = np.array([0.1, 0.2, 0.3])
+        >>> shear(before, 0.85 * before, 0.3145 * before).plot().get_xlabel()
+        'sheared area  Af [mm²]'
+        """
+        from metafem.drawing import calibration
+
+        if line not in ("area", "friction"):
+            raise InvalidInput(f'line = {shown(line)} must be "area" or "friction"')
+        ax = drawing.axes(ax)
+        of_area, ratio = self.errors.of_area, self.area_ratio
+        before, sheared = self.area_fitted, ratio * self.area_fitted
+        if line == "area":
+            x, y, factor = self.area_before, self.area_sheared, ratio
+            x_sd, y_sd = of_area(before), of_area(sheared)
+        else:
+            x, y, factor = self.area_sheared, self.friction_force, self.shear_strength
+            x_sd, y_sd = of_area(sheared), self.errors.of_friction_force(self.shear_strength * sheared)
+        calibration.measured(ax, x, y, x_sd, y_sd)
+        ends = np.array([0.0, 1.05 * float(np.nanmax(x))])
+        calibration.fitted(ax, ends, factor * ends)
+        ax.set_xlabel("area before shear  A0 [mm²]" if line == "area" else "sheared area  Af [mm²]")
+        ax.set_ylabel("sheared area  Af [mm²]" if line == "area" else "friction force  F [N]")
+        ax.set_xlim(left=0.0)
+        ax.set_ylim(bottom=0.0)
+        return ax
 
     def _interval(self, value: float, index: int) -> tuple[float, float]:
         half = WIDTH_68 * float(np.sqrt(self.covariance[index, index]))

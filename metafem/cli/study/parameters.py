@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from metafem.cli.group import Name
+from metafem.cli.study.calibrated import with_calibration
 from metafem.cli.study.group import of_design, study
 from metafem.cli.study.options import (
     ERRORS,
@@ -42,12 +43,11 @@ INPUTS = {
 MADE = {name: INPUTS[name] for name in INPUTS if name not in ("load", "friction_force")}
 
 
-def deviation_option(inputs: Mapping[str, tuple[str, str]], required: bool = False) -> Options:
+def deviation_option(inputs: Mapping[str, tuple[str, str]]) -> Options:
     """Return the option of the standard deviations of inputs."""
     return click.option(
         "--sd",
         multiple=True,
-        required=required,
         metavar="INPUT=QUANTITY",
         help="Standard deviation of an input, such as radius=2um; repeat it for several. The inputs are "
         f"{', '.join(inputs)}.",
@@ -55,7 +55,14 @@ def deviation_option(inputs: Mapping[str, tuple[str, str]], required: bool = Fal
 
 
 @study.command(short_help="Error bars of the law, and which input matters most.")
-@deviation_option(INPUTS, required=True)
+@deviation_option(INPUTS)
+@click.option(
+    "--calibration",
+    type=Name(),
+    metavar="FILE.json",
+    help="Errors of E*, B, σ and the radius with their correlations, from metafem calibrate -o FILE.json; "
+    "--sd adds other inputs.",
+)
 @click.option(
     "--measured",
     type=Name(),
@@ -83,7 +90,14 @@ def uncertainty(design: Design, **options: Any) -> Dataset:
     if options["measured"] is not None:
         arguments["load"], arguments["friction_force"] = measured_pairs(options["measured"])
     with given_deviations(options["sd"], INPUTS) as deviations:
-        return mf.studies.uncertainty(design.surface, deviations, **arguments)
+        if options["calibration"] is None:
+            if not deviations:
+                raise InvalidInput(
+                    "no error is given; write for example --sd radius=2um, or --calibration calibration.json"
+                )
+            return mf.studies.uncertainty(design.surface, deviations, **arguments)
+        names, covariance = with_calibration(options["calibration"], deviations, design.surface)
+        return mf.studies.uncertainty(design.surface, names, covariance=covariance, **arguments)
 
 
 @study.command(short_help="How good the machine must be.")

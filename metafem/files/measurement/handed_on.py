@@ -143,8 +143,8 @@ def read_handed_on(path: str | Path) -> HandedOn:
     count = len(names)
     if unknown or len(set(names)) != count or value.shape != (count,) or covariance.shape != (count, count):
         raise InvalidInput(
-            f"{label} is damaged: parameters, values and covariance of {printable(str(names), 80)} do not fit "
-            "together"
+            f"{label} is damaged: parameters, values and covariance of {printable(str(names), 80)} do not "
+            "fit together"
         )
     return HandedOn(names, value, covariance)
 

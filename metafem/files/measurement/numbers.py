@@ -27,7 +27,7 @@ def published(value: float, sd: float, unit: str = "") -> str:
     ('1.36 ± 0.04 MPa', '0.851 ± 0.012')
     """
     digits = 1
-    if sd > 0.0 and f"{sd:e}"[0] == "1":
+    if sd > 0.0 and f"{sd:.1e}"[0] == "1":
         digits = 2
     return f"{rounded(value, sd, digits)} ± {rounded(sd, sd, digits)} {unit}".rstrip()
 

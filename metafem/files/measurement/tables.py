@@ -73,14 +73,16 @@ class Shear:
 class CalibrationData:
     """What tables hold, pooled.
 
-    `records` holds the records of pulls by the name of their file, and `boundary` the error of the contacts'
-    boundary [mm] that the tables of images state, for all areas or not at all.
+    `records` holds the records of pulls by the name of their file, `boundary` the error of the contacts'
+    boundary [mm] that the tables of images state, for all areas or not at all, and `position` the centres of
+    the contacts (n, 2) [mm] of the first of these tables.
     """
 
     compression: Compression | None = None
     shear: Shear | None = None
     records: dict[str, ShearRecord] = field(default_factory=dict)
     boundary: float | None = None
+    position: FloatArray | None = None
 
 
 def read_calibration(
@@ -114,6 +116,7 @@ def read_calibration(
             contacts = read_contacts(path)
             parts += _of_contacts(contacts, table.name)
             boundaries.append(_boundary(contacts))
+            data.position = contacts.position if data.position is None else data.position
             continue
         boundaries.append(None)
         columns = quantity_columns(table, UNITS, _quantity)
@@ -293,6 +296,9 @@ def _pooled_shear(parts: list[Shear]) -> Shear | None:
 
 
 def of_files(error: InvalidInput, names: list[str]) -> InvalidInput:
-    """Return an error that begins with the files it belongs to."""
+    """Return an error that names the files it belongs to."""
     text = str(error)
-    return error if text.startswith(tuple(names)) else InvalidInput(f"{', '.join(names)}: {text}")
+    # an option is not part of a file, and a place names its file
+    if text.startswith("--") or any(name in text for name in names):
+        return error
+    return InvalidInput(f"{', '.join(names)}: {text}")

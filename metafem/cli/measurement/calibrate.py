@@ -1,0 +1,216 @@
+"""`metafem calibrate`."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from metafem.cli.group import Name, force_option, json_option, main, model_option
+from metafem.cli.measurement.fits import (
+    ERRORS,
+    LENGTHS,
+    errors_of,
+    fitted_contact,
+    fitted_shear,
+    sliding_range,
+    written_names,
+)
+from metafem.cli.progress import progress
+from metafem.cli.study.options import option_name, seed_option, with_options
+from metafem.cli.terminal import notes_data, print_notes, print_table, terminal
+from metafem.errors import InvalidInput
+
+if TYPE_CHECKING:
+    from metafem.calibration import ContactCalibration, ShearCalibration
+    from metafem.files import CalibrationData
+
+# mJ/m^2 in N/mm.
+ENERGY = 1e-6
+
+error_options = with_options(
+    *(
+        click.option(
+            option_name(name),
+            metavar="QUANTITY",
+            help=f"Standard deviation {what}. Default: {default}"
+            + (", or that of the tables of images." if name == "boundary_error" else "."),
+        )
+        for name, (_, _, default, what) in ERRORS.items()
+    )
+)
+
+length_options = with_options(
+    *(
+        click.option(option_name(name), metavar="LENGTH", help=f'{what}, such as "{shown}".')
+        for name, (shown, what) in LENGTHS.items()
+    )
+)
+
+
+@main.command(short_help="Measure E*, adhesion energy, B and σ from tables of tests.")
+@click.argument("data", type=Name(), nargs=-1, required=True, metavar="DATA.csv...")
+@length_options
+@click.option(
+    "--contacts",
+    type=click.IntRange(min=1),
+    help="Number of contacts under one load, of which the table has the total area. Default: 1, or that of "
+    "the columns.",
+)
+@click.option("--poisson-ratio", type=float, help="ν of the material. Default: 0.5.")
+@error_options
+@click.option(
+    "--sliding", is_flag=True, help="Use the sliding friction of records instead of the static one."
+)
+@click.option(
+    "--sliding-range",
+    nargs=2,
+    metavar="FROM TO",
+    help='Distances after the peak, such as "0.1 mm" "0.2 mm", over which sliding friction is averaged. '
+    "Default: these.",
+)
+@click.option(
+    "--sample",
+    type=Name(),
+    metavar="HEIGHTS.csv",
+    help="Table of the sample's caps (x_mm,y_mm,height_um), for --model. Default: the contacts of a table of "
+    "metafem images, with equal heights.",
+)
+@model_option("independent")
+@click.option(
+    "--bootstrap", type=click.IntRange(min=2), help="Also fit this number of times to points drawn again."
+)
+@seed_option
+@click.option(
+    "-o",
+    "--output",
+    type=Name(),
+    multiple=True,
+    help="Write the sections of a specification (.toml), or values and covariance (.json) for metafem study "
+    "uncertainty --calibration; may be repeated.",
+)
+@click.option("--figure", type=Name(), help="Draw the lines and their residuals: a file .svg or .png.")
+@force_option
+@json_option
+def calibrate(
+    data: tuple[Path, ...],
+    output: tuple[Path, ...],
+    figure: Path | None,
+    force: bool,
+    as_json: bool,
+    **options: Any,
+) -> None:
+    """Measure composite modulus, adhesion energy, area ratio and shear strength from tables of tests.
+
+    The columns of a table say what it holds: load_mN,area_mm2 (or area_1_mm2,area_2_mm2 ... of single
+    contacts) a compression test, area_before_mm2,area_sheared_mm2,friction_force_mN a shear test, and
+    displacement_um,friction_force_mN,area_mm2 the record of one pull; or it is a table of metafem images.
+    Each table is a test, unless a column test holds labels.
+
+    Example: metafem calibrate compression.csv shear.csv --contacts 5 --radius "526 um" --radius-sd "5 um"
+    """
+    from metafem.calibration.figure import calibration_figure
+    from metafem.files import (
+        block_text,
+        calibration_data,
+        is_block,
+        is_calibration,
+        read_calibration,
+        refuse_existing,
+        refuse_figure,
+        write_figure,
+        write_text,
+    )
+
+    kinds = {".toml": is_block, ".json": is_calibration}
+    for path in output:
+        if path.suffix.lower() not in kinds:
+            raise InvalidInput(f"--output {path} must end with .toml or .json")
+        refuse_existing(path, force, kinds[path.suffix.lower()])
+    if figure is not None:
+        refuse_figure(figure, force)
+    sources = [str(path) for path in data]
+    with progress():
+        measured = read_calibration(data, sliding=options["sliding"], sliding_range=sliding_range(options))
+        names = written_names(options)
+        errors = errors_of(options, measured)
+        contact = fitted_contact(measured, options, errors, names, sources)
+        shear = fitted_shear(measured, options, errors, names, sources)
+        found = calibration_data(contact, shear, sources, measured.records)
+        found["notes"] = [
+            note for each in (contact, shear) if each is not None for note in notes_data(each.notes)
+        ]
+        text = json.dumps(found)
+        for path in output:
+            suffix = path.suffix.lower()
+            content = (
+                block_text(contact, shear, sources, options["contact"]) if suffix == ".toml" else text + "\n"
+            )
+            write_text(path, content, force=force, ours=kinds[suffix])
+        if figure is not None:
+            write_figure(figure, calibration_figure(contact, shear), "calibration", force=force)
+    if as_json:
+        click.echo(text)
+        return
+    _print(contact, shear, measured)
+    for path in (*output, *([figure] if figure is not None else [])):
+        terminal().print(f"wrote {path}", highlight=False, markup=False)
+
+
+def _print(
+    contact: ContactCalibration | None, shear: ShearCalibration | None, measured: CalibrationData
+) -> None:
+    """Print the values with their intervals, the verdicts and the tests."""
+    import numpy as np
+
+    from metafem.files.measurement.numbers import interval, published, rounded
+
+    console = terminal()
+    rows: list[tuple[str, ...]] = []
+    lines = []
+
+    def row(what: str, value: float, ends: tuple[float, float], sd: float, unit: str, drawn: Any) -> None:
+        scatter = "" if drawn is None else rounded(float(drawn), float(drawn))
+        rows.append((what, rounded(value, sd), interval(ends, sd), unit, published(value, sd), scatter))
+
+    if contact is not None:
+        sd = math.sqrt(contact.root_covariance[0, 0])
+        drawn = None if contact.bootstrap is None else contact.bootstrap[:, 0].std(ddof=1)
+        ends = contact.composite_modulus_interval
+        row("E*, composite modulus", contact.composite_modulus, ends, sd, "MPa", drawn)
+        energy = contact.adhesion_energy / ENERGY
+        low, high = (end / ENERGY for end in contact.adhesion_energy_interval)
+        width = 0.5 * (high - low)
+        apart = f"{rounded(energy, width, 1)} +{high - energy:.2g} -{energy - low:.2g}"
+        within = interval((low, high), width)
+        rows.append(("w, adhesion energy", rounded(energy, width), within, "mJ/m²", apart, ""))
+        lines.append(f"E* and w, {len(contact.load)} points: {contact.verdict}")
+        if contact.heterogeneity is not None:
+            lines.append(f"E* and w, {len(contact.tests)} tests: {contact.heterogeneity}")
+    if shear is not None:
+        ratio_sd, strength_sd = np.sqrt(np.diagonal(shear.covariance)).tolist()
+        spread = (None, None) if shear.bootstrap is None else shear.bootstrap.std(axis=0, ddof=1).tolist()
+        row("B, area ratio", shear.area_ratio, shear.area_ratio_interval, ratio_sd, "", spread[0])
+        ends = shear.shear_strength_interval
+        row("σ, shear strength", shear.shear_strength, ends, strength_sd, "MPa", spread[1])
+        for name, verdict in (("B", shear.area_verdict), ("σ", shear.friction_verdict)):
+            lines.append(f"{name}, {verdict.freedom + 1} points: {verdict}")
+        if shear.heterogeneity is not None:
+            lines.append(f"B and σ, {len(shear.tests)} tests: {shear.heterogeneity}")
+    columns = ["quantity", "value", "68 % interval", "unit", "± standard deviation", "of the bootstrap"]
+    if all(not each[-1] for each in rows):
+        columns, rows = columns[:-1], [each[:-1] for each in rows]
+    print_table(console, columns, rows)
+    for name, record in measured.records.items():
+        lines.append(
+            f"{name}: static {record.static_force:.4g} N at {record.peak_displacement:.4g} mm, sliding "
+            f"{record.sliding_force:.4g} N"
+        )
+    for line in lines:
+        console.print(line, highlight=False, markup=False, soft_wrap=True)
+    for each in (contact, shear):
+        if each is not None:
+            print_notes(console, each.notes)

@@ -1,0 +1,190 @@
+"""Calibrations of the measured tables with the options of `metafem calibrate`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from metafem.cli.study.options import option_name
+from metafem.errors import InvalidInput
+
+if TYPE_CHECKING:
+    from metafem._given import ErrorNames
+    from metafem.calibration import ContactCalibration, MeasurementErrors, ShearCalibration
+    from metafem.files import CalibrationData
+    from metafem.surface import Surface
+
+# The options of the standard deviations: member of MeasurementErrors, unit, and what is printed in help.
+ERRORS = {
+    "load_error": ("load", "N", "5 mN", "of a load"),
+    "boundary_error": ("boundary", "mm", "1.4 um", "of the boundary of a contact"),
+    "friction_error": ("friction_force", "N", "1 mN", "of a friction force at zero"),
+    "friction_relative_error": ("friction_relative", "1", "1 %", "of a friction force in proportion to it"),
+}
+
+# The dimensions of a sample, with what is printed in help.
+LENGTHS = {
+    "radius": ("526 um", "Radius of the caps, needed for E*"),
+    "radius_sd": ("5 um", "Its standard deviation; default: 0"),
+    "thickness": ("7.2 mm", "Thickness of the sample's block, for --model layer"),
+    "width": ("20 mm", "Width of that block along x, for --model block"),
+    "length": ("20 mm", "Length of that block along y, for --model block"),
+}
+
+
+def written_names(options: Mapping[str, Any]) -> ErrorNames:
+    """Return the names of the options and the units of the entries, for errors."""
+    from metafem.files import option_names
+
+    names = option_names({name: value for name, value in options.items() if isinstance(value, str)})
+    plain = {name: option_name(name) for name in (*LENGTHS, "contacts", "poisson_ratio", "bootstrap")}
+    return replace(names, units={**names.units, "": ("", 1.0)}, names={**names.names, **plain})
+
+
+def sliding_range(options: Mapping[str, Any]) -> tuple[float, float] | None:
+    """Return the sliding range of the options [mm]."""
+    from metafem.files import quantity
+
+    if not options["sliding_range"]:
+        return None
+    low, high = (quantity("--sliding-range", text, "mm", "0.1 mm") for text in options["sliding_range"])
+    return low, high
+
+
+def errors_of(options: Mapping[str, Any], measured: CalibrationData) -> MeasurementErrors:
+    """Return the standard deviations of the options, of the tables of images, or of the paper."""
+    from metafem._given import error_names
+    from metafem.calibration import MeasurementErrors
+    from metafem.files import option_names, quantity
+
+    given = {} if measured.boundary is None else {"boundary": measured.boundary}
+    for name, (member, unit, example, _) in ERRORS.items():
+        if options[name] is not None:
+            given[member] = quantity(option_name(name), options[name], unit, example)
+    texts = {member: options[name] for name, (member, *_) in ERRORS.items()}
+    names = {member: option_name(name) for name, (member, *_) in ERRORS.items()}
+    with error_names(replace(option_names(texts), names=names)):
+        return MeasurementErrors(**given)
+
+
+def fitted_contact(
+    measured: CalibrationData,
+    options: Mapping[str, Any],
+    errors: MeasurementErrors,
+    names: ErrorNames,
+    sources: list[str],
+) -> ContactCalibration | None:
+    """Return E* and the adhesion energy, None without compression tests."""
+    import metafem as mf
+    from metafem._given import error_names
+    from metafem.files import chosen_model, of_files, quantity
+
+    points = measured.compression
+    if points is None:
+        return None
+    if options["radius"] is None:
+        raise InvalidInput(
+            'E* needs the radius of the caps; add for example --radius "526 um" --radius-sd "5 um"'
+        )
+    radius, radius_sd = (
+        0.0 if options[name] is None else quantity(option_name(name), options[name], "mm", LENGTHS[name][0])
+        for name in ("radius", "radius_sd")
+    )
+    count = options["contacts"]
+    single = points.area.shape[1] if points.area.ndim == 2 else None
+    if single is not None and count not in (None, single):
+        raise InvalidInput(f"--contacts {count}: the tables hold {single} contacts one by one; leave it out")
+    try:
+        with error_names(replace(names, places=points.place)):
+            surface = _surface(measured, options, radius)
+            model = None
+            if options["model"] is not None:
+                model = chosen_model(mf.Independent(), options["model"], options["contact"])
+            cap = chosen_model(mf.Independent(), None, options["contact"]).contact  # type: ignore[attr-defined]
+            return mf.calibration.contact(
+                points.load,
+                points.area,
+                radius,
+                contacts=single or count or 1,
+                radius_sd=radius_sd,
+                errors=errors,
+                test=points.test,
+                poisson_ratio=options["poisson_ratio"],
+                model=model,
+                contact=None if model is not None else cap,
+                surface=surface,
+                bootstrap=options["bootstrap"] or 0,
+                rng=options["seed"],
+            )
+    except InvalidInput as error:
+        raise of_files(error, sources) from None
+
+
+def _surface(measured: CalibrationData, options: Mapping[str, Any], radius: float) -> Surface | None:
+    """Return the sample under a model: that of the table of caps, or the contacts of the images."""
+    import numpy as np
+
+    import metafem as mf
+    from metafem.files import quantity, read_surface
+
+    if options["model"] is None:
+        given = [name for name in ("sample", "thickness", "width", "length") if options[name] is not None]
+        if given:
+            raise InvalidInput(f"{option_name(given[0])} needs --model, such as --model layer")
+        return None
+    ratio = 0.5 if options["poisson_ratio"] is None else options["poisson_ratio"]
+    material = mf.Material(1.0, ratio)  # the modulus is what is fitted
+    thickness, width, length = (
+        None if options[name] is None else quantity(option_name(name), options[name], "mm", LENGTHS[name][0])
+        for name in ("thickness", "width", "length")
+    )
+    if options["sample"] is not None:
+        surface = read_surface(options["sample"], material, radius)
+    elif measured.position is not None:
+        surface = mf.Surface(measured.position, np.zeros(len(measured.position)), radius, material)
+    else:
+        raise InvalidInput(
+            "--model needs the positions of the caps; add a table of them, --sample heights.csv, or "
+            "calibrate with a table of metafem images"
+        )
+    extent = np.ptp(surface.position, axis=0) + 2.0 * radius
+    if thickness is not None:
+        # the layer has no sides: the caps fit on this block
+        sides = extent if width is None or length is None else (width, length)
+        surface = surface.replaced(block=mf.Block(float(sides[0]), float(sides[1]), thickness))
+    if options["model"] in ("layer", "block") and surface.block is None:
+        raise InvalidInput(f'--model {options["model"]} needs --thickness, such as --thickness "7.2 mm"')
+    if options["model"] == "block" and (width is None or length is None):
+        raise InvalidInput('--model block needs --width and --length, such as --width "20 mm"')
+    return surface
+
+
+def fitted_shear(
+    measured: CalibrationData,
+    options: Mapping[str, Any],
+    errors: MeasurementErrors,
+    names: ErrorNames,
+    sources: list[str],
+) -> ShearCalibration | None:
+    """Return B and sigma, None without shear tests."""
+    import metafem as mf
+    from metafem._given import error_names
+    from metafem.files import of_files
+
+    points = measured.shear
+    if points is None:
+        return None
+    try:
+        with error_names(replace(names, places=points.place)):
+            return mf.calibration.shear(
+                points.area_before,
+                points.area_sheared,
+                points.friction_force,
+                errors=errors,
+                test=points.test,
+                bootstrap=options["bootstrap"] or 0,
+                rng=options["seed"],
+            )
+    except InvalidInput as error:
+        raise of_files(error, sources) from None

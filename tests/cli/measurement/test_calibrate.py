@@ -1,0 +1,194 @@
+"""`metafem calibrate` on exact and noisy tables, and the study that takes its covariance."""
+
+import json
+import math
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import metafem as mf
+from metafem.calibration import ContactTable, MeasurementErrors
+from metafem.files.measurement.contacts import contacts_table
+
+A = np.linspace(0.08, 0.4, 20)
+AREA = 5.0 * math.pi * A**2
+LOAD = 5.0 * (1.36 * 4.0 / 3.0 * A**3 / 0.526 - np.sqrt(8.0 * math.pi * 3e-5 * 1.36 * A**3))
+RADIUS = ("--contacts", 5, "--radius", "526 um", "--radius-sd", "5 um")
+
+
+def table(name, header, *columns):
+    """Write a table."""
+    rows = zip(*(np.asarray(column).tolist() for column in columns), strict=True)
+    lines = [",".join(map(str, row)) for row in rows]
+    Path(name).write_text("\n".join([header, *lines]), "utf-8")
+
+
+@pytest.fixture
+def tables(run):
+    """Write a compression and a shear table of exact points."""
+    table("compression.csv", "load_mN,area_mm2", 1e3 * LOAD, AREA)
+    table("shear.csv", "area_before_mm2,area_sheared_mm2,friction_force_mN", AREA, 0.85 * AREA, 314.5 * AREA)
+
+
+def words(result):
+    """Return the output with single blanks."""
+    return " ".join(result.output.split())
+
+
+def test_all_parameters_are_printed_and_written(run, tables):
+    files = ("-o", "calibration.toml", "-o", "calibration.json", "--figure", "calibration.svg")
+    result = run("calibrate", "compression.csv", "shear.csv", *RADIUS, *files)
+    assert result.exit_code == 0, result.output
+    text = words(result)
+    for part in ("E*, composite modulus 1.360", "w, adhesion energy 30", "B, area ratio 0.8500"):
+        assert part in text
+    assert "σ, shear strength 0.3700" in text
+    assert "E* and w, 20 points: the law fits" in text
+    assert text.endswith("wrote calibration.toml wrote calibration.json wrote calibration.svg")
+    block = tomllib.loads(Path("calibration.toml").read_text("utf-8"))
+    assert list(block) == ["material", "contact", "friction"]
+    data = json.loads(Path("calibration.json").read_text("utf-8"))
+    assert data["composite_modulus_MPa"] == pytest.approx(1.36)
+    assert data["adhesion_energy_N_per_mm"] == pytest.approx(3e-5)
+    assert data["parameters"] == ["radius", "composite_modulus", "area_ratio", "shear_strength"]
+    assert data["values"] == pytest.approx([0.526, 1.36, 0.85, 0.37])
+    assert np.array(data["covariance"])[0, 0] == pytest.approx(0.005**2)
+    assert Path("calibration.svg").read_text("utf-8").count("residual / sd") == 3
+
+
+def test_the_numbers_are_those_of_the_python_functions(run, tables):
+    data = json.loads(run("calibrate", "compression.csv", "shear.csv", *RADIUS, "--json").stdout)
+    exact = mf.calibration.contact(LOAD, AREA, 0.526, contacts=5, radius_sd=0.005)
+    assert data["composite_modulus_interval_MPa"] == pytest.approx(exact.composite_modulus_interval)
+    assert data["adhesion_energy_interval_N_per_mm"] == pytest.approx(exact.adhesion_energy_interval)
+    sheared = mf.calibration.shear(AREA, 0.85 * AREA, 0.3145 * AREA)
+    names, covariance = mf.calibration.joint_covariance(exact, sheared)
+    assert data["parameters"] == list(names)
+    np.testing.assert_allclose(data["covariance"], covariance, rtol=1e-5)
+
+
+def test_tests_are_compared_and_points_drawn_again(run, tables):
+    Path("second.csv").write_bytes(Path("shear.csv").read_bytes())
+    result = run("calibrate", "shear.csv", "second.csv", "--bootstrap", 20)
+    assert "B and σ, 2 tests: the tests agree" in words(result)
+    assert "of the bootstrap" in words(result)
+    data = json.loads(run("calibrate", "shear.csv", "second.csv", "--bootstrap", 20, "--json").stdout)
+    assert [test["test"] for test in data["shear_tests"]] == ["shear", "second"]
+    assert data["shear_bootstrap_sd"]["area_ratio"] < 1e-12  # of exact points
+    assert data["parameters"] == ["area_ratio", "shear_strength"]
+
+
+def test_errors_are_those_of_the_options(run, tables):
+    options = ("--load-error", "1 mN", "--boundary-error", "3 um", "--friction-error", "2 mN")
+    options += ("--friction-relative-error", "2 %")
+    data = json.loads(run("calibrate", "shear.csv", *options, "--json").stdout)
+    errors = MeasurementErrors(1e-3, 3e-3, 2e-3, 0.02)
+    expected = mf.calibration.shear(AREA, 0.85 * AREA, 0.3145 * AREA, errors=errors)
+    np.testing.assert_allclose(data["covariance"], expected.covariance, rtol=1e-6)
+
+
+def contacts():
+    """Return the contacts of five caps in images of a compression and shear test."""
+    area = np.repeat(AREA[:, None] / 5.0, 5, axis=1)
+    corner = 5.05 * np.array([[0.0, 0.0], [-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]])
+    return ContactTable(
+        tuple(f"{i}.tif" for i in range(20)),
+        ("",) * 20,
+        LOAD,
+        0.3145 * AREA,
+        corner,
+        np.arange(5),
+        False,
+        area,
+        1e-3 * np.sqrt(math.pi * area),
+        0.85 * area,
+        1e-3 * np.sqrt(math.pi * area),
+    )
+
+
+def test_contacts_in_images_are_calibrated_one_by_one(run):
+    Path("contacts.csv").write_text(contacts_table(contacts()), "utf-8")
+    data = json.loads(run("calibrate", "contacts.csv", "--radius", "526 um", "--json").stdout)
+    assert data["values"] == pytest.approx([1.36, 0.85, 0.37])
+    # the error of the boundary is that of the table
+    expected = mf.calibration.shear(
+        AREA, 0.85 * AREA, 0.3145 * AREA, errors=MeasurementErrors(boundary=0.5e-3)
+    )
+    np.testing.assert_allclose(np.array(data["covariance"])[1:, 1:], expected.covariance, rtol=1e-6)
+
+
+@pytest.mark.slow
+def test_the_sample_may_be_a_layer(run):
+    Path("contacts.csv").write_text(contacts_table(contacts()), "utf-8")
+    options = ("--model", "layer", "--thickness", "7.2 mm", "--radius", "526 um", "--json")
+    result = run("calibrate", "contacts.csv", *options)
+    assert result.exit_code == 0, result.output
+    modulus = json.loads(result.stdout)["composite_modulus_MPa"]
+    assert modulus == pytest.approx(1.36, rel=0.02)
+    assert modulus != pytest.approx(1.36, rel=1e-4)
+
+
+@pytest.mark.slow
+def test_the_covariance_is_handed_on_to_the_study(run, demo, tables):
+    demo("linear")
+    run("calibrate", "compression.csv", "shear.csv", *RADIUS, "-o", "calibration.json")
+    options = ("--calibration", "calibration.json", "--draws", 512, "--json")
+    data = json.loads(run("study", "uncertainty", "linear", "--sd", "load=2mN", *options).stdout)
+    parameters = data["data"]["parameter"]["values"]
+    assert parameters == ["radius + composite_modulus", "area_ratio + shear_strength", "load"]
+    told = run("study", "uncertainty", "linear", *options, "--force")
+    assert "shear_strength of the design is 0.358, and that of the calibration 0.37" in words(told)
+    twice = run("study", "uncertainty", "linear", "--sd", "radius=2um", *options, "--force")
+    assert twice.exit_code == 2
+    assert "--sd radius and --calibration both give" in twice.output
+    none = run("study", "uncertainty", "linear", "--force")
+    assert none.exit_code == 2
+    assert "no error is given" in none.output
+    other = run("study", "uncertainty", "linear", "--calibration", "shear.csv", "--force")
+    assert other.exit_code == 2
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("compression.csv",), 'E* needs the radius of the caps; add for example --radius "526 um"'),
+        (("compression.csv", "--radius", "0.526"), '--radius = "0.526" needs a unit'),
+        (("compression.csv", "--radius", "-1 mm"), "--radius = -1 mm must be greater than 0"),
+        (("shear.csv", "--load-error", "5 mm"), '--load-error = "5 mm" has the unit "mm"'),
+        (("shear.csv", "--load-error", "0 mN"), "--load-error = 0 mN must be greater than 0"),
+        (("shear.csv", "-o", "a.txt"), "--output a.txt must end with .toml or .json"),
+        (("shear.csv", "--figure", "a.gif"), "a.gif must end with .svg or .png"),
+        (("compression.csv", *RADIUS, "--model", "layer"), "--model needs the positions of the caps"),
+        (("compression.csv", *RADIUS, "--thickness", "7 mm"), "--thickness needs --model"),
+        (("missing.csv",), "missing.csv: no such file"),
+        (("two.csv", *RADIUS), "two.csv: load has 2 points; E* and the adhesion energy need at least 3"),
+        (("falling.csv", *RADIUS), "falling.csv, line 2: load = 0.03 N"),
+        (("negative.csv", "compression.csv", *RADIUS), "negative.csv, line 3: area = -1 mm^2 must not be"),
+        (("single.csv", *RADIUS), "--contacts 5: the tables hold 2 contacts one by one"),
+        (("force.csv",), "force.csv: friction_force decreases with area_sheared"),
+        (("half.csv",), "half.csv: B needs at least 2 points with area_before and area_sheared; there are 0"),
+    ],
+)
+def test_bad_input_is_named(run, tables, arguments, message):
+    table("two.csv", "load_mN,area_mm2", [1, 2], [1, 2])
+    table("falling.csv", "load_mN,area_mm2", [30, 20, 10], [1, 2, 3])
+    table("negative.csv", "load_mN,area_mm2", [30, 20, 10], [1, -1, 3])
+    table("single.csv", "load_mN,area_1_mm2,area_2_mm2", [10, 20, 30], [1, 2, 3], [1, 2, 3])
+    before = "area_before_mm2,area_sheared_mm2,friction_force_mN"
+    table("force.csv", before, AREA, 0.85 * AREA, 314.5 * AREA[::-1])
+    table("half.csv", "area_sheared_mm2,friction_force_mN", AREA, AREA)
+    result = run("calibrate", *arguments)
+    assert result.exit_code == 2
+    assert message in words(result)
+
+
+def test_files_are_not_replaced_without_force(run, tables):
+    assert run("calibrate", "shear.csv", "-o", "a.toml").exit_code == 0
+    again = run("calibrate", "shear.csv", "-o", "a.toml")
+    assert again.exit_code == 2
+    assert "--force" in again.output
+    assert run("calibrate", "shear.csv", "-o", "a.toml", "--force").exit_code == 0
+    Path("a.toml").write_text("[material]\n", "utf-8")
+    assert run("calibrate", "shear.csv", "-o", "a.toml", "--force").exit_code == 2
