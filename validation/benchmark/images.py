@@ -1,0 +1,82 @@
+"""Time and memory of a stack of images, and scatter of the areas against noise, blur and radius."""
+
+from __future__ import annotations
+
+import resource
+import time
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+import metafem as mf
+from metafem.calibration import stack_areas
+from validation.calibration.image_areas import errors
+from validation.scenes.pictures import picture
+from validation.timing import Row
+
+# Images of a stack, rows and columns of each, and contacts along each side.
+IMAGES, SHAPE, SIDE = 100, (2048, 2048), 8
+
+# Largest radius of a contact [pixels]; pictures that are drawn, each of which is used several times.
+LARGEST, DRAWN = 80.0, 10
+
+# Radii [pixels], noise over the contrast and blur [pixels] at which the reported errors are compared.
+GRID = [(r, n, b) for r in (8.0, 16.0, 40.0) for n in (0.02, 0.1) for b in (1.0, 2.5) if r > 5.0 * b]
+
+
+@dataclass(frozen=True)
+class Stack:
+    """A sequence of images; the pictures were drawn before."""
+
+    pictures: list[Any]
+
+    def __len__(self) -> int:
+        return IMAGES
+
+    def __getitem__(self, i: int) -> Any:
+        return self.pictures[i * DRAWN // IMAGES]
+
+
+def drawn(step: int) -> Any:
+    """Draw the contacts of one load: the radii differ, and the smallest are open at small loads."""
+    pitch = SHAPE[0] / SIDE
+    x, y = np.meshgrid(*[(np.arange(SIDE) + 0.5) * pitch] * 2)
+    height = np.random.default_rng(0).uniform(0.0, 0.9, SIDE**2)
+    radius = LARGEST * np.sqrt(np.maximum((step + 1.0) / DRAWN - height, 0.0))
+    centre = np.stack([x.ravel(), y.ravel()], axis=1)
+    shown = radius > 0.0
+    return picture(
+        SHAPE,
+        centre[shown],
+        radius[shown],
+        noise=0.05,
+        gradient=(0.2, -0.1),
+        vignetting=0.1,
+        bits=8,
+        rng=step,
+    )
+
+
+def rows() -> list[Row]:
+    """Measure a stack in one process, and the reported errors over the scatter."""
+    stack = Stack([drawn(step) for step in range(DRAWN)])
+    steps: list[str] = []
+    start = time.process_time()
+    with mf.progress.listening(lambda step, done: steps.append(step)):
+        found = stack_areas(stack, pixel_size=0.005)
+    seconds = time.process_time() - start
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
+    name = f"{IMAGES} images of {SHAPE[0]}², {found[-1].count} contacts in the last"
+    measured = [
+        Row(f"{name}: processor time", 30.0, seconds, "s"),
+        Row(f"{name}: peak memory, with {DRAWN} drawn pictures", 1.0, peak, "GiB"),
+        Row(f"{name}: steps that were not reported", 0.0, float(IMAGES - len(steps)), ""),
+    ]
+    for radius, noise, blur in GRID:
+        ratio = errors(radius, noise=noise, blur=blur).calibrated
+        what = (
+            f"radius {radius:g}, noise {noise:g}, blur {blur:g}: rms of error over reported error, off 1 by"
+        )
+        measured.append(Row(what, 0.2, abs(ratio - 1.0), ""))
+    return measured

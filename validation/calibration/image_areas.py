@@ -1,0 +1,173 @@
+"""Contact areas from synthetic images: scatter and bias of the sub-pixel boundary and of Otsu's threshold."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from metafem._validate import FloatArray
+from metafem._values import percent
+from metafem.calibration import contact_areas
+from metafem.calibration.images import levels
+from metafem.calibration.images.boundary import contours
+from metafem.drawing import ACHIEVED, QUIET, TARGET, new_figure
+from validation.check import Check, Claim, below, near, reported
+from validation.scenes.pictures import coverage, lattice, picture
+
+SLOW = True
+
+# Radii [pixels] and the largest rms of the relative errors of the areas.
+REQUIRED = {10.0: 0.015, 20.0: 0.005, 50.0: 0.002}
+
+# Blur of the optics [pixels] and noise of a pixel over the contrast.
+BLUR, NOISE = 1.5, 0.05
+
+# Images of so many contacts along each side.
+IMAGES, SIDE = 8, 5
+
+# The edge of a contact: the blur, and the square of a pixel with the variance 1/12.
+EDGE = math.hypot(BLUR, math.sqrt(1.0 / 12.0))
+
+ISSUE = "requirement: 200 contacts with random centres, blur 1.5 pixels, noise 5 %"
+BOUND = (
+    "Cramér-Rao bound of the position of an edge blurred by s, times the perimeter L: n sqrt(2 sqrt(pi) s L)"
+)
+GAUSS_BONNET = "-s_t²/r²: Gauss-Bonnet, the half level is displaced by s_t²/2 times the curvature"
+OTSU = "pixels below Otsu's threshold, doi:10.1109/TSMC.1979.4310076, as in doi:10.1126/science.adk4234"
+REPORTED = "requirement: the reported standard deviations are the scatter within 20 %"
+
+
+@dataclass(frozen=True)
+class Errors:
+    """Relative errors of areas, of Otsu's areas, and the reported standard deviations."""
+
+    area: FloatArray
+    otsu: FloatArray
+    reported: FloatArray
+
+    @property
+    def rms(self) -> float:
+        """Root of the mean square of the errors of the areas."""
+        return float(np.sqrt(np.mean(self.area**2)))
+
+    @property
+    def calibrated(self) -> float:
+        """Root of the mean square of the errors over the reported standard deviations."""
+        return float(np.sqrt(np.mean((self.area / self.reported) ** 2)))
+
+
+@cache
+def errors(radius: float, ratio: float = 1.0, noise: float = NOISE, blur: float = BLUR) -> Errors:
+    """Measure contacts of one radius, or ellipses of one ratio of axes in random directions."""
+    return Errors(*np.concatenate(list(_images(radius, ratio, noise, blur))).T)
+
+
+def _images(radius: float, ratio: float, noise: float, blur: float) -> Iterator[FloatArray]:
+    rng = np.random.default_rng(int(radius))
+    exact = math.pi * radius**2 * ratio
+    for _ in range(IMAGES):
+        shape, centre = lattice(SIDE, radius, rng)
+        axes = np.full(centre.shape, radius) * np.array([1.0, ratio])
+        angle = rng.uniform(-np.pi, np.pi, len(centre))
+        image = picture(
+            shape, centre, axes, angle, blur=blur, noise=noise, gradient=(0.2, -0.1), bits=8, rng=rng
+        )
+        found = contact_areas(image, pixel_size=1.0)
+        yield np.stack(
+            [found.area / exact - 1.0, found.otsu_area / exact - 1.0, found.area_error / exact], axis=1
+        )
+
+
+def floor(radius: float, noise: float = NOISE) -> float:
+    """Least relative error of an area."""
+    length = 2.0 * math.pi * radius
+    return noise * math.sqrt(2.0 * math.sqrt(math.pi) * EDGE * length) / (math.pi * radius**2)
+
+
+def uncorrected(radius: float) -> tuple[float, float]:
+    """Return the bias of the area within the half level, without noise, and what it is by Gauss-Bonnet."""
+    side = int(2.0 * radius + 40.0)
+    rng = np.random.default_rng(0)
+    enclosed = []
+    for centre in side / 2.0 + rng.uniform(-0.5, 0.5, (20, 2)):
+        covered = coverage((side, side), [centre], [radius], blur=BLUR)
+        image, variance = levels.smoothed((1.0 - covered).astype(np.float32), EDGE)
+        enclosed.append(contours(image, (image < 0.5).astype(np.int32), 0.5, 1).area[0])
+    return float(np.mean(enclosed) / (math.pi * radius**2) - 1.0), -(EDGE**2 + variance) / radius**2
+
+
+def claim() -> Claim:
+    """Measure 200 contacts of each radius, circles and sheared ones."""
+    return Claim(
+        "Contact areas from images",
+        [*_circles(), *_curvature(), *_ellipses()],
+        {"errors against the radius": _figure},
+        f"Circles in images of 8 bits with an illumination gradient, blur {BLUR} pixels and noise "
+        f"{percent(NOISE)} of the contrast. The contour at the half level of an image smoothed as much as it "
+        "is blurred reaches the Cramér-Rao bound of an edge that is known but for its position. Otsu's "
+        "threshold has a bias besides: curvature moves its contour inwards, and where pixels of the ground "
+        "are more frequent than dark ones, its level lies nearer to that of the ground.",
+    )
+
+
+def _circles() -> list[Check]:
+    checks = []
+    for radius, required in REQUIRED.items():
+        found, name = errors(radius), f"radius {radius:g} pixels"
+        otsu_rms = float(np.sqrt(np.mean(found.otsu**2)))
+        checks += [
+            below(f"{name}: rms error of the area", found.rms, required, ISSUE),
+            near(f"{name}: rms error over the noise floor", found.rms / floor(radius), 1.0, 0.25, BOUND),
+            near(f"{name}: rms of error over reported error", found.calibrated, 1.0, 0.2, REPORTED),
+            below(f"{name}: bias over the rms error", abs(found.area.mean()) / found.rms, 0.25, ISSUE),
+            reported(f"{name}: bias by Otsu's threshold", float(found.otsu.mean()), OTSU),
+            reported(f"{name}: rms error by Otsu's threshold", otsu_rms, OTSU),
+        ]
+    return checks
+
+
+def _curvature() -> list[Check]:
+    checks = []
+    for radius in REQUIRED:
+        bias, expected = uncorrected(radius)
+        # the next term of a circle, 1/6 (s_t/r)^4, and the sagitta of the polygon, 0.21/r² as a variance
+        rest = expected**2 / 6.0 + 0.25 / radius**2
+        name = f"radius {radius:g} pixels: bias of the half level before the correction"
+        checks.append(near(name, bias, expected, rest, GAUSS_BONNET))
+        clean = errors(radius, noise=0.001)
+        name = f"radius {radius:g} pixels: bias after it, noise 0.1 %"
+        checks.append(near(name, float(clean.area.mean()), 0.0, 0.1 * REQUIRED[radius], ISSUE))
+    return checks
+
+
+def _ellipses() -> list[Check]:
+    found = errors(20.0, ratio=0.85)
+    return [
+        below("ellipses of 20 and 17 pixels: rms error of the area", found.rms, REQUIRED[20.0], ISSUE),
+        near("ellipses of 20 and 17 pixels: rms over reported", found.calibrated, 1.0, 0.2, REPORTED),
+    ]
+
+
+def _figure() -> Any:
+    figure = new_figure(5.0, 3.4)
+    ax = figure.add_subplot(xscale="log", yscale="log")
+    radii = np.array([6.0, 8.0, *REQUIRED, 14.0, 32.0])
+    radii.sort()
+    found = [errors(radius) for radius in radii.tolist()]
+    ax.plot(radii, [100.0 * floor(r) for r in radii], color=QUIET, label="Cramér-Rao bound")
+    ax.plot(radii, [100.0 * each.rms for each in found], "o", color=ACHIEVED, label="sub-pixel boundary")
+    otsu = [100.0 * float(np.sqrt(np.mean(each.otsu**2))) for each in found]
+    ax.plot(radii, otsu, "s", color=TARGET, label="Otsu's threshold")
+    ax.plot([*REQUIRED], [100.0 * v for v in REQUIRED.values()], "_", color="black", label="required")
+    ax.set_xticks(radii, [f"{radius:g}" for radius in radii])
+    ax.set_xticks([], minor=True)
+    ax.set_yticks([0.03, 0.1, 0.3, 1.0, 3.0], ["0.03", "0.1", "0.3", "1", "3"])
+    ax.set_xlabel("radius [pixels]")
+    ax.set_ylabel("rms error of the area [%]")
+    ax.legend(frameon=False)
+    return figure
