@@ -7,6 +7,8 @@ from metafem.files.measurement.block import block_text, is_block
 from metafem.files.measurement.figures import refuse_figure, write_figure
 from metafem.files.measurement.handed_on import calibration_data, is_calibration, read_handed_on
 from metafem.files.measurement.laws import read_measured_law
+from metafem.files.measurement.made import corrected_table, is_heights_table, made_table
+from metafem.files.measurement.maps import read_height_map
 from metafem.files.measurement.tables import CalibrationData, of_files, read_calibration
 from metafem.files.part.plan import PartOptions, part_notes, planned
 from metafem.files.result.folder import load, result_folder, same_design, save, stored_hardness, write_all
@@ -30,13 +32,16 @@ __all__ = [
     "calibration_data",
     "check_free",
     "chosen_model",
+    "corrected_table",
     "demo_text",
     "is_block",
     "is_calibration",
+    "is_heights_table",
     "is_law_table",
     "law_table",
     "load",
     "load_range",
+    "made_table",
     "manual",
     "measured_pairs",
     "member_names",
@@ -47,6 +52,7 @@ __all__ = [
     "quantity",
     "read_calibration",
     "read_handed_on",
+    "read_height_map",
     "read_measured_law",
     "read_spec",
     "read_surface",

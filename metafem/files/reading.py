@@ -20,10 +20,7 @@ def read_bytes(path: str | Path, most: int, missing: str = "no such file") -> by
     """Return the content of a regular file of at most `most` bytes, or raise InvalidInput."""
     name = file_label(path)
     try:
-        kind = _kind(path)
-        if not stat.S_ISREG(kind.st_mode):
-            what = "a folder" if stat.S_ISDIR(kind.st_mode) else "a device or a pipe"
-            raise InvalidInput(f"{name}: cannot be read: it is {what}, not a file")
+        _refuse_other_kinds(path, name)
         with open(path, "rb") as file:
             content = file.read(most + 1)
     except FileNotFoundError:
@@ -35,11 +32,28 @@ def read_bytes(path: str | Path, most: int, missing: str = "no such file") -> by
     return content
 
 
-def _kind(path: str | Path) -> os.stat_result:
+def refuse_unreadable(path: str | Path) -> None:
+    """Raise InvalidInput if there is no regular file of this name that can be opened."""
+    name = file_label(path)
     try:
-        return os.stat(path)
+        _refuse_other_kinds(path, name)
+        with open(path, "rb"):
+            pass
+    except FileNotFoundError:
+        raise InvalidInput(f"{name}: no such file") from None
+    except OSError as error:
+        raise InvalidInput(f"{name}: cannot be read: {error.strerror}") from None
+
+
+def _refuse_other_kinds(path: str | Path, name: str) -> None:
+    """Refuse a folder, a device and a pipe."""
+    try:
+        kind = os.stat(path).st_mode
     except (TypeError, ValueError):  # a null character, or an invalid character
         raise InvalidInput(f"{shown(path)} is not the name of a file") from None
+    if not stat.S_ISREG(kind):
+        what = "a folder" if stat.S_ISDIR(kind) else "a device or a pipe"
+        raise InvalidInput(f"{name}: cannot be read: it is {what}, not a file")
 
 
 def file_label(path: object) -> str:

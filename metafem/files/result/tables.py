@@ -20,8 +20,8 @@ from metafem.surface import Block, Friction, Material, Surface
 
 COLUMNS = ("x", "y", "height", "radius")
 
-# Column of a table of metafem that is not needed to read it.
-SITE = "site"
+# Columns of a table of metafem that are not needed to read it: the site, and those of standard deviations.
+SITE, DEVIATION = "site", "sd_"
 
 # Digits of a number in a table: without the rounding of sums in the sixteenth.
 DIGITS = 13
@@ -31,13 +31,13 @@ def heights_table(design: Design) -> str:
     """Return the table of the summits: site in the template, position, height and radius."""
     surface = design.surface
     rows = zip(design.sites.tolist(), *_columns(surface), strict=True)
-    return _csv((SITE, "x_mm", "y_mm", "height_mm", "radius_mm"), rows)
+    return csv((SITE, "x_mm", "y_mm", "height_mm", "radius_mm"), rows)
 
 
 def law_table(law: FrictionLaw) -> str:
     """Return the friction law, with friction forces where the surface has a Friction."""
     columns = tables.columns(law.quantities(), without=tables.UNWRITTEN)
-    return _csv(tuple(columns), zip(*(column.tolist() for column in columns.values()), strict=True))
+    return csv(tuple(columns), zip(*(column.tolist() for column in columns.values()), strict=True))
 
 
 def is_law_table(content: bytes) -> bool:
@@ -61,7 +61,7 @@ def mould_table(design: Design, part: Surface | None = None) -> str:
         (number, "alignment" if site == "" else "asperity", site, *hole)
         for number, (site, hole) in enumerate(zip(sites, zip(*_columns(holes), strict=True), strict=False), 1)
     )
-    return _csv(("number", "kind", "site", "x_mm", "y_mm", "depth_mm", "tool_radius_mm"), rows)
+    return csv(("number", "kind", "site", "x_mm", "y_mm", "depth_mm", "tool_radius_mm"), rows)
 
 
 def read_surface(
@@ -118,7 +118,8 @@ def read_surface(
             f"{table.name} lacks the columns {needed} (or in another unit); it has "
             f"{printable(', '.join(table.header))}{instead}"
         )
-    table.report_unread({SITE, *(table.header[i] for i, _ in columns.values())})
+    known = {SITE, *(title for title in table.header if title.startswith(DEVIATION))}
+    table.report_unread(known | {table.header[i] for i, _ in columns.values()})
     entries = table.entries()
     if not entries:
         raise InvalidInput(f"{table.name} names columns but holds no summit")
@@ -166,7 +167,8 @@ def _columns(surface: Surface) -> list[list[float]]:
     return [column.tolist() for column in (x, y, surface.height, surface.radius)]
 
 
-def _csv(header: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
+def csv(header: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
+    """Return a table as text, whose numbers have at most `DIGITS` digits."""
     lines = [",".join(header), *(",".join(_entry(value) for value in row) for row in rows)]
     return "\n".join(lines) + "\n"
 
