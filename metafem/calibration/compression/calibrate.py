@@ -28,7 +28,7 @@ from metafem.calibration.heterogeneity import Heterogeneity, heterogeneity
 from metafem.calibration.measurement_errors import MeasurementErrors
 from metafem.calibration.verdict import Verdict, judged
 from metafem.contact import Contact, Hertz
-from metafem.errors import InvalidInput, NotConverged
+from metafem.errors import InvalidInput
 from metafem.material import Material
 from metafem.models import Model
 from metafem.models.model import contact_of
@@ -149,18 +149,15 @@ def contact(
 
     nominal = curve(size)
     data.refuse_beyond(nominal, cap)
-    found = data.fit(nominal)
-    data.refuse_failed(found)
-    if not found.converged:
-        raise NotConverged("the fit of E* and the adhesion energy does not converge; check areas and errors")
+    found = data.checked_fit(nominal)
     change = np.zeros(FITTED)
     if size_sd:
-        high, low = (data.fit(curve(size + sign * size_sd)) for sign in (1.0, -1.0))
+        high, low = (data.checked_fit(curve(size + sign * size_sd)) for sign in (1.0, -1.0))
         change = 0.5 * np.array([high.modulus - low.modulus, high.root - low.root])
     tests, agreement = _single_tests(data, nominal)
     drawn = _bootstrap(data, nominal, draws, check.generator(rng)) if draws else None
     modulus, root = float(found.modulus), float(found.root)
-    sd = data.sd_of(found.area)
+    sd, (law_load, law_area) = data.sd_of(found.area), data.law(nominal, found)
     made = ContactCalibration(
         material=Material(modulus, ratio),
         adhesion_root=root,
@@ -173,6 +170,8 @@ def contact(
         load=data.load,
         load_sd=data.load_sd,
         load_fitted=data.loads(nominal, found),
+        law_load=law_load,
+        law_area=law_area,
         area=data.area if data.one_by_one else data.contacts * data.area[:, 0],
         area_sd=sd if data.one_by_one else data.contacts * sd[:, 0],
         contacts=data.total_contacts,

@@ -12,13 +12,17 @@ import numpy as np
 from metafem import _validate as check
 from metafem._given import formatted, label, shown
 from metafem._validate import FloatArray
+from metafem._values import percent
 from metafem.calibration.compression.distance_fit import DistanceFit, adhesive_load, distance_fit
 from metafem.calibration.compression.scene import AreaCurve
 from metafem.calibration.measurement_errors import MeasurementErrors
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, NotConverged
 
 # Fewest points of a fit of two parameters with a residual.
 FEWEST = 3
+
+# Points of a law that is drawn.
+GRID = 200
 
 # Relative difference of areas below which they are one area, and that is rounding.
 ONE_AREA, ROUNDING = 1e-6, 1e-9
@@ -66,7 +70,16 @@ class Data:
 
     def loads(self, curve: AreaCurve, fit: DistanceFit) -> FloatArray:
         """Return the loads [N] of a fitted law at the measured areas, (k,)."""
-        rescaled, lowered = curve.load_and_slope(self.area)[0], adhesive_load(self.area)[0]
+        return self._loads(curve, fit, self.area)
+
+    def law(self, curve: AreaCurve, fit: DistanceFit) -> tuple[FloatArray, FloatArray]:
+        """Return loads [N] and total areas [mm^2] of a fitted law for contacts of one area, (m,) each."""
+        single = np.linspace(0.0, float(self.area.sum(axis=1).max()) / self.area.shape[1], GRID)
+        each = np.repeat(single[:, None], self.area.shape[1], axis=1)
+        return self._loads(curve, fit, each), self.total_contacts * single
+
+    def _loads(self, curve: AreaCurve, fit: DistanceFit, area: FloatArray) -> FloatArray:
+        rescaled, lowered = curve.load_and_slope(area)[0], adhesive_load(area)[0]
         return np.asarray(self.contacts * (fit.modulus * rescaled - fit.product * lowered).sum(axis=1))
 
     def refuse_beyond(self, curve: AreaCurve, law: Any) -> None:
@@ -80,10 +93,20 @@ class Data:
                 "leave the point out, or give a law that reaches it"
             )
 
-    def refuse_failed(self, fit: DistanceFit) -> None:
-        """Raise InvalidInput if the load falls as the area grows."""
+    def checked_fit(self, curve: AreaCurve) -> DistanceFit:
+        """Return the fit to all points, or raise InvalidInput where the load falls as the area grows."""
+        fit = self.fit(curve)
+        if not fit.converged:
+            uncertain = self.sd_of(self.area) / np.where(self.area > 0.0, self.area, np.inf)
+            i, j = np.unravel_index(int(uncertain.argmax()), uncertain.shape)
+            raise NotConverged(
+                "the fit of E* and the adhesion energy does not converge; the most uncertain area is "
+                f"{self._area(int(i), int(j))}, with an error of {percent(float(uncertain.max()))}; leave "
+                "out areas that are not much larger than their errors",
+                fit,
+            )
         if fit.modulus > 0.0:
-            return
+            return fit
         order = np.argsort(self.area.sum(axis=1), kind="stable")
         first, last = int(order[0]), int(order[-1])
         ends = (f"{label(f'load[{i}]')} = {formatted('load', self.load[i])}" for i in (first, last))

@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 
 from metafem._validate import FloatArray
 
-# Steps of the iteration, and the change of the parameters over their standard deviations at which it ends.
-# The change falls by a factor of about 100 per step.
-MOST_STEPS, ENOUGH = 60, 1e-9
+# Shares of the change of the fitted areas in each step, and the change of the parameters over their standard
+# deviations at which the iteration ends. The change falls by a factor of about 100 per full step; smaller
+# steps are needed where errors of areas are as large as the areas.
+SHARES, ENOUGH = (1.0,) * 15 + (0.5,) * 45 + (0.2,) * 140, 1e-9
 
 # Smallest fitted area over the measured one during the iteration: the area of a contact stays positive.
 SMALLEST_PART = 0.1
@@ -104,7 +105,7 @@ def distance_fit(
     spread: FloatArray = np.zeros(area.shape)  # variances of the areas
     known = np.zeros((*load.shape[:-1], 2))
     done: NDArray[np.bool_] = np.zeros(load.shape[:-1], dtype=np.bool_)
-    for step in range(MOST_STEPS):
+    for step in range(len(SHARES)):
         rescaled, slope = curve(fitted)
         lowered, steepness = adhesive_load(fitted)
         q, s = contacts * rescaled.sum(axis=-1), -contacts * lowered.sum(axis=-1)
@@ -122,7 +123,8 @@ def distance_fit(
         spread = area_sd(fitted) ** 2
         total = variance + (sloped**2 * spread).sum(axis=-1)
         moved = area + sloped * spread * (residual / total)[..., None]
-        fitted = np.minimum(np.maximum(moved, SMALLEST_PART * area), largest)
+        moved = np.minimum(np.maximum(moved, SMALLEST_PART * area), largest)
+        fitted = fitted + SHARES[step] * (moved - fitted)
     return DistanceFit(known[..., 0], known[..., 1], covariance, residual * np.sqrt(weight), fitted, done)
 
 

@@ -81,6 +81,8 @@ class ContactCalibration(Value):
         The cap, adhesive if w > 0, for a model.
     load, load_sd, load_fitted : ndarray, (k,)
         Measured loads, their standard deviations, and the loads of the law at the measured areas [N].
+    law_load, law_area : ndarray, (m,)
+        Loads [N] and total areas [mm^2] of the fitted law, for contacts of one area.
     area, area_sd : ndarray, (k,) or (k, contacts)
         Measured areas, in total or one by one, and the standard deviations of the fitted ones [mm^2].
     contacts : int
@@ -119,6 +121,8 @@ class ContactCalibration(Value):
     load: FloatArray
     load_sd: FloatArray
     load_fitted: FloatArray
+    law_load: FloatArray
+    law_area: FloatArray
     area: FloatArray
     area_sd: FloatArray
     contacts: int
@@ -219,8 +223,7 @@ class ContactCalibration(Value):
 
         ax = drawing.axes(ax)
         calibration.measured(ax, self.load, self.total_area, self.load_sd, self.total_area_sd)
-        order = np.argsort(self.total_area)
-        calibration.fitted(ax, self.load_fitted[order], self.total_area[order])
+        calibration.fitted(ax, self.law_load, self.law_area)
         ax.set_xlabel("load  P [N]")
         ax.set_ylabel("contact area  A0 [mm²]")
         return ax

@@ -182,6 +182,16 @@ def test_the_largest_radii_are_noted():
     assert not any("contact radii" in str(note) for note in contact(load_of(A[:10]), AREA[:10], RADIUS).notes)
 
 
+def test_areas_that_are_all_error_are_named():
+    rng = np.random.default_rng(2)
+    errors = MeasurementErrors(load=1e-6, boundary=0.1)
+    area = np.abs(AREA + errors.of_area(AREA) * rng.standard_normal(A.size))
+    with pytest.raises(
+        mf.NotConverged, match=r"the most uncertain area is area\[1\] = 0.00234494, with an error"
+    ):
+        contact(load_of(A), area, RADIUS, errors=errors)
+
+
 LOAD = load_of(A)
 EACH = np.repeat(AREA[:, None], 2, axis=1)
 
