@@ -16,8 +16,12 @@ from .images.stack import stack_areas as stack_areas
 from .joint import joint_covariance as joint_covariance
 from .measured_law.agreement import Comparison as Comparison
 from .measured_law.agreement import compare as compare
+from .measured_law.branches import Branches as Branches
+from .measured_law.branches import branches as branches
 from .measured_law.features import Feature as Feature
 from .measured_law.law import MeasuredLaw as MeasuredLaw
+from .measured_law.segmented import SegmentedFit as SegmentedFit
+from .measured_law.segmented import segmented as segmented
 from .measurement_errors import MeasurementErrors as MeasurementErrors
 from .sheared.full_contact import StrengthFit as StrengthFit
 from .sheared.full_contact import shear_strength as shear_strength

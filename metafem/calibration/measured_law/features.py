@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from metafem._validate import FloatArray
 from metafem._values import percent
+from metafem.calibration.measured_law.bent_line import KINK, least
 from metafem.calibration.measured_law.law import MeasuredLaw
 from metafem.calibration.measured_law.predicted import Prediction
+from metafem.calibration.measured_law.segmented import LEAST as LEAST_BENT
+from metafem.calibration.measured_law.segmented import TRIED, points_of, segmented
+from metafem.errors import InvalidInput
 from metafem.inversion import BilinearLaw, Design, MultilinearLaw, OperatingPoints
 from metafem.notes import Note, information
 from metafem.prediction import FrictionLaw
@@ -31,7 +35,8 @@ class Feature:
     unit : str
         "" for a slope, else "mm²".
     value, sd : float
-        As measured, and its standard deviation from the errors of measurement and of the parameters.
+        As measured, and its standard deviation from the errors of measurement and of the parameters; of a
+        crossover, half its 68 % interval from the errors of measurement.
     predicted : float
         Of the design, from the same loads by the same estimator.
     target : float
@@ -101,6 +106,17 @@ class Deviations:
     def values(self) -> FloatArray:
         """Deviations [mm^2]."""
         return self.measured.rescaled_friction[self.point] - self.prediction.friction
+
+    def compared(self, which: NDArray[np.bool_]) -> MeasuredLaw:
+        """Return the law of some of the compared points, as areas."""
+        law, point = self.measured, self.point[which]
+        return MeasuredLaw(
+            law.load[point],
+            area=law.rescaled_friction[point],
+            load_sd=law.load_sd[point],
+            area_sd=law.rescaled_friction_sd[point],
+            material=law.material,
+        )
 
     def feature(self, name: str, unit: str, weight: FloatArray, predicted: float, target: float) -> Feature:
         """Return a feature that is a sum of the friction of the points with weights (m,)."""
@@ -183,9 +199,27 @@ def _crossover(found: Deviations, design: Design) -> tuple[list[Feature], list[N
     if isinstance(target, BilinearLaw):
         wanted = target.crossover_load
     elif isinstance(target, MultilinearLaw) and len(target.slopes) == 2:
-        low, high = target.crossover_loads[0]
-        wanted = 0.5 * (low + high)
+        wanted = 0.5 * sum(target.crossover_loads[0])
     else:
         return [], []
-    del wanted
-    return [], []
+    # beyond the second branch the law bends again
+    end = design.fits[-1][0].load_range[1] if design.fits else np.inf
+    below = found.load <= end
+    if below.sum() < LEAST_BENT:
+        words = f"{int(below.sum())} measured points up to P/E* = {end:.3g} mm², the end of the second branch"
+        return [], [information(f"crossover: {words}; it needs at least {LEAST_BENT}")]
+    law = found.compared(below)
+    try:
+        fit = segmented(law)
+    except InvalidInput as error:
+        return [], [information(f"crossover: {error}")]
+    # the same estimator on the law of the design at the same loads
+    exact = least(replace(points_of(law), y=found.prediction.friction[below][None]), TRIED).parameters[
+        0, KINK
+    ]
+    low, high = fit.crossover_interval
+    sd = 0.5 * (high - low)
+    feature = Feature(
+        "crossover, P/E*", "mm²", fit.crossover_load, sd, float(exact), wanted, fit.crossover_interval
+    )
+    return [feature], [information(f"crossover: {note}") for note in fit.notes]

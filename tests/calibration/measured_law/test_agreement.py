@@ -110,6 +110,19 @@ def test_operating_points_are_compared_at_their_loads(template):
     assert "0.336 mm²: the measured loads P/E* = 0.1 to 0.144 mm² do not include it" in str(at_one.notes[0])
 
 
+def test_the_crossover_of_two_branches_is_compared(template):
+    design = mf.design(mf.BilinearLaw((7.15, 12.52), 0.0737), template)
+    end = 1.36 * design.fits[-1][0].load_range[1]
+    law = measured_on(design, np.linspace(0.05 * end, end, 18))
+    *slopes, crossover = compare(law, design).features
+    assert [feature.target for feature in slopes] == [7.15, 12.52]
+    assert crossover.target == 0.0737
+    assert crossover.value == pytest.approx(crossover.predicted, rel=1e-9)
+    assert crossover.interval[0] < crossover.value < crossover.interval[1]
+    few = compare(measured_on(design, np.linspace(0.05 * end, end, 5)), design)
+    assert "crossover: 5 measured points up to" in few.notes[-1].text
+
+
 def test_a_law_without_a_target_is_interpolated(linear):
     law = measured_on(linear, np.linspace(0.1, 0.6, 6))
     found = compare(law, linear.law)

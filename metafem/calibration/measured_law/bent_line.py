@@ -1,0 +1,176 @@
+"""Two straight lines that meet at a load, through points with errors on both axes.
+
+The line is ``y = a + m1 (x - c)`` below the crossover c, and ``y = a + m2 (x - c)`` above it. The chi-square
+of a point is its squared distance from the line in standard deviations: the minimum of
+``(x - xi)^2 / sx^2 + (y - f(xi))^2 / sy^2`` over the true load xi, which is on one of the lines or at their
+meeting point. It is continuous in all parameters. All functions take many laws at once, (b, n).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from metafem._validate import FloatArray
+
+# The parameters of a bent line, in the order of their arrays: c, a, m1, m2.
+KINK, LEVEL, LEFT, RIGHT = range(4)
+
+# Steps of a descent, and the decrease of chi-square at which it ends: intervals are found where chi-square
+# has grown by about 1.
+MOST_STEPS, SETTLED = 40, 1e-5
+
+# Damping of Levenberg and Marquardt: at the beginning, and its factors after a better and after a worse step.
+DAMPING, EASED, TIGHTENED = 1e-3, 0.2, 10.0
+
+# Added to the normal equations, relative: a line through two points with equal loads has no slope.
+REGULAR = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Points:
+    """Points of several laws (b, n) with their standard deviations, in order of x."""
+
+    x: FloatArray
+    y: FloatArray
+    sx: FloatArray
+    sy: FloatArray
+
+    def take(self, which: np.ndarray) -> Points:
+        """Return the points of some laws, which may repeat."""
+        return Points(self.x[which], self.y[which], self.sx[which], self.sy[which])
+
+
+@dataclass(frozen=True, eq=False)
+class Bent:
+    """Bent lines (b, 4) and their chi-squares (b,)."""
+
+    chi_square: FloatArray
+    parameters: FloatArray
+
+
+def deviations(points: Points, p: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the deviations along y and along x in standard deviations (b, n), and their slopes (b, n, 4).
+
+    The second deviation is 0 for a point on a line. Its only slope, by c, is ``-1 / sx``.
+    """
+    c, a, left, right = (p[:, i : i + 1] for i in range(4))
+    x, y, sx, sy = points.x, points.y, points.sx, points.sy
+    dx, dy, vx, vy = x - c, y - a, sx**2, sy**2
+    found = []
+    for m, side in ((left, -1.0), (right, 1.0)):
+        spread = vy + m**2 * vx
+        r = dy - m * dx
+        # of points whose nearest true load is beyond the meeting point, the distance is not from this line
+        there = side * (dx * spread + m * vx * r) >= 0.0
+        found.append((r, spread, np.where(there, r**2 / spread, np.inf)))
+    (r1, v1, d1), (r2, v2, d2) = found
+    at_kink = dx**2 / vx + dy**2 / vy
+    first = (d1 <= d2) & (d1 <= at_kink)
+    kink = ~first & (at_kink < d2)
+    m = np.where(first, left, right)
+    r, v = np.where(first, r1, r2), np.where(first, v1, v2)
+    m, r, v = np.where(kink, 0.0, m), np.where(kink, dy, r), np.where(kink, vy, v)
+    root = np.sqrt(v)
+    by_slope = np.where(kink, 0.0, -(dx + r * m * vx / v) / root)
+    slopes = np.stack(
+        [m / root, -1.0 / root, np.where(first, by_slope, 0.0), np.where(first, 0.0, by_slope)], axis=-1
+    )
+    return r / root, np.where(kink, dx / sx, 0.0), slopes
+
+
+def chi_square(points: Points, p: FloatArray) -> FloatArray:
+    """Return the chi-square of each law (b,) against its bent line (b, 4)."""
+    along_y, along_x, _ = deviations(points, p)
+    found: FloatArray = (along_y**2 + along_x**2).sum(axis=1)
+    return found
+
+
+def descended(points: Points, start: FloatArray, free: tuple[int, ...]) -> Bent:
+    """Return the least chi-square over free parameters near a start (b, 4), by Levenberg and Marquardt."""
+    p, kept = start.copy(), list(free)
+    along_y, along_x, slopes = deviations(points, p)
+    best = (along_y**2 + along_x**2).sum(axis=1)
+    active, damping = np.arange(len(p)), np.full(len(p), DAMPING)
+    for _ in range(MOST_STEPS):
+        jacobian = slopes[:, :, kept]
+        normal = np.einsum("bni,bnj->bij", jacobian, jacobian)
+        gradient = np.einsum("bni,bn->bi", jacobian, along_y)
+        if KINK in free:
+            sx, at = points.sx[active], kept.index(KINK)
+            gradient[:, at] -= (along_x / sx).sum(axis=1)
+            normal[:, at, at] += ((along_x != 0.0) / sx**2).sum(axis=1)
+        diagonal = np.einsum("bii->bi", normal)
+        scale = np.sqrt(diagonal + REGULAR * diagonal.max(axis=1, keepdims=True))
+        scaled = normal / (scale[:, :, None] * scale[:, None, :])
+        scaled += (damping[active, None, None] + REGULAR) * np.eye(len(kept))
+        step = -np.linalg.solve(scaled, (gradient / scale)[:, :, None])[:, :, 0] / scale
+        trial = p[active]
+        trial[:, kept] += step
+        few = points.take(active)
+        new_y, new_x, new_slopes = deviations(few, trial)
+        value = (new_y**2 + new_x**2).sum(axis=1)
+        gain = best[active] - value
+        better = gain > 0.0
+        p[active[better]], best[active[better]] = trial[better], value[better]
+        damping[active] *= np.where(better, EASED, TIGHTENED)
+        pick = better[:, None]
+        along_y, along_x = np.where(pick, new_y, along_y), np.where(pick, new_x, along_x)
+        slopes = np.where(pick[:, :, None], new_slopes, slopes)
+        # a step that was not better is tried again with more damping, up to a step of no length
+        going = np.where(better, gain > SETTLED, damping[active] < 1.0)
+        if not going.any():
+            break
+        active, along_y, along_x, slopes = active[going], along_y[going], along_x[going], slopes[going]
+    return Bent(best, p)
+
+
+def fitted(points: Points, kink: FloatArray, left: float | FloatArray | None = None,
+           right: float | FloatArray | None = None) -> Bent:  # fmt: skip
+    """Return the best line of each law (b,) with given crossovers (b,), and perhaps one slope given."""
+    b, dx = len(kink), points.x - kink[:, None]
+    columns = np.stack([np.ones_like(dx), np.minimum(dx, 0.0), np.maximum(dx, 0.0)], axis=-1)
+    # the first guess: linear least squares, with the errors of x at the slope of all points
+    centred = points.x - points.x.mean(axis=1, keepdims=True)
+    overall = (centred * points.y).sum(axis=1, keepdims=True) / (centred**2).sum(axis=1, keepdims=True)
+    root = 1.0 / np.sqrt(points.sy**2 + (overall * points.sx) ** 2)
+    p = np.zeros((b, 4))
+    p[:, KINK] = kink
+    y, free = points.y, [LEVEL]
+    for index, value in ((LEFT, left), (RIGHT, right)):
+        if value is None:
+            free.append(index)
+        else:
+            p[:, index] = value
+            y = y - p[:, index, None] * columns[:, :, index - LEVEL]
+    weighted = root[:, :, None] * columns[:, :, [index - LEVEL for index in free]]
+    normal = np.einsum("bni,bnj->bij", weighted, weighted)
+    normal += REGULAR * np.einsum("bii->b", normal)[:, None, None] * np.eye(len(free))
+    right_side = np.einsum("bni,bn->bi", weighted, root * y)
+    p[:, free] = np.linalg.solve(normal, right_side[:, :, None])[:, :, 0]
+    return descended(points, p, tuple(free))
+
+
+def kink_grid(x: FloatArray, count: int) -> FloatArray:
+    """Return crossovers (b, count) between the third and the last but two loads of each law."""
+    return x[:, 2:3] + (x[:, -3:-2] - x[:, 2:3]) * np.linspace(0.0, 1.0, count)
+
+
+def least(points: Points, count: int, left: float | FloatArray | None = None,
+          right: float | FloatArray | None = None) -> Bent:  # fmt: skip
+    """Return the best line of each law, with its crossover between the third and the last but two loads."""
+    b = len(points.x)
+    grid = kink_grid(points.x, count)
+    rows = np.repeat(np.arange(b), count)
+    spread = [None if slope is None else np.broadcast_to(slope, b)[rows] for slope in (left, right)]
+    tried = fitted(points.take(rows), grid.ravel(), *spread)
+    place = tried.chi_square.reshape(b, count).argmin(axis=1) + count * np.arange(b)
+    value, p = tried.chi_square[place], tried.parameters[place]
+    free = (KINK, LEVEL, *([LEFT] if left is None else []), *([RIGHT] if right is None else []))
+    polished = descended(points, p, free)
+    inside = (polished.parameters[:, KINK] >= grid[:, 0]) & (polished.parameters[:, KINK] <= grid[:, -1])
+    better = inside & (polished.chi_square < value)
+    return Bent(
+        np.where(better, polished.chi_square, value), np.where(better[:, None], polished.parameters, p)
+    )

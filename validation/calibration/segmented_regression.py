@@ -1,0 +1,158 @@
+"""Crossover and slopes of Fig. 5: coverage of the segmented regression, and of the paper's rule.
+
+The paper prints no loads. Its crossovers, 0.046 ± 0.005 and 0.098 ± 0.005 mm², are the middle of two loads
+at a distance of 0.01 mm²: the last of the 4 (red) or 8 (blue) points of the first line and the next one. The
+last 7 (red) or 8 (blue) points are those of the second line. The loads here are therefore P/E* = 0.011 to
+0.111 mm² (red, 11 points) and 0.023 to 0.173 mm² (blue, 16 points) in steps of 0.01 mm². Heights are those of
+Table S2, errors those of the paper: ±5 mN, ±(1 mN + 0.01 F).
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+
+import metafem as mf
+from metafem.calibration.measured_law.bent_line import (
+    KINK,
+    LEFT,
+    RIGHT,
+    Points,
+    fitted,
+    least,
+)
+from metafem.calibration.measured_law.growth import LEVEL_OF_INTERVALS, REGULAR_GROWTH, growths
+from metafem.calibration.measured_law.segmented import TRIED
+from metafem.drawing import ACHIEVED, MEASURED, TARGET, new_figure
+from validation.check import Check, Claim, near, reported
+from validation.paper.surfaces import surfaces
+from validation.published import PAPER, paper
+
+# The tests of this claim carry the mark "slow".
+SLOW = True
+
+TRIALS = 2000
+
+# Simulated laws for each trial. Their error, about 0.1 of the growth of chi-square, averages out over trials.
+DRAWS = 300
+
+# Loads P/E* [mm²], by colour, and the number of points of the first line in Fig. 5.
+STEP = 0.01
+LOADS = {"red": 0.011 + STEP * np.arange(11), "blue": 0.023 + STEP * np.arange(16)}
+FIRST = {"red": 4, "blue": 8}
+
+# Wanted coverage and its tolerance.
+WANTED, TOLERANCE = LEVEL_OF_INTERVALS, 0.03
+
+NAMES = ("crossover", "slope below", "slope above")
+
+
+def laws(colour: str, trials: int, noise: float = 1.0, seed: int = 0) -> tuple[Points, mf.Surface]:
+    """Return simulated measurements of a surface, (trials, n), in order of load."""
+    surface, printed = surfaces()[f"Fig. 5 {colour}"], paper()["force_error"]
+    modulus = surface.material.composite_modulus
+    stress = surface.friction.shear_strength * surface.friction.area_ratio
+    exact = mf.friction_law(surface, load=modulus * LOADS[colour])
+    rng = np.random.default_rng(seed)
+    shape = trials, len(exact.load)
+
+    def error(force: np.ndarray) -> np.ndarray:
+        return printed["friction_N"] + printed["friction_relative"] * np.abs(force)
+
+    load = exact.load + noise * printed["normal_N"] * rng.standard_normal(shape)
+    force = exact.friction_force + noise * error(exact.friction_force) * rng.standard_normal(shape)
+    order = np.argsort(load, axis=1)
+    load, force = (np.take_along_axis(values, order, axis=1) for values in (load, force))
+    load_sd = np.full(shape, printed["normal_N"])
+    return Points(load / modulus, force / stress, load_sd / modulus, error(force) / stress), surface
+
+
+@cache
+def found(colour: str) -> dict[str, np.ndarray]:
+    """Return the true parameters, the estimates, and which intervals contain the truth."""
+    truth = least(laws(colour, 1, noise=0.0)[0], TRIALS).parameters[0]
+    points, _ = laws(colour, TRIALS)
+    best = least(points, TRIED)
+    at = [
+        fitted(points, np.full(TRIALS, truth[KINK])),
+        least(points, TRIED, left=truth[LEFT]),
+        least(points, TRIED, right=truth[RIGHT]),
+    ]
+    grown = np.array([one.chi_square for one in at]) - best.chi_square
+    limit = growths(points, best.parameters, DRAWS, np.random.default_rng(1))
+    return {
+        "truth": truth,
+        "estimate": best.parameters,
+        "chi_square": best.chi_square,
+        "regular": grown <= REGULAR_GROWTH,
+        "covered": grown <= limit,
+    }
+
+
+def claim() -> Claim:
+    """Compare the coverage with 68 %, and state the bias of the paper's rule."""
+    checks: list[Check] = []
+    for colour in LOADS:
+        result = found(colour)
+        for i, name in enumerate(NAMES):
+            checks.append(
+                near(f"{colour}: coverage of the {name}", float(result["covered"][i].mean()),
+                     WANTED, TOLERANCE, f"required; {TRIALS} trials, the estimate without errors")
+            )  # fmt: skip
+        for i, name in enumerate(NAMES):
+            checks.append(
+                reported(f"{colour}: coverage of the {name} with the growth of the regular case",
+                         float(result["regular"][i].mean()), "too small where splits of the points compete")
+            )  # fmt: skip
+        target = paper()["fig5"][colour]["crossover_load_mm2"]
+        checks.append(
+            reported(f"{colour}: crossover without errors over the target",
+                     float(result["truth"][KINK]) / target, "64 asperities, Table S2")
+        )  # fmt: skip
+    shares, late = zip(*(rule(colour) for colour in LOADS), strict=True)
+    checks += [
+        near("share of trials in which the paper's rule contains the target, both colours",
+             float(np.mean(shares)), 0.15, 0.03, f"requirement; the rule and errors of {PAPER}"),
+        *(reported(f"{colour}: mean of the paper's rule less the target [mm²]", one, "this check")
+          for colour, one in zip(LOADS, late, strict=True)),
+    ]  # fmt: skip
+    return Claim("Fig. 5: crossover and slopes of measured laws", checks, {"crossovers": figure})
+
+
+def rule(colour: str, trials: int = 500) -> tuple[float, float]:
+    """Return in which share of the trials the paper's rule contains the target, and its mean deviation."""
+    points, surface = laws(colour, trials, seed=2)
+    target, inside, middle = paper()["fig5"][colour]["crossover_load_mm2"], 0, []
+    for x, y, sx, sy in zip(points.x, points.y, points.sx, points.sy, strict=True):
+        modulus = surface.material.composite_modulus
+        law = mf.calibration.MeasuredLaw(
+            modulus * x, area=y, load_sd=modulus * sx, area_sd=sy, material=surface.material
+        )
+        try:
+            stated = mf.calibration.branches(law)
+        except mf.InvalidInput:  # one branch
+            continue
+        low, high = stated.crossover_interval
+        inside += low <= target <= high
+        middle.append(stated.crossover_load - target)
+    return inside / trials, float(np.mean(middle))
+
+
+def figure():
+    """Draw one simulated law of each colour with its regression, and the crossovers of all trials."""
+    drawn = new_figure(8.0, 3.4)
+    left, right = drawn.subplots(1, 2)
+    for colour, ink in (("blue", ACHIEVED), ("red", TARGET)):
+        points, result = laws(colour, 1, seed=3)[0], found(colour)
+        left.errorbar(points.x[0], points.y[0], points.sy[0], points.sx[0], fmt="o", ms=3, lw=1, color=ink)
+        c, a, low, high = least(points, TRIED).parameters[0]
+        x = np.array([0.0, c, points.x[0, -1]])
+        left.plot(x, a + np.where(x < c, low, high) * (x - c), color=MEASURED, lw=0.9)
+        right.hist(result["estimate"][:, KINK], 50, histtype="step", color=ink, label=colour)
+        right.axvline(result["truth"][KINK], color=ink, lw=1)
+        right.axvline(paper()["fig5"][colour]["crossover_load_mm2"], color=ink, lw=1, ls=":")
+    left.set(xlabel="rescaled load  P/E* [mm²]", ylabel="rescaled friction  F/(σB) [mm²]")
+    right.set(xlabel="crossover [mm²]; dotted: target", ylabel="trials")
+    right.legend(frameon=False)
+    return drawn
