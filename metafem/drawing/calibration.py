@@ -15,14 +15,12 @@ def measured(
     ax: Axes, x: FloatArray, y: FloatArray, x_sd: FloatArray, y_sd: FloatArray, label: str | None = None
 ) -> None:
     """Draw measured points with error bars of one standard deviation."""
-    ax.errorbar(
-        x, y, y_sd, x_sd, fmt="o", ms=3.5, lw=0.8, color=ACHIEVED, ecolor=QUIET, label=label, zorder=2.0
-    )
+    ax.errorbar(x, y, y_sd, x_sd, fmt="o", ms=2.2, lw=0.8, color=ACHIEVED, label=label, zorder=3.0)
 
 
 def fitted(ax: Axes, x: FloatArray, y: FloatArray, label: str | None = None) -> None:
     """Draw a fitted law."""
-    ax.plot(x, y, color=TARGET, lw=1.6, label=label, zorder=3.0)
+    ax.plot(x, y, color=TARGET, lw=1.2, label=label, zorder=2.0)
 
 
 def residuals(ax: Axes, x: FloatArray, residual: FloatArray) -> None:

@@ -23,6 +23,7 @@ from metafem.calibration.compression.scene import (
     checked_cap,
     checked_sample,
     sample_curve,
+    scaled_cap,
 )
 from metafem.calibration.heterogeneity import Heterogeneity, heterogeneity
 from metafem.calibration.measurement_errors import MeasurementErrors
@@ -87,7 +88,8 @@ def contact(
     contacts : int
         Number of contacts that share a load; default: 1. Equal ones are assumed where `area` is their total.
     radius_sd : float
-        Standard deviation of R [mm], common to all points; default: 0.
+        Standard deviation of R [mm], common to all points; default: 0. Caps with a profile or a table of
+        their own keep their shape.
     errors : MeasurementErrors
         Standard deviations of loads and areas; default: ``MeasurementErrors()``, those of Aymard et al.
     area_sd : array_like, of the shape of `area`, optional
@@ -142,10 +144,11 @@ def contact(
     sample, ratio = checked_sample(surface, model, size, data.total_contacts, poisson_ratio)
 
     def curve(of: float) -> AreaCurve:
+        law = cap if of == size else scaled_cap(cap, of / size)
         if sample is None:
-            return cap_curve(cap, of)
+            return cap_curve(law, of)
         scaled = replace(sample, radius=sample.radius * (of / size))
-        return sample_curve(scaled, model, cap, data.area, data.one_by_one)
+        return sample_curve(scaled, model, law, data.area, data.one_by_one)
 
     nominal = curve(size)
     data.refuse_beyond(nominal, cap)

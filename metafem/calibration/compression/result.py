@@ -69,8 +69,16 @@ class ContactCalibration(Value):
     ----------
     material : Material
         With the fitted E*.
+    composite_modulus, adhesion_energy : float
+        E* [MPa] and w [N/mm], at least 0.
     adhesion_root : float
         sqrt(w) [sqrt(N/mm)], negative if the data lie on the other side of the law without adhesion.
+    composite_modulus_interval, adhesion_energy_interval, adhesion_root_interval : (float, float)
+        68 % intervals; that of w is asymmetric and admits 0.
+    covariance : ndarray, (2, 2)
+        Of E* and w, with the error of the radius.
+    parameters, parameter_covariance : tuple of str, and ndarray, (p, p)
+        Names and covariance for `metafem.studies.uncertainty`; `joint_covariance` adds those of shear tests.
     root_covariance, statistical_covariance : ndarray, (2, 2)
         Of E* and sqrt(w): with the error of the radius, and without.
     radius, radius_sd : float

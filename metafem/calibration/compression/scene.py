@@ -11,7 +11,7 @@ import numpy as np
 from metafem import _validate as check
 from metafem._given import formatted, shown
 from metafem._validate import FloatArray
-from metafem.contact import JKR, Contact, SphericalCap, TabulatedContact
+from metafem.contact import JKR, AxisymmetricCap, Contact, SphericalCap, TabulatedContact
 from metafem.errors import InvalidInput
 from metafem.material import Material
 from metafem.models import Independent, Model
@@ -85,6 +85,21 @@ def cap_curve(cap: Contact, radius: float) -> AreaCurve:
         return load, np.asarray(cap.stiffness(closed, radius) / cap.area_slope(closed, radius))
 
     return AreaCurve(load_and_slope, math.pi * widest**2)
+
+
+def scaled_cap(cap: Contact, scale: float) -> Contact:
+    """Return the law of caps all of whose lengths are larger by a factor, where R alone does not tell it."""
+    if isinstance(cap, TabulatedContact):
+        return TabulatedContact(
+            *(cap.table.T * np.array([scale, scale**2, scale**2])).T, material=cap.material
+        )
+    if isinstance(cap, AxisymmetricCap):
+        profile = cap.profile
+        if callable(profile):
+            extent = None if cap.extent is None else scale * cap.extent
+            return AxisymmetricCap(lambda rho: scale * profile(rho / scale), extent)
+        return AxisymmetricCap(scale * profile)
+    return cap
 
 
 def adhesive_cap(cap: Contact, adhesion_energy: float, modulus: float) -> Contact:

@@ -123,6 +123,30 @@ def test_the_error_of_the_radius_enters_as_theory_says():
     assert "the error of the radius alone changes E* by 0.95 %" in map(str, found.notes)
 
 
+@pytest.mark.parametrize(
+    "cap",
+    [
+        mf.SphericalCap(),
+        TABLE,
+        mf.AxisymmetricCap(lambda rho: rho**2 / (2 * RADIUS) + rho**4, extent=0.4),
+        mf.AxisymmetricCap(np.array([SMALL, SMALL**2 / (2 * RADIUS)]) * (SMALL > 0.05)),
+    ],
+    ids=repr,
+)
+def test_caps_of_any_kind_keep_their_shape_with_the_radius(cap):
+    # P = E* s^2 q(A/s^2): of the nominal law, data of caps that are s times larger
+    small = SMALL[:18]
+    scale = 1.0 + 1e-3
+    load = 5.0 * load_of(small, cap)
+    found = contact(load, 5.0 * math.pi * small**2, RADIUS, contacts=5, contact=cap, radius_sd=1e-3 * RADIUS)
+    larger = contact(
+        load / scale**2, 5.0 * math.pi * (small / scale) ** 2, RADIUS, contacts=5, contact=cap,
+        errors=MeasurementErrors(load=5e-3 / scale**2, boundary=1.4e-3 / scale),
+    )  # fmt: skip
+    change = larger.composite_modulus - found.composite_modulus
+    assert found.radius_change[0] == pytest.approx(change, rel=2e-3)
+
+
 def test_equal_tests_agree_and_different_ones_are_told_apart():
     tests = [noisy(seed, contacts=5) for seed in range(3)]
     labels = np.repeat(["a", "b", "c"], A.size)
