@@ -2,7 +2,7 @@
 
 from metafem.cli import demo_and_design, doctor, predict, report, spec
 from metafem.cli.group import main
-from metafem.cli.measurement import calibrate, compare
+from metafem.cli.measurement import calibrate, compare, topography
 from metafem.cli.study import comparisons, parameters, tolerances
 
 __all__ = [
@@ -17,4 +17,5 @@ __all__ = [
     "report",
     "spec",
     "tolerances",
+    "topography",
 ]

@@ -66,6 +66,8 @@ class Correction(Value):
     expected_error, expected_spread : float
         The same of the next part [mm], if it has the same systematic errors: the random errors, and what
         the uncertainty of the terms adds.
+    systematic : ndarray
+        The systematic error of each asperity of the design [mm].
     design : Design or None
         The design with the corrected heights, for `metafem.save`; its law remains that of the designed
         heights, which the next part is expected to have. None if a Surface was corrected.
@@ -76,7 +78,7 @@ class Correction(Value):
     >>> import metafem as mf
     >>> surface = mf.Surface([[0.0, 0.0]], [0.1], 0.526, mf.Material(1.36))
     >>> one = np.array([1e-3])
-    >>> Correction(surface, ("offset",), one, 0.1 * one, 0.0, 1e-3, 0.0, 1e-4, 0.0)
+    >>> Correction(surface, ("offset",), one, 0.1 * one, 0.0, 1e-3, 0.0, 1e-4, 0.0, one)
     <Correction: offset; height error 1 um, expected for the next part 0.1 um>
     """
 
@@ -89,6 +91,7 @@ class Correction(Value):
     spread: float
     expected_error: float
     expected_spread: float
+    systematic: FloatArray
     design: Design | None = None
     notes: tuple[Note, ...] = ()
 
@@ -169,6 +172,7 @@ def corrected(design: Surface | Design, made: MadeSurface) -> Correction:
         float(error.std()),
         math.sqrt(random + fit.variance * terms / count),
         math.sqrt(random + fit.variance * around / count),
+        systematic,
         _renewed(design, surface) if isinstance(design, Design) else None,
         tuple(notes),
     )

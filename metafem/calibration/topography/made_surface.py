@@ -67,6 +67,8 @@ class MadeSurface(Value):
         Angle of the part on the map, anticlockwise [rad], quarter turns included.
     mirrored : bool
         Whether the map is a mirror image of the part.
+    on_map : ndarray, (n, 2)
+        Summits on the map, from its lower left corner [mm].
     notes : tuple of Note
     height_error, radius_error : ndarray, (n,)
         Made minus designed [mm].
@@ -95,6 +97,7 @@ class MadeSurface(Value):
     roughness: float
     rotation: float
     mirrored: bool
+    on_map: FloatArray
     notes: tuple[Note, ...] = ()
 
     @property
@@ -272,7 +275,7 @@ def _made(
         surface, design, site, np.sqrt(variance[:, 2] + base**2), np.sqrt(variance[:, 3]),
         np.sqrt(variance[:, :2].mean(axis=1)), level, missing.astype(np.int64),
         float(np.sqrt(np.mean([cap.sd**2 for cap in caps]))), place.rotation,
-        place.mirrored, tuple(notes),
+        place.mirrored, value[order, :2], tuple(notes),
     )  # fmt: skip
 
 

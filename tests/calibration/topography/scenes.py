@@ -22,4 +22,6 @@ def made_surface(design, error, sd=1e-4, site=None):
     )
     one = np.full(len(site), sd)
     missing = np.setdiff1d(np.arange(design.count), site)
-    return MadeSurface(surface, design, site, one, one, one, FLAT, missing, 1.5e-3, 0.0, False)
+    return MadeSurface(
+        surface, design, site, one, one, one, FLAT, missing, 1.5e-3, 0.0, False, surface.position
+    )

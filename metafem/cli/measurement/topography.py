@@ -1,0 +1,135 @@
+"""`metafem topography`."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from metafem.cli.group import Name, force_option, json_option, main
+from metafem.cli.measurement.made import made_data, print_made
+from metafem.cli.progress import progress
+from metafem.cli.terminal import terminal
+from metafem.errors import InvalidInput
+
+if TYPE_CHECKING:
+    from metafem.calibration import Correction, MadeSurface
+    from metafem.inversion import Design
+
+
+@main.command(short_help="Measure a made surface on a height map, and correct the next one.")
+@click.argument("height_map", type=Name(), metavar="MAP")
+@click.option(
+    "--design", "folder", type=Name(), metavar="DIR", required=True, help="Result folder of the design."
+)
+@click.option(
+    "--pixel", metavar="LENGTH", help='Distance of two pixels, such as "2 um", if the map does not state it.'
+)
+@click.option(
+    "--height-unit", metavar="UNIT", help='Unit of the heights, such as "um", if the map does not state it.'
+)
+@click.option("--mould", is_flag=True, help="The map shows the mould: its holes are the caps.")
+@click.option(
+    "--common-radius",
+    is_flag=True,
+    help="All caps have one radius; the errors of the heights are then halved.",
+)
+@click.option("--keep-bow", is_flag=True, help="Subtract a plane only, no bow.")
+@click.option(
+    "-o", "--output", type=Name(), help="Write the made surface to this CSV file, for metafem predict."
+)
+@click.option(
+    "--corrected", type=Name(), help="Write the heights for the next part to this CSV file, like heights.csv."
+)
+@click.option(
+    "--picture", type=Name(), help="Draw height errors, residual map and laws: a file .svg or .png."
+)
+@force_option
+@json_option
+def topography(
+    height_map: Path,
+    folder: Path,
+    pixel: str | None,
+    height_unit: str | None,
+    mould: bool,
+    common_radius: bool,
+    keep_bow: bool,
+    output: Path | None,
+    corrected: Path | None,
+    picture: Path | None,
+    force: bool,
+    as_json: bool,
+) -> None:
+    """Measure heights, radii and positions of the asperities on MAP and compare them with the design.
+
+    MAP is a file .x3p, .sur, .plux, .npy, .xyz or in another format of a microscope, seen from the side of
+    the asperities. Tilt and bow are subtracted, and a sphere is fitted to each cap. Systematic errors of the
+    heights (offset, in proportion to the height, tilt and bow across the part) are separated from random
+    ones, and --corrected writes the heights with which the next part comes out as designed.
+
+    Example: metafem topography part.x3p --design linear -o made.csv --corrected next.csv --picture made.svg
+    """
+    import metafem as mf
+    from metafem.files import (
+        corrected_table,
+        is_heights_table,
+        made_table,
+        read_height_map,
+        refuse_existing,
+        refuse_figure,
+        write_figure,
+        write_text,
+    )
+
+    for path in (output, corrected):
+        if path is not None:
+            refuse_existing(path, force, is_heights_table)
+    if picture is not None:
+        refuse_figure(picture, force)
+    design = mf.load(folder)
+    with progress():
+        stored = read_height_map(height_map, pixel, height_unit)
+        made = mf.calibration.measured_surface(
+            stored.values,
+            stored.pixel,
+            design.surface,
+            bow=not keep_bow,
+            common_radius=common_radius,
+            mould=mould,
+        )
+        correction = _correction(design, made, corrected)
+        law = mf.friction_law(made.surface, design.law.model, load=design.law.load)
+        if picture is not None:
+            from metafem.calibration.topography.picture import made_figure
+            from metafem.calibration.topography.residual import residuals
+
+            rest = residuals(stored.values, stored.pixel, made, mould)
+            figure = made_figure(made, correction, rest, design.law, law)
+            write_figure(picture, figure, "made surface", force=force)
+    ours: dict[str, Any] = {"force": force, "ours": is_heights_table}
+    if output is not None:
+        write_text(output, made_table(made, design.sites), **ours)
+    if corrected is not None and correction is not None:
+        write_text(corrected, corrected_table(correction.surface, design.sites), **ours)
+    written = [path for path in (output, corrected, picture) if path is not None]
+    if as_json:
+        data = made_data(design, made, correction, law)
+        click.echo(json.dumps({**data, "files": [str(path) for path in written]}))
+        return
+    print_made(design, made, correction, law)
+    for path in written:
+        terminal().print(f"wrote {path}", highlight=False, markup=False)
+
+
+def _correction(design: Design, made: MadeSurface, wanted: Path | None) -> Correction | None:
+    """Return the correction; None if there are too few asperities for one and none is asked for."""
+    from metafem.calibration import corrected
+
+    try:
+        return corrected(design, made)
+    except InvalidInput:
+        if wanted is not None:
+            raise
+        return None

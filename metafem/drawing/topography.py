@@ -1,0 +1,78 @@
+"""Drawing of made surfaces: height errors at their sites, over the heights, and residuals of the map."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from metafem._values import MICROMETRES
+from metafem.drawing import (
+    ACHIEVED,
+    LARGEST_DOT,
+    QUIET,
+    TARGET,
+    FloatArray,
+    circles,
+    empty_sites,
+    plan,
+    spacing,
+)
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+# Errors of either sign, and the share of the residuals that the colours resolve.
+SIGNS, SHOWN = "coolwarm", 99.0
+
+
+def height_errors(ax: Axes, position: FloatArray, error: FloatArray, missing: FloatArray) -> None:
+    """Draw height errors (n,) [mm] at their sites (n, 2) as circles, and missing sites (m, 2) as rings."""
+    diameter = np.full(len(position), LARGEST_DOT * spacing(position))
+    dots = circles(ax, position, diameter, error * MICROMETRES)
+    largest = float(np.abs(error).max() * MICROMETRES) or 1.0
+    dots.set_cmap(SIGNS)
+    dots.set_clim(-largest, largest)
+    ax.figure.colorbar(dots, ax=ax, label="height error [µm]", shrink=0.85)
+    if len(missing):
+        empty_sites(ax, missing)
+    plan(ax)
+    ax.set(title="made minus designed", xlabel="x [mm]", ylabel="y [mm]")
+
+
+def errors_over_height(
+    ax: Axes, height: FloatArray, error: FloatArray, sd: FloatArray, fit: FloatArray | None
+) -> None:
+    """Draw height errors (n,) over designed heights, and the systematic part of each, if known [mm]."""
+    scale = MICROMETRES
+    ax.axhline(0.0, color=QUIET, lw=0.8)
+    ax.errorbar(
+        scale * height, scale * error, scale * sd, fmt="o", ms=3.5, lw=0.8, color=ACHIEVED, label="made"
+    )
+    if fit is not None:
+        ax.plot(scale * height, scale * fit, "_", ms=8.0, color=TARGET, label="systematic")
+    ax.set(xlabel="designed height [µm]", ylabel="height error [µm]")
+    ax.legend(frameon=False)
+
+
+def residual_map(ax: Axes, values: FloatArray, width: float, height: float) -> None:
+    """Draw the residuals of a map of a width and a height [mm]; larger ones have the last colours."""
+    shown = np.ma.masked_invalid(values * MICROMETRES)
+    known = np.abs(shown.compressed())
+    largest = float(np.percentile(known, SHOWN)) if known.size else 1.0
+    image = ax.imshow(
+        shown, extent=(0.0, width, 0.0, height), cmap=SIGNS, vmin=-largest, vmax=largest or 1.0,
+        interpolation="nearest", rasterized=True,
+    )  # fmt: skip
+    ax.figure.colorbar(image, ax=ax, label="residual [µm]", shrink=0.85, extend="both")
+    ax.set(title="map minus base plane and spheres", xlabel="x on the map [mm]", ylabel="y on the map [mm]")
+
+
+def made_law(ax: Axes, load: FloatArray, designed: FloatArray, made: FloatArray) -> None:
+    """Draw the rescaled laws (k,) [mm^2] of the design and of the made surface."""
+    ax.plot(np.append(0.0, load), np.append(0.0, designed), color=TARGET, lw=1.8, label="designed")
+    ax.plot(np.append(0.0, load), np.append(0.0, made), color=ACHIEVED, lw=1.8, ls="--", label="made")
+    ax.set(xlabel="rescaled load  P/E* [mm²]", ylabel="rescaled friction  F/(σB) [mm²]")
+    ax.set_xlim(left=0.0)
+    ax.set_ylim(bottom=0.0)
+    ax.legend(frameon=False)

@@ -1,0 +1,38 @@
+"""The map without its base plane and its caps is flat."""
+
+import numpy as np
+
+import metafem as mf
+from metafem.calibration.topography.picture import made_figure
+from metafem.calibration.topography.residual import residuals
+from validation.scenes.height_maps import Roughness, height_map
+
+DESIGN = mf.Surface.square_lattice([0.05, 0.12, 0.2], (1, 3), radius=0.526, material=mf.Material(1.36))
+PIXEL = 0.01
+
+
+def test_an_exact_map_leaves_nothing_above_the_feet():
+    exact = height_map(DESIGN, (160, 460), PIXEL, roughness=Roughness(0.0), noise=0.0, steepest=None)
+    exact[20:40, 20:40] += 5e-3
+    made = mf.calibration.measured_surface(exact, PIXEL, DESIGN)
+    rest = residuals(exact, (PIXEL, PIXEL), made)
+    np.testing.assert_allclose((rest.width, rest.height), (4.6, 1.6))
+    assert rest.values.shape == (80, 230)
+    # within a cell of 0.02 mm the foot of a cap has the slope 0.9: its mean is off by up to 0.02 * 0.9 / 4
+    assert np.abs(rest.values[25:]).max() < 5e-3
+    # and on the cap the mean of a cell of the side s is s^2 / (12 R) below its middle, 6e-5 mm
+    assert np.percentile(np.abs(rest.values[25:]), 95) < 1e-4
+    np.testing.assert_allclose(rest.values[11:19, 11:19], 5e-3, atol=1e-6)
+    np.testing.assert_allclose(residuals(-exact, (PIXEL, PIXEL), made, mould=True).values, rest.values)
+
+
+def test_the_figure_has_four_pictures():
+    rough = height_map(DESIGN, (160, 460), PIXEL)
+    made = mf.calibration.measured_surface(rough, PIXEL, DESIGN)
+    rest = residuals(rough, (PIXEL, PIXEL), made)
+    law = mf.friction_law(DESIGN)
+    correction = mf.calibration.corrected(DESIGN, made)
+    figure = made_figure(made, correction, rest, law, mf.friction_law(made.surface, load=law.load))
+    titles = [ax.get_ylabel() for ax in figure.axes]
+    assert titles[2:4] == ["height error [µm]", "rescaled friction  F/(σB) [mm²]"]
+    assert made_figure(made, None, rest, law, law) is not None
