@@ -91,7 +91,8 @@ def contact(
         Standard deviation of R [mm], common to all points; default: 0. Caps with a profile or a table of
         their own keep their shape.
     errors : MeasurementErrors
-        Standard deviations of loads and areas; default: ``MeasurementErrors()``, those of Aymard et al.
+        Standard deviations of the measured loads, of all contacts together, and of the areas of single
+        contacts, which are independent; default: ``MeasurementErrors()``, those of Aymard et al.
     area_sd : array_like, of the shape of `area`, optional
         Standard deviations of the areas [mm^2], in place of those of `errors`.
     test : array_like, (k,), optional

@@ -189,10 +189,13 @@ class ContactCalibration(Value):
     @property
     def modulus_without_adhesion(self) -> tuple[float, float]:
         """E* [MPa] and its standard deviation if w is known to be 0."""
-        (first, both), (_, last) = self.statistical_covariance
-        modulus = self.composite_modulus - both / last * self.adhesion_root
-        systematic = self.radius_change[0] - both / last * self.radius_change[1]
-        return modulus, math.sqrt(first - both**2 / last + systematic**2)
+        # the fit is linear in E* and b = sqrt(w E*)
+        modulus, root = self.composite_modulus, self.adhesion_root
+        turn = np.array([[1.0, 0.0], [0.5 * root / math.sqrt(modulus), math.sqrt(modulus)]])
+        (first, both), (_, last) = turn @ self.statistical_covariance @ turn.T
+        alone = modulus - both / last * root * math.sqrt(modulus)
+        systematic = alone * self.radius_change[0] / modulus
+        return alone, math.sqrt(first - both**2 / last + systematic**2)
 
     @property
     def parameters(self) -> tuple[str, ...]:

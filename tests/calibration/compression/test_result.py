@@ -31,6 +31,15 @@ def test_the_covariance_of_w_is_that_of_the_square_of_a_normal_root():
     assert FOUND.covariance == pytest.approx(np.cov(modulus, root**2), rel=0.03)
 
 
+def test_the_modulus_without_adhesion_is_that_of_a_fit_without_it():
+    q = mf.Hertz().load(A, 0.526)
+    slope = FOUND.composite_modulus * 1.5 * q / AREA
+    weight = 1.0 / (FOUND.load_sd**2 + (slope * FOUND.area_sd) ** 2)
+    modulus, sd = FOUND.modulus_without_adhesion
+    assert modulus == pytest.approx((weight * q * FOUND.load).sum() / (weight * q**2).sum(), rel=1e-3)
+    assert sd == pytest.approx((weight * q**2).sum() ** -0.5, rel=0.02)
+
+
 def test_it_prints_its_values():
     assert repr(FOUND).startswith("<ContactCalibration: E* = 1.36 ± 0.06 MPa, sqrt(w) = 0.003 ± ")
     assert FOUND == FOUND
