@@ -35,8 +35,9 @@ def test_area_centre_and_moments_are_those_of_the_ellipse(blur):
     assert second == pytest.approx(wanted / 4.0 + (blur**2 + 1.0 / 12.0) * np.array([1, 1, 0]), rel=1e-6)
 
 
+@pytest.mark.slow
 def test_the_picture_is_that_of_many_points_per_pixel():
-    fine = 16
+    fine = 12
     x = (np.arange(SHAPE[1] * fine) + 0.5) / fine - CENTRE[0]
     y = SHAPE[0] - (np.arange(SHAPE[0] * fine)[:, None] + 0.5) / fine - CENTRE[1]
     cos, sin = np.cos(ANGLE), np.sin(ANGLE)

@@ -54,6 +54,17 @@ def of_contour(
     return np.sqrt(from_noise + from_level**2 + from_blur**2)
 
 
+def quantisation(noise: float, step: float) -> float:
+    """Return the error of the difference of two mean grey levels from steps of the grey levels.
+
+    Without noise, a level is wrong by up to half a step, with the variance 1/12. Noise spreads a level over
+    the steps: by the Fourier series of a sawtooth, its mean is wrong by exp(-2 pi² n²/step²) of that.
+    """
+    if not step:
+        return 0.0
+    return math.sqrt(2.0 / 12.0) * step * math.exp(-2.0 * (math.pi * noise / step) ** 2)
+
+
 def counting_bias(length: FloatArray, threshold: float, edge: float) -> FloatArray:
     """Return the bias of the number of pixels darker than a threshold, 0 to 1 from the ground to the dark.
 

@@ -24,12 +24,17 @@ BLOCKS, LEAST_BLOCK, READ = 96, 4, 7
 CLIPPED, ROUNDS = 3.0, 12
 
 # Share of the blocks that is enough for the fit.
-ENOUGH = 0.1
+ENOUGH = 0.03
+
+# Weight of the blocks beyond the surface in its first guess: they carry it, even where contacts cover two
+# thirds.
+WEIGHT = 50.0
 
 # Median absolute deviation of a normal distribution over its standard deviation.
 MAD = 0.6745
 
 # A ground darker than this share of the contrast carries no illumination to divide by, as in a dark field.
+# Grey levels below zero by this share of the ground are no intensities, nor is a ground with its square.
 FAINT = 0.2
 
 
@@ -55,36 +60,56 @@ def without_illumination(image: NDArray[np.float32], bright_contacts: bool) -> G
     the blocks that hold contacts are left out by clipping.
     """
     grid, error, y, x = _blocks(image)
-    levels = grid.ravel()
     sign = -1.0 if bright_contacts else 1.0
-    threshold = otsu(levels) if np.ptp(levels) > CLIPPED * error else -sign * np.inf
-    kept = _clear_of(sign * grid < sign * threshold)
-    terms = legendre.legvander2d(y, x, [DEGREE, DEGREE])
-    for _ in range(ROUNDS):
-        coefficients = np.linalg.lstsq(terms[kept], levels[kept], rcond=None)[0]
-        residual = levels - terms @ coefficients
-        # blocks on the other side of the surface than the contacts hold nothing but ground
-        beyond = np.abs(residual[kept & (sign * residual > 0.0)])
-        scale = max(np.median(beyond) / MAD if beyond.size else 0.0, error)
-        now = _clear_of((sign * residual < -CLIPPED * scale).reshape(grid.shape))
-        now &= sign * residual < 2.0 * CLIPPED * scale
-        if np.array_equal(now, kept) or now.sum() < 2 * terms.shape[1]:
-            break
-        kept = now
-    structure = _structure(np.where(kept, residual, np.nan).reshape(grid.shape), error)
+    terms = np.asarray(legendre.legvander2d(y, x, [DEGREE, DEGREE]), dtype=np.float64)
+    above = sign * (grid.ravel() - terms @ _envelope(terms, grid.ravel(), sign))
+    # of two guesses, one serves large gradients, and the other large contacts
+    guesses = [sign * grid, above.reshape(grid.shape)]
+    fits = [_fitted(terms, grid, sign, _brighter(guess, error), error) for guess in guesses]
+    coefficients, kept, scale = min(fits, key=lambda fit: fit[2])
+    residual = grid - (terms @ coefficients).reshape(grid.shape)
+    structure = _structure(np.where(kept, residual, np.nan), error)
     rows, columns = (
         legendre.legvander(_scaled(np.arange(n, dtype=np.float64) + 0.5, n), DEGREE) for n in image.shape
     )
     ground = (rows @ coefficients.reshape(DEGREE + 1, -1) @ columns.T).astype(np.float32)
-    level = float(coefficients[0])
+    level, least = float(coefficients[0]), float(ground.min())
     contrast = float(np.abs(residual).max())
-    divided = float(ground.min()) > FAINT * contrast
+    if bright_contacts:
+        divided = least > FAINT * contrast
+    else:
+        negative = (grid < -CLIPPED * error - FAINT * (grid - residual)).any()
+        divided = least > FAINT**2 * level and not negative
     if divided:
         corrected, scale = image / ground, abs(level)
     else:
         scale = contrast or 1.0
         corrected = 1.0 + (image - ground) / np.float32(scale)
     return Ground(2.0 - corrected if bright_contacts else corrected, structure / scale, level, divided)
+
+
+def _brighter(guess: FloatArray, error: float) -> NDArray[np.bool_]:
+    """Return which blocks are ground by Otsu's threshold; all, if they differ by noise alone."""
+    return guess >= (otsu(guess) if np.ptp(guess) > CLIPPED * error else -np.inf)
+
+
+def _fitted(
+    terms: FloatArray, grid: FloatArray, sign: float, bright: NDArray[np.bool_], error: float
+) -> tuple[FloatArray, NDArray[np.bool_], float]:
+    """Return coefficients, the blocks they were fitted to, and the standard deviation of those."""
+    kept = _clear_of(~bright)
+    for _ in range(ROUNDS):
+        used = terms[kept.ravel()]
+        coefficients = np.linalg.solve(used.T @ used, used.T @ grid[kept])
+        height = sign * (grid - (terms @ coefficients).reshape(grid.shape))
+        # blocks on the other side of the surface than the contacts hold nothing but ground
+        beyond = height[kept & (height > 0.0)]
+        scale = float(max(np.median(beyond) / MAD if beyond.size else 0.0, error))
+        now = _clear_of(height < -CLIPPED * scale) & (height < 2.0 * CLIPPED * scale)
+        if np.array_equal(now, kept) or now.sum() < 2 * terms.shape[1]:
+            break
+        kept = now
+    return np.asarray(coefficients, dtype=np.float64), kept, scale
 
 
 def otsu(values: NDArray[Any]) -> float:
@@ -94,13 +119,26 @@ def otsu(values: NDArray[Any]) -> float:
     return float(threshold_otsu(values))  # type: ignore[no-untyped-call]
 
 
+def _envelope(terms: FloatArray, levels: FloatArray, sign: float) -> FloatArray:
+    """Return the coefficients of a surface near the blocks that are least like contacts: an expectile.
+
+    The blocks on its one side have larger weights.
+    """
+    weight = np.ones(levels.size)
+    for _ in range(ROUNDS):
+        normal = terms.T * weight
+        coefficients = np.linalg.solve(normal @ terms, normal @ levels)
+        weight = np.where(sign * (levels - terms @ coefficients) > 0.0, WEIGHT, 1.0)
+    return np.asarray(coefficients, dtype=np.float64)
+
+
 def _clear_of(dark: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Return which blocks are not dark and, where that leaves enough, have no dark block beside them."""
     from scipy.ndimage import binary_dilation
 
     beside = ~binary_dilation(dark, np.ones((3, 3)))
     enough = np.count_nonzero(beside) >= ENOUGH * dark.size
-    return (beside if enough else ~dark).ravel()
+    return np.asarray(beside if enough else ~dark)
 
 
 def _structure(residual: FloatArray, error: float) -> float:

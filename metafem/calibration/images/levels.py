@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from metafem._validate import FloatArray
 from metafem.calibration.images.boundary import Contours, contours
 from metafem.calibration.images.errors import EDGE_CURVATURE, EDGE_INTERPOLATION
-from metafem.calibration.images.flags import Window, at_edge, pixels_of
+from metafem.calibration.images.flags import at_edge, pixels_of
 from metafem.calibration.images.illumination import MAD, Ground
+from metafem.errors import InvalidInput
 
 # Smoothing before the blur is known [pixels], and the least smoothing of an image in which contours are
 # sought: narrower kernels are not resolved by pixels.
@@ -77,19 +78,20 @@ def smoothed(corrected: NDArray[np.float32], width: float) -> tuple[NDArray[np.f
     return bordered, float((weight * place**2).sum() / weight.sum())
 
 
-def smoothed_noise(bordered: NDArray[np.float32], windows: list[Window], width: float) -> float:
+def smoothed_noise(bordered: NDArray[np.float32], labels: NDArray[np.int32], width: float) -> float:
     """Return the standard deviation of the noise of a smoothed image, from differences across its ground.
 
     The image is divided into blocks so large that the middle pixels of neighbours have independent noise.
-    Pairs of blocks enter that are away from contacts, whose windows are given.
+    Pairs of blocks enter that are away from contacts.
     """
     from scipy.ndimage import binary_dilation
 
     size = int(np.ceil(INDEPENDENT * width))
     rows, columns = (n // size for n in bordered.shape)
     dark = np.zeros((rows, columns), dtype=bool)
-    for window in windows:
-        dark[tuple(slice(s.start // size, (s.stop - 1) // size + 1) for s in window)] = True
+    for row in (0, size // 2, size - 1):
+        for column in (0, size // 2, size - 1):
+            dark |= labels[row::size, column::size][:rows, :columns] > 0
     middle = bordered[size // 2 :: size, size // 2 :: size][:rows, :columns].astype(np.float64)
     for distance in (2, 1, 0):
         clear = ~np.asarray(binary_dilation(dark, iterations=distance) if distance else dark)
@@ -123,6 +125,8 @@ def _from_widest(ground: Ground, threshold: float, dark: float | None, blur: flo
 
     image, variance = smoothed(ground.corrected, LEAST_SMOOTHING)
     below = image[1:-1, 1:-1][ground.corrected < threshold]
+    if not below.size:
+        raise InvalidInput(f"threshold = {threshold:.4g} must be above the grey level of the contacts")
     first = float(np.median(below)) if dark is None else dark
     labels, count = label(image < Levels(ground.level, threshold, first, 0.0).half)
     if not count:
@@ -137,7 +141,7 @@ def _from_widest(ground: Ground, threshold: float, dark: float | None, blur: flo
     chosen = [(w, d) for w, d in zip(windows, depths, strict=True) if d.max() >= AS_DEEP * deepest]
     cores, pixels = np.array([_core(image[w], d) for w, d in chosen]).T
     level = float(np.median(cores)) if dark is None else dark
-    noise = smoothed_noise(image, objects, LEAST_SMOOTHING)
+    noise = smoothed_noise(image, labels, LEAST_SMOOTHING)
     scatter = _scatter(cores, noise, pixels, math.sqrt(variance)) if dark is None else 0.0
     if not whole:
         return Levels(ground.level, threshold, level, blur or LEAST_SMOOTHING, scatter, 0.0, cut=True)

@@ -53,12 +53,16 @@ def _contacts(values: NDArray[Any], ground: Ground, found: Levels, options: Opti
     image, variance = levels.smoothed(ground.corrected, width)
     labels, count = label(image < found.half)
     windows = find_objects(labels)
-    contrast, scatter = 1.0 - found.dark, levels.smoothed_noise(image, windows, width)
+    contrast, scatter = 1.0 - found.dark, levels.smoothed_noise(image, labels, width)
     if contrast < CONTRAST * max(scatter, 0.5 * ground.structure):
         raise InvalidInput(
             f"image shows no contacts, it is all dark or bright: its grey levels differ by {contrast:.2g} "
             f"of the ground's, with noise of {scatter:.2g} after smoothing. If it has contacts too small for "
             "Otsu's method, give threshold and dark_level of an image with larger ones"
+        )
+    if not found.dark < found.threshold:
+        raise InvalidInput(
+            f"threshold = {found.threshold:.4g} must be above the grey level {found.dark:.4g} of the contacts"
         )
     # white noise of the standard deviation n is n/(2 sqrt(pi) w) after the smoothing
     noise = 2.0 * math.sqrt(math.pi * variance) * scatter / contrast
@@ -78,7 +82,8 @@ def _contacts(values: NDArray[Any], ground: Ground, found: Levels, options: Opti
     enough = area >= least
     edge = np.array([at_edge(w, image.shape, math.ceil(2.0 * total)) for w in windows], dtype=bool)
     counted = _counted(ground.corrected, labels, windows, found.threshold)
-    at_level = 0.5 * math.hypot(found.dark_scatter, ground.structure) / contrast
+    steps = errors.quantisation(noise, _step(values, ground) / contrast)
+    at_level = 0.5 * math.hypot(found.dark_scatter / contrast, ground.structure / contrast, steps)
     error = errors.of_contour(
         shape.length, noise, math.sqrt(variance), total, at_level, found.blur_error * found.blur / total
     )
@@ -107,6 +112,11 @@ def _contacts(values: NDArray[Any], ground: Ground, found: Levels, options: Opti
         shape=(values.shape[0], values.shape[1]),
     )
     return remarks(result, found, ground, count - len(order), least * pixel**2)
+
+
+def _step(values: NDArray[Any], ground: Ground) -> float:
+    """Return one step of the grey levels over that of the ground; 0 for floats."""
+    return 1.0 / abs(ground.level) if values.dtype.kind in "ui" else 0.0
 
 
 def _counted(
