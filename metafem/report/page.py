@@ -21,6 +21,7 @@ from metafem.report.elements import elements_section
 from metafem.report.exactness import exactness_section
 from metafem.report.figures import comparison_figure, force_figure, law_figure, sensitivity_figure
 from metafem.report.fits import fit_table
+from metafem.report.measured import measured_section
 from metafem.report.names import in_python, misfit_words
 from metafem.report.notes import all_notes
 from metafem.report.views import MOST_SHAPED, contact_figure, height_figure, several_radii, shape_figure
@@ -156,6 +157,7 @@ def page(
         if design.surface.count <= MOST_COMPARED
         else "",
         contacts=svg(contact_figure(design), "Real contacts at three loads"),
+        measured=measured_section(design, studies),
         comparison=svg(comparison_figure(comparisons), "Change by elastic interaction")
         if comparisons
         else "",

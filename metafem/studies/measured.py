@@ -102,7 +102,7 @@ def measured(comparisons: Sequence[Comparison], model: Model) -> xr.Dataset:
         for note in each.notes
     ]
     names = np.array([feature.name for _, feature in features], dtype=str)
-    return dataset(
+    study = dataset(
         "measured",
         variables,
         {"feature": names, "law": np.array(labels)},
@@ -110,3 +110,7 @@ def measured(comparisons: Sequence[Comparison], model: Model) -> xr.Dataset:
         inputs=inputs_hash(tuple(comparisons)),
         notes=notes,
     )
+    study.attrs["parameters"] = " ".join(
+        dict.fromkeys(name for each in comparisons for name in each.parameters)
+    )
+    return study

@@ -38,6 +38,10 @@ def test_a_measured_law_is_compared_and_stored(run, measured):
     assert "slope, P/E* = " in text
     assert "The static law does not agree with the design within its error bars: rms deviation 3 %" in text
     assert text.endswith("wrote linear/measured.nc")
+    assert run("report", "linear").exit_code == 0
+    report = Path("linear/report.html").read_text("utf-8")
+    assert "<h2>Measured law</h2>" in report
+    assert "rms deviation 3 %" in report
 
 
 def test_sliding_friction_stands_beside_with_its_own_strength(run, measured):

@@ -1,0 +1,86 @@
+"""The report's section on the measured law: its points beside the design, and their agreement."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from metafem.drawing import QUIET, new_figure, svg
+from metafem.drawing.measured import COLOURS, points, residuals
+from metafem.inversion import Design
+from metafem.studies.summaries.measured import FEATURES, POINTS, answers, feature_rows
+from metafem.studies.summaries.table import stored_notes
+from metafem.studies.summaries.tables import summary
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from xarray import Dataset
+
+NAME = "measured"
+
+# The axes end at this multiple of the largest measured value.
+ROOM = 1.08
+
+
+def measured_section(design: Design, studies: Mapping[str, Dataset]) -> dict[str, Any] | None:
+    """Return the figure, the tables and the sentences of the measured laws, or None without any."""
+    if NAME not in studies:
+        return None
+    study = studies[NAME]
+    return {
+        "answers": answers(study),
+        "differs": not study["fits"].values.all(),
+        "shaded": bool(design.fits),
+        "bars": _bars(study),
+        "figure": svg(measured_figure(design, study), "Measured and designed friction law"),
+        "feature_columns": FEATURES,
+        "features": feature_rows(study),
+        "columns": POINTS,
+        "rows": summary(study).rows,
+        "notes": stored_notes(study),
+    }
+
+
+def measured_figure(design: Design, study: Dataset) -> Figure:
+    """Draw the law of the design with the measured points, and below it the deviations over their s.d."""
+    figure = new_figure(7.0, 5.6, (0.9, 0.2, 0.6, 0.2))
+    ax, below = figure.subplots(2, 1, sharex=True, height_ratios=[3, 1], gridspec_kw={"hspace": 0.08})
+    design.law.plot(ax, label=f"design: {design.law.model.name}")
+    for label, colour in zip(map(str, study["law"].values), COLOURS, strict=False):
+        one = study.isel(point=np.flatnonzero(study["of_law"].values == label))
+        x, x_sd = one["rescaled_load"].values, one["rescaled_load_sd"].values
+        y, y_sd = one["rescaled_friction"].values, one["rescaled_friction_sd"].values
+        points(ax, x, y, x_sd, y_sd, forces=False, label=f"measured: {label}", colour=colour)
+        residuals(below, x, (one["deviation"] / one["deviation_sd"]).values, colour)
+        crossover = one.isel(feature=_crossovers(one, label))
+        for low, high in zip(crossover["low"].values, crossover["high"].values, strict=True):
+            ax.axvspan(low, high, color=colour, alpha=0.25, lw=0, label=f"crossover, 68 %: {label}")
+    for branch, _ in design.fits:
+        for each in (ax, below):
+            each.axvspan(*branch.load_range, color=QUIET, alpha=0.08, lw=0)
+    below.set_xlabel(ax.get_xlabel())
+    ax.set_xlabel("")
+    end = ROOM * float((study["rescaled_load"] + study["rescaled_load_sd"]).max())
+    ax.set_xlim(0.0, end)
+    shown = np.interp(end, design.law.rescaled_load, design.law.rescaled_friction)
+    ax.set_ylim(0.0, ROOM * max(float(study["rescaled_friction"].max()), float(shown)))
+    for each in (ax, below):
+        each.spines[["top", "right"]].set_visible(False)
+    ax.legend(frameon=False, loc="lower right")
+    return figure
+
+
+def _bars(study: Dataset) -> str:
+    """Return which errors of parameters the standard deviations contain."""
+    names = {"composite_modulus": "E*", "shear_strength": "σ", "area_ratio": "B"}
+    found = [names[name] for name in str(study.attrs["parameters"]).split()]
+    return f", which include the errors of {' and '.join(found)}" if found else ""
+
+
+def _crossovers(study: Dataset, label: str) -> NDArray[np.intp]:
+    """Return which features are the crossover of a law."""
+    crossover = np.char.startswith(study["feature"].values.astype(str), "crossover")
+    return np.flatnonzero(crossover & (study["of_law_feature"].values.astype(str) == label))
