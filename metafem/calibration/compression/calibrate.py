@@ -73,9 +73,11 @@ def contact(
     of the sample under `model`. The law is linear in E* and b. The sum of squared distances from it, over
     their variances at the fitted areas, is smallest; for given variances that is the orthogonal distance
     regression of ODRPACK. b has a sign, so that intervals of sqrt(w) are right where w is nearly 0. The
-    straight line of Aymard et al. is computed
-    beside it (`AdhesiveLine`). Valid for elastic contacts with adhesion of short range. Johnson, Kendall and
-    Roberts, Proc. R. Soc. A 324, 301 (1971), doi:10.1098/rspa.1971.0141.
+    straight line of Aymard et al. is computed beside it (`AdhesiveLine`).
+
+    Valid for elastic contacts with adhesion of short range. That neighbours change the adhesive part of the
+    load as well is neglected: 1e-5 of E* for caps 7 mm apart, 1e-4 for 2 mm. Johnson, Kendall and Roberts,
+    Proc. R. Soc. A 324, 301 (1971), doi:10.1098/rspa.1971.0141.
 
     Parameters
     ----------

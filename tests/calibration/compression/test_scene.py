@@ -57,6 +57,17 @@ def test_the_model_of_the_data_gives_their_modulus_back(model):
     assert abs(total.adhesion_root) < 1e-8
 
 
+@pytest.mark.parametrize("substrate", [mf.HalfSpace(), mf.BondedLayer()], ids=repr)
+def test_adhesive_contacts_that_interact_give_w_back(substrate):
+    adhesive = mf.Interacting(substrate=substrate, contact=mf.JKR(9e-6))
+    load = 5.0 * (1.36 * 4.0 / 3.0 * A**3 / RADIUS - np.sqrt(8.0 * math.pi * 9e-6 * 1.36 * A**3))
+    area = mf.friction_law(SAMPLE, adhesive, load=load).area
+    found = contact(load, area, RADIUS, contacts=5, model=mf.Interacting(substrate=substrate), surface=SAMPLE)
+    # the adhesion of the fit is that of contacts far apart
+    assert found.composite_modulus == pytest.approx(1.36, rel=1e-5)
+    assert found.adhesion_energy == pytest.approx(9e-6, rel=3e-4)
+
+
 def test_neighbours_change_the_modulus_by_their_curvature_alone():
     # order 3: 1/R_i = 1/R + sum_j P_j/(2 pi E* r^3), for equal caps P(a) = E* 4 a^3/3 (1/R + k)
     pair = mf.Surface([[0.0, 0.0], [1.5, 0.0]], [0.4, 0.4], RADIUS, mf.Material(1.0))
