@@ -23,13 +23,13 @@ from .measured_law.law import MeasuredLaw as MeasuredLaw
 from .measured_law.segmented import SegmentedFit as SegmentedFit
 from .measured_law.segmented import segmented as segmented
 from .measurement_errors import MeasurementErrors as MeasurementErrors
-from .sheared.full_contact import StrengthFit as StrengthFit
 from .sheared.full_contact import shear_strength as shear_strength
 from .sheared.lines import shear as shear
 from .sheared.record import ShearRecord as ShearRecord
 from .sheared.record import shear_record as shear_record
 from .sheared.result import ShearCalibration as ShearCalibration
 from .sheared.result import ShearTest as ShearTest
+from .sheared.strength_fit import StrengthFit as StrengthFit
 from .sites.match import match_sites as match_sites
 from .sites.site_match import SiteMatch as SiteMatch
 from .sites.tracked_contacts import TrackedContacts as TrackedContacts

@@ -6,15 +6,19 @@ from typing import TYPE_CHECKING
 
 from metafem.calibration.compression.result import ContactCalibration
 from metafem.calibration.sheared.result import ShearCalibration
+from metafem.calibration.sheared.strength_fit import StrengthFit
 from metafem.drawing.calibration import residuals, with_residuals
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def calibration_figure(contact: ContactCalibration | None, shear: ShearCalibration | None) -> Figure:
-    """Return the figure of a compression calibration, of a shear calibration, or of both."""
-    figure, axes = with_residuals((contact is not None) + 2 * (shear is not None))
+def calibration_figure(
+    contact: ContactCalibration | None, shear: ShearCalibration | None, strength: StrengthFit | None = None
+) -> Figure:
+    """Return the figure of the calibrations that are given."""
+    columns = (contact is not None) + 2 * (shear is not None) + (strength is not None)
+    figure, axes = with_residuals(columns)
     places = iter(axes)
     if contact is not None:
         law, below = next(places)
@@ -30,6 +34,11 @@ def calibration_figure(contact: ContactCalibration | None, shear: ShearCalibrati
         shear.plot(law, "friction")
         residuals(below, shear.area_sheared, shear.friction_residual)
         law.set_title(f"σ = {shear.shear_strength:.4g} MPa")
+    if strength is not None:
+        law, below = next(places)
+        strength.plot(law)
+        residuals(below, strength.area, strength.residual)
+        law.set_title(f"full contact: σ = {strength.shear_strength:.4g} MPa")
     for law, below in axes:
         below.set_xlabel(law.get_xlabel())
         law.set_xlabel("")

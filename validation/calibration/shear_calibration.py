@@ -247,9 +247,9 @@ def strengths() -> tuple[Errors, Errors]:
         errors.append(
             (
                 known.shear_strength - true,
-                math.sqrt(known.covariance[2, 2]),
+                math.sqrt(known.covariance[-1, -1]),
                 whole.shear_strength - true,
-                math.sqrt(whole.covariance[2, 2]),
+                math.sqrt(whole.covariance[-1, -1]),
             )
         )
     columns = np.array(errors).T

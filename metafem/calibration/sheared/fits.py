@@ -40,6 +40,8 @@ def parameters(points: FloatArray, errors: MeasurementErrors) -> tuple[FloatArra
     jacobian[..., 0, 0] = 1.0
     jacobian[..., 1, 0], jacobian[..., 1, 1] = -strength / ratio, 1.0 / ratio
     covariance = jacobian @ covariance @ np.swapaxes(jacobian, -1, -2)
+    # symmetric to the last bit
+    covariance = 0.5 * (covariance + np.swapaxes(covariance, -1, -2))
     return np.stack([ratio, strength], axis=-1), covariance, value
 
 

@@ -3,22 +3,20 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from metafem import _validate as check
 from metafem._calls import checked_call
-from metafem._given import formatted, shown
+from metafem._given import formatted, label, shown
 from metafem._validate import FloatArray
-from metafem._values import Value
 from metafem.calibration.measured_law.law import MeasuredLaw
 from metafem.calibration.sheared.proportional import proportional
-from metafem.calibration.sheared.result import WIDTH_68
-from metafem.calibration.verdict import Verdict, judged
+from metafem.calibration.sheared.strength_fit import StrengthFit
+from metafem.calibration.verdict import judged
 from metafem.errors import InvalidInput, MetafemError
-from metafem.material import Friction
 from metafem.models import Independent, Model
 from metafem.prediction import equilibrium, friction_law
 from metafem.surface import Surface
@@ -30,77 +28,14 @@ STEP = 1e-4
 # Steps that find the load at which the last asperity comes into contact, for an error alone.
 DOUBLINGS, HALVINGS = 10, 12
 
+# Rounding of correlations.
+ROUNDING = 1e-9
+
+# Parameters whose errors may be given.
+PARAMETERS = ("composite_modulus", "area_ratio", "radius")
+
 # Of a factor: one, and one more for a residual.
 FEWEST = 2
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class StrengthFit(Value):
-    """Shear strength of a surface in full contact, with its errors.
-
-    Attributes
-    ----------
-    shear_strength : float
-        sigma [MPa].
-    covariance : ndarray, (3, 3)
-        Covariance of the composite modulus [MPa], the area ratio [-] and the shear strength [MPa], in this
-        order; that of the first two is the given one.
-    measured_sd : float
-        Standard deviation of sigma from the errors of loads and friction forces alone [MPa].
-    load, friction_force : ndarray, (k,)
-        Measured points that were used [N].
-    area : ndarray, (k,)
-        Predicted contact area before shear [mm^2].
-    residual : ndarray, (k,)
-        Residuals over their standard deviations [-].
-    verdict : Verdict
-        Whether the friction forces are in proportion to the predicted areas.
-    area_ratio : float
-        The area ratio B that was used [-].
-    friction : metafem.Friction
-    shear_strength_interval : (float, float)
-        68 % interval [MPa].
-
-    Examples
-    --------
-    >>> import metafem as mf
-    >>> surface = mf.Surface.square_lattice(
-    ...     0.1, radius=0.526, material=mf.Material(1.36), friction=mf.Friction(0.4, 0.85)
-    ... )
-    >>> law = mf.friction_law(surface, load=[0.5, 1.0, 1.5])
-    >>> measured = mf.calibration.MeasuredLaw(
-    ...     law.load, friction_force=law.friction_force, material=surface.material, friction=surface.friction
-    ... )
-    >>> mf.calibration.shear_strength(measured, surface, 0.5)
-    <StrengthFit: sigma = 0.4 ± 0.0026 MPa, 3 points>
-    """
-
-    shear_strength: float
-    covariance: FloatArray
-    measured_sd: float
-    load: FloatArray
-    friction_force: FloatArray
-    area: FloatArray
-    residual: FloatArray
-    verdict: Verdict
-    area_ratio: float
-
-    def __repr__(self) -> str:
-        deviation = float(np.sqrt(self.covariance[2, 2]))
-        return (
-            f"<StrengthFit: sigma = {self.shear_strength:.4g} ± {deviation:.2g} MPa, {len(self.load)} points>"
-        )
-
-    @property
-    def friction(self) -> Friction:
-        """Friction with the fitted strength and the area ratio that was used."""
-        return Friction(self.shear_strength, self.area_ratio)
-
-    @property
-    def shear_strength_interval(self) -> tuple[float, float]:
-        """68 % interval of sigma [MPa]."""
-        half = WIDTH_68 * float(np.sqrt(self.covariance[2, 2]))
-        return self.shear_strength - half, self.shear_strength + half
 
 
 @checked_call
@@ -111,14 +46,16 @@ def shear_strength(
     *,
     model: Model | None = None,
     covariance: ArrayLike | None = None,
+    parameters: Sequence[str] = PARAMETERS[:2],
 ) -> StrengthFit:
     """Fit the shear strength to friction forces at loads under which all asperities are in contact.
 
     Under such loads no new contact is formed, and the area A0(P) that the model predicts hardly depends on
     the heights. The factor of ``F = sigma B A0(P)`` is fitted with the errors of load and friction force, and
-    divided by B. Errors of E* and B change sigma by ``dlog(sigma)/dlog(E*)``, about 2/3, and by
-    ``dlog(sigma)/dlog(B) = -1``. Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234,
-    supplementary text "Model parameter values".
+    divided by B. An error of E* changes sigma by ``dlog(sigma)/dlog(E*)``, about 2/3, one of B by
+    ``dlog(sigma)/dlog(B) = -1``, and one of the radius by about -2/3. If E* was calibrated with caps of the
+    same radius, it is in proportion to it, and an error of the radius nearly cancels. Aymard et al., Science
+    383, 200 (2024), doi:10.1126/science.adk4234, supplementary text "Model parameter values".
 
     Parameters
     ----------
@@ -131,8 +68,12 @@ def shear_strength(
         Smallest load that is used [N].
     model : Model, optional
         Default: `Independent()`.
-    covariance : array_like, (2, 2), optional
-        Covariance of E* [MPa] and B [-], in this order; default: no errors.
+    covariance : array_like, (p, p), optional
+        Covariance of the `parameters`, in mm, MPa and 1; default: no errors.
+    parameters : sequence of str
+        Names of its rows: of ``radius`` (the mean one; all radii change by the same factor),
+        ``composite_modulus`` and ``area_ratio``; default: the last two. Those of
+        `metafem.calibration.joint_covariance` may be given; ``shear_strength`` is left out.
 
     Returns
     -------
@@ -159,7 +100,7 @@ def shear_strength(
     check.instance("surface", surface, Surface, "a metafem.Surface")
     least = check.number("load_min", load_min, above=0.0)
     solver = Independent() if model is None else model
-    given = _covariance(covariance)
+    names, given = _covariance(covariance, parameters)
     if law.friction_force is None or law.friction_force_sd is None:
         raise InvalidInput("law has no friction forces; sigma needs them")
     friction = surface.friction or law.friction
@@ -171,8 +112,8 @@ def shear_strength(
     used = law.load >= least
     if used.sum() < FEWEST:
         raise InvalidInput(
-            f"law has {int(used.sum())} points at load_min = {formatted('load_min', least)} or above; sigma "
-            f"needs at least {FEWEST}"
+            f"law has {int(used.sum())} points at {label('load_min')} = {formatted('load_min', least)} or "
+            f"above; sigma needs at least {FEWEST}"
         )
     _refuse_open(surface, solver, least)
     load, force, load_sd = law.load[used], law.friction_force[used], law.load_sd[used]
@@ -194,39 +135,64 @@ def shear_strength(
     square = fitted_sd**2 + (factor * slope * load_sd) ** 2
     residual = (force - factor * area) / np.sqrt(square)
     strength = factor / friction.area_ratio
-    # of E*: the areas at the rescaled loads P/E* change by -P dA0/dP for each relative change
-    exponent = float((area * load * slope / square).sum() / (area**2 / square).sum())
-    modulus, ratio = surface.material.composite_modulus, friction.area_ratio
-    gradient = strength * np.array([exponent / modulus, -1.0 / ratio])
-    measured = float(variance) / ratio**2
-    whole = np.zeros((3, 3))
-    whole[:2, :2] = given
-    whole[2, :2] = whole[:2, 2] = given @ gradient
-    whole[2, 2] = gradient @ given @ gradient + measured
+    measured = float(variance) / friction.area_ratio**2
+    # relative changes of sigma: those of the areas at the given loads, weighted as in the fit, and of B
+    weight = area / square / (area**2 / square).sum()
+    modulus = surface.material.composite_modulus
+    change = {
+        "composite_modulus": lambda: float(weight @ (load * slope)) / modulus,
+        "area_ratio": lambda: -1.0 / friction.area_ratio,
+        "radius": lambda: -float(weight @ _growth(surface, solver, load)) / float(surface.radius.mean()),
+    }
+    gradient = strength * np.array([change[name]() for name in names])
+    p = len(names)
+    whole = np.zeros((p + 1, p + 1))
+    whole[:p, :p] = given
+    whole[p, :p] = whole[:p, p] = given @ gradient
+    whole[p, p] = gradient @ given @ gradient + measured
     return StrengthFit(
         float(strength),
+        (*names, "shear_strength"),
         whole,
         measured**0.5,
         load,
         force,
         area,
+        slope * load_sd,
+        fitted_sd,
         residual,
         judged(residual, 1),
         friction.area_ratio,
     )
 
 
-def _covariance(given: ArrayLike | None) -> FloatArray:
-    """Return the covariance of E* and B."""
+def _covariance(given: ArrayLike | None, parameters: Sequence[str]) -> tuple[tuple[str, ...], FloatArray]:
+    """Return the names of the parameters that change sigma and their covariance."""
     if given is None:
-        return np.zeros((2, 2))
-    matrix = check.array("covariance", given, shape=(2, 2))
-    # a correlation slightly above 1 is rounding
-    if matrix[0, 1] != matrix[1, 0] or np.linalg.eigvalsh(matrix)[0] < -1e-12 * matrix.max():
+        return (), np.zeros((0, 0))
+    names = tuple(parameters)
+    unknown = [name for name in names if name not in (*PARAMETERS, "shear_strength")]
+    if unknown or len(set(names)) < len(names):
+        raise InvalidInput(f"parameters = {shown(names)} must be different names of {', '.join(PARAMETERS)}")
+    matrix = check.array("covariance", given, shape=(len(names), len(names)))
+    scale = np.sqrt(np.abs(np.diagonal(matrix)))
+    scaled = matrix / np.where(scale > 0.0, scale, 1.0) / np.where(scale > 0.0, scale, 1.0)[:, None]
+    if not np.allclose(scaled, scaled.T, atol=ROUNDING) or np.linalg.eigvalsh(scaled)[0] < -ROUNDING:
         raise InvalidInput(
-            f"covariance = {shown(matrix.tolist())} of E* and B must be symmetric and positive semidefinite"
+            f"covariance = {shown(matrix.tolist())} of {', '.join(names)} must be symmetric and positive "
+            "semidefinite"
         )
-    return matrix
+    kept = [i for i, name in enumerate(names) if name in PARAMETERS]
+    return tuple(names[i] for i in kept), matrix[np.ix_(kept, kept)]
+
+
+def _growth(surface: Surface, model: Model, load: FloatArray) -> FloatArray:
+    """Return the change of A0 with the logarithm of all radii [mm^2]."""
+    low, high = (
+        _areas(surface.replaced(radius=surface.radius * (1.0 + sign * STEP)), model, load)[0]
+        for sign in (-1.0, 1.0)
+    )
+    return (high - low) / (2.0 * STEP)
 
 
 def _areas(surface: Surface, model: Model, load: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -243,8 +209,8 @@ def _refuse_open(surface: Surface, model: Model, load: float) -> None:
     if not opened:
         return
     raise InvalidInput(
-        f"load_min = {formatted('load_min', load)}: {opened} of {surface.count} asperities are not in "
-        f"contact at this load{_all_touch(surface, model, load)}"
+        f"{label('load_min')} = {formatted('load_min', load)}: {opened} of {surface.count} asperities are "
+        f"not in contact at this load{_all_touch(surface, model, load)}"
     )
 
 

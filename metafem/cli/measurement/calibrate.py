@@ -16,6 +16,7 @@ from metafem.cli.measurement.fits import (
     errors_of,
     fitted_contact,
     fitted_shear,
+    fitted_strength,
     sliding_range,
     written_names,
 )
@@ -25,7 +26,7 @@ from metafem.cli.terminal import notes_data, print_notes, print_table, terminal
 from metafem.errors import InvalidInput
 
 if TYPE_CHECKING:
-    from metafem.calibration import ContactCalibration, ShearCalibration
+    from metafem.calibration import ContactCalibration, ShearCalibration, StrengthFit
     from metafem.files import CalibrationData
 
 # mJ/m^2 in N/mm.
@@ -52,7 +53,7 @@ length_options = with_options(
 
 
 @main.command(short_help="Measure E*, adhesion energy, B and σ from tables of tests.")
-@click.argument("data", type=Name(), nargs=-1, required=True, metavar="DATA.csv...")
+@click.argument("data", type=Name(), nargs=-1, metavar="DATA.csv...")
 @length_options
 @click.option(
     "--contacts",
@@ -81,6 +82,15 @@ length_options = with_options(
 )
 @model_option("independent")
 @click.option(
+    "--full-contact",
+    type=Name(),
+    metavar="TABLE.csv",
+    help="Loads and friction forces (load_mN,friction_force_mN) of a part of which all asperities are in "
+    "contact: σ follows with its model, E* and B.",
+)
+@click.option("--part", type=Name(), metavar="DIR", help="Result folder of that part.")
+@click.option("--load-min", metavar="FORCE", help='Smallest load that is used of it, such as "0.5 N".')
+@click.option(
     "--bootstrap", type=click.IntRange(min=2), help="Also fit this number of times to points drawn again."
 )
 @seed_option
@@ -108,7 +118,7 @@ def calibrate(
     The columns of a table say what it holds: load_mN,area_mm2 (or area_1_mm2,area_2_mm2 ... of single
     contacts) a compression test, area_before_mm2,area_sheared_mm2,friction_force_mN a shear test, and
     displacement_um,friction_force_mN,area_mm2 the record of one pull; or it is a table of metafem images.
-    Each table is a test, unless a column test holds labels.
+    Each table is a test, unless a column test holds labels. σ may also follow from a part in full contact.
 
     Example: metafem calibrate compression.csv shear.csv --contacts 5 --radius "526 um" --radius-sd "5 um"
     """
@@ -132,14 +142,17 @@ def calibrate(
         refuse_existing(path, force, kinds[path.suffix.lower()])
     if figure is not None:
         refuse_figure(figure, force)
-    sources = [str(path) for path in data]
+    sources = [str(path) for path in (*data, options["full_contact"]) if path is not None]
+    if not sources:
+        raise InvalidInput("no table is given; write for example metafem calibrate compression.csv shear.csv")
     with progress():
         measured = read_calibration(data, sliding=options["sliding"], sliding_range=sliding_range(options))
         names = written_names(options)
         errors = errors_of(options, measured)
         contact = fitted_contact(measured, options, errors, names, sources)
         shear = fitted_shear(measured, options, errors, names, sources)
-        found = calibration_data(contact, shear, sources, measured.records)
+        strength = fitted_strength(options, errors, contact, shear)
+        found = calibration_data(contact, shear, sources, measured.records, strength)
         found["notes"] = [
             note for each in (contact, shear) if each is not None for note in notes_data(each.notes)
         ]
@@ -147,21 +160,26 @@ def calibrate(
         for path in output:
             suffix = path.suffix.lower()
             content = (
-                block_text(contact, shear, sources, options["contact"]) if suffix == ".toml" else text + "\n"
+                block_text(contact, shear, sources, options["contact"], strength)
+                if suffix == ".toml"
+                else text + "\n"
             )
             write_text(path, content, force=force, ours=kinds[suffix])
         if figure is not None:
-            write_figure(figure, calibration_figure(contact, shear), "calibration", force=force)
+            write_figure(figure, calibration_figure(contact, shear, strength), "calibration", force=force)
     if as_json:
         click.echo(text)
         return
-    _print(contact, shear, measured)
+    _print(contact, shear, strength, measured)
     for path in (*output, *([figure] if figure is not None else [])):
         terminal().print(f"wrote {path}", highlight=False, markup=False)
 
 
 def _print(
-    contact: ContactCalibration | None, shear: ShearCalibration | None, measured: CalibrationData
+    contact: ContactCalibration | None,
+    shear: ShearCalibration | None,
+    strength: StrengthFit | None,
+    measured: CalibrationData,
 ) -> None:
     """Print the values with their intervals, the verdicts and the tests."""
     import numpy as np
@@ -200,6 +218,10 @@ def _print(
             lines.append(f"{name}, {verdict.freedom + 1} points: {verdict}")
         if shear.heterogeneity is not None:
             lines.append(f"B and σ, {len(shear.tests)} tests: {shear.heterogeneity}")
+    if strength is not None:
+        sd, ends = math.sqrt(strength.covariance[-1, -1]), strength.shear_strength_interval
+        row("σ, full contact", strength.shear_strength, ends, sd, "MPa", None)
+        lines.append(f"σ, full contact, {len(strength.load)} points: {strength.verdict}")
     columns = ["quantity", "value", "68 % interval", "unit", "± standard deviation", "of the bootstrap"]
     if all(not each[-1] for each in rows):
         columns, rows = columns[:-1], [each[:-1] for each in rows]

@@ -11,7 +11,7 @@ from metafem.errors import InvalidInput
 
 if TYPE_CHECKING:
     from metafem._given import ErrorNames
-    from metafem.calibration import ContactCalibration, MeasurementErrors, ShearCalibration
+    from metafem.calibration import ContactCalibration, MeasurementErrors, ShearCalibration, StrengthFit
     from metafem.files import CalibrationData
     from metafem.surface import Surface
 
@@ -38,7 +38,9 @@ def written_names(options: Mapping[str, Any]) -> ErrorNames:
     from metafem.files import option_names
 
     names = option_names({name: value for name, value in options.items() if isinstance(value, str)})
-    plain = {name: option_name(name) for name in (*LENGTHS, "contacts", "poisson_ratio", "bootstrap")}
+    plain = {
+        name: option_name(name) for name in (*LENGTHS, "contacts", "poisson_ratio", "bootstrap", "load_min")
+    }
     return replace(names, units={**names.units, "": ("", 1.0)}, names={**names.names, **plain})
 
 
@@ -188,3 +190,46 @@ def fitted_shear(
             )
     except InvalidInput as error:
         raise of_files(error, sources) from None
+
+
+def fitted_strength(
+    options: Mapping[str, Any],
+    errors: MeasurementErrors,
+    contact: ContactCalibration | None,
+    shear: ShearCalibration | None,
+) -> StrengthFit | None:
+    """Return sigma of a part in full contact, with E* and B of the other tables, or of its folder."""
+    import metafem as mf
+    from metafem._given import error_names
+    from metafem.files import quantity, read_measured_law
+
+    given = {
+        name: options[name] for name in ("full_contact", "part", "load_min") if options[name] is not None
+    }
+    if not given:
+        return None
+    missing = [option_name(name) for name in ("full_contact", "part", "load_min") if name not in given]
+    if missing:
+        raise InvalidInput(
+            f"{' and '.join(missing)} must be given too, as in --full-contact measured.csv --part linear "
+            '--load-min "0.5 N"'
+        )
+    design = mf.load(given["part"])
+    surface = design.surface
+    if contact is not None:
+        surface = surface.replaced(material=contact.material)
+    if shear is not None:
+        surface = surface.replaced(friction=shear.friction)
+    if surface.friction is None:
+        raise InvalidInput(
+            f"the area ratio B is not known: the part of {given['part']} has no friction; add a shear test"
+        )
+    law = read_measured_law(given["full_contact"], surface.material, surface.friction, errors=errors)
+    calibrations = [each for each in (contact, shear) if each is not None]
+    known: dict[str, Any] = {}
+    if calibrations:
+        names, covariance = mf.calibration.joint_covariance(*calibrations)
+        known = {"covariance": covariance, "parameters": names}
+    with error_names(written_names(options)):
+        least = quantity("--load-min", given["load_min"], "N", "0.5 N")
+        return mf.calibration.shear_strength(law, surface, least, model=design.law.model, **known)

@@ -7,7 +7,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from metafem.calibration import ContactCalibration, ShearCalibration
+from metafem.calibration import ContactCalibration, ShearCalibration, StrengthFit
 from metafem.files.measurement.numbers import interval, rounded
 from metafem.files.specification.options import section_named
 
@@ -23,13 +23,17 @@ def block_text(
     shear: ShearCalibration | None,
     sources: Sequence[str],
     cap: str | None = None,
+    strength: StrengthFit | None = None,
 ) -> str:
-    """Return the sections as TOML; `cap` is the law of ``--contact`` in words, ``hertz`` by default."""
+    """Return the sections as TOML; `cap` is the law of ``--contact`` in words, ``hertz`` by default.
+
+    The shear strength is that of `strength`, if it is given.
+    """
     lines = [FIRST, *(f"# Measured: {source}" for source in sources)]
     if contact is not None:
         lines += ["", *_material(contact), "", *_contact(contact, section_named((cap or "hertz").split()))]
-    if shear is not None:
-        lines += ["", *_friction(shear)]
+    if shear is not None or strength is not None:
+        lines += ["", "[friction]", _strength(shear, strength), _ratio(shear, strength)]
     return "\n".join(lines) + "\n"
 
 
@@ -72,20 +76,28 @@ def _contact(found: ContactCalibration, cap: Mapping[str, Any]) -> list[str]:
     return lines
 
 
-def _friction(found: ShearCalibration) -> list[str]:
-    ratio, strength = (math.sqrt(found.covariance[i, i]) for i in range(2))
-    fits = ["" if verdict.fits else "; the line does not fit" for verdict in _verdicts(found)]
-    stress = interval(found.shear_strength_interval, strength, "MPa")
-    share = interval(found.area_ratio_interval, ratio)
-    return [
-        "[friction]",
-        f'shear_strength = "{rounded(found.shear_strength, strength, 3)} MPa"  # {stress}{fits[1]}',
-        f"area_ratio = {rounded(found.area_ratio, ratio, 3)}  # {share}{fits[0]}",
-    ]
+def _strength(shear: ShearCalibration | None, full: StrengthFit | None) -> str:
+    """Return the key of the shear strength."""
+    found = full if full is not None else shear
+    assert found is not None
+    fits = full.verdict.fits if full is not None else found.friction_verdict.fits  # type: ignore[union-attr]
+    sd = math.sqrt(found.covariance[-1, -1])
+    comment = interval(found.shear_strength_interval, sd, "MPa")
+    comment += ", of a surface in full contact" if full is not None else ""
+    comment += "" if fits else "; the line does not fit"
+    return f'shear_strength = "{rounded(found.shear_strength, sd, 3)} MPa"  # {comment}'
 
 
-def _verdicts(found: ShearCalibration) -> tuple[Any, Any]:
-    return found.area_verdict, found.friction_verdict
+def _ratio(shear: ShearCalibration | None, full: StrengthFit | None) -> str:
+    """Return the key of the area ratio."""
+    if shear is None:
+        assert full is not None
+        return f"area_ratio = {full.area_ratio!r}  # that of the part"
+    sd = math.sqrt(shear.covariance[0, 0])
+    fits = "" if shear.area_verdict.fits else "; the line does not fit"
+    return (
+        f"area_ratio = {rounded(shear.area_ratio, sd, 3)}  # {interval(shear.area_ratio_interval, sd)}{fits}"
+    )
 
 
 def _keys(section: Mapping[str, Any]) -> list[str]:

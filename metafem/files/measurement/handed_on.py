@@ -17,6 +17,7 @@ from metafem.calibration import (
     Heterogeneity,
     ShearCalibration,
     ShearRecord,
+    StrengthFit,
     Verdict,
     joint_covariance,
 )
@@ -49,9 +50,14 @@ def calibration_data(
     shear: ShearCalibration | None,
     sources: Sequence[str],
     records: Mapping[str, ShearRecord],
+    strength: StrengthFit | None = None,
 ) -> dict[str, Any]:
-    """Return the results for JSON, with names, values and covariance of the parameters."""
-    names, covariance = joint_covariance(*(each for each in (contact, shear) if each is not None))
+    """Return the results for JSON, with names, values and covariance of the parameters.
+
+    `strength` has the parameters of the others; its shear strength is the one that is handed on.
+    """
+    found = [each for each in (contact, shear) if each is not None] if strength is None else [strength]
+    names, covariance = joint_covariance(*found)
     values: dict[str, float] = {}
     data: dict[str, Any] = {"kind": KIND, "files": list(sources)}
     if contact is not None:
@@ -104,6 +110,14 @@ def calibration_data(
             ],
             "shear_heterogeneity": _heterogeneity(shear.heterogeneity),
             "shear_bootstrap_sd": _spread(shear.bootstrap, ("area_ratio", "shear_strength")),
+        }
+    if strength is not None:
+        values["shear_strength"] = strength.shear_strength
+        data |= {
+            "full_contact_shear_strength_MPa": strength.shear_strength,
+            "full_contact_shear_strength_sd_MPa": math.sqrt(strength.covariance[-1, -1]),
+            "full_contact_shear_strength_interval_MPa": list(strength.shear_strength_interval),
+            "full_contact_verdict": _verdict(strength.verdict),
         }
     if records:
         data["records"] = [

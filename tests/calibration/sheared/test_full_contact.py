@@ -111,3 +111,32 @@ def test_other_bad_input_is_named(law):
     alone = MeasuredLaw(law.load, area=law.area, friction_force=law.friction_force, material=law.material)
     with pytest.raises(InvalidInput, match="the area ratio B is not known"):
         shear_strength(alone, SURFACE.replaced(friction=None), 0.1)
+
+
+def test_an_error_of_the_radius_cancels_that_of_the_modulus(law):
+    exact = measured(law)
+    square = SURFACE.radius[0] ** 2
+    sd = 0.01
+    both = sd**2 * np.array([[square, 1.36 * 0.526], [1.36 * 0.526, 1.36**2]])
+    found = shear_strength(exact, SURFACE, 0.1, covariance=both, parameters=("radius", "composite_modulus"))
+    assert found.parameters == ("radius", "composite_modulus", "shear_strength")
+    alone = shear_strength(exact, SURFACE, 0.1, covariance=both[1:, 1:], parameters=("composite_modulus",))
+    of_modulus = alone.covariance[1, 1] - alone.measured_sd**2
+    assert 0.0 <= found.covariance[2, 2] - found.measured_sd**2 < 0.05 * of_modulus
+    step = 1e-4
+    larger = shear_strength(exact, SURFACE.replaced(radius=0.526 * (1.0 + step)), 0.1)
+    slope = (larger.shear_strength - 0.37) / (0.526 * step)
+    radius = shear_strength(exact, SURFACE, 0.1, covariance=[[0.005**2]], parameters=("radius",))
+    assert radius.covariance[0, 1] == pytest.approx(0.005**2 * slope, rel=1e-3)
+
+
+def test_parameters_of_calibrations_are_handed_on(law):
+    names = ("radius", "composite_modulus", "area_ratio", "shear_strength")
+    exact = measured(law)
+    given = np.diag([0.005, 0.04, 0.01, 0.006]) ** 2
+    found = shear_strength(exact, SURFACE, 0.1, covariance=given, parameters=names)
+    assert found.parameters == names
+    assert mf.calibration.joint_covariance(found)[0] == names
+    with pytest.raises(InvalidInput, match="must be different names of composite_modulus"):
+        shear_strength(exact, SURFACE, 0.1, covariance=given, parameters=("wear", *names[1:]))
+    assert shear_strength(exact, SURFACE, 0.1).parameters == ("shear_strength",)

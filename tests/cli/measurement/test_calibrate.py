@@ -150,6 +150,28 @@ def test_the_covariance_is_handed_on_to_the_study(run, demo, tables):
     assert other.exit_code == 2
 
 
+def test_sigma_follows_from_a_part_in_full_contact(run, demo, tables):
+    demo("linear")
+    design = mf.load("linear")
+    law = mf.friction_law(design.surface, design.law.model, load=[0.2, 0.8, 1.0, 1.2])
+    table("part.csv", "load_N,friction_force_N", law.load, law.friction_force)
+    options = ("--full-contact", "part.csv", "--part", "linear")
+    result = run("calibrate", *options, "--load-min", "0.7 N", "-o", "part.toml")
+    assert result.exit_code == 0, result.output
+    assert "σ, full contact 0.3580" in words(result)
+    strength = tomllib.loads(Path("part.toml").read_text("utf-8"))["friction"]["shear_strength"]
+    assert float(strength.removesuffix(" MPa")) == pytest.approx(0.358, abs=1e-4)
+    # with B of the shear tests, and its error
+    both = json.loads(run("calibrate", "shear.csv", *options, "--load-min", "0.7 N", "--json").stdout)
+    assert both["parameters"] == ["area_ratio", "shear_strength"]
+    assert both["values"] == pytest.approx([0.85, 0.358], rel=1e-6)
+    early = run("calibrate", *options, "--load-min", "0.1 N")
+    assert early.exit_code == 2
+    assert "--load-min = 0.1 N" in words(early)
+    assert "asperities are not in contact at this load; all are from" in words(early)
+    assert "--part must be given too" in words(run("calibrate", *options[:2], "--load-min", "1 N"))
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -162,6 +184,7 @@ def test_the_covariance_is_handed_on_to_the_study(run, demo, tables):
         (("shear.csv", "--figure", "a.gif"), "a.gif must end with .svg or .png"),
         (("compression.csv", *RADIUS, "--model", "layer"), "--model needs the positions of the caps"),
         (("compression.csv", *RADIUS, "--thickness", "7 mm"), "--thickness needs --model"),
+        ((), "no table is given; write for example metafem calibrate"),
         (("missing.csv",), "missing.csv: no such file"),
         (("two.csv", *RADIUS), "two.csv: load has 2 points; E* and the adhesion energy need at least 3"),
         (("falling.csv", *RADIUS), "falling.csv, line 2: load = 0.03 N"),
