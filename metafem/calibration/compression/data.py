@@ -146,7 +146,7 @@ def checked_data(
     if open_rows.size:
         i = int(open_rows[0])
         raise InvalidInput(
-            f"{label(f'area[{i}]')} is 0: no contact at {label(f'load[{i}]')} = "
+            f"{label(f'area[{i}]')} = {formatted('area', 0.0)}: there is no contact at the load "
             f"{formatted('load', loads[i])}; leave the row out"
         )
     if np.ptp(total) <= ONE_AREA * total.max():
