@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
 from metafem._validate import FloatArray
 from metafem.calibration.diagnosis.priors import Priors
-from metafem.surface import Surface
+from metafem.surface import Material, Surface
 
 # Errors of the whole part and of the calibration, one number each.
 COMMON = ("angle_x", "angle_y", "height_scale", "composite_modulus", "friction")
@@ -38,11 +39,26 @@ LEAST = 0.1
 class Made:
     """A made part, and the true loads of its measurement."""
 
-    surface: Surface
+    design: Surface
+    position: FloatArray  # (n, 2), [mm]
+    height: FloatArray  # (n,), with the tilt [mm]
+    radius: FloatArray  # (n,), [mm]
+    material: Material
     slope: FloatArray  # (2,), tangents of the tilts
     stiffer: float  # E* over the nominal one
     friction: float  # sigma B over the nominal one
     load: FloatArray  # (k,), [N]
+
+    @cached_property
+    def surface(self) -> Surface:
+        """The surface of the part."""
+        return replace(
+            self.design,
+            position=self.position,
+            height=self.height,
+            radius=self.radius,
+            material=self.material,
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,11 +136,6 @@ class Causes:
             max(1.0 + float(self.value(name, z)[0]), LEAST) for name in ("composite_modulus", "friction")
         )
         modulus = stiffer * design.material.composite_modulus
-        surface = replace(
-            design,
-            position=position,
-            height=summits + position @ slope,
-            radius=radius,
-            material=replace(design.material, composite_modulus=modulus),
-        )
-        return Made(surface, slope, stiffer, friction, load)
+        material = replace(design.material, composite_modulus=modulus)
+        height = summits + position @ slope
+        return Made(design, position, height, radius, material, slope, stiffer, friction, load)

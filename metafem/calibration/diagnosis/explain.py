@@ -178,7 +178,7 @@ def _explanation(
         )
     measured = np.concatenate([-mean[causes.where["load"]], at.residual])
     gradient = at.gradient
-    fitted = float(np.einsum("mp,pq,mq->", gradient, posterior.covariance, gradient, optimize=True))
+    fitted = float(((gradient @ posterior.covariance) * gradient).sum())
     fitted += float((sd[causes.where["load"]] ** 2).sum())
     return Explanation(
         causes=tuple(

@@ -18,8 +18,10 @@ from metafem.surface import Friction
 # Step of central differences over the prior standard deviation of a cause, or over that of the load.
 STEP = 0.03
 
-# Radius of a contact over the error of its boundary at which it is seen: its area is its error.
-SEEN = 2.0
+# Mean and standard deviation of the indentation above which a contact is seen, over (2b)^2/R with the error b
+# of its boundary. A contact of the radius a, with the indentation a^2/R, is taken for open if the error of its
+# area exceeds its area, with the probability N(-a/2b).
+SEEN, SEEN_SD = 0.5, math.sqrt(1.25)
 
 # Smallest standard deviation of an area over the largest area.
 SMALLEST = 1e-12
@@ -35,9 +37,9 @@ class Linear:
     residual: FloatArray  # (m,), measured minus computed: friction forces, total areas, areas of contacts
     gradient: FloatArray  # (m, p), derivatives of the computed values
     sd: FloatArray  # (m,), standard deviations, in the unit of each value
-    indentation: FloatArray  # (c,), latent indentation of the contacts found open [mm]
+    indentation: FloatArray  # (c,), of the contacts found open, less the smallest one that is seen [mm]
     indentation_gradient: FloatArray  # (c, p)
-    resolution: FloatArray  # (c,), indentation that is still taken for an open contact [mm]
+    resolution: FloatArray  # (c,), standard deviation of the smallest indentation that is seen [mm]
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +53,7 @@ class Scene:
 
     def response(self, made: Made) -> Response:
         """Return the contacts of a part at its true loads."""
-        return response(self.model, made.surface, made.load / made.surface.material.composite_modulus)
+        return response(self.model, made, made.load / made.material.composite_modulus)
 
     def linear(self, z: FloatArray, covariance: FloatArray) -> Linear:
         """Return residuals and derivatives at unknowns of the mean z (p,) and a covariance (p, p)."""
@@ -66,12 +68,12 @@ class Scene:
         result = np.zeros((k, n, causes.size))
         rows = np.arange(k)
         loads = result[:, :, causes.where["load"]]
-        if has_closed_derivatives(self.model, made.surface):
-            modulus = made.surface.material.composite_modulus
+        if has_closed_derivatives(self.model, made.material):
+            modulus = made.material.composite_modulus
             by_load = found.by_load()
             loads[rows, :, rows] = by_load * (causes.load_sd / modulus)[:, None]
             rescaled = (made.load / modulus)[:, None]
-            x, y = made.surface.position.T
+            x, y = made.position.T
             changes = {
                 "angle_x": x * (1.0 + made.slope[0] ** 2),
                 "angle_y": y * (1.0 + made.slope[1] ** 2),
@@ -140,13 +142,14 @@ class Scene:
             own = found.area_by_radius[seen.open_row, seen.open_site] / rate
             by_indentation[np.arange(len(rate)), place] -= causes.sd["radius"] * own
         boundary = float(np.median(seen.boundary)) if len(seen.boundary) else 0.0
+        least = (2.0 * boundary) ** 2 / causes.surface.radius[seen.open_site]
         return Linear(
             residual / sd,
             gradient / sd[:, None],
             sd,
-            found.area[seen.open_row, seen.open_site] / rate,
+            found.area[seen.open_row, seen.open_site] / rate - SEEN * least,
             by_indentation,
-            (SEEN * boundary) ** 2 / made.surface.radius[seen.open_site],
+            SEEN_SD * least,
         )
 
 
@@ -158,11 +161,13 @@ def _total(area: FloatArray, derivative: FloatArray, covariance: FloatArray) -> 
     """
     from scipy.special import ndtr
 
-    sd = np.sqrt(np.maximum(np.einsum("knp,knp->kn", derivative @ covariance, derivative), 0.0))
+    rows = derivative.reshape(-1, derivative.shape[-1])
+    variance = np.einsum("mp,mp->m", rows @ covariance, rows).reshape(area.shape)
+    sd = np.sqrt(np.maximum(variance, 0.0))
     u = area / np.maximum(sd, SMALLEST * np.abs(area).max())
     closed = ndtr(u)
     mean = area * closed + sd * np.exp(-0.5 * u**2) / math.sqrt(2.0 * math.pi)
-    return mean.sum(axis=1), np.einsum("kn,knp->kp", closed, derivative)
+    return mean.sum(axis=1), (closed[:, None, :] @ derivative)[:, 0]
 
 
 def _ratio(

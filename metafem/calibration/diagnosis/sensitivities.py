@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
 from metafem._validate import FloatArray
 from metafem.models import Independent, Model
 from metafem.models.model import PARABOLOID, contact_of
-from metafem.surface import Surface
+from metafem.surface import Material, Surface
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,23 +55,42 @@ class Response:
         return self.area_rate / self.stiffness[:, None]
 
 
-def response(model: Model, surface: Surface, load: FloatArray) -> Response:
+class Part(Protocol):
+    """A made part; `surface` is needed by models other than independent Hertz contacts."""
+
+    @property
+    def height(self) -> FloatArray:
+        """Heights of the summits, (n,) [mm]."""
+
+    @property
+    def radius(self) -> FloatArray:
+        """Radii of the summits, (n,) [mm]."""
+
+    @property
+    def material(self) -> Material:
+        """Its material."""
+
+    @property
+    def surface(self) -> Surface:
+        """All of it."""
+
+
+def response(model: Model, part: Part, load: FloatArray) -> Response:
     """Return the contacts at rescaled loads (k,) in any order; derivatives are of independent asperities."""
-    law = contact_of(model).for_material(surface.material)
+    law = contact_of(model).for_material(part.material)
+    radius = part.radius
     if type(model) is Independent and law == PARABOLOID:
         order = np.argsort(load, kind="stable")
-        curve = model.curve_of(surface.height, surface.radius, load[order])
+        curve = model.curve_of(part.height, radius, load[order])
         approach = np.empty(len(load))
         approach[order] = curve.approach
-        indentation = approach[:, None] - (surface.height.max() - surface.height)
-        radius = surface.radius
+        indentation = approach[:, None] - (part.height.max() - part.height)
         closed = np.maximum(indentation, 0.0)
         each = 2.0 * np.sqrt(radius * closed)
         rate = np.broadcast_to(math.pi * radius, indentation.shape)
         area, carried = math.pi * radius * indentation, each * closed * (2.0 / 3.0)
     else:
-        area, each, rate, carried = _states(model, surface, load)
-        radius = surface.radius
+        area, each, rate, carried = _states(model, part.surface, load)
     total = each.sum(axis=1)
     return Response(area, rate, each / total[:, None], total, carried / (2.0 * radius), area / radius)
 
@@ -93,8 +113,6 @@ def _states(model: Model, surface: Surface, load: FloatArray) -> tuple[FloatArra
     return area, each, rate, carried
 
 
-def has_closed_derivatives(model: Model, surface: Surface) -> bool:
+def has_closed_derivatives(model: Model, material: Material) -> bool:
     """Whether the derivatives of `response` are exact for errors of heights, load and E*."""
-    return (
-        type(model) is Independent and not contact_of(model).for_material(surface.material).scales_with_stress
-    )
+    return type(model) is Independent and not contact_of(model).for_material(material).scales_with_stress

@@ -18,7 +18,7 @@ from metafem._validate import FloatArray
 from metafem.calibration.diagnosis.linearised import Linear
 
 # The update ends when no mean moves by more than this part of its standard deviation.
-STILL = 1e-6
+STILL = 1e-4
 
 # Number of full steps, after which each is damped more, and largest number of steps.
 FULL_STEPS, MOST_STEPS = 15, 150
@@ -109,7 +109,7 @@ def _factors(
 
     gradient = at.indentation_gradient
     mean = at.indentation + gradient @ move
-    variance = np.einsum("cp,pq,cq->c", gradient, covariance, gradient, optimize=True)
+    variance = ((gradient @ covariance) * gradient).sum(axis=1)
     active = mean > -FAR * np.sqrt(variance)
     new_precision, new_shift = np.zeros_like(precision), np.zeros_like(shift)
     if not active.any():

@@ -55,7 +55,8 @@ def measured(
     material = replace(nominal, composite_modulus=stiffer * nominal.composite_modulus)
     used = mf.Independent() if model is None else model
     load = LOADS / material.composite_modulus
-    area = np.maximum(response(used, surface.replaced(material=material), load).area, 0.0)
+    part = Causes.of(surface.replaced(material=material), LOADS, LOADS, NOTHING, False).made(0.0 * LOADS)
+    area = np.maximum(response(used, part, load).area, 0.0)
     force = friction * surface.friction.shear_strength * surface.friction.area_ratio * area.sum(axis=1)
     found = LOADS
     if rng is not None:

@@ -65,9 +65,9 @@ def test_the_true_loads_as_unknowns_are_the_effective_covariance():
 def test_one_open_contact_is_a_truncated_normal_distribution(offset):
     found = update(truncated(np.array([[1.0]]), np.array([offset])), 1)
     exact = stats.truncnorm(-math.inf, -offset)
-    assert found.mean[0] == pytest.approx(exact.mean(), rel=1e-4)
+    assert found.mean[0] == pytest.approx(exact.mean(), rel=1e-4, abs=2e-5)
     assert found.covariance[0, 0] == pytest.approx(exact.var(), rel=1e-3)
-    assert found.log_evidence == pytest.approx(stats.norm.logcdf(-offset), rel=1e-4, abs=1e-6)
+    assert found.log_evidence == pytest.approx(stats.norm.logcdf(-offset), rel=1e-4, abs=1e-4)
 
 
 def test_several_open_contacts_are_close_to_their_exact_moments():
