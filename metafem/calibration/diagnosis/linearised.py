@@ -19,8 +19,8 @@ from metafem.surface import Friction
 STEP = 0.03
 
 # Mean and standard deviation of the indentation above which a contact is seen, over (2b)^2/R with the error b
-# of its boundary. A contact of the radius a, with the indentation a^2/R, is taken for open if the error of its
-# area exceeds its area, with the probability N(-a/2b).
+# of its boundary. A contact of the radius a, with the indentation a^2/R, is taken for open if the error of
+# its area exceeds its area, with the probability N(-a/2b).
 SEEN, SEEN_SD = 0.5, math.sqrt(1.25)
 
 # Smallest standard deviation of an area over the largest area.
