@@ -19,6 +19,7 @@ from metafem.progress import doing
 from metafem.report.comparison import MOST_COMPARED, Comparison, compared
 from metafem.report.elements import elements_section
 from metafem.report.exactness import exactness_section
+from metafem.report.explanation import explanation_section
 from metafem.report.figures import comparison_figure, force_figure, law_figure, sensitivity_figure
 from metafem.report.fits import fit_table
 from metafem.report.measured import measured_section
@@ -164,6 +165,7 @@ def page(
         comparisons=_comparisons(comparisons),
         left_out=left_out,
         exactness=exactness_section(studies),
+        explanation=explanation_section(studies),
         elements=elements_section(design) if checks else None,
         parameters=parameter_rows(design),
         fit_columns=fit_columns,

@@ -1,0 +1,50 @@
+"""The report's section on the errors of the part that explain its measured law."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from metafem._values import MICROMETRES
+from metafem.calibration.diagnosis.sentences import NAMES
+from metafem.drawing import diagnosis, new_figure, svg
+from metafem.studies.summaries import summary
+from metafem.studies.summaries.explained import answers
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from xarray import Dataset
+
+# Margins around the errors, whose names stand on the left, and around the heights [inch].
+WIDE, NARROW = (1.3, 0.2, 0.6, 0.4), (0.9, 0.2, 0.6, 0.2)
+
+
+def explanation_section(studies: Mapping[str, Dataset]) -> dict[str, Any] | None:
+    """Return sentences, table and figures of the explanation; None if the law was not explained."""
+    if "explained" not in studies:
+        return None
+    study = studies["explained"]
+    figures = []
+    if study.sizes["cause"]:
+        figures.append(svg(errors_figure(study), "Errors of the part over their expected sizes"))
+    if "height" in study["kind"].values:
+        figures.append(svg(heights_figure(study), "Errors of single heights"))
+    return {**vars(summary(study)), "answers": answers(study), "figures": figures}
+
+
+def errors_figure(study: Dataset) -> Figure:
+    """Draw the errors of the whole part over their prior standard deviations."""
+    figure = new_figure(7.0, 1.4 + 0.35 * study.sizes["cause"], WIDE)
+    labels = [NAMES[name] for name in study["cause"].values.tolist()]
+    mean, sd = ((study[name] / study["prior_sd"]).values for name in ("mean", "sd"))
+    diagnosis.posteriors(figure.add_subplot(), labels, mean, sd)
+    return figure
+
+
+def heights_figure(study: Dataset) -> Figure:
+    """Draw the errors of single heights."""
+    figure = new_figure(7.0, 2.8, NARROW)
+    prior = float(study["single_prior_sd"].sel(kind="height"))
+    mean, sd = (MICROMETRES * study[name].values for name in ("height", "height_sd"))
+    diagnosis.heights(figure.add_subplot(), mean, sd, MICROMETRES * prior)
+    return figure
