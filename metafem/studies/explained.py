@@ -38,8 +38,8 @@ def explained(found: Explanation) -> xr.Dataset:
     >>> material = mf.Material(1.36)
     >>> design = mf.Surface.square_lattice([0.1, 0.11, 0.12, 0.13], (2, 2), radius=0.526, material=material)
     >>> measured = MeasuredLaw([0.1, 0.2], area=[0.42, 0.7], material=material)
-    >>> explained(explain(measured, design, model=mf.Independent())).cause.values
-    array(['angle_x', 'angle_y', 'height_scale', 'composite_modulus'], dtype='<U17')
+    >>> explained(explain(measured, design, model=mf.Independent())).cause.values.tolist()
+    ['angle_x', 'angle_y', 'height_scale', 'composite_modulus']
     """
     names = [cause.name for cause in found.causes]
     variables: dict[str, tuple[tuple[str, ...], Any]] = {
