@@ -195,7 +195,7 @@ class ContactCalibration(Value):
         (first, both), (_, last) = turn @ self.statistical_covariance @ turn.T
         alone = modulus - both / last * root * math.sqrt(modulus)
         systematic = alone * self.radius_change[0] / modulus
-        return alone, math.sqrt(first - both**2 / last + systematic**2)
+        return float(alone), math.sqrt(first - both**2 / last + systematic**2)
 
     @property
     def parameters(self) -> tuple[str, ...]:
