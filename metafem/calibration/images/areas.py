@@ -61,12 +61,17 @@ def contact_areas(
     InvalidInput
         If the image is not one of finite grey values, or shows no contacts.
 
-    Notes ----- The error of an area with the perimeter L is, for noise of standard deviation n of each pixel
-    over the contrast, ``n sqrt(2 sqrt(pi) s L)`` pixels: 0.3, 0.1 and 0.03 % at radii of 10, 20 and 50 pixels
-    with n = 0.05 and s = 1.5 pixels. To it are added the scatter of the levels of ground and contacts, and
-    the error of s. Contacts of radius below 2 s_t are not found. The method of Otsu, IEEE Trans. Syst. Man
-    Cybern. 9, 62 (1979), doi:10.1109/TSMC.1979.4310076, is that of Aymard et al., Science 383, 200 (2024),
-    doi:10.1126/science.adk4234.
+    Notes
+    -----
+    The error of an area with the perimeter L is, for noise of standard deviation n of each pixel over the
+    contrast, ``n sqrt(2 sqrt(pi) s L)`` square pixels: 0.3, 0.1 and 0.03 % of the area at radii of 10, 20 and
+    50 pixels with n = 0.05 and s = 1.5 pixels. To it are added the scatter of the grey levels of ground and
+    contacts, and the errors of the dark level and of s, which are common to all contacts of an image.
+    Contacts of radius below 2 s_t are not measured, and those below 1.2 s_t do not reach the half level. One
+    that comes within 2 s_t of the frame is at its edge.
+
+    Otsu's method, IEEE Trans. Syst. Man Cybern. 9, 62 (1979), doi:10.1109/TSMC.1979.4310076, is that of
+    Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234.
 
     Examples
     --------

@@ -32,9 +32,9 @@ from metafem._validate import FloatArray
 # centre, with s_t of 1.4 to 3.5.
 INTERPOLATION, EDGE_INTERPOLATION, EDGE_CURVATURE = 0.21, 0.13, 0.5
 
-# Variance of the number of pixels whose centres lie in a convex region, over its perimeter: for a disc of
-# radius r and random centre it is 0.0728 times 2 pi r (Gundersen and Jensen, J. Microsc. 147, 229 (1987),
-# doi:10.1111/j.1365-2818.1987.tb02837.x).
+# Variance of the number of pixels whose centres lie in a disc with random centre, over its perimeter. By
+# Poisson summation it is the sum of (r J1(2 pi r k)/k)² over the lattice of k without 0; with the mean 1/(pi
+# z) of J1(z)² it is r/(2 pi²) times the sum of k^-3, which is 4 zeta(3/2) beta(3/2) = 9.0336.
 COUNTED = 0.0728
 
 

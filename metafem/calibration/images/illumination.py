@@ -43,6 +43,7 @@ class Ground:
     """The ground of an image.
 
     `corrected` is the image with the illumination removed: 1 on the ground, and smaller in the contacts.
+    `span` is the range of its blocks, wider by itself on both sides: single bad pixels lie outside of it.
     `structure` is the standard deviation of what the polynomial leaves, over scales of a block; `divided`
     whether the image was divided by the ground, else the ground was subtracted.
     """
@@ -51,6 +52,11 @@ class Ground:
     structure: float
     level: float
     divided: bool
+    span: tuple[float, float]
+
+    def otsu(self) -> float:
+        """Return Otsu's threshold of the corrected image."""
+        return otsu(np.clip(self.corrected, *self.span))
 
 
 def without_illumination(image: NDArray[np.float32], bright_contacts: bool) -> Ground:
@@ -80,12 +86,17 @@ def without_illumination(image: NDArray[np.float32], bright_contacts: bool) -> G
     else:
         negative = (grid < -CLIPPED * error - FAINT * (grid - residual)).any()
         divided = least > FAINT**2 * level and not negative
+    surface = grid - residual
     if divided:
-        corrected, scale = image / ground, abs(level)
+        corrected, blocks, scale = image / ground, grid / surface, abs(level)
     else:
         scale = contrast or 1.0
-        corrected = 1.0 + (image - ground) / np.float32(scale)
-    return Ground(2.0 - corrected if bright_contacts else corrected, structure / scale, level, divided)
+        corrected, blocks = 1.0 + (image - ground) / np.float32(scale), 1.0 + residual / scale
+    if bright_contacts:
+        corrected, blocks = 2.0 - corrected, 2.0 - blocks
+    low, high = float(blocks.min()), float(blocks.max())
+    span = (2.0 * low - high, 2.0 * high - low)
+    return Ground(corrected, structure / scale, level, divided, span)
 
 
 def _brighter(guess: FloatArray, error: float) -> NDArray[np.bool_]:

@@ -15,7 +15,7 @@ from metafem.calibration.images.contact_areas import ContactAreas
 from metafem.calibration.images.ellipses import semi_axes
 from metafem.calibration.images.flags import Window, at_edge, merged, pixels_of, saturated
 from metafem.calibration.images.grey import grey_values
-from metafem.calibration.images.illumination import Ground, otsu, without_illumination
+from metafem.calibration.images.illumination import Ground, without_illumination
 from metafem.calibration.images.levels import Levels
 from metafem.calibration.images.options import Options
 from metafem.calibration.images.remarks import remarks
@@ -34,7 +34,7 @@ def measured(image: Any, options: Options, found: Levels | None = None) -> tuple
     values = grey_values(image)
     ground = without_illumination(values.astype(np.float32), options.bright_contacts)
     if found is None:
-        threshold = otsu(ground.corrected) if options.threshold is None else options.threshold
+        threshold = ground.otsu() if options.threshold is None else options.threshold
         blur = None if options.blur is None else options.blur / options.pixel_size
         found = levels.measured_levels(ground, threshold, options.dark_level, blur)
     elif abs(ground.level / found.ground - 1.0) > 0.5 * (1.0 - found.dark):

@@ -176,3 +176,18 @@ def test_a_threshold_in_the_contacts_is_refused():
     image = picture((80, 80), [(40.0, 40.0)], [20.0], noise=0.02)
     with pytest.raises(mf.InvalidInput, match="must be above the grey level"):
         contact_areas(image, PIXEL, threshold=0.1)
+
+
+def test_bad_pixels_and_a_dark_frame_do_not_change_the_areas():
+    shape, centre = lattice(4, 80, np.random.default_rng(0))
+    image = picture(shape, centre, np.full(16, 20.0), noise=0.02, bits=16)
+    one = contact_areas(image, PIXEL)
+    bad = image.copy()
+    bad[5, 7], bad[40, 90] = 65535, 0
+    bad[:, -6:] = 200
+    found = contact_areas(bad, PIXEL)
+    frame = found.edge & (found.axes[:, 0] > 2.0 * found.axes[:, 1])
+    assert frame.sum() == 1
+    assert found.area[~frame] == pytest.approx(one.area, rel=2e-3)
+    spot = contact_areas(image.astype(float) + 1e6 * (image == image.max()), PIXEL)
+    assert spot.threshold == pytest.approx(one.threshold, abs=0.02)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from scipy.integrate import quad
-from scipy.special import chndtrinc
+from scipy.special import chndtrinc, zeta
 from scipy.stats import norm
 
 from metafem.calibration.images import errors
@@ -59,6 +59,10 @@ def test_errors_of_level_and_blur_are_derivatives():
 
 
 def test_the_scatter_of_counted_pixels():
+    odd = np.arange(1.0, 2e5, 2.0)
+    beta = np.sum(odd**-1.5 * np.where(odd % 4 == 1, 1.0, -1.0))
+    constant = 4.0 * zeta(1.5) * beta / (2.0 * np.pi**2) / (2.0 * np.pi)
+    assert pytest.approx(constant, abs=5e-5) == errors.COUNTED
     rng = np.random.default_rng(2)
     place = np.arange(-60, 61)
     counts = []
