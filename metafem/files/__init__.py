@@ -5,7 +5,12 @@ from metafem.files.atomic.text import refuse_existing, write_text
 from metafem.files.loads import load_range
 from metafem.files.measurement.block import block_text, is_block
 from metafem.files.measurement.figures import refuse_figure, write_figure
-from metafem.files.measurement.handed_on import calibration_data, is_calibration, read_handed_on
+from metafem.files.measurement.handed_on import (
+    HandedOn,
+    calibration_data,
+    is_calibration,
+    read_handed_on,
+)
 from metafem.files.measurement.laws import read_measured_law
 from metafem.files.measurement.made import corrected_table, is_heights_table, made_table
 from metafem.files.measurement.maps import read_height_map
@@ -25,6 +30,7 @@ from metafem.files.units import member_names, option_names, quantity
 __all__ = [
     "MODELS",
     "CalibrationData",
+    "HandedOn",
     "PartOptions",
     "Specification",
     "all_keys",

@@ -38,8 +38,9 @@ DIFFERENT = 4
 # Numbers of crossovers that are tried: for the estimate, and for the ends of its interval.
 TRIED, SCANNED = 41, 201
 
-# Bisections of an end of an interval, whose first width is that of a standard deviation.
-BISECTIONS = 20
+# Divisions of the step that contains an end of an interval, done twice: the end is then known to a thousandth
+# of the distance from the estimate.
+DIVISIONS = 32
 
 # Steps of doubled length away from an estimate before an interval counts as open.
 MOST_DOUBLINGS = 12
@@ -233,11 +234,9 @@ def _interval(profile: Callable[[Any], FloatArray], estimate: float, limit: floa
             continue
         outer = int(above[0])
         inside, outside = (0.0 if outer == 0 else steps[outer - 1]), steps[outer]
-        for _ in range(BISECTIONS):
-            middle = 0.5 * (inside + outside)
-            if profile(np.array([estimate + middle]))[0] > limit:
-                outside = middle
-            else:
-                inside = middle
+        for _ in range(2):
+            tried = np.linspace(inside, outside, DIVISIONS + 1)
+            place = int(np.argmax(np.append(profile(estimate + tried[1:-1]) > limit, True)))
+            inside, outside = tried[place], tried[place + 1]
         ends.append(float(estimate + 0.5 * (inside + outside)))
     return ends[0], ends[1]

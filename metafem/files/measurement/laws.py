@@ -98,7 +98,7 @@ def read_measured_law(
     if friction is None and "area" not in values:
         raise InvalidInput(
             f"{table.name} holds friction forces, which can only be rescaled with a shear strength and an "
-            "area ratio; state the friction of the material pair, or add a column area_mm2"
+            "area ratio; state them (--shear-strength, --area-ratio), or add a column area_mm2"
         )
     with error_names(names):
         return MeasuredLaw(**values, material=material, friction=friction, errors=errors, label=label)

@@ -72,10 +72,15 @@ def answers(study: Dataset) -> list[str]:
         found.append(
             f"The {label} law {agrees} with the design within its error bars: rms deviation {rms}, "
             f"chi² = {float(one['chi_square']):.3g} with {int(one['freedom'])} degrees of freedom "
-            f"(p = {float(one['probability']):.2g}), {int(one['runs'])} runs of deviations "
+            f"(p = {float(one['probability']):.2g}), {counted_runs(int(one['runs']))} of deviations "
             f"(p = {float(one['runs_probability']):.2g})."
         )
     return found
+
+
+def counted_runs(runs: int) -> str:
+    """Return a number of runs in words."""
+    return "1 run" if runs == 1 else f"{runs} runs"
 
 
 def _relative(value: float, reference: float) -> str:

@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 import metafem as mf
 from metafem.calibration import ContactTable, MeasuredLaw, MeasurementErrors
@@ -10,11 +12,11 @@ from metafem.prediction.base_law import BaseLaw
 MATERIAL, FRICTION = mf.Material(1.36), mf.Friction(0.404, 0.85)
 
 
-def law_of(**given):
+def law_of(**changed):
     return MeasuredLaw(
         **{"load": [0.2, 0.1, 0.3], "friction_force": [0.09, 0.05, 0.13], "material": MATERIAL}
         | {"friction": FRICTION}
-        | given
+        | changed
     )
 
 
@@ -27,6 +29,15 @@ def test_the_points_are_rescaled_with_the_errors_of_the_paper():
     np.testing.assert_allclose(law.rescaled_friction, law.friction_force / (0.404 * 0.85))
     np.testing.assert_allclose(law.rescaled_friction_sd, (1e-3 + 0.01 * law.friction_force) / (0.404 * 0.85))
     np.testing.assert_allclose(law.friction_coefficient, law.friction_force / law.load)
+
+
+@given(st.permutations(range(5)))
+def test_the_order_of_the_rows_does_not_matter(order):
+    load, force = np.array([0.1, 0.2, 0.3, 0.4, 0.5]), np.array([0.05, 0.09, 0.13, 0.16, 0.2])
+    rows = list(order)
+    shuffled = law_of(load=load[rows], friction_force=force[rows], load_sd=0.01 * load[rows])
+    assert shuffled == law_of(load=load, friction_force=force, load_sd=0.01 * load)
+    assert hash(shuffled) == hash(law_of(load=load, friction_force=force, load_sd=0.01 * load))
 
 
 def test_areas_take_the_place_of_forces():
@@ -75,7 +86,7 @@ def test_points_are_drawn_with_error_bars(units):
     assert ax.containers[0].has_yerr
 
 
-def contacts(**given):
+def contacts(**changed):
     one = np.array([[0.1, 0.2], [0.05, 0.0], [0.3, 0.4]])
     arrays = {
         "image": ("a", "b", "c"), "test": ("", "", ""), "load": np.array([0.2, 0.1, 0.3]),
@@ -83,7 +94,7 @@ def contacts(**given):
         "matched": True, "area": one, "area_error": 0.01 * one,
         "sheared_area": np.full((3, 2), np.nan), "sheared_area_error": np.full((3, 2), np.nan),
     }  # fmt: skip
-    return ContactTable(**arrays | given)
+    return ContactTable(**arrays | changed)
 
 
 def test_the_contacts_of_images_become_a_law():
@@ -106,7 +117,7 @@ def test_images_without_a_load_a_force_or_an_area_are_left_out_and_named():
 
 
 @pytest.mark.parametrize(
-    ("given", "words"),
+    ("changed", "words"),
     [
         ({"friction_force": None}, "needs friction_force, area or asperity_area"),
         ({"friction": None}, "rescaled with the friction"),
@@ -123,6 +134,6 @@ def test_images_without_a_load_a_force_or_an_area_are_left_out_and_named():
         ({"loads": [1.0]}, "has no argument loads; did you mean load"),
     ],
 )  # fmt: skip
-def test_what_is_no_law_is_refused_by_name(given, words):
+def test_what_is_no_law_is_refused_by_name(changed, words):
     with pytest.raises(mf.InvalidInput, match=words):
-        law_of(**given)
+        law_of(**changed)

@@ -82,3 +82,31 @@ def test_a_folder_that_holds_no_design_is_refused(run, measured):
     result = run("compare", ".", "measured.csv")
     assert result.exit_code == 2
     assert "name a result folder of metafem" in " ".join(result.output.split())
+
+
+def test_a_calibration_gives_the_material_pair_with_its_errors(run, measured):
+    variances = [0.04**2, 0.01**2, 0.006**2]
+    Path("calibration.json").write_text(
+        json.dumps(
+            {
+                "kind": "metafem calibration",
+                "parameters": ["composite_modulus", "area_ratio", "shear_strength"],
+                "units": ["MPa", "1", "MPa"],
+                "values": [1.36, 0.85, 0.358 * 1.03],
+                "covariance": np.diag(variances).tolist(),
+            }
+        ),
+        "utf-8",
+    )
+    result = run("compare", "linear", "measured.csv", "--calibration", "calibration.json", "--json")
+    data = json.loads(result.stdout)
+    assert data["parameters"] == "composite_modulus area_ratio shear_strength"
+    ratio = np.array(data["data"]["deviation"]["values"]) / data["data"]["predicted"]["values"]
+    np.testing.assert_allclose(ratio, 0.0, atol=1e-4)
+    options = ("--calibration", "calibration.json", "--json", "--force")
+    alone = json.loads(
+        run("compare", "linear", "measured.csv", "--shear-strength", "0.358 MPa", *options).stdout
+    )
+    assert alone["parameters"] == "composite_modulus area_ratio"  # a stated strength is exact
+    twice = run("compare", "linear", "measured.csv", "--sd", "area_ratio=0.01", *options)
+    assert "both give the error of area_ratio; keep one" in " ".join(twice.output.split())

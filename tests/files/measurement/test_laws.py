@@ -70,5 +70,5 @@ def test_a_table_that_is_no_law_is_refused_by_line_and_column(read, text, words)
 
 
 def test_friction_forces_need_a_friction(read):
-    with pytest.raises(mf.InvalidInput, match="state the friction of the material pair"):
+    with pytest.raises(mf.InvalidInput, match="a shear strength and an area ratio; state them"):
         read("load_N,friction_force_N\n1,1\n", None)

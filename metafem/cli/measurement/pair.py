@@ -1,0 +1,159 @@
+"""The material pair of a measured part: from options, a calibration, or the design."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from metafem.cli.group import Name
+from metafem.cli.study.options import option_name, with_options
+from metafem.cli.study.parameters import deviation_option
+from metafem.errors import InvalidInput
+
+if TYPE_CHECKING:
+    from metafem._validate import FloatArray
+    from metafem.calibration import MeasuredLaw
+    from metafem.files import HandedOn
+    from metafem.surface import Friction, Material, Surface
+
+# Parameters of the part whose errors shift all points together: unit and example of each.
+PARAMETERS = {
+    "composite_modulus": ("MPa", "0.04MPa"),
+    "shear_strength": ("MPa", "0.006MPa"),
+    "area_ratio": ("1", "0.01"),
+}
+
+# The options of the material pair, with what they stand for and their default.
+DESIGNED = "that of the calibration or of the design"
+PAIR = {
+    "composite_modulus": ('E* of the part, such as "1.36 MPa"', DESIGNED),
+    "shear_strength": ('σ of static friction, such as "0.404 MPa"', DESIGNED),
+    "area_ratio": ("B of static friction", DESIGNED),
+    "sliding_shear_strength": ("σ of sliding friction", "that of static friction"),
+    "sliding_area_ratio": ("B of sliding friction", "that of static friction"),
+}
+
+pair_options = with_options(
+    click.option(
+        "--calibration",
+        type=Name(),
+        metavar="FILE.json",
+        help="E*, σ and B of the part with their errors and correlations, from metafem calibrate.",
+    ),
+    *(
+        click.option(
+            option_name(name),
+            type=float if name.endswith("ratio") else str,
+            metavar="NUMBER" if name.endswith("ratio") else "STRESS",
+            help=f"{meaning}. Default: {default}.",
+        )
+        for name, (meaning, default) in PAIR.items()
+    ),
+    deviation_option(PARAMETERS),
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Pair:
+    """The material pair of a part, and the errors of its parameters."""
+
+    material: Material
+    static: Friction | None
+    sliding: Friction | None
+    parameters: tuple[str, ...]
+    covariance: FloatArray
+
+    def errors(self, law: MeasuredLaw) -> dict[str, Any]:
+        """Return the arguments of `compare` for a law: without a Friction its areas depend on E* alone."""
+        import numpy as np
+
+        kept = [
+            i
+            for i, name in enumerate(self.parameters)
+            if law.friction is not None or name == "composite_modulus"
+        ]
+        if not kept:
+            return {}
+        names = [self.parameters[i] for i in kept]
+        return {"parameters": names, "covariance": self.covariance[np.ix_(kept, kept)]}
+
+
+def pair_of(surface: Surface, given: Mapping[str, Any], deviations: Mapping[str, float]) -> Pair:
+    """Return the material pair of the options, of the calibration, or of a design's surface."""
+    import numpy as np
+
+    from metafem._given import error_names
+    from metafem.files import option_names, quantity, read_handed_on
+    from metafem.surface import Material
+
+    found = None if given["calibration"] is None else read_handed_on(given["calibration"])
+    with error_names(option_names({name: given[name] for name in PAIR if isinstance(given[name], str)})):
+        modulus = surface.material.composite_modulus
+        if given["composite_modulus"] is not None:
+            modulus = quantity("--composite-modulus", given["composite_modulus"], "MPa")
+        elif found is not None:
+            modulus = _values(found).get("composite_modulus", modulus)
+        calibrated = surface.friction if found is None else _friction_of(found, surface.friction)
+        static = _friction(given, "", calibrated)
+        sliding = _friction(given, "sliding_", static)
+        material = Material(modulus, surface.material.poisson_ratio)
+    names, covariance = tuple(deviations), np.diag(np.square([*deviations.values()]))
+    if found is not None:
+        twice = [name for name in found.parameters if name in deviations]
+        if twice:
+            raise InvalidInput(
+                f"--sd {twice[0]} and --calibration both give the error of {twice[0]}; keep one"
+            )
+        # a value that an option replaces has no error of the calibration
+        used = [i for i, name in enumerate(found.parameters) if name in PARAMETERS and given[name] is None]
+        both = np.zeros((len(used) + len(names),) * 2)
+        both[: len(used), : len(used)] = found.covariance[np.ix_(used, used)]
+        both[len(used) :, len(used) :] = covariance if len(names) else 0.0
+        names, covariance = (*(found.parameters[i] for i in used), *names), both
+    return Pair(material, static, sliding, names, covariance)
+
+
+def measured_laws(pair: Pair, table: Path, sliding: Path | None) -> list[MeasuredLaw]:
+    """Return the static law of a table, and the sliding one of another."""
+    from metafem.files import read_measured_law
+
+    laws = [read_measured_law(table, pair.material, pair.static, label="static")]
+    if sliding is not None:
+        laws.append(read_measured_law(sliding, pair.material, pair.sliding, label="sliding"))
+    return laws
+
+
+def _values(found: HandedOn) -> dict[str, float]:
+    return dict(zip(found.parameters, found.value.tolist(), strict=True))
+
+
+def _friction_of(found: HandedOn, designed: Friction | None) -> Friction | None:
+    """Return the friction of a calibration, or else of the design."""
+    from metafem.surface import Friction
+
+    values = _values(found)
+    if "shear_strength" not in values:
+        return designed
+    return Friction(values["shear_strength"], values.get("area_ratio", 1.0))
+
+
+def _friction(given: Mapping[str, Any], kind: str, default: Friction | None) -> Friction | None:
+    """Return the friction of the options for static or sliding friction."""
+    from metafem.files import quantity
+    from metafem.surface import Friction
+
+    stress, ratio = given[f"{kind}shear_strength"], given[f"{kind}area_ratio"]
+    option = kind.replace("_", "-")
+    if stress is None and ratio is None:
+        return default
+    if stress is None and default is None:
+        raise InvalidInput(
+            f"--{option}area-ratio needs --{option}shear-strength, which the design does not state"
+        )
+    before = (1.0, 1.0) if default is None else (default.shear_strength, default.area_ratio)
+    strength = before[0] if stress is None else quantity(f"--{option}shear-strength", stress, "MPa")
+    return Friction(strength, before[1] if ratio is None else ratio)
