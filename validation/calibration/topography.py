@@ -1,0 +1,149 @@
+"""Heights, radii and positions of caps on synthetic height maps, their errors, and corrected heights."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+
+import metafem as mf
+from metafem._validate import FloatArray
+from metafem.calibration import Correction, MadeSurface
+from validation.check import Claim, below, near, reported
+from validation.scenes.cap_bound import smallest_errors
+from validation.scenes.height_maps import Placement, Roughness, height_map
+
+# Two maps of 9 megapixels.
+SLOW = True
+
+PIXEL, RADIUS = 2e-3, 0.526
+SHAPE, SITES = (3000, 3000), (4, 4)
+ROUGHNESS = Roughness(1.2e-3, 8e-3)
+
+# Errors of making: systematic ones, and the random ones of the paper.
+OFFSET, SCALE, TILT, RANDOM = 3e-3, -0.02, 1e-3, 0.9e-3
+
+REQUIRED = "requirement of this check, for pixels of 2 um and roughness of Sa 1.2 um as the paper's"
+BOUND = "generalised least squares of a cap with known covariance of its roughness (Gauss-Markov theorem)"
+
+
+@dataclass(frozen=True, eq=False)
+class _Part:
+    """A part that was made with errors and measured."""
+
+    design: mf.Surface
+    true: mf.Surface
+    made: MadeSurface
+    heights: np.ndarray
+
+
+@cache
+def _part(seed: int) -> _Part:
+    rng = np.random.default_rng(seed)
+    height = rng.permutation(np.linspace(0.05, 0.27, SITES[0] * SITES[1]))
+    design = mf.Surface.square_lattice(height, SITES, radius=RADIUS, material=mf.Material(1.36))
+    true = design.replaced(height=_made(design, design, rng))
+    place = Placement(0.01, (3.0011, 2.9993))
+    heights = height_map(true, SHAPE, PIXEL, placement=place, roughness=ROUGHNESS, rng=rng)
+    return _Part(design, true, mf.calibration.measured_surface(heights, PIXEL, design), heights)
+
+
+def _made(ordered: mf.Surface, design: mf.Surface, rng: np.random.Generator) -> FloatArray:
+    """Return the heights that come out when a surface is ordered, with the errors of this workshop."""
+    error = OFFSET + SCALE * (ordered.height - design.height.mean()) + TILT * ordered.position[:, 0]
+    return ordered.height + error + RANDOM * rng.standard_normal(ordered.count)
+
+
+def claim() -> Claim:
+    """Measure two parts of 16 caps, and correct the heights of the first."""
+    parts = [_part(seed) for seed in (1, 2)]
+    error, sd, bound = (np.concatenate([each(part) for part in parts]) for each in (_errors, _sd, _bounds))
+    height, radius, x, y = error.T
+    score = error / sd
+    correction = mf.calibration.corrected(parts[0].design, parts[0].made)
+    longest = _longest()
+    checks = [
+        below("32 caps: root mean square error of the heights [um]", 1e3 * _rms(height), 0.1, REQUIRED),
+        below("of the radii [%]", 100.0 * _rms(radius) / RADIUS, 0.5, REQUIRED),
+        below("of the positions, both coordinates [um]", 1e3 * _rms(np.hypot(x, y)), 0.5, REQUIRED),
+        below(
+            "largest error of a height [um]", 1e3 * float(np.abs(height).max()), 0.3, "three times the above"
+        ),
+        below("errors of the heights over the smallest possible", _rms(height) / _rms(bound), 1.4, BOUND),
+        # of 128 normal values the root mean square has the standard error 1 / sqrt(256); the errors of the
+        # positions after an alignment are smaller by the three parameters of 32 coordinates
+        near("errors over their standard errors, root mean square", _rms(score), 1.0, 0.2, "unit variance"),
+        reported("longest correlation length at which 0.1 um is possible [um]", 1e3 * longest[0], BOUND),
+        reported("the same with a common radius [um]", 1e3 * longest[1], BOUND),
+        *_correction_checks(parts[0], correction),
+    ]
+    return Claim("Height maps: made surface and corrected heights", checks, {"made surface": _figure})
+
+
+def _correction_checks(part: _Part, correction: Correction) -> list[mf.studies.Check]:
+    rng = np.random.default_rng(3)
+    following = [_made(correction.surface, part.design, rng) - part.design.height for _ in range(200)]
+    true = {"offset": OFFSET, "scale": SCALE, "tilt_x": TILT}
+    checks = []
+    for name, value in true.items():
+        i = correction.terms.index(name)
+        off = (correction.value[i] - value) / correction.value_sd[i]
+        checks.append(near(f"systematic error, {name}: off by standard errors", off, 0.0, 3.0, "scene"))
+    after = _rms(np.array(following))
+    return [
+        *checks,
+        reported("height errors of this part [um]", 1e3 * correction.error, "scene"),
+        near(
+            "next part: height errors over the expected",
+            after / correction.expected_error,
+            1.0,
+            0.4,  # the standard deviation of 16 random errors, and what four terms of it remove
+            "200 parts made with the corrected heights",
+        ),
+    ]
+
+
+def _errors(part: _Part) -> FloatArray:
+    """Return errors of height, radius and position (n, 4) [mm]."""
+    made = part.made
+    offset = made.surface.position - part.true.position
+    height = made.surface.height - part.true.height
+    return np.column_stack([height, made.surface.radius - part.true.radius, offset])
+
+
+def _sd(part: _Part) -> FloatArray:
+    made = part.made
+    return np.column_stack([made.height_sd, made.radius_sd, made.position_sd, made.position_sd])
+
+
+def _bounds(part: _Part) -> FloatArray:
+    return np.array([smallest_errors(h, RADIUS, ROUGHNESS)[0] for h in part.true.height.tolist()])
+
+
+def _longest() -> list[float]:
+    """Return correlation lengths at which caps of 0.05 to 0.27 mm have 0.1 um: own radii, common radius."""
+    from scipy.optimize import brentq
+
+    caps = np.linspace(0.05, 0.27, 12).tolist()
+
+    def excess(length: float, common: bool) -> float:
+        each = [smallest_errors(h, RADIUS, Roughness(1.2e-3, length), common_radius=common)[0] for h in caps]
+        return _rms(np.array(each)) - 1e-4
+
+    return [float(brentq(excess, 4e-3, 4e-2, (common,), xtol=1e-4)) for common in (False, True)]
+
+
+def _rms(values: FloatArray) -> float:
+    return float(np.sqrt((values**2).mean()))
+
+
+def _figure():
+    from metafem.calibration.topography.picture import made_figure
+    from metafem.calibration.topography.residual import residuals
+
+    part = _part(1)
+    rest = residuals(part.heights, (PIXEL, PIXEL), part.made)
+    law = mf.friction_law(part.design)
+    made = mf.friction_law(part.made.surface, load=law.load)
+    return made_figure(part.made, mf.calibration.corrected(part.design, part.made), rest, law, made)
