@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -9,6 +10,7 @@ import numpy as np
 
 from metafem._validate import FloatArray
 from metafem.calibration.verdict import REJECTED
+from metafem.notes import Note
 
 
 @dataclass(frozen=True)
@@ -26,6 +28,8 @@ class Heterogeneity:
         Probability that tests with the same parameters have a chi-square at least as large [-].
     agree : bool
         Whether the probability is at least 1 %.
+    birge_ratio : float
+        Root of chi-square over freedom [-].
 
     Examples
     --------
@@ -43,10 +47,25 @@ class Heterogeneity:
         """Whether the tests are compatible with common parameters."""
         return self.probability >= REJECTED
 
+    @property
+    def birge_ratio(self) -> float:
+        """Root of chi-square over freedom, by which the differences exceed the stated uncertainties.
+
+        Birge, Phys. Rev. 40, 207 (1932), doi:10.1103/PhysRev.40.207.
+        """
+        return math.sqrt(self.chi_square / self.freedom) if self.freedom else 1.0
+
     def __str__(self) -> str:
         return (
             f"the tests {'agree' if self.agree else 'differ'}: chi² = {self.chi_square:.3g} with "
             f"{self.freedom} degree{'s' * (self.freedom != 1)} of freedom (p = {self.probability:.2g})"
+        )
+
+    def note(self) -> Note:
+        """Return what the stated uncertainties leave out if the tests differ."""
+        return Note(
+            f"{self}; the stated uncertainties do not include what makes them differ: "
+            f"{self.birge_ratio:.2g} times as large ones would (Birge ratio)"
         )
 
 

@@ -44,14 +44,7 @@ def notes_of(found: ContactCalibration, cap: Contact, draws: int) -> tuple[Note,
     if not found.verdict.fits:
         notes.append(Note(f"{found.verdict}; the stated uncertainties hold only for a law that fits"))
     if found.heterogeneity is not None and not found.heterogeneity.agree:
-        # Birge, Phys. Rev. 40, 207 (1932), doi:10.1103/PhysRev.40.207
-        ratio = math.sqrt(found.heterogeneity.chi_square / found.heterogeneity.freedom)
-        notes.append(
-            Note(
-                f"{found.heterogeneity}; the stated uncertainties do not include what makes them differ: "
-                f"{ratio:.2g} times as large ones would (Birge ratio)"
-            )
-        )
+        notes.append(found.heterogeneity.note())
     unfitted = [test.name for test in found.tests if test.composite_modulus is None]
     if unfitted:
         notes.append(information(f"no fit of their own have the tests {', '.join(unfitted)}: too few points"))

@@ -6,12 +6,12 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from metafem import _validate as check
 from metafem._calls import checked_call
 from metafem._validate import FloatArray
-from metafem.calibration.heterogeneity import heterogeneity
+from metafem.calibration.heterogeneity import Heterogeneity, heterogeneity
 from metafem.calibration.measurement_errors import MeasurementErrors
 from metafem.calibration.sheared.fits import ShearFit, fitted, fitted_tests, resampled
 from metafem.calibration.sheared.quantities import measured_or_nan
@@ -21,6 +21,9 @@ from metafem.notes import Note, information
 
 # Names of the quantities of a point.
 NAMES = ("area_before", "area_sheared", "friction_force")
+
+# The lines, each of which relates a quantity to the one before.
+LINES = ("Af = B A0", "F = sigma Af")
 
 # Of a line through the origin: one for the factor, and one more for a residual.
 FEWEST = 2
@@ -99,6 +102,7 @@ def shear(
     tests, values, covariances = fitted_tests(points, names, errors) if len(set(names)) > 1 else ((), [], [])
     draws = resampled(points, names, errors, count, check.generator(rng)) if count else None
     ratio, strength = found.parameters.tolist()
+    compared = heterogeneity(values, covariances) if tests else None
     return ShearCalibration(
         ratio,
         strength,
@@ -113,9 +117,9 @@ def shear(
         found.verdicts[1],
         errors,
         tests,
-        heterogeneity(values, covariances) if tests else None,
+        compared,
         draws,
-        tuple(_notes(known)),
+        tuple(_notes(known, found, compared)),
     )
 
 
@@ -151,19 +155,26 @@ def _refuse_contradiction(points: FloatArray, found: ShearFit) -> None:
         apart = x - x.mean()
         slope = float((apart * y).sum())
         if slope < 0.0 and not verdict.fits:
-            line = ("Af = B A0", "F = sigma Af")[index]
             slope /= float(apart @ apart)
             raise InvalidInput(
                 f"{NAMES[index + 1]} decreases with {NAMES[index]} (slope {slope:.3g}), which "
-                f"contradicts {line}; check the columns and their units"
+                f"contradicts {LINES[index]}; check the columns and their units"
             )
 
 
-def _notes(known: FloatArray) -> list[Note]:
-    """Tell how many points lack a quantity."""
-    single = int((known.sum(axis=0) < 2).sum())
-    if not single:
-        return []
-    return [
-        information(f"{single} of {known.shape[1]} points hold less than two quantities and are not used")
+def _notes(known: NDArray[np.bool_], found: ShearFit, compared: Heterogeneity | None) -> list[Note]:
+    """Return notes on lines and tests that do not fit, and on points that lack a quantity."""
+    notes = [
+        Note(f"{line}: {verdict}; the stated uncertainties hold only for a law that fits")
+        for line, verdict in zip(LINES, found.verdicts, strict=True)
+        if not verdict.fits
     ]
+    if compared is not None and not compared.agree:
+        notes.append(compared.note())
+    single = int((known.sum(axis=0) < 2).sum())
+    if single:
+        count = known.shape[1]
+        notes.append(
+            information(f"{single} of {count} points hold less than two quantities and are not used")
+        )
+    return notes

@@ -28,6 +28,7 @@ from metafem.errors import InvalidInput
 if TYPE_CHECKING:
     from metafem.calibration import ContactCalibration, ShearCalibration, StrengthFit
     from metafem.files import CalibrationData
+    from metafem.notes import Note
 
 # mJ/m^2 in N/mm.
 ENERGY = 1e-6
@@ -46,7 +47,7 @@ error_options = with_options(
 
 length_options = with_options(
     *(
-        click.option(option_name(name), metavar="LENGTH", help=f'{what}, such as "{shown}".')
+        click.option(option_name(name), metavar="LENGTH", help=what.format(f'"{shown}"'))
         for name, (shown, what) in LENGTHS.items()
     )
 )
@@ -153,9 +154,7 @@ def calibrate(
         shear = fitted_shear(measured, options, errors, names, sources)
         strength = fitted_strength(options, errors, contact, shear)
         found = calibration_data(contact, shear, sources, measured.records, strength)
-        found["notes"] = [
-            note for each in (contact, shear) if each is not None for note in notes_data(each.notes)
-        ]
+        found["notes"] = notes_data(_notes(contact, shear, measured))
         text = json.dumps(found)
         for path in output:
             suffix = path.suffix.lower()
@@ -233,6 +232,22 @@ def _print(
         )
     for line in lines:
         console.print(line, highlight=False, markup=False, soft_wrap=True)
-    for each in (contact, shear):
-        if each is not None:
-            print_notes(console, each.notes)
+    print_notes(console, _notes(contact, shear, measured))
+
+
+def _notes(
+    contact: ContactCalibration | None, shear: ShearCalibration | None, measured: CalibrationData
+) -> list[Note]:
+    """Return the notes of both calibrations, and one on areas that both have."""
+    from metafem.notes import information
+
+    notes = [note for each in (contact, shear) if each is not None for note in each.notes]
+    pressed, sheared = measured.compression, measured.shear
+    if pressed is not None and sheared is not None and not set(pressed.place).isdisjoint(sheared.place):
+        notes.append(
+            information(
+                "E* and B follow from the same areas before shear; the covariance that their errors cause is "
+                "left out"
+            )
+        )
+    return notes

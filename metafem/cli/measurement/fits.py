@@ -25,11 +25,11 @@ ERRORS = {
 
 # The dimensions of a sample, with what is printed in help.
 LENGTHS = {
-    "radius": ("526 um", "Radius of the caps, needed for E*"),
-    "radius_sd": ("5 um", "Its standard deviation; default: 0"),
-    "thickness": ("7.2 mm", "Thickness of the sample's block, for --model layer"),
-    "width": ("20 mm", "Width of that block along x, for --model block"),
-    "length": ("20 mm", "Length of that block along y, for --model block"),
+    "radius": ("526 um", "Radius of the caps, such as {}; needed for E*."),
+    "radius_sd": ("5 um", "Its standard deviation, such as {}. Default: 0."),
+    "thickness": ("7.2 mm", "Thickness of the sample's block, such as {}, for --model layer or block."),
+    "width": ("20 mm", "Width of that block along x, such as {}, for --model block."),
+    "length": ("20 mm", "Length of that block along y, such as {}, for --model block."),
 }
 
 

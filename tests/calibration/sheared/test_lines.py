@@ -57,7 +57,17 @@ def test_tests_are_fitted_one_by_one_and_compared(points):
     assert found.heterogeneity.agree
     other = points.copy()
     other[2, 40:] *= 1.1
-    assert not shear(*other, test=TESTS).heterogeneity.agree
+    different = shear(*other, test=TESTS)
+    assert not different.heterogeneity.agree
+    assert "Birge ratio" in str(different.notes[-1])
+
+
+def test_a_line_that_does_not_fit_is_told(points):
+    bent = points.copy()
+    bent[2] += 0.02
+    found = shear(*bent)
+    assert not found.friction_verdict.fits
+    assert str(found.notes[0]).startswith("F = sigma Af: the law does not fit")
 
 
 def test_quantities_that_were_not_measured_are_left_out(points):
