@@ -1,0 +1,165 @@
+"""Images of contacts as files: TIFF, also of several pages, and PNG. Grey values are read image by image."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, overload
+
+import numpy as np
+from numpy.typing import NDArray
+
+from metafem._extras import refuse_missing
+from metafem._given import printable
+from metafem.errors import InvalidInput
+from metafem.files.measurement import png, tiff
+from metafem.files.measurement.pages import Damaged, Page
+from metafem.files.reading import file_label
+from metafem.progress import message
+
+# The formats that are read, by the end of a file's name, and others that hold images.
+FORMATS = {".tif": tiff, ".tiff": tiff, ".png": png}
+OTHERS = {".jpg", ".jpeg", ".bmp", ".gif", ".webp", ".avi", ".mp4", ".czi", ".nd2", ".lif", ".raw", ".jp2"}
+
+# Luminance of red, green and blue, Recommendation ITU-R BT.709.
+LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+
+
+@dataclass(frozen=True)
+class ImageFile:
+    """One image: a file, or a page of one.
+
+    `name` is that of the file, with the number of the page from 1 if it has several, as ``stack.tif:3``.
+    `page` says what the file states of the image; `broken` why there is none.
+    """
+
+    name: str
+    path: Path
+    page: Page | None
+    broken: str = ""
+
+
+class Images(Sequence[NDArray[Any]]):
+    """The grey values of images (rows, columns), each read from its file when it is asked for.
+
+    `coloured` holds the names of those that were in colour: their luminance stands for the grey values.
+    """
+
+    def __init__(self, files: Sequence[ImageFile]) -> None:
+        self.files = tuple(files)
+        self.coloured: dict[str, None] = {}
+
+    def __len__(self) -> int:
+        return len(self.files)
+
+    @overload
+    def __getitem__(self, index: int) -> NDArray[Any]: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> Images: ...
+
+    def __getitem__(self, index: int | slice) -> NDArray[Any] | Images:
+        if isinstance(index, slice):
+            return Images(self.files[index])
+        values, coloured = read_image(self.files[index])
+        if coloured:
+            self.coloured[self.files[index].name] = None
+        return values
+
+
+def find_images(sources: Iterable[str | Path]) -> list[ImageFile]:
+    """Return the images of files, of all their pages, and of folders; in each in natural order: 2 before 10.
+
+    A file that cannot be opened is an image that is `broken`. Raise InvalidInput for names that do not exist,
+    files of other formats and folders without an image.
+    """
+    refuse_missing("tifffile", "images", "reading images")
+    paths: list[Path] = []
+    for source in map(Path, sources):
+        paths += _in_folder(source) if source.is_dir() else [_checked(source)]
+    files = [image for path in dict.fromkeys(paths) for image in _pages(path)]
+    count = Counter(image.name for image in files)
+    # files of one name from several folders are named with these
+    return [
+        replace(image, name=str(image.path.parent / image.name)) if count[image.name] > 1 else image
+        for image in files
+    ]
+
+
+def read_image(image: ImageFile) -> tuple[NDArray[Any], bool]:
+    """Return the grey values (rows, columns), row 0 uppermost, and whether the image is in colour.
+
+    Raise InvalidInput, which names the image, if it cannot be read.
+    """
+    if image.page is None:
+        raise InvalidInput(f"{printable(image.name)}: {image.broken}")
+    try:
+        values = FORMATS[image.path.suffix.lower()].read(image.path, image.page)
+    except Damaged as error:
+        raise InvalidInput(f"{printable(image.name)}: {error}") from None
+    return _grey(values)
+
+
+def natural(name: str) -> list[tuple[int, str]]:
+    """Return a key that sorts names with numbers as a person does: a2 before a10."""
+    parts = re.split(r"(\d+)", name.casefold())
+    return [(int(part), "") if i % 2 else (-1, part) for i, part in enumerate(parts)]
+
+
+def _grey(values: NDArray[Any]) -> tuple[NDArray[Any], bool]:
+    """Return the grey values of (rows, columns) or (rows, columns, channels), and whether these differ."""
+    if values.ndim == 2:
+        return values, False
+    colours = values[..., :3] if values.shape[2] > 2 else values[..., :1]
+    if (colours == colours[..., :1]).all():
+        return np.ascontiguousarray(colours[..., 0]), False
+    grey = colours @ LUMINANCE
+    # integers remain such, so that saturated ones are found
+    return (np.rint(grey) if values.dtype.kind in "ui" else grey).astype(values.dtype), True
+
+
+def _in_folder(folder: Path) -> list[Path]:
+    """Return the images in a folder."""
+    names = [entry for entry in folder.iterdir() if not entry.name.startswith(".")]
+    names.sort(key=lambda entry: (natural(entry.name), entry.name))
+    found = [entry for entry in names if entry.suffix.lower() in FORMATS and not entry.is_dir()]
+    unread = [entry.name for entry in names if entry.suffix.lower() in OTHERS]
+    if unread:
+        which = printable(", ".join(unread), 80)
+        message(f"{file_label(folder)}: not read, because they are no TIFF or PNG: {which}")
+    if not found:
+        raise InvalidInput(f"{file_label(folder)} holds no TIFF or PNG image")
+    return found
+
+
+def _checked(path: Path) -> Path:
+    """Return a path to a file of a known format."""
+    if path.suffix.lower() not in FORMATS:
+        jpeg = path.suffix.lower() in (".jpg", ".jpeg")
+        why = "; JPEG changes grey levels at the edges of contacts" if jpeg else ""
+        raise InvalidInput(f"{file_label(path)} is no image that can be read; save it as TIFF or PNG{why}")
+    with suppress(OSError, ValueError):
+        if path.exists():
+            return path
+    raise InvalidInput(f"{file_label(path)}: no such file or folder")
+
+
+def _pages(path: Path) -> list[ImageFile]:
+    """Return the images of a file; what follows a damaged part of a stack is one that is broken."""
+    try:
+        pages, damage = FORMATS[path.suffix.lower()].pages(path)
+    except Damaged as error:
+        return [ImageFile(path.name, path, None, str(error))]
+    several = len(pages) > 1 or bool(damage)
+    images = [
+        ImageFile(f"{path.name}:{page.number}" if several else path.name, path, page, page.refused)
+        for page in pages
+    ]
+    images = [replace(image, page=None) if image.broken else image for image in images]
+    if damage:
+        images.append(ImageFile(f"{path.name}:{len(pages) + 1}", path, None, damage))
+    return images

@@ -1,0 +1,85 @@
+"""Images in PNG files."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from metafem.files.measurement.pages import Damaged, Page, Resolution, too_large
+
+# Modes of pictures whose values are grey levels, and those that are converted to colours or grey levels.
+GREY = {"L", "I", "F", "I;16", "I;16B", "I;16L", "I;16N"}
+CONVERTED = {"P": "RGB", "PA": "RGB", "RGBA": "RGB", "RGBX": "RGB", "LA": "L", "La": "L", "RGB": "RGB"}
+
+MILLIMETRES_PER_INCH = 25.4
+
+
+def pages(path: Path) -> tuple[list[Page], str]:
+    """Return the image of a file, and no damage."""
+    with opened(path) as image:
+        columns, rows = image.size
+        colours = 3 if CONVERTED.get(image.mode) == "RGB" else 1
+        page = Page(1, rows, columns, colours, _resolution(image), refused(image.mode, rows, columns))
+    return [page], ""
+
+
+def read(path: Path, page: Page) -> NDArray[Any]:
+    """Return the values of an image (rows, columns), or (rows, columns, 3) in colour."""
+    with opened(path) as image:
+        return values(image, page)
+
+
+def values(image: Any, page: Page) -> NDArray[Any]:
+    """Return the values of a page of an opened file."""
+    if page.number > 1:
+        image.seek(page.number - 1)
+    if image.mode in CONVERTED:
+        image = image.convert(CONVERTED[image.mode])
+    return np.array(image)
+
+
+def refused(mode: str, rows: int, columns: int) -> str:
+    """Return why an image of a mode is not read."""
+    if mode in GREY or mode in CONVERTED:
+        return too_large(rows, columns)
+    kind = "black and white" if mode == "1" else f"of the kind {mode}"
+    return f"is {kind}; save it with grey levels"
+
+
+@contextmanager
+def opened(path: Path) -> Iterator[Any]:
+    """Open an image; raise Damaged if it, or what is read of it, is no image or incomplete."""
+    from PIL import Image
+
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # about the size, which is checked
+            with Image.open(path) as image:
+                yield image
+    except Damaged:
+        raise
+    except (OSError, ValueError, SyntaxError, EOFError, Image.DecompressionBombError) as error:
+        raise Damaged(f"cannot be read: {_plain(error)}") from None
+
+
+def _plain(error: BaseException) -> str:
+    """Return what is wrong with a file, without its name."""
+    if isinstance(error, OSError) and error.strerror:
+        return error.strerror
+    text = str(error)
+    return "it is no image, or damaged" if "identify" in text else text or "it is damaged"
+
+
+def _resolution(image: Any) -> Resolution | None:
+    """Return the stated size of the pixels."""
+    given = image.info.get("dpi")
+    if not given or min(given) <= 0.0:
+        return None
+    x, y = (MILLIMETRES_PER_INCH / float(dpi) for dpi in given)
+    return Resolution(x, y, f"{float(given[0]):.6g} pixels per inch")

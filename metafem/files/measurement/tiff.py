@@ -1,0 +1,207 @@
+"""Images in TIFF files of one page or several."""
+
+from __future__ import annotations
+
+import logging
+import math
+import struct
+import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+from numpy.typing import NDArray
+
+from metafem.errors import InvalidInput
+from metafem.files.measurement import png
+from metafem.files.measurement.pages import Damaged, Page, Resolution, too_large
+from metafem.files.units import factor
+
+# Units of the tag ResolutionUnit [mm].
+RESOLUTION_UNIT = {2: 25.4, 3: 10.0}
+
+# What damaged files make tifffile raise.
+FAULTS = (OSError, ValueError, RuntimeError, LookupError, TypeError, struct.error, zlib.error, MemoryError)
+
+
+def pages(path: Path) -> tuple[list[Page], str]:
+    """Return the images of a file, and what is wrong behind the last one that can be read."""
+    with _opened(path) as (file, complaints):
+        found = [page for page in file.pages if not page.is_reduced]
+        if not found:
+            raise Damaged("holds no image")
+        resolution = _resolution(file, found[0])
+        joined = _joined(file, path)
+        size = path.stat().st_size
+        result = [
+            Page(
+                number,
+                *_shape(page),
+                resolution if number == 1 or joined else _resolution(file, page),
+                _refused(page, size, number if joined else 1),
+            )
+            for number, page in enumerate(found * joined if joined else found, 1)
+        ]
+        damage = ""
+        if complaints:
+            damage = f"is damaged or cut off after page {len(result)}: {complaints[0]}"
+    return result, damage
+
+
+def read(path: Path, page: Page) -> NDArray[Any]:
+    """Return the values of a page (rows, columns), or (rows, columns, channels) in colour."""
+    with _opened(path) as (file, _):
+        found = [each for each in file.pages if not each.is_reduced]
+        joined = _joined(file, path)
+        first = found[0] if joined else found[page.number - 1]
+        if joined:
+            return np.array(_mapped(path, file, first, page.number))
+        try:
+            values = first.asarray()
+        except ValueError as error:
+            if "imagecodecs" not in str(error):
+                raise
+            values = None
+        photometric, axes = int(first.photometric), first.axes
+        palette = first.colormap if photometric == 3 else None
+    if values is None:
+        # compressed in a way that tifffile alone does not read
+        with png.opened(path) as image:
+            return png.values(image, page)
+    if palette is not None:
+        values, axes = np.moveaxis(np.asarray(palette)[:, values], 0, -1), "YXS"
+    if axes == "SYX":
+        values = np.moveaxis(values, 0, -1)
+    if photometric == 0:  # white is 0
+        values = -values if values.dtype.kind == "f" else np.iinfo(values.dtype).max - values
+    return np.asarray(values)
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[tuple[Any, list[str]]]:
+    """Open a file; collect what tifffile would write to the log; raise Damaged for a damaged file."""
+    import tifffile
+
+    complaints: list[str] = []
+
+    class Collector(logging.Handler):
+        def emit(self, record: logging.LogRecord) -> None:
+            complaints.append(record.getMessage().partition("> ")[2] or record.getMessage())
+
+    log, collector = logging.getLogger("tifffile"), Collector(logging.WARNING)
+    before = log.propagate
+    log.addHandler(collector)
+    log.propagate = False
+    try:
+        with tifffile.TiffFile(path) as file:
+            len(file.pages)  # finds all pages
+            yield file, complaints
+    except Damaged:
+        raise
+    except FAULTS as error:
+        raise Damaged(f"cannot be read: {_plain(error)}") from None
+    finally:
+        log.removeHandler(collector)
+        log.propagate = before
+
+
+def _plain(error: BaseException) -> str:
+    if isinstance(error, OSError) and error.strerror:
+        return error.strerror
+    return " ".join(str(error).split()) or "it is damaged"
+
+
+def _shape(page: Any) -> tuple[int, int, int]:
+    """Return rows, columns and channels of a page."""
+    colours = 3 if int(page.photometric) == 3 else int(page.samplesperpixel)
+    return int(page.imagelength), int(page.imagewidth), colours
+
+
+def _refused(page: Any, size: int, number: int) -> str:
+    """Return why a page is not read; `number` counts images that follow each other without tags."""
+    if page.axes not in ("YX", "YXS", "SYX"):
+        return f"has the axes {page.axes}; save pictures of rows and columns"
+    if page.dtype is None or page.dtype.kind not in "uif":
+        return "is black and white; save it with grey levels"
+    if page.axes != "YX" and int(page.samplesperpixel) > 4:
+        return f"has {page.samplesperpixel} channels; save the one that shows the contacts"
+    ends = [at + n for at, n in zip(page.dataoffsets, page.databytecounts, strict=False)]
+    if max(ends, default=0) + (number - 1) * page.nbytes > size:
+        return "is cut off: the file ends before the last row"
+    return too_large(int(page.imagelength), int(page.imagewidth))
+
+
+def _joined(file: Any, path: Path) -> int:
+    """Return the number of images of a stack that has the tags of the first alone, else 0."""
+    page = file.pages[0]
+    if len(file.pages) > 1 or not file.series or not page.is_contiguous or page.axes != "YX":
+        return 0
+    count = int(math.prod(file.series[0].shape)) // max(math.prod(page.shape), 1)
+    if count < 2 or page.dataoffsets[0] + count * page.nbytes > path.stat().st_size:
+        return 0
+    return int(count)
+
+
+def _mapped(path: Path, file: Any, page: Any, number: int) -> NDArray[Any]:
+    """Return an image of such a stack."""
+    start = page.dataoffsets[0] + (number - 1) * page.nbytes
+    return np.memmap(path, page.dtype.newbyteorder(file.byteorder), "r", start, page.shape)
+
+
+def _resolution(file: Any, page: Any) -> Resolution | None:
+    """Return the stated size of the pixels: of OME, of ImageJ, or of the tags of the page."""
+    if file.is_ome and (stated := _of_ome(file.ome_metadata)) is not None:
+        return stated
+    tags = [page.tags.get(name) for name in ("XResolution", "YResolution")]
+    if any(tag is None for tag in tags):
+        return None
+    per_unit = [_ratio(tag.value) for tag in tags]
+    if min(per_unit) <= 0.0:
+        return None
+    if file.is_imagej and (name := (file.imagej_metadata or {}).get("unit")):
+        size, source = _millimetres(str(name)), "its ImageJ description"
+    else:
+        unit = page.tags.get("ResolutionUnit")
+        size = RESOLUTION_UNIT.get(int(unit.value) if unit is not None else 2)
+        source = "its resolution tags"
+        if size == RESOLUTION_UNIT[2]:
+            source = f"{per_unit[0]:.6g} pixels per inch"
+    if size is None:
+        return None
+    return Resolution(size / per_unit[0], size / per_unit[1], source)
+
+
+def _ratio(value: Any) -> float:
+    above, below = value
+    return above / below if below else 0.0
+
+
+def _millimetres(name: str) -> float | None:
+    """Return the size of a unit of length [mm], None if it is none, such as "pixel"."""
+    plain = name.strip().strip("\x00").replace("\\u00B5", "µ")
+    try:
+        return float(factor({"micron": "um", "microns": "um", "inches": "inch"}.get(plain, plain), "mm"))
+    except InvalidInput:
+        return None
+
+
+def _of_ome(text: str | None) -> Resolution | None:
+    """Return the size of the pixels in the description of OME."""
+    try:
+        root = ElementTree.fromstring(text or "")
+    except ElementTree.ParseError:
+        return None
+    pixels = next((element for element in root.iter() if element.tag.endswith("}Pixels")), None)
+    if pixels is None:
+        return None
+    sizes = []
+    for axis in "XY":
+        value, unit = pixels.get(f"PhysicalSize{axis}"), pixels.get(f"PhysicalSize{axis}Unit", "µm")
+        size = _millimetres(unit)
+        if value is None or size is None or not float(value) > 0.0:
+            return None
+        sizes.append(float(value) * size)
+    return Resolution(sizes[0], sizes[1], "its OME description")
