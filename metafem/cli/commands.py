@@ -2,7 +2,7 @@
 
 from metafem.cli import demo_and_design, doctor, predict, report, spec
 from metafem.cli.group import main
-from metafem.cli.measurement import calibrate, compare, topography
+from metafem.cli.measurement import calibrate, compare, images, topography
 from metafem.cli.study import comparisons, parameters, tolerances
 
 __all__ = [
@@ -11,6 +11,7 @@ __all__ = [
     "comparisons",
     "demo_and_design",
     "doctor",
+    "images",
     "main",
     "parameters",
     "predict",

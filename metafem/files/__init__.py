@@ -4,6 +4,7 @@ from metafem.files.atomic.staged import check_free
 from metafem.files.atomic.text import refuse_existing, write_text
 from metafem.files.loads import load_range
 from metafem.files.measurement.block import block_text, is_block
+from metafem.files.measurement.contacts import contacts_table, is_contacts_table, read_contacts
 from metafem.files.measurement.figures import refuse_figure, write_figure
 from metafem.files.measurement.handed_on import (
     HandedOn,
@@ -11,9 +12,13 @@ from metafem.files.measurement.handed_on import (
     is_calibration,
     read_handed_on,
 )
+from metafem.files.measurement.images.find import ImageFile, Images, find_images
+from metafem.files.measurement.images.forces import Shot, shots
+from metafem.files.measurement.images.pixel_size import pixel_size
 from metafem.files.measurement.laws import read_measured_law
 from metafem.files.measurement.made import corrected_table, is_heights_table, made_table
 from metafem.files.measurement.maps import read_height_map
+from metafem.files.measurement.sites import Sites, read_sites
 from metafem.files.measurement.tables import CalibrationData, of_files, read_calibration
 from metafem.files.part.plan import PartOptions, part_notes, planned
 from metafem.files.result.folder import load, result_folder, same_design, save, stored_hardness, write_all
@@ -31,17 +36,24 @@ __all__ = [
     "MODELS",
     "CalibrationData",
     "HandedOn",
+    "ImageFile",
+    "Images",
     "PartOptions",
+    "Shot",
+    "Sites",
     "Specification",
     "all_keys",
     "block_text",
     "calibration_data",
     "check_free",
     "chosen_model",
+    "contacts_table",
     "corrected_table",
     "demo_text",
+    "find_images",
     "is_block",
     "is_calibration",
+    "is_contacts_table",
     "is_heights_table",
     "is_law_table",
     "law_table",
@@ -54,12 +66,15 @@ __all__ = [
     "of_files",
     "option_names",
     "part_notes",
+    "pixel_size",
     "planned",
     "quantity",
     "read_calibration",
+    "read_contacts",
     "read_handed_on",
     "read_height_map",
     "read_measured_law",
+    "read_sites",
     "read_spec",
     "read_surface",
     "refuse_existing",
@@ -68,6 +83,7 @@ __all__ = [
     "result_folder",
     "same_design",
     "save",
+    "shots",
     "stored_hardness",
     "stored_studies",
     "study_data",

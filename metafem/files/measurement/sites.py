@@ -52,10 +52,12 @@ def read_sites(path: str | Path) -> Sites:
             f"{printable(', '.join(table.header))}"
         )
     entries = table.entries()
-    position = np.array([
-        [float(table.number(line, column, row[column]) * size) for column, size in (columns["x"], columns["y"])]
+    both = (columns["x"], columns["y"])
+    values = [
+        [float(table.number(line, column, row[column]) * size) for column, size in both]
         for line, row in entries
-    ]).reshape(-1, 2)  # fmt: skip
+    ]
+    position = np.array(values, dtype=np.float64).reshape(-1, 2)
     number = np.arange(len(entries))
     if "site" in table.header:
         column = table.header.index("site")

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from metafem.files.measurement.pages import Damaged, Page, Resolution, too_large
+from metafem.files.measurement.images.pages import Damaged, Page, Resolution, too_large
 
 # Modes of pictures whose values are grey levels, and those that are converted to colours or grey levels.
 GREY = {"L", "I", "F", "I;16", "I;16B", "I;16L", "I;16N"}
@@ -24,8 +24,7 @@ def pages(path: Path) -> tuple[list[Page], str]:
     """Return the image of a file, and no damage."""
     with opened(path) as image:
         columns, rows = image.size
-        colours = 3 if CONVERTED.get(image.mode) == "RGB" else 1
-        page = Page(1, rows, columns, colours, _resolution(image), refused(image.mode, rows, columns))
+        page = Page(1, rows, columns, _resolution(image), refused(image.mode, rows, columns))
     return [page], ""
 
 

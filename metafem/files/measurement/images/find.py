@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from metafem._extras import refuse_missing
 from metafem._given import printable
 from metafem.errors import InvalidInput
-from metafem.files.measurement import png, tiff
-from metafem.files.measurement.pages import Damaged, Page
+from metafem.files.measurement.images import png, tiff
+from metafem.files.measurement.images.pages import Damaged, Page
 from metafem.files.reading import file_label
 from metafem.progress import message
 

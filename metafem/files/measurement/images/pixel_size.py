@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from metafem._given import printable
 from metafem._values import MICROMETRES, percent
 from metafem.errors import InvalidInput
-from metafem.files.measurement.images import ImageFile
-from metafem.files.measurement.pages import Resolution
+from metafem.files.measurement.images.find import ImageFile
+from metafem.files.measurement.images.pages import Page, Resolution
 from metafem.notes import Note, information
 
 # Resolutions that programs write where none is known [per inch], and how exactly PNG stores them.
@@ -52,7 +52,7 @@ def pixel_size(images: Sequence[ImageFile], given: float | None = None) -> tuple
 
 
 def _of_files(
-    whole: Sequence[tuple[str, object]], stated: Sequence[tuple[str, Resolution]]
+    whole: Sequence[tuple[str, Page]], stated: Sequence[tuple[str, Resolution]]
 ) -> tuple[float, list[Note]]:
     """Return the size that all files state."""
     known = {name for name, _ in stated}
@@ -66,7 +66,7 @@ def _of_files(
     for name, other in stated:
         if _off(other.x, other.y) > SAME:
             raise InvalidInput(
-                f"{printable(name, 60)} states pixels that are no squares, {_um(other.x)} x {_um(other.y)} by "
+                f"{printable(name, 60)} states oblong pixels, {_um(other.x)} x {_um(other.y)}, by "
                 f"{other.source}; scale the image, or {EXAMPLE}"
             )
         if _off(other.x, one.x) > SAME:

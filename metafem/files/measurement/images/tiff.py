@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from metafem.errors import InvalidInput
-from metafem.files.measurement import png
-from metafem.files.measurement.pages import Damaged, Page, Resolution, too_large
+from metafem.files.measurement.images import png
+from metafem.files.measurement.images.pages import Damaged, Page, Resolution, too_large
 from metafem.files.units import factor
 
 # Units of the tag ResolutionUnit [mm].
@@ -39,7 +39,8 @@ def pages(path: Path) -> tuple[list[Page], str]:
         result = [
             Page(
                 number,
-                *_shape(page),
+                int(page.imagelength),
+                int(page.imagewidth),
                 resolution if number == 1 or joined else _resolution(file, page),
                 _refused(page, size, number if joined else 1),
             )
@@ -112,12 +113,6 @@ def _plain(error: BaseException) -> str:
     if isinstance(error, OSError) and error.strerror:
         return error.strerror
     return " ".join(str(error).split()) or "it is damaged"
-
-
-def _shape(page: Any) -> tuple[int, int, int]:
-    """Return rows, columns and channels of a page."""
-    colours = 3 if int(page.photometric) == 3 else int(page.samplesperpixel)
-    return int(page.imagelength), int(page.imagewidth), colours
 
 
 def _refused(page: Any, size: int, number: int) -> str:

@@ -23,7 +23,7 @@ class Resolution:
 
 @dataclass(frozen=True)
 class Page:
-    """An image in a file: its number from 1, its channels and, if stated, the size of its pixels.
+    """An image in a file: its number from 1 and, if stated, the size of its pixels.
 
     `refused` says why it is not read.
     """
@@ -31,7 +31,6 @@ class Page:
     number: int
     rows: int
     columns: int
-    colours: int = 1
     resolution: Resolution | None = None
     refused: str = ""
 

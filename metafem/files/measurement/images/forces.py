@@ -11,7 +11,7 @@ from pathlib import Path
 from metafem._given import printable, shown
 from metafem.errors import InvalidInput
 from metafem.files.csv_rows import Table, read_table
-from metafem.files.measurement.images import ImageFile
+from metafem.files.measurement.images.find import ImageFile
 from metafem.files.units import factor
 
 EXAMPLE = "image,load_mN"
@@ -107,7 +107,8 @@ def _rows(path: Path) -> tuple[Table, list[Row]]:
         if math.isnan(force["load"]):
             title = table.header[columns["load"][0]]
             raise InvalidInput(f"{table.name}, line {line}: {title} is empty; write the load of the image")
-        rows.append(Row(line=line, **text, **force))
+        names = (text["image"], text["sheared_image"], text["test"])
+        rows.append(Row(line, *names, force["load"], force["friction_force"]))
     if not rows:
         raise InvalidInput(f"{table.name} names columns but holds no image")
     return table, rows

@@ -1,0 +1,257 @@
+"""The images of a sample, measured and followed, and what is printed of them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from metafem.errors import InvalidInput
+from metafem.notes import Note, information
+from metafem.progress import doing
+
+if TYPE_CHECKING:
+    from metafem.calibration import ContactAreas, TrackedContacts
+    from metafem.files import ImageFile, Shot, Sites
+
+# Difference of the scale of a matched lattice from 1 that is reported: areas are then wrong by 2 %.
+SCALE = 0.01
+
+
+@dataclass(frozen=True)
+class Series:
+    """Images with their forces, and what was found in them."""
+
+    series: Sequence[Shot]
+    areas: Sequence[ContactAreas]
+    sheared: Sequence[ContactAreas | None]
+    tracked: TrackedContacts
+    pixel: float
+    notes: tuple[Note, ...]
+
+    @property
+    def failed(self) -> list[str]:
+        """Names of the images that could not be measured."""
+        pairs: list[tuple[ImageFile | None, ContactAreas | None]] = []
+        for shot, areas, other in zip(self.series, self.areas, self.sheared, strict=True):
+            pairs += [(shot.image, areas), (shot.sheared, other)]
+        return [image.name for image, areas in pairs if image and areas and areas.failed]
+
+    def lines(self) -> tuple[list[str], list[tuple[str, ...]]]:
+        """Return the headings and the lines of the printed table."""
+        rows = self.rows()
+        titles = {
+            "image": "image",
+            "test": "test",
+            "load_N": "load [N]",
+            "friction_force_N": "friction [N]",
+            "contacts": "contacts",
+            "open": "open",
+            "not_measured": "not measured",
+            "area_mm2": "area [mm²]",
+            "area_error_mm2": "± [mm²]",
+            "sheared_area_mm2": "sheared area [mm²]",
+            "sheared_area_error_mm2": "± [mm²]",
+        }
+        optional = ("test", "load_N", "friction_force_N", "sheared_area_mm2", "sheared_area_error_mm2")
+        kept = [name for name in titles if name not in optional or any(row[name] for row in rows)]
+        return [titles[name] for name in kept], [tuple(_text(row[name]) for name in kept) for row in rows]
+
+    def rows(self) -> list[dict[str, Any]]:
+        """Return the numbers of each image; areas are those of the contacts that could be measured."""
+        import numpy as np
+
+        table = self.tracked.table
+        rows = []
+        for i, name in enumerate(table.image):
+            failed = self.areas[i].failed
+            sheared = self.sheared[i]
+            rows.append(
+                {
+                    "image": name,
+                    "test": table.test[i],
+                    "load_N": _known(table.load[i]),
+                    "friction_force_N": _known(table.friction_force[i]),
+                    "contacts": int(np.count_nonzero(table.area[i] > 0.0)),
+                    "open": int(np.count_nonzero(table.area[i] == 0.0)),
+                    "not_measured": int(np.count_nonzero(np.isnan(table.area[i]))),
+                    "area_mm2": None if failed else float(np.nansum(table.area[i])),
+                    "area_error_mm2": None if failed else _together(table.area_error[i]),
+                    "sheared_area_mm2": None
+                    if sheared is None or sheared.failed
+                    else float(np.nansum(table.sheared_area[i])),
+                    "sheared_area_error_mm2": None
+                    if sheared is None or sheared.failed
+                    else _together(table.sheared_area_error[i]),
+                }
+            )
+        return rows
+
+    def sentences(self) -> list[str]:
+        """Return where the contacts were found."""
+        table, match = self.tracked.table, self.tracked.match
+        name = table.image[self.tracked.reference]
+        count = len(table.site)
+        if match is None:
+            return [f"{count} contacts, numbered from top to bottom of {name}"]
+        side = "block, mirrored against heights.csv" if match.mirrored else "glass"
+        return [
+            f"{int((match.site >= 0).sum())} contacts of {name} matched to {count} sites, seen through the "
+            f"{side}: rotation {math.degrees(match.rotation):.2f}°, scale {match.scale:.4f}, rms distance "
+            f"{1e3 * match.residual:.3g} µm"
+        ]
+
+    def data(self, files: Sequence[Path]) -> dict[str, Any]:
+        """Return the data for JSON."""
+        from metafem.cli.terminal import notes_data
+
+        match = self.tracked.match
+        table = self.tracked.table
+        return {
+            "files": [str(path) for path in files],
+            "pixel_size_mm": self.pixel,
+            "images": self.rows(),
+            "match": None
+            if match is None
+            else {
+                "image": table.image[self.tracked.reference],
+                "viewed_from": "block" if match.mirrored else "glass",
+                "rotation_deg": math.degrees(match.rotation),
+                "scale": match.scale,
+                "residual_mm": match.residual,
+                "ambiguous": match.ambiguous,
+            },
+            "site": table.site.tolist(),
+            "area_mm2": [[_known(value) for value in row] for row in table.area.tolist()],
+            "failed": self.failed,
+            "remarks": list(table.remarks),
+            "notes": notes_data(self.notes),
+        }
+
+
+def measured_series(
+    series: Sequence[Shot],
+    without: Sequence[str],
+    pixel: float,
+    notes: Sequence[Note],
+    rotation: float,
+    options: dict[str, Any],
+) -> Series:
+    """Measure the images, with one threshold before and after shear, and follow the contacts."""
+    import numpy as np
+
+    from metafem.calibration import stack_areas, track_contacts
+    from metafem.files import Images
+
+    before = [shot.image for shot in series]
+    after = [i for i, shot in enumerate(series) if shot.sheared is not None]
+    files = [*before, *(shot.sheared for shot in series if shot.sheared is not None)]
+    load = np.array([shot.load for shot in series])
+    known = np.isfinite(load)
+    # images without a load are not the one at the largest; without any load the last one is
+    order = np.where(known, load, load[known].min() - 1.0) if known.any() else np.arange(float(len(load)))
+    images = Images(files)
+    found = stack_areas(
+        images, pixel, loads=[*order, *order[after]], bright_contacts=options["bright_contacts"]
+    )
+    found = tuple(
+        _named(areas, i, file.name) for i, (areas, file) in enumerate(zip(found, files, strict=True))
+    )
+    areas = found[: len(before)]
+    sheared: list[ContactAreas | None] = [None] * len(before)
+    for i, one in zip(after, found[len(before) :], strict=True):
+        sheared[i] = one
+    sites, expected = _sites(options["sites"], load)
+    given: dict[str, Any] = {}
+    if sites is not None:
+        given = {"site_position": sites.position, "site": sites.number, "expected_area": expected}
+    with doing("following the contacts"):
+        tracked = track_contacts(
+            areas,
+            [file.name for file in before],
+            test=[shot.test for shot in series],
+            load=load,
+            friction_force=[shot.friction_force for shot in series],
+            sheared=sheared,
+            viewed_from=options["viewed_from"],
+            rotation=rotation,
+            **given,
+        )
+    more = [*notes, *_notes(without, images, tracked, pixel)]
+    return Series(series, areas, sheared, tracked, pixel, (*more, *tracked.notes))
+
+
+def _notes(without: Sequence[str], images: Any, tracked: TrackedContacts, pixel: float) -> list[Note]:
+    notes = []
+    if without:
+        are = "is" if len(without) == 1 else "are"
+        notes.append(Note(f"{_listed(without)} {are} not in the table of forces: the load is empty"))
+    if images.coloured:
+        notes.append(
+            information(
+                f"in colour, the luminance of ITU-R BT.709 is measured: {_listed(list(images.coloured))}"
+            )
+        )
+    match = tracked.match
+    if match is not None and abs(match.scale - 1.0) > SCALE:
+        notes.append(
+            Note(
+                f"the sites are {match.scale:.4f} times as far apart as in the design: with pixels of "
+                f"{1e3 * pixel / match.scale:.4g} um instead of {1e3 * pixel:.4g} um they would agree, and "
+                f"areas would be {100.0 * (match.scale**-2 - 1.0):+.2g} % different"
+            )
+        )
+    return notes
+
+
+def _listed(names: Sequence[str]) -> str:
+    """Return up to five names."""
+    return ", ".join(names[:5]) + (f" and {len(names) - 5} more" if len(names) > 5 else "")
+
+
+def _named(areas: ContactAreas, index: int, name: str) -> ContactAreas:
+    """Return an image that could not be measured with the reason alone, without its name and number."""
+    if not areas.failed:
+        return areas
+    reason = str(areas.notes[0]).removeprefix(f"images[{index}] is not measured: ").removeprefix(f"{name}: ")
+    return replace(areas, notes=(Note(reason),))
+
+
+def _sites(source: Path | None, load: Any) -> tuple[Sites | None, Any]:
+    """Return the sites of a design and, for a result folder, the areas that its law predicts at the loads."""
+    if source is None:
+        return None, None
+    import numpy as np
+
+    import metafem as mf
+    from metafem.files import Sites, read_sites
+
+    if not source.is_dir():
+        if not source.exists():
+            raise InvalidInput(f"--sites {source}: no such file or folder")
+        return read_sites(source), None
+    design = mf.load(source)
+    expected = np.full((len(load), design.surface.count), np.nan)
+    with doing("predicting the areas"):
+        for i, force in enumerate(load.tolist()):
+            if force > 0.0:
+                # single contacts are enough: the areas are compared up to a common factor
+                expected[i] = mf.equilibrium(design.surface, mf.Independent(), load=force).asperity_area
+    return Sites(design.surface.position, np.asarray(design.sites)), expected
+
+
+def _known(value: float) -> float | None:
+    return None if math.isnan(value) else float(value)
+
+
+def _together(error: Any) -> float:
+    """Return the standard deviation of the sum of areas with independent errors."""
+    import numpy as np
+
+    return float(np.sqrt(np.nansum(np.square(error))))
+
+
+def _text(value: Any) -> str:
+    return "" if value is None else f"{value:.5g}" if isinstance(value, float) else str(value)

@@ -1,0 +1,177 @@
+"""`metafem images`."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from metafem.cli.group import NOT_ACHIEVED, Name, force_option, json_option, main
+from metafem.cli.progress import progress
+from metafem.cli.terminal import print_notes, print_table, terminal
+from metafem.errors import InvalidInput
+from metafem.progress import doing
+
+if TYPE_CHECKING:
+    from metafem.cli.measurement.image_series import Series
+
+# Most remarks that are printed; all of them are in the table.
+PRINTED = 20
+
+
+@main.command(short_help="Measure contact areas in images.")
+@click.argument("source", type=Name(), nargs=-1, required=True, metavar="FOLDER|FILE...")
+@click.option(
+    "--pixel",
+    metavar="LENGTH",
+    help='Side of a pixel in the plane of the contacts, such as "5.3 um". Default: what the files state.',
+)
+@click.option(
+    "--forces",
+    type=Name(),
+    metavar="FORCES.csv",
+    help="Table of the forces: image,load_mN and optionally friction_force_mN, sheared_image, test.",
+)
+@click.option(
+    "--sites",
+    type=Name(),
+    metavar="DIR|HEIGHTS.csv",
+    help="Result folder of the design, or its table of heights: contacts are matched to its sites.",
+)
+@click.option(
+    "--viewed-from",
+    type=click.Choice(["glass", "block"]),
+    default="glass",
+    help="Side of the camera. Through the glass it sees heights.csv as it is, through the block mirrored, "
+    "x -> -x. Default: glass.",
+)
+@click.option(
+    "--rotation",
+    metavar="ANGLE",
+    help='Rotation of the design in the images, anticlockwise, such as "90 deg", to within 5°. Default: 0.',
+)
+@click.option("--bright-contacts", is_flag=True, help="Contacts are brighter than the ground.")
+@click.option(
+    "-o",
+    "--output",
+    type=Name(),
+    metavar="CONTACTS.csv",
+    help="Write the table of contacts to this file.",
+)
+@click.option(
+    "--picture",
+    type=Name(),
+    metavar="FOUND.png",
+    help="Draw what was found in one image: a file .png or .svg.",
+)
+@click.option(
+    "--picture-of", metavar="IMAGE", help="Image that is drawn. Default: the one with most contacts."
+)
+@force_option
+@json_option
+def images(
+    source: tuple[Path, ...],
+    output: Path | None,
+    picture: Path | None,
+    force: bool,
+    as_json: bool,
+    **options: Any,
+) -> None:
+    """Measure the areas of contacts in images: TIFF, also with several pages, and PNG.
+
+    The images of a folder are read in natural order, 2 before 10. The threshold is that of the image at the
+    largest load. FORCES.csv has a line for each image, which it names by its file, and a page of a stack as
+    stack.tif:3. An image of the contacts at the peak of the friction force stands in the column
+    sheared_image of the image before shear.
+
+    With --sites the contacts are matched to the sites of the design by the image with most contacts; without
+    it they are numbered. CONTACTS.csv has a line for each image and contact, and is read by metafem calibrate
+    and metafem compare. Open contacts have the area 0; areas that could not be measured are empty, with a
+    remark.
+
+    An image that cannot be read or measured is named, the others are measured, and the exit code is 1.
+
+    Example: metafem images pictures --pixel "5.3 um" --forces forces.csv -o contacts.csv --picture found.png
+    """
+    from metafem.calibration.sites.figure import found_figure
+    from metafem.files import (
+        Images,
+        contacts_table,
+        is_contacts_table,
+        refuse_existing,
+        refuse_figure,
+        write_figure,
+        write_text,
+    )
+
+    if output is not None:
+        refuse_existing(output, force, is_contacts_table)
+    if picture is not None:
+        refuse_figure(picture, force)
+    elif options["picture_of"] is not None:
+        raise InvalidInput("--picture-of needs --picture FOUND.png, the file of the picture")
+    with progress():
+        found = _measured(source, options)
+        drawn = _drawn(found, options["picture_of"]) if picture is not None else None
+        if output is not None:
+            write_text(output, contacts_table(found.tracked.table), force=force, ours=is_contacts_table)
+        if picture is not None and drawn is not None:
+            with doing("drawing the picture"):
+                index, file, sheared = drawn
+                areas = found.sheared[index] if sheared else found.areas[index]
+                figure = found_figure(Images([file])[0], areas, found.tracked, index, sheared)
+                write_figure(picture, figure, file.name, force=force)
+    files = [path for path in (output, picture) if path is not None]
+    if as_json:
+        click.echo(json.dumps(found.data(files)))
+    else:
+        _print(found, files)
+    if found.failed:
+        click.get_current_context().exit(NOT_ACHIEVED)
+
+
+def _measured(source: tuple[Path, ...], options: dict[str, Any]) -> Series:
+    """Measure the images and follow their contacts."""
+    from metafem.cli.measurement.image_series import measured_series
+    from metafem.files import find_images, pixel_size, quantity, shots
+
+    given = None if options["pixel"] is None else quantity("--pixel", options["pixel"], "mm", "5.3 um")
+    if given is not None and not given > 0.0:
+        raise InvalidInput(f'--pixel = "{options["pixel"]}" must be greater than 0')
+    turn = 0.0 if options["rotation"] is None else quantity("--rotation", options["rotation"], "rad")
+    with doing("opening the images"):
+        files = find_images(source)
+        series, without = shots(files, options["forces"])
+        pixel, notes = pixel_size(files, given)
+    return measured_series(series, without, pixel, notes, turn, options)
+
+
+def _drawn(found: Series, name: str | None) -> tuple[int, Any, bool]:
+    """Return index and file of the image that is drawn, and whether it is a sheared one."""
+    if name is None:
+        index = found.tracked.reference
+        return index, found.series[index].image, False
+    for index, shot in enumerate(found.series):
+        for file, sheared in ((shot.image, False), (shot.sheared, True)):
+            if file is not None and file.name == name and file.page is not None:
+                return index, file, sheared
+    raise InvalidInput(f"--picture-of = {name} is not among the images that were read")
+
+
+def _print(found: Series, files: list[Path]) -> None:
+    """Print a line for each image, where the contacts are, and what could not be measured."""
+    console = terminal()
+    columns, rows = found.lines()
+    print_table(console, columns, rows)
+    for line in found.sentences():
+        console.print(line, highlight=False, markup=False)
+    print_notes(console, found.notes)
+    remarks = found.tracked.table.remarks
+    for remark in remarks[:PRINTED]:
+        console.print(f"remark: {remark}", highlight=False, markup=False)
+    if len(remarks) > PRINTED:
+        console.print(f"remark: {len(remarks) - PRINTED} more; all are in the column remark of the table")
+    for path in files:
+        console.print(f"wrote {path}", highlight=False, markup=False)

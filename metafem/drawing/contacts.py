@@ -1,0 +1,95 @@
+"""Drawing of what was found in an image of contacts."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from metafem.drawing import FloatArray, new_figure
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+# Colours of measured contacts, of those that could not be measured, of regions of no site, of open sites.
+MEASURED, FLAGGED, STRAY, OPEN = "#00b4d8", "#e63946", "#ffb703", "#7b2cbf"
+
+# Most pixels that are drawn along a side of an image.
+MOST_DRAWN = 1600
+
+# Width and height of the largest figure [inch], and height of its heading.
+SIDE, HEADING = 8.0, 0.7
+
+
+def picture_figure(width: float, height: float) -> Figure:
+    """Return a figure for an image of this width and height, in any unit, and its heading."""
+    scale = SIDE / max(width, height)
+    return new_figure(max(scale * width, 0.6 * SIDE), scale * height + HEADING)
+
+
+def picture(ax: Axes, image: NDArray[Any], pixel_size: float) -> None:
+    """Draw the grey values of an image in the plane of the contacts, its lower left corner in the origin."""
+    rows, columns = image.shape
+    step = -(-max(rows, columns) // MOST_DRAWN)
+    means = image
+    if step > 1:
+        cut = image[: rows - rows % step, : columns - columns % step].astype(np.float32)
+        means = cut.reshape(rows // step, step, columns // step, step).mean(axis=(1, 3))
+    low, high = np.percentile(means, [0.5, 99.5]).tolist()
+    width, height = (step * count * pixel_size for count in means.shape[::-1])
+    top = rows * pixel_size
+    extent = (0.0, width, top - height, top)
+    ax.imshow(means, cmap="gray", extent=extent, vmin=low, vmax=high, interpolation="nearest")
+    ax.set(xlim=(0.0, columns * pixel_size), ylim=(0.0, top), xlabel="x [mm]", ylabel="y [mm]")
+    ax.set_aspect("equal")
+
+
+def outlines(
+    ax: Axes, centre: FloatArray, axes: FloatArray, angle: FloatArray, colour: str, label: str
+) -> None:
+    """Draw ellipses of centres (n, 2), semi-axes (n, 2) [mm] and directions (n,) [rad]."""
+    from matplotlib.collections import EllipseCollection
+
+    if not len(centre):
+        return
+    ax.add_collection(
+        EllipseCollection(
+            2.0 * axes[:, 0],
+            2.0 * axes[:, 1],
+            np.degrees(angle),
+            units="xy",
+            offsets=centre,
+            offset_transform=ax.transData,
+            facecolors="none",
+            edgecolors=colour,
+            linewidths=1.0,
+        )
+    )
+    ax.plot([], [], "o", mfc="none", mec=colour, label=f"{len(centre)} {label}")
+
+
+def crosses(ax: Axes, position: FloatArray, label: str) -> None:
+    """Draw open sites (n, 2) [mm]."""
+    if len(position):
+        ax.plot(*position.T, "x", color=OPEN, ms=5.0, mew=1.0, label=f"{len(position)} {label}", ls="none")
+
+
+def numbers(ax: Axes, position: FloatArray, names: Sequence[str], colour: str) -> None:
+    """Write names beside points (n, 2) [mm]."""
+    from matplotlib.patheffects import withStroke
+
+    for (x, y), name in zip(position, names, strict=True):
+        text = ax.annotate(name, (x, y), fontsize=6.5, color=colour, ha="center", va="center", clip_on=True)
+        text.set_path_effects([withStroke(linewidth=1.6, foreground="white")])
+
+
+def heading(ax: Axes, text: str) -> None:
+    """Write the name of an image and the meaning of the colours above it."""
+    ax.legend(
+        loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4, frameon=False, fontsize=8, handletextpad=0.3,
+        borderaxespad=0.2, columnspacing=1.2,
+    )  # fmt: skip
+    ax.set_title(text, fontsize=10, loc="left", pad=24.0)
