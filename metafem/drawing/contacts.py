@@ -78,12 +78,15 @@ def crosses(ax: Axes, position: FloatArray, label: str) -> None:
 
 
 def numbers(ax: Axes, position: FloatArray, names: Sequence[str], colour: str) -> None:
-    """Write names beside points (n, 2) [mm]."""
+    """Write names to the lower right of points (n, 2) [mm]."""
     from matplotlib.patheffects import withStroke
 
     for (x, y), name in zip(position, names, strict=True):
-        text = ax.annotate(name, (x, y), fontsize=6.5, color=colour, ha="center", va="center", clip_on=True)
-        text.set_path_effects([withStroke(linewidth=1.6, foreground="white")])
+        text = ax.annotate(
+            name, (x, y), xytext=(1.0, -1.0), textcoords="offset points", fontsize=7.0, color=colour,
+            ha="left", va="top", clip_on=True,
+        )  # fmt: skip
+        text.set_path_effects([withStroke(linewidth=1.8, foreground="white")])
 
 
 def heading(ax: Axes, text: str) -> None:

@@ -44,6 +44,12 @@ def remarks(
     if ground.structure > UNEVEN * contrast:
         uneven = percent(ground.structure / contrast)
         notes.append(Note(f"the ground is uneven by {uneven} of the contrast after removing the gradient"))
+    return replace(found, notes=(*notes, *contact_notes(found)))
+
+
+def contact_notes(found: ContactAreas) -> list[Note]:
+    """Return the notes that name contacts: at the edge, merged, saturated or with bright spots inside."""
+    notes = []
     for flags, text in (
         (found.edge, "at the edge of the frame; the area is what is seen of them"),
         (found.merged, "merged with others, or not convex; the area is that of all in one"),
@@ -53,7 +59,7 @@ def remarks(
             notes.append(Note(f"{_named(found, flags)}: {text}"))
     if (found.holes > 0).any():
         notes.append(information(f"{_named(found, found.holes > 0)}: bright spots inside are left out"))
-    return replace(found, notes=tuple(notes))
+    return notes
 
 
 def _named(found: ContactAreas, flags: NDArray[np.bool_]) -> str:

@@ -36,17 +36,21 @@ def found_figure(
         table = tracked.table
         number = table.site if table.matched else table.site + 1
         spoilt = {site for site, _ in placed.spoilt}
-        closed = np.isin(np.arange(len(number)), placed.site)
-        kinds = [
-            (np.flatnonzero(closed), drawing.MEASURED),
-            (np.array(sorted(spoilt), dtype=np.intp), drawing.FLAGGED),
-        ]
-        opened = np.flatnonzero(~closed & ~placed.outside & ~np.isin(np.arange(len(number)), list(spoilt)))
+        sites = np.arange(len(number))
+        away = placed.position.copy()
+        matched = placed.site >= 0
+        # beside a contact, outside its outline
+        half = 0.75 * areas.axes[matched, :1] * [1.0, -1.0]
+        away[placed.site[matched]] = areas.centre[matched] + half
+        closed, flagged = np.isin(sites, placed.site), np.isin(sites, list(spoilt))
+        opened = ~closed & ~flagged & ~placed.outside
         drawing.crosses(ax, placed.position[opened], "open")
-        for sites, colour in kinds:
-            drawing.numbers(ax, placed.position[sites], [str(number[s]) for s in sites], colour)
-        below = placed.position[opened] - [0.0, 0.02 * pixel * image.shape[0]]
-        drawing.numbers(ax, below, [str(number[s]) for s in opened], drawing.OPEN)
+        for which, colour in (
+            (closed, drawing.MEASURED),
+            (flagged, drawing.FLAGGED),
+            (opened, drawing.OPEN),
+        ):
+            drawing.numbers(ax, away[which], [str(n) for n in number[which]], colour)
     what = "site" if tracked.table.matched else "contact"
     drawing.heading(ax, f"{tracked.table.image[index]}: numbers are those of the column {what}")
     return figure

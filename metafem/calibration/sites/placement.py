@@ -24,8 +24,8 @@ from metafem.calibration.sites.similarity import ComplexArray, Similarity, compl
 # Number of contacts from which a drift is guessed: one of them is a contact.
 GUESSES = 8
 
-# A region belongs to a site within so many of its semi-axes. Half a circle, cut by the frame, has the centre
-# of the circle at 0.8 of its own.
+# A region at the edge of the frame belongs to a site within so many of its semi-axes: half a circle has the
+# centre of the circle at 0.8 of its own, a smaller part farther out. Other regions contain their sites.
 SEMI_AXES = 1.5
 
 
@@ -77,9 +77,9 @@ def placed(areas: ContactAreas, position: FloatArray, names: list[str]) -> Place
     frame = areas.pixel_size * np.array(areas.shape[::-1])
     outside = np.any((where < 0.0) | (where > frame), axis=1)
     outside[site[site >= 0]] = False
-    spoilt, strays = [], list(whole[pose.site < 0])
+    spoilt, strays = [], []
     taken = set(site[site >= 0].tolist())
-    for region in np.flatnonzero(~areas.complete).tolist():
+    for region in np.flatnonzero(site < 0).tolist():
         inside = [s for s in _within(areas, region, where) if s not in taken]
         taken.update(inside)
         spoilt += [(s, _reason(areas, region, inside, s, names)) for s in inside]
@@ -124,7 +124,8 @@ def _within(areas: ContactAreas, region: int, where: FloatArray) -> list[int]:
     along, across = away @ [cos, sin], away @ [-sin, cos]
     distance = np.hypot(along / areas.axes[region, 0], across / areas.axes[region, 1])
     order = np.argsort(distance, kind="stable")
-    return [int(s) for s in order if distance[s] <= SEMI_AXES]
+    most = SEMI_AXES if areas.edge[region] else 1.0
+    return [int(s) for s in order if distance[s] <= most]
 
 
 def _reason(areas: ContactAreas, region: int, inside: list[int], site: int, names: list[str]) -> str:
@@ -132,4 +133,8 @@ def _reason(areas: ContactAreas, region: int, inside: list[int], site: int, name
     others = [names[s] for s in inside if s != site]
     if others:
         return f"merged with {' and '.join(others)}"
-    return "at the edge of the frame" if areas.edge[region] else "its outline has a waist, as two in one have"
+    if areas.edge[region]:
+        return "at the edge of the frame"
+    if areas.merged[region]:
+        return "its outline is no ellipse, as that of two contacts in one"
+    return "its region is not centred on the site, as if merged with another"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from metafem.calibration.images.contact_areas import ContactAreas
+from metafem.calibration.images.remarks import contact_notes
 from metafem.calibration.sites.placement import Placed
 
 
@@ -15,7 +16,8 @@ def remarks_of(
     if found is None:
         texts = [str(note) for note in areas.notes] or ["could not be measured"]
         return [f"{image}: {where}{text}" for text in texts], []
-    kind, general = names[0].split()[0], []
+    kind, of_contacts = names[0].split()[0], contact_notes(areas)
+    general = [str(note) for note in areas.notes if note.warns and note not in of_contacts]
     if len(found.strays):
         largest = found.strays[np.argmax(areas.area[found.strays])]
         x, y = areas.centre[largest]
@@ -25,11 +27,14 @@ def remarks_of(
             f"({x:.4g}, {y:.4g}) mm"
         )
     if found.outside.any():
-        which = [names[s].split()[1] for s in np.flatnonzero(found.outside)]
-        general.append(f"{kind}{'s' * (len(which) > 1)} {', '.join(which)} outside the frame")
+        numbers = [names[s].split()[1] for s in np.flatnonzero(found.outside)]
+        general.append(f"{kind}{'s' * (len(numbers) > 1)} {', '.join(numbers)} outside the frame")
     by_site = list(found.spoilt)
-    for contact in np.flatnonzero(areas.saturated & (found.site >= 0)):
-        by_site.append((int(found.site[contact]), "saturated grey levels, the area may be wrong"))
+    for which, text in (
+        (areas.saturated, "saturated grey levels, the area may be wrong"),
+        (areas.holes > 0, "bright spots inside, which do not count as area"),
+    ):
+        by_site += [(int(s), text) for s in found.site[which & (found.site >= 0)]]
     return (
         [f"{image}: {where}{text}" for text in general],
         [(s, f"{image}, {names[s]}: {where}{text}") for s, text in by_site],

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -14,10 +15,15 @@ from metafem.progress import doing
 
 if TYPE_CHECKING:
     from metafem.calibration import ContactAreas, TrackedContacts
-    from metafem.files import ImageFile, Shot, Sites
+    from metafem.files import ImageFile, Images, Shot, Sites
 
 # Difference of the scale of a matched lattice from 1 that is reported: areas are then wrong by 2 %.
 SCALE = 0.01
+
+
+# Area of the smallest contact that `contact_areas` finds, over pi times the variance of the edges: its radius
+# is two standard deviations of edges that have been smoothed once more by their own width.
+SMALLEST = 8.0
 
 
 @dataclass(frozen=True)
@@ -57,7 +63,9 @@ class Series:
         }
         optional = ("test", "load_N", "friction_force_N", "sheared_area_mm2", "sheared_area_error_mm2")
         kept = [name for name in titles if name not in optional or any(row[name] for row in rows)]
-        return [titles[name] for name in kept], [tuple(_text(row[name]) for name in kept) for row in rows]
+        return [titles[name] for name in kept], [
+            tuple(_text(name, row[name]) for name in kept) for row in rows
+        ]
 
     def rows(self) -> list[dict[str, Any]]:
         """Return the numbers of each image; areas are those of the contacts that could be measured."""
@@ -74,9 +82,9 @@ class Series:
                     "test": table.test[i],
                     "load_N": _known(table.load[i]),
                     "friction_force_N": _known(table.friction_force[i]),
-                    "contacts": int(np.count_nonzero(table.area[i] > 0.0)),
-                    "open": int(np.count_nonzero(table.area[i] == 0.0)),
-                    "not_measured": int(np.count_nonzero(np.isnan(table.area[i]))),
+                    "contacts": None if failed else int(np.count_nonzero(table.area[i] > 0.0)),
+                    "open": None if failed else int(np.count_nonzero(table.area[i] == 0.0)),
+                    "not_measured": None if failed else int(np.count_nonzero(np.isnan(table.area[i]))),
                     "area_mm2": None if failed else float(np.nansum(table.area[i])),
                     "area_error_mm2": None if failed else _together(table.area_error[i]),
                     "sheared_area_mm2": None
@@ -156,9 +164,8 @@ def measured_series(
     found = stack_areas(
         images, pixel, loads=[*order, *order[after]], bright_contacts=options["bright_contacts"]
     )
-    found = tuple(
-        _named(areas, i, file.name) for i, (areas, file) in enumerate(zip(found, files, strict=True))
-    )
+    names = [file.name for file in files]
+    found = tuple(_named(one, names, i) for i, one in enumerate(found))
     areas = found[: len(before)]
     sheared: list[ContactAreas | None] = [None] * len(before)
     for i, one in zip(after, found[len(before) :], strict=True):
@@ -179,11 +186,18 @@ def measured_series(
             rotation=rotation,
             **given,
         )
-    more = [*notes, *_notes(without, images, tracked, pixel)]
+    more = [*notes, *_notes(without, images, areas, tracked, pixel)]
     return Series(series, areas, sheared, tracked, pixel, (*more, *tracked.notes))
 
 
-def _notes(without: Sequence[str], images: Any, tracked: TrackedContacts, pixel: float) -> list[Note]:
+def _notes(
+    without: Sequence[str],
+    images: Images,
+    areas: Sequence[ContactAreas],
+    tracked: TrackedContacts,
+    pixel: float,
+) -> list[Note]:
+    """Return what is to be known of all images."""
     notes = []
     if without:
         are = "is" if len(without) == 1 else "are"
@@ -194,6 +208,11 @@ def _notes(without: Sequence[str], images: Any, tracked: TrackedContacts, pixel:
                 f"in colour, the luminance of ITU-R BT.709 is measured: {_listed(list(images.coloured))}"
             )
         )
+    blur = max((one.blur for one in areas if not one.failed), default=0.0)
+    smallest = SMALLEST * math.pi * blur**2
+    notes.append(
+        information(f"contacts of less than about {smallest:.2g} mm² are not found and count as open")
+    )
     match = tracked.match
     if match is not None and abs(match.scale - 1.0) > SCALE:
         notes.append(
@@ -211,12 +230,16 @@ def _listed(names: Sequence[str]) -> str:
     return ", ".join(names[:5]) + (f" and {len(names) - 5} more" if len(names) > 5 else "")
 
 
-def _named(areas: ContactAreas, index: int, name: str) -> ContactAreas:
-    """Return an image that could not be measured with the reason alone, without its name and number."""
-    if not areas.failed:
-        return areas
-    reason = str(areas.notes[0]).removeprefix(f"images[{index}] is not measured: ").removeprefix(f"{name}: ")
-    return replace(areas, notes=(Note(reason),))
+def _named(areas: ContactAreas, names: Sequence[str], own: int) -> ContactAreas:
+    """Return the contacts of an image with notes that name other images as files, and not its own."""
+
+    def named(note: Note) -> Note:
+        text = re.sub(r"images\[(\d+)\]", lambda match: names[int(match[1])], note.text)
+        # an error of a file names it again
+        text = re.sub(r"(\S+) is not measured: \1: ", r"\1 ", text)
+        return replace(note, text=text.removeprefix(f"{names[own]} "))
+
+    return replace(areas, notes=tuple(map(named, areas.notes)))
 
 
 def _sites(source: Path | None, load: Any) -> tuple[Sites | None, Any]:
@@ -253,5 +276,9 @@ def _together(error: Any) -> float:
     return float(np.sqrt(np.nansum(np.square(error))))
 
 
-def _text(value: Any) -> str:
-    return "" if value is None else f"{value:.5g}" if isinstance(value, float) else str(value)
+def _text(name: str, value: Any) -> str:
+    """Return a cell of the printed table."""
+    if value is None:
+        return ""
+    digits = ".2g" if "error" in name else ".4f" if "area" in name else ".5g"
+    return f"{value:{digits}}" if isinstance(value, float) else str(value)

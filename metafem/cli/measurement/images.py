@@ -120,7 +120,7 @@ def images(
         if picture is not None and drawn is not None:
             with doing("drawing the picture"):
                 index, file, sheared = drawn
-                areas = found.sheared[index] if sheared else found.areas[index]
+                areas = (found.sheared[index] if sheared else None) or found.areas[index]
                 figure = found_figure(Images([file])[0], areas, found.tracked, index, sheared)
                 write_figure(picture, figure, file.name, force=force)
     files = [path for path in (output, picture) if path is not None]

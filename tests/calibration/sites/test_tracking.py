@@ -125,6 +125,18 @@ def test_what_cannot_be_measured_is_named():
     assert np.flatnonzero(np.isnan(found.area[3])).tolist() == list(range(56, 64))
 
 
+def test_a_region_beside_its_site_is_not_open():
+    centre = seen(SITES)
+    centre[5] += 0.15
+    table = track_contacts(
+        [contacts(seen(SITES), 0.2), contacts(centre, 0.3)], ["a", "b"], site_position=SITES
+    )
+    assert np.flatnonzero(np.isnan(table.table.area[1])).tolist() == [5]
+    assert table.table.remarks == (
+        "b, site 5: its region is not centred on the site, as if merged with another",
+    )
+
+
 def test_an_image_of_another_lattice_is_named():
     other = contacts(seen(lattice(pitch=1.1)), 0.2)
     with pytest.raises(InvalidInput, match=r"b\.tif: the 64 contacts are not on the sites"):

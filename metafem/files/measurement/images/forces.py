@@ -85,7 +85,7 @@ def _named(table: Table, line: int, column: str, name: str, names: dict[str, Ima
     """Return the image of a name in the table."""
     if name in names:
         return names[name]
-    pages = [known for known in names if known.startswith(f"{name}:")]
+    pages = list(dict.fromkeys(image.name for image in names.values() if image.name.startswith(f"{name}:")))
     near = get_close_matches(name, list(names), 1)
     hint = f"; did you mean {printable(near[0], 60)}?" if near else ""
     if pages:

@@ -20,6 +20,10 @@ from metafem.files.measurement.images import png
 from metafem.files.measurement.images.pages import Damaged, Page, Resolution, too_large
 from metafem.files.units import factor
 
+# Values of the tag PhotometricInterpretation that are read: white is 0, black is 0, colours, a palette.
+WHITE_IS_ZERO, PALETTE = 0, 3
+READ = (WHITE_IS_ZERO, 1, 2, PALETTE)
+
 # Units of the tag ResolutionUnit [mm].
 RESOLUTION_UNIT = {2: 25.4, 3: 10.0}
 
@@ -67,7 +71,7 @@ def read(path: Path, page: Page) -> NDArray[Any]:
                 raise
             values = None
         photometric, axes = int(first.photometric), first.axes
-        palette = first.colormap if photometric == 3 else None
+        palette = first.colormap if photometric == PALETTE else None
     if values is None:
         # compressed in a way that tifffile alone does not read
         with png.opened(path) as image:
@@ -76,9 +80,12 @@ def read(path: Path, page: Page) -> NDArray[Any]:
         values, axes = np.moveaxis(np.asarray(palette)[:, values], 0, -1), "YXS"
     if axes == "SYX":
         values = np.moveaxis(values, 0, -1)
-    if photometric == 0:  # white is 0
+    if photometric == WHITE_IS_ZERO:
         values = -values if values.dtype.kind == "f" else np.iinfo(values.dtype).max - values
-    return np.asarray(values)
+    values = np.asarray(values)
+    if values.ndim not in (2, 3) or values.shape[:2] != (page.rows, page.columns):
+        raise Damaged("cannot be read: it is damaged")
+    return values
 
 
 @contextmanager
@@ -123,6 +130,9 @@ def _refused(page: Any, size: int, number: int) -> str:
         return "is black and white; save it with grey levels"
     if page.axes != "YX" and int(page.samplesperpixel) > 4:
         return f"has {page.samplesperpixel} channels; save the one that shows the contacts"
+    if int(page.photometric) not in READ:
+        name = getattr(page.photometric, "name", str(page.photometric))
+        return f"is stored as {name}; save it with grey levels"
     ends = [at + n for at, n in zip(page.dataoffsets, page.databytecounts, strict=False)]
     if max(ends, default=0) + (number - 1) * page.nbytes > size:
         return "is cut off: the file ends before the last row"

@@ -1,0 +1,147 @@
+"""`metafem images` on synthetic pictures of a lattice of 9 contacts."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import tifffile
+
+from metafem.files import read_contacts
+from tests.calibration.sites.scenes import lattice, seen
+from validation.scenes.pictures import picture
+
+PIXEL = 0.02
+SITES = lattice((3, 3))
+RADIUS = np.array([0.30, 0.28, 0.36, 0.32, 0.26, 0.34, 0.22, 0.40, 0.24])
+LOADS = (10, 20, 40)
+
+
+def radii(number):
+    """Return the radii [mm] in one image; all contacts are closed in the last."""
+    return np.maximum(RADIUS - 0.08 * (2 - number), 0.0) * ((0.31, 0.25, 0.2)[number] < RADIUS)
+
+
+def shot(number, ratio=1.0, mirrored=False, shift=0.0):
+    """Return one image of 8 bits."""
+    closed = radii(number) > 0.0
+    centre = seen(SITES, turn=0.03, shift=(2.3 + shift, 2.2), mirrored=mirrored)[closed]
+    axes = np.column_stack([ratio * radii(number), radii(number)])[closed]
+    return picture((220, 230), centre / PIXEL, axes / PIXEL, 0.0, noise=0.02, bits=8, rng=number)
+
+
+@pytest.fixture
+def pictures(tmp_path):
+    """Write images of a loading, each before shear and at its peak, the forces and the heights."""
+    folder = tmp_path / "pictures"
+    folder.mkdir()
+    lines = ["image,load_mN,friction_force_mN,sheared_image"]
+    for i, load in enumerate(LOADS):
+        # 9, 10, 11: in natural order
+        tifffile.imwrite(folder / f"{9 + i}.tif", shot(i), resolution=(10 / PIXEL,) * 2, resolutionunit=3)
+        tifffile.imwrite(
+            folder / f"s{9 + i}.tif", shot(i, 0.85, shift=0.1), resolution=(10 / PIXEL,) * 2, resolutionunit=3
+        )
+        lines.append(f"{9 + i}.tif,{load},{2 * load},s{9 + i}.tif")
+    (tmp_path / "forces.csv").write_text("\n".join(lines), encoding="utf-8")
+    rows = "\n".join(f"{i},{x},{y},0.1" for i, (x, y) in enumerate(SITES))
+    (tmp_path / "heights.csv").write_text(f"site,x_mm,y_mm,height_mm\n{rows}\n", encoding="utf-8")
+    return folder
+
+
+def test_images_become_a_table_of_contacts(run, pictures):
+    result = run(
+        "images", "pictures", "--forces", "forces.csv", "--sites", "heights.csv", "-o", "contacts.csv",
+        "--picture", "found.png",
+    )  # fmt: skip
+    assert result.exit_code == 0, result.output
+    table = read_contacts("contacts.csv")
+    assert table.image == ("9.tif", "10.tif", "11.tif")
+    assert table.load.tolist() == [0.01, 0.02, 0.04]
+    assert table.friction_force.tolist() == [0.02, 0.04, 0.08]
+    assert table.matched
+    exact = np.pi * np.array([radii(i) for i in range(3)]) ** 2
+    # contacts of a few pixels, 0.02 of noise
+    np.testing.assert_allclose(table.area, exact, rtol=0.02)
+    np.testing.assert_allclose(table.sheared_area, 0.85 * exact, rtol=0.02)
+    text = " ".join(result.output.split())
+    assert "9 contacts of 11.tif matched to 9 sites, seen through the glass: rotation 1.72°" in text
+    assert "note: pixels of 20 um, as 9.tif states by its resolution tags" in text
+    assert text.endswith("wrote contacts.csv wrote found.png")
+    assert Path("found.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_through_the_block(run, pictures):
+    for i in range(3):
+        tifffile.imwrite(pictures / f"{9 + i}.tif", shot(i, mirrored=True))
+    arguments = ["images", *(f"pictures/{9 + i}.tif" for i in range(3)), "--pixel", "20 um"]
+    arguments += ["--sites", "heights.csv", "--viewed-from", "block", "--json"]
+    data = json.loads(run(*arguments).stdout)
+    assert data["match"]["viewed_from"] == "block"
+    np.testing.assert_allclose(data["area_mm2"][2], np.pi * radii(2) ** 2, rtol=0.02)
+    assert data["images"][0]["load_N"] is None
+
+
+def test_a_broken_image_is_named_and_the_others_are_measured(run, pictures):
+    whole = (pictures / "10.tif").read_bytes()
+    (pictures / "10.tif").write_bytes(whole[: len(whole) // 2])
+    result = run("images", "pictures", "--forces", "forces.csv", "--pixel", "20 um", "-o", "contacts.csv")
+    assert result.exit_code == 1
+    assert "remark: 10.tif: is cut off: the file ends before the last row" in result.output
+    table = read_contacts("contacts.csv")
+    assert np.isnan(table.area[1]).all()
+    assert table.load[1] == 0.02
+    assert np.isfinite(table.area[[0, 2]]).all()
+    # its image under shear is measured
+    assert np.nansum(table.sheared_area[1]) > 0.0
+    data = run("images", "pictures", "--forces", "forces.csv", "--pixel", "20 um", "--json")
+    assert data.exit_code == 1
+    assert json.loads(data.stdout)["failed"] == ["10.tif"]
+
+
+def test_a_stack_without_forces(run, tmp_path):
+    tifffile.imwrite(tmp_path / "stack.tif", np.stack([shot(i) for i in range(3)]), photometric="minisblack")
+    result = run(
+        "images", "stack.tif", "--pixel", "20 um", "--picture", "one.svg", "--picture-of", "stack.tif:2"
+    )
+    assert result.exit_code == 0, result.output
+    assert "9 contacts, numbered from top to bottom of stack.tif:3" in result.output
+    assert "load" not in result.output.splitlines()[1]
+    assert "stack.tif:2" in Path("one.svg").read_text(encoding="utf-8")
+
+
+def test_what_would_be_lost_is_refused_first(run, pictures):
+    Path("contacts.csv").write_text("mine")
+    result = run("images", "pictures", "--forces", "forces.csv", "-o", "contacts.csv", "--force")
+    assert result.exit_code == 2
+    assert Path("contacts.csv").read_text() == "mine"
+    Path("contacts.csv").unlink()
+    for expected in (0, 2, 0):
+        arguments = ["images", "pictures", "--forces", "forces.csv", "-o", "contacts.csv"]
+        result = run(*arguments, *(["--force"] if Path("contacts.csv").exists() and expected == 0 else []))
+        assert result.exit_code == expected
+
+
+def test_a_pixel_size_that_disagrees_and_images_without_forces(run, pictures):
+    Path("forces.csv").write_text("image,load_mN\n11.tif,40\n", encoding="utf-8")
+    result = run("images", "pictures", "--forces", "forces.csv", "--pixel", "10 um")
+    text = " ".join(result.output.split())
+    assert "states pixels of 20 um by its resolution tags, and --pixel 10 um is used" in text
+    assert "are not in the table of forces: the load is empty" in text
+
+
+@pytest.mark.parametrize(("arguments", "message"), [
+    (["--pixel", "20"], '--pixel = "20" needs a unit; write for example "5.3 um"'),
+    (["--pixel", "0 um"], "must be greater than 0"),
+    (["--sites", "nothing.csv"], "no such file or folder"),
+    (["--rotation", "1 mm"], "does not measure in rad"),
+    (["--picture-of", "9.tif"], "--picture-of needs --picture"),
+    (["--picture", "a.jpg"], "must end with .svg or .png"),
+    (["--picture", "a.png", "--picture-of", "x.tif"], "--picture-of = x.tif is not among the images"),
+    (["--forces", "heights.csv"], "lacks the columns image, load_mN"),
+    (["--sites", "heights.csv", "--rotation", "45 deg"], "11.tif: the 9 contacts are not on the sites"),
+])  # fmt: skip
+def test_bad_input(run, pictures, arguments, message):
+    result = run("images", *(f"pictures/{name}.tif" for name in (9, 11)), *arguments)
+    assert result.exit_code == 2
+    assert message in " ".join(result.output.split())
