@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from metafem.drawing import FloatArray, new_figure
+from metafem.drawing import FloatArray, circles, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -51,23 +51,12 @@ def outlines(
     ax: Axes, centre: FloatArray, axes: FloatArray, angle: FloatArray, colour: str, label: str
 ) -> None:
     """Draw ellipses of centres (n, 2), semi-axes (n, 2) [mm] and directions (n,) [rad]."""
-    from matplotlib.collections import EllipseCollection
-
     if not len(centre):
         return
-    ax.add_collection(
-        EllipseCollection(
-            2.0 * axes[:, 0],
-            2.0 * axes[:, 1],
-            np.degrees(angle),
-            units="xy",
-            offsets=centre,
-            offset_transform=ax.transData,
-            facecolors="none",
-            edgecolors=colour,
-            linewidths=1.0,
-        )
-    )
+    drawn = circles(ax, centre, 2.0 * axes[:, 0])
+    drawn.set_heights(2.0 * axes[:, 1])
+    drawn.set_angles(np.degrees(angle))
+    drawn.set(facecolor="none", edgecolor=colour, linewidth=1.0)
     ax.plot([], [], "o", mfc="none", mec=colour, label=f"{len(centre)} {label}")
 
 
@@ -79,14 +68,12 @@ def crosses(ax: Axes, position: FloatArray, label: str) -> None:
 
 def numbers(ax: Axes, position: FloatArray, names: Sequence[str], colour: str) -> None:
     """Write names to the lower right of points (n, 2) [mm]."""
-    from matplotlib.patheffects import withStroke
-
+    behind = {"boxstyle": "round,pad=0.1", "facecolor": "white", "edgecolor": "none", "alpha": 0.75}
     for (x, y), name in zip(position, names, strict=True):
-        text = ax.annotate(
-            name, (x, y), xytext=(1.0, -1.0), textcoords="offset points", fontsize=7.0, color=colour,
-            ha="left", va="top", clip_on=True,
+        ax.annotate(
+            name, (x, y), xytext=(2.0, -2.0), textcoords="offset points", fontsize=7.0, color=colour,
+            ha="left", va="top", clip_on=True, bbox=behind,
         )  # fmt: skip
-        text.set_path_effects([withStroke(linewidth=1.8, foreground="white")])
 
 
 def heading(ax: Axes, text: str) -> None:
