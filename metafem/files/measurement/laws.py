@@ -12,8 +12,7 @@ from metafem._given import ErrorNames, error_names, printable
 from metafem.calibration import MeasuredLaw, MeasurementErrors
 from metafem.errors import InvalidInput
 from metafem.files.csv_rows import Table, read_table
-from metafem.files.measurement.contacts import is_contacts_table, read_contacts
-from metafem.files.reading import TABLE, read_bytes
+from metafem.files.measurement.contacts import read_contacts
 from metafem.files.units import factor
 from metafem.surface import Friction, Material
 
@@ -27,6 +26,9 @@ WANTED = (
     f"{EXAMPLE} or load_mN,area_mm2 (or in other units), optionally with load_sd_mN, friction_force_sd_mN "
     "and area_sd_mm2"
 )
+
+# Columns by which a table of the contacts in images is recognised.
+CONTACTS = {"image", "contact"}
 
 # The paper's error bars.
 PAPER = MeasurementErrors()
@@ -77,9 +79,9 @@ def read_measured_law(
     ...     read_measured_law(path, Material(1.36)).load
     array([0.05, 0.1 ])
     """
-    if is_contacts_table(read_bytes(path, TABLE)):
-        return MeasuredLaw.from_contacts(read_contacts(path), material, friction, errors=errors, label=label)
     table = read_table(path, EXAMPLE)
+    if set(table.header) >= CONTACTS:
+        return MeasuredLaw.from_contacts(read_contacts(path), material, friction, errors=errors, label=label)
     columns = _columns(table)
     table.report_unread([table.header[column] for column, _ in columns.values()])
     entries = table.entries()

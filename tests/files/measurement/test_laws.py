@@ -41,6 +41,8 @@ def test_contacts_of_images_are_a_measured_law(read):
     law = read(contacts_table(table))
     np.testing.assert_allclose(law.area, [0.3, 0.7])
     assert law.site.tolist() == [4, 7]
+    other_unit = read(contacts_table(table).replace("load_N", "load_mN"))
+    np.testing.assert_allclose(other_unit.load, 1e-3 * law.load)
 
 
 @pytest.mark.parametrize(
