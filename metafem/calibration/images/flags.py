@@ -39,7 +39,12 @@ def merged(shape: Contours, labels: NDArray[np.int32], windows: list[Window]) ->
     compact = compactness(shape.area, shape.moment)
     for i in np.flatnonzero(shape.holes):
         compact[i] = _filled(labels[windows[i]] == i + 1)
-    return compact < COMPACT
+    return np.asarray(compact < COMPACT)
+
+
+def single(region: NDArray[np.bool_]) -> bool:
+    """Whether the pixels of a region are those of one contact."""
+    return _filled(region) >= COMPACT
 
 
 def _filled(region: NDArray[np.bool_]) -> float:

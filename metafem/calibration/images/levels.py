@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from metafem._validate import FloatArray
 from metafem.calibration.images.boundary import Contours, contours
 from metafem.calibration.images.errors import EDGE_CURVATURE, EDGE_INTERPOLATION
-from metafem.calibration.images.flags import at_edge, pixels_of
+from metafem.calibration.images.flags import at_edge, pixels_of, single
 from metafem.calibration.images.illumination import MAD, Ground
 from metafem.errors import InvalidInput
 
@@ -38,6 +38,9 @@ DEEP = 3.0
 # the correlation is exp(-9/4), a tenth. Pairs of blocks of this size that are enough to measure the noise.
 INDEPENDENT, PAIRS = 3.0, 100
 
+# Error of the blur where it is not measured [pixels]: optics blur by 0.5 to 2 pixels.
+UNKNOWN_BLUR = 0.5
+
 # Quartile of the standard normal distribution: the edge's standard deviation from the distance of quarter
 # levels.
 QUARTILE = 0.6745
@@ -48,7 +51,8 @@ class Levels:
     """Grey level of the ground; Otsu's threshold and the dark level over it; the blur of the edge [pixels].
 
     `dark_scatter` and `blur_error` are the standard deviations of the dark level among contacts and of the
-    blur; `narrow` says that no contact is wide enough to show its dark level, `cut` that all are at the edge.
+    blur; `narrow` says that no contact is wide enough to show its dark level, `cut` that all are at the
+    edge or merged.
     """
 
     ground: float
@@ -133,7 +137,11 @@ def _from_widest(ground: Ground, threshold: float, dark: float | None, blur: flo
         return Levels(ground.level, threshold, first, blur or LEAST_SMOOTHING, narrow=True)
     objects = find_objects(labels)
     size = pixels_of(labels, objects)
-    whole = [i for i in np.argsort(-size, kind="stable")[: 2 * MOST] if not at_edge(objects[i], image.shape)]
+    whole = [
+        i
+        for i in np.argsort(-size, kind="stable")[: 2 * MOST]
+        if not at_edge(objects[i], image.shape) and single(labels[objects[i]] == i + 1)
+    ]
     used = whole[:MOST] or [int(np.argmax(size))]
     windows = [tuple(slice(max(s.start - 4, 0), s.stop + 4) for s in objects[i]) for i in used]
     depths = [distance_transform_edt(labels[w] == i + 1) for i, w in zip(used, windows, strict=True)]
@@ -144,7 +152,10 @@ def _from_widest(ground: Ground, threshold: float, dark: float | None, blur: flo
     noise = smoothed_noise(image, labels, LEAST_SMOOTHING)
     scatter = _scatter(cores, noise, pixels, math.sqrt(variance)) if dark is None else 0.0
     if not whole:
-        return Levels(ground.level, threshold, level, blur or LEAST_SMOOTHING, scatter, 0.0, cut=True)
+        unknown = UNKNOWN_BLUR if blur is None else 0.0
+        return Levels(
+            ground.level, threshold, level, blur or LEAST_SMOOTHING, scatter, unknown, cut=blur is None
+        )
     for _ in range(ROUNDS):
         edge, radius = np.array([_edge(image[w], d, level) for w, d in chosen]).T
         total = float(np.median(edge)) if blur is None else np.sqrt(blur**2 + variance)

@@ -26,7 +26,9 @@ def remarks(
     """Return the contacts with notes on what was left out and on what is uncertain."""
     notes = []
     if levels.cut:
-        notes.append(Note("all contacts are at the edge of the frame: the blur is not measured, give blur"))
+        notes.append(
+            Note("all contacts are at the edge of the frame or merged: the blur is not measured, give blur")
+        )
     elif levels.narrow:
         notes.append(
             Note(

@@ -191,3 +191,16 @@ def test_bad_pixels_and_a_dark_frame_do_not_change_the_areas():
     assert found.area[~frame] == pytest.approx(one.area, rel=2e-3)
     spot = contact_areas(image.astype(float) + 1e6 * (image == image.max()), PIXEL)
     assert spot.threshold == pytest.approx(one.threshold, abs=0.02)
+
+
+@pytest.mark.parametrize("other", [9.0, 15.0, 30.0])
+@pytest.mark.parametrize("gap", [-2.0, 0.0, 2.0, 6.0])
+def test_contacts_that_touch_are_named_as_merged(other, gap):
+    radius = np.array([30.0, other])
+    centre = [(60.0, 60.0), (90.0 + other + gap, 60.0)]
+    found = contact_areas(picture((120, 180), centre, radius, noise=0.03), PIXEL)
+    if gap > 4.0:
+        assert found.complete.tolist() == [True, True]
+    else:
+        assert found.merged.tolist() == [True]
+        assert found.area[0] == pytest.approx(np.pi * (radius**2).sum() * PIXEL**2, rel=0.01)
