@@ -61,7 +61,7 @@ def aligned(centre: FloatArray, height: FloatArray, design: Surface, mirrored: b
             except InvalidInput as error:
                 refused.append(error)
     if not found:
-        raise InvalidInput(str(refused[0]).replace("contacts", "caps"))
+        raise InvalidInput(str(refused[0]).replace("contacts", "caps").replace("in the image", "on the map"))
     most = max(each.matched for each in found)
     found = [each for each in found if each.matched == most]
     best = min(found, key=lambda each: each.misfit)

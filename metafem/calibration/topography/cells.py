@@ -14,7 +14,7 @@ from metafem.progress import each
 AT_ONCE = 2**22
 
 # A cell is used if at least this part of its pixels was measured.
-MEASURED = 0.5
+MEASURED = 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +52,7 @@ class HeightMap:
 
 @dataclass(frozen=True, eq=False)
 class Cells:
-    """Mean heights of cells of a map, (rows, columns), nan where less than half of a cell was measured."""
+    """Mean heights of cells of a map, (rows, columns), nan where less than a tenth of a cell was measured."""
 
     mean: FloatArray
     x: FloatArray

@@ -12,15 +12,16 @@ from metafem import _validate as check
 from metafem._calls import checked_call
 from metafem._given import formatted
 from metafem._validate import FloatArray, IntArray
-from metafem._values import MICROMETRES, Value, percent, span
+from metafem._values import MICROMETRES, Value, span
 from metafem.calibration.topography.alignment import Alignment, aligned
 from metafem.calibration.topography.caps import Cap, fitted_caps
 from metafem.calibration.topography.cells import HeightMap, cells
 from metafem.calibration.topography.levelled import Levelling, levelled
+from metafem.calibration.topography.placement_notes import on_map, placement_notes
 from metafem.calibration.topography.radii import pooled
 from metafem.calibration.topography.summits import hills
 from metafem.errors import InvalidInput
-from metafem.notes import Note, information
+from metafem.notes import Note
 from metafem.progress import doing
 from metafem.surface import Surface
 
@@ -32,11 +33,6 @@ LOWEST = 0.25
 
 # Caps lower than this part of their radius cannot be told from roughness [-]: 5 um for the paper's radius.
 FLATTEST = 0.01
-
-# Largest relative error of distances on the map that is not noted; microscopes are calibrated to this.
-SCALE = 2e-3
-
-UNDECIDED = "the heights do not tell how the part was turned, mirrored or shifted; it is taken as it lies"
 
 # A map needs at least this many pixels along each axis.
 FEWEST = 16
@@ -218,7 +214,7 @@ def measured_surface(
         caps, covariance = fitted_caps(picture, level, standing.starts, limit)
     good = np.array([not cap.cause for cap in caps])
     notes = [
-        Note(f"the cap at {_place(cap.x, cap.y)} on the map was not measured: {cap.cause}")
+        Note(f"the cap at {on_map(cap.x, cap.y)} on the map was not measured: {cap.cause}")
         for cap in caps
         if cap.cause
     ]
@@ -244,23 +240,7 @@ def _made(
     order = matched[np.argsort(place.site[matched])]
     site = place.site[order].astype(np.int64)
     missing = np.setdiff1d(np.arange(design.count), site)
-    for i in np.flatnonzero(place.site < 0):
-        notes.append(Note(f"the cap at {_place(*value[i, :2])} on the map has no site in the design"))
-    notes += [Note(f"the hill at {_place(*each)} on the map is no cap of the design") for each in other]
-    for i in missing[:5]:
-        x, y = design.position[i]
-        notes.append(Note(f"asperity {i} of the design, at {_place(x, y)}, is missing on the map"))
-    if len(missing) > 5:
-        notes.append(Note(f"{len(missing)} asperities of the design are missing on the map"))
-    turn = round(math.degrees(place.rotation) / 90.0) % 4 * 90
-    if not place.decided:
-        notes.append(information(UNDECIDED))
-    elif turn or place.mirrored:
-        ways = [f"turned by {turn} degrees"] * bool(turn) + ["mirrored"] * place.mirrored
-        notes.append(information(f"by its heights, the part is {' and '.join(ways)} on the map"))
-    if abs(place.scale - 1.0) > SCALE:
-        larger = percent(place.scale - 1.0, "+.2g")
-        notes.append(Note(f"distances on the map differ from the design's by {larger}; check pixel_size"))
+    notes += placement_notes(design, value[:, :2], place, missing, other)
     base = level.base_sd(value[order, 0], value[order, 1])
     variance = np.diagonal(covariance[order], axis1=1, axis2=2)
     surface = Surface(
@@ -306,7 +286,3 @@ def _lowest(design: Surface) -> float:
     if not measurable.any():
         raise InvalidInput(f"design_surface has no summit above {FLATTEST:g} of its radius")
     return float(min(design.height[measurable].min(), design.radius.min()))
-
-
-def _place(x: float, y: float) -> str:
-    return f"({x:.3f}, {y:.3f}) mm"

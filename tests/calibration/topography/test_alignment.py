@@ -22,7 +22,7 @@ def seen(rotation, mirrored, summits):
     )
 
 
-@pytest.mark.parametrize("degrees", [0.0, 10.0, 95.0, -93.0, 172.0])
+@pytest.mark.parametrize("degrees", [10.0, -93.0, 172.0])
 @pytest.mark.parametrize("mirrored", [False, True])
 def test_all_ways_to_lie_give_the_sites(degrees, mirrored):
     summits = RNG.permutation(20)[:14]
