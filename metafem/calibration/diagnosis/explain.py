@@ -20,10 +20,11 @@ from metafem.calibration.diagnosis.unresolved import unresolved
 from metafem.calibration.diagnosis.update import Posterior, update
 from metafem.calibration.measured_law.law import MeasuredLaw
 from metafem.calibration.verdict import judged
+from metafem.contact import Hertz
 from metafem.errors import InvalidInput
 from metafem.inversion import Design
 from metafem.models import Independent, Interacting, Model
-from metafem.models.model import checked_model
+from metafem.models.model import checked_model, contact_of
 from metafem.notes import Note
 from metafem.progress import doing
 from metafem.substrate import BondedLayer
@@ -77,9 +78,11 @@ def explain(
         Expected errors; default: `Priors()`.
     model : Model, optional
         Default: the one of independent asperities and, if the surface has a block, asperities interacting
-        through the bonded layer, under which the measured values are more probable. The derivatives by errors
-        of single asperities, and all those of independent ones, have a closed form for independent Hertz
-        contacts; those by other errors are central differences of the model.
+        through the bonded layer, under which the measured values are more probable; with the contacts of the
+        design's model. The derivatives of independent Hertz contacts have a closed form. Those of other
+        independent contacts leave out that adhesion and yield are compared with E*. Those of other models are
+        central differences for errors of the whole part and of the loads, and those of independent contacts
+        for errors of single asperities.
 
     Returns
     -------
@@ -120,7 +123,7 @@ def explain(
     observed = Observations.of(measured, surface)
     forces = measured.friction_force is not None
     causes = Causes.of(surface, measured.load, measured.load_sd, expected, forces)
-    tried = _models(model, surface)
+    tried = _models(model, design, surface.block is not None)
     found: dict[str, tuple[Scene, Posterior]] = {}
     for one in tried:
         found[one.name] = _solved(Scene(one, causes, observed, friction))
@@ -129,14 +132,15 @@ def explain(
     return _explanation(*found[best], expected, evidence)
 
 
-def _models(model: Model | None, surface: Surface) -> list[Model]:
+def _models(model: Model | None, design: Design | Surface, block: bool) -> list[Model]:
+    """Return the given model, or independent and interacting asperities with the contacts of the design."""
     if model is not None:
         return [checked_model(model)]
-    return (
-        [Independent(), Interacting(substrate=BondedLayer())]
-        if surface.block is not None
-        else [Independent()]
-    )
+    law = contact_of(design.law.model) if isinstance(design, Design) else Hertz()
+    tried: list[Model] = [Independent(law)]
+    if block:
+        tried.append(Interacting(min(3, law.largest_order), BondedLayer(), law))
+    return tried
 
 
 def _solved(scene: Scene) -> tuple[Scene, Posterior]:

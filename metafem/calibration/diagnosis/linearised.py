@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -25,6 +25,9 @@ SEEN, SEEN_SD = 0.5, math.sqrt(1.25)
 
 # Smallest standard deviation of an area over the largest area.
 SMALLEST = 1e-12
+
+# Differences are kept while no unknown moves by more than this number of prior standard deviations.
+NEAR = 0.05
 
 # Least area of a contact over the measured one at which the error of the area is taken: at half the radius.
 LEAST_AREA = 0.25
@@ -50,6 +53,8 @@ class Scene:
     causes: Causes
     observed: Observations
     friction: Friction | None
+    # the last differences by each kind of error, and where they were taken
+    kept: dict[str, tuple[FloatArray, FloatArray]] = field(default_factory=dict, compare=False)
 
     def response(self, made: Made) -> Response:
         """Return the contacts of a part at its true loads."""
@@ -68,7 +73,7 @@ class Scene:
         result = np.zeros((k, n, causes.size))
         rows = np.arange(k)
         loads = result[:, :, causes.where["load"]]
-        if has_closed_derivatives(self.model, made.material):
+        if has_closed_derivatives(self.model):
             modulus = made.material.composite_modulus
             by_load = found.by_load()
             loads[rows, :, rows] = by_load * (causes.load_sd / modulus)[:, None]
@@ -88,8 +93,8 @@ class Scene:
         else:
             for name in causes.common:
                 if name != "friction":
-                    result[:, :, causes.where[name].start] = self._difference(z, causes.where[name])
-            loads[rows, :, rows] = self._difference(z, causes.where["load"])
+                    result[:, :, causes.where[name].start] = self._kept_difference(z, name)
+            loads[rows, :, rows] = self._kept_difference(z, "load")
         if {"height", "position"} & causes.sd.keys():
             each = found.by_each_height()
             if "height" in causes.sd:
@@ -100,6 +105,12 @@ class Scene:
         if "radius" in causes.sd:
             result[:, :, causes.where["radius"]] = causes.sd["radius"] * found.by_each_radius()
         return result
+
+    def _kept_difference(self, z: FloatArray, name: str) -> FloatArray:
+        """Return the difference of the areas by one kind of error, or that of a place near z."""
+        if name not in self.kept or np.abs(z - self.kept[name][0]).max() > NEAR:
+            self.kept[name] = z, self._difference(z, self.causes.where[name])
+        return self.kept[name][1]
 
     def _difference(self, z: FloatArray, where: slice) -> FloatArray:
         """Return the central difference of the areas, with all numbers of one kind changed together."""

@@ -21,7 +21,7 @@ from metafem.calibration.diagnosis.linearised import Linear
 STILL = 1e-4
 
 # Number of full steps, after which each is damped more, and largest number of steps.
-FULL_STEPS, MOST_STEPS = 15, 150
+FULL_STEPS, MOST_STEPS = 15, 60
 
 # A step changes no unknown by more than this number of prior standard deviations.
 LONGEST = 10.0
@@ -33,8 +33,8 @@ DAMPING = 0.7
 FAR = 8.0
 
 # Step of the posterior, in its standard deviations, below which it is converged although it does not stand
-# still, as where a contact opens and closes in turn.
-NEARLY = 1e-2
+# still, as where a contact opens and closes in turn: it changes no interval noticeably.
+NEARLY = 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,9 +75,10 @@ def update(linear: Callable[[FloatArray, FloatArray], Linear], size: int) -> Pos
         force += gap_gradient.T @ (shift_open - precision_open * at.indentation)
         factor = cho_factor(precision, lower=True)
         move = cho_solve(factor, force)
+        covariance = cho_solve(factor, np.eye(size))
+        whole = float((np.abs(move) / np.sqrt(np.diag(covariance))).max())
         move *= min(1.0, LONGEST / max(float(np.abs(move).max()), 1e-300))
         move *= 1.0 if step < FULL_STEPS else FULL_STEPS / (step + 1.0)
-        covariance = cho_solve(factor, np.eye(size))
         moved = 0.0
         if len(precision_open):
             new = _factors(at, move, covariance, precision_open, shift_open)
@@ -88,7 +89,7 @@ def update(linear: Callable[[FloatArray, FloatArray], Linear], size: int) -> Pos
             precision_open = precision_open + DAMPING * (precision_new - precision_open)
             shift_open = shift_open + DAMPING * (shift_new - shift_open)
         mean = mean + move
-        change = max(float((np.abs(move) / np.sqrt(np.diag(covariance))).max()), moved)
+        change = max(whole, moved)
         if change <= STILL:
             break
     at = linear(mean, covariance)

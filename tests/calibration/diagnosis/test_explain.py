@@ -112,6 +112,32 @@ def test_causes_with_no_prior_are_left_out():
     assert explain(law, PART, NOTHING, model=ALONE).causes == ()
 
 
+@pytest.mark.slow
+def test_the_model_of_the_part_is_favoured_and_its_errors_are_found():
+    layer = mf.Interacting(substrate=mf.BondedLayer())
+    tilted = PART.tilted(math.radians(0.04), 0.0)
+    for made, other in ((layer, "independent"), (ALONE, "layer")):
+        law = measured(tilted, rng=np.random.default_rng(8), model=made)
+        found = explain(law, PART)
+        assert found.model == made
+        assert found.log_evidence[made.name] > found.log_evidence[other] + 3.0
+        assert abs(found["angle_x"].mean - math.radians(0.04)) < 3.0 * found["angle_x"].sd
+        assert any(f"favour the model {made.name}" in sentence for sentence in found.sentences())
+
+
+@pytest.mark.slow
+def test_adhesive_contacts_need_their_own_law():
+    adhesive = mf.Independent(mf.JKR(9e-6))
+    law = measured(PART, rng=np.random.default_rng(9), model=adhesive, forces=False)
+    found = explain(law, PART, COMMON, model=adhesive)
+    assert found.verdict.fits
+    assert abs(found["composite_modulus"].mean) < 3.0 * found["composite_modulus"].sd
+    hertz = explain(law, PART, COMMON, model=ALONE)
+    assert not hertz.verdict.fits
+    assert "Other errors remain" in hertz.sentences()[-1]
+    assert found.log_evidence[adhesive.name] > hertz.log_evidence["independent"]
+
+
 @pytest.mark.parametrize(
     ("call", "message"),
     [
