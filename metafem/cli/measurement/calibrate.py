@@ -201,7 +201,8 @@ def _print(
         energy = contact.adhesion_energy / ENERGY
         low, high = (end / ENERGY for end in contact.adhesion_energy_interval)
         width = 0.5 * (high - low)
-        apart = f"{rounded(energy, width, 1)} +{high - energy:.2g} -{energy - low:.2g}"
+        more, less = rounded(high - energy, width, 1), rounded(energy - low, width, 1)
+        apart = f"{rounded(energy, width, 1)} +{more} -{less}"
         within = interval((low, high), width)
         rows.append(("w, adhesion energy", rounded(energy, width), within, "mJ/m²", apart, ""))
         lines.append(f"E* and w, {len(contact.load)} points: {contact.verdict}")

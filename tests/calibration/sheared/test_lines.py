@@ -2,9 +2,11 @@
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from metafem import Friction
-from metafem.calibration import shear
+from metafem.calibration import MeasurementErrors, shear
 from metafem.calibration.sheared.fits import parameters
 from metafem.errors import InvalidInput
 from validation.scenes.sheared_contacts import ERRORS, RATIO, STRENGTH, sheared
@@ -120,6 +122,33 @@ def test_bad_input_is_named(change, message):
     points, _ = sheared(np.random.default_rng(1), tests=1)
     with pytest.raises(InvalidInput, match=message):
         shear(*change(*points))
+
+
+@settings(max_examples=20)
+@given(st.floats(1e-4, 1e4), st.floats(1e-4, 1e4), st.permutations(range(60)))
+def test_units_and_the_order_of_the_points_do_not_matter(points, area_unit, force_unit, order):
+    errors = MeasurementErrors(
+        boundary=ERRORS.boundary * area_unit**0.5, friction_force=ERRORS.friction_force * force_unit
+    )
+    scaled = points * np.array([[area_unit], [area_unit], [force_unit]])
+    found, other = shear(*points), shear(*scaled[:, order], errors=errors)
+    strength = force_unit / area_unit
+    assert other.area_ratio == pytest.approx(found.area_ratio, rel=1e-9)
+    assert other.shear_strength == pytest.approx(found.shear_strength * strength, rel=1e-9)
+    scale = np.array([1.0, strength])
+    np.testing.assert_allclose(other.covariance, found.covariance * np.outer(scale, scale), rtol=1e-6)
+    assert other.area_verdict.chi_square == pytest.approx(found.area_verdict.chi_square, rel=1e-6)
+
+
+@pytest.mark.parametrize(("line", "slope"), [("area", 0.85), ("friction", 0.37)])
+def test_the_lines_are_drawn_with_their_points(points, line, slope):
+    ax = shear(*points).plot(line=line)
+    fitted = ax.lines[-1].get_xydata()
+    assert fitted[0].tolist() == [0.0, 0.0]
+    assert fitted[1, 1] / fitted[1, 0] == pytest.approx(slope, rel=0.02)
+    assert len(ax.containers[0].lines[0].get_xdata()) == 60
+    with pytest.raises(InvalidInput, match=r'line = .* must be "area" or "friction"'):
+        shear(*points).plot(line="load")
 
 
 def test_labels_must_fit_the_points(points):
