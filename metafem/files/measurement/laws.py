@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from fractions import Fraction
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from metafem._given import ErrorNames, error_names, printable
 from metafem.calibration import MeasuredLaw, MeasurementErrors
 from metafem.errors import InvalidInput
 from metafem.files.csv_rows import Table, read_table
 from metafem.files.measurement.contacts import read_contacts
-from metafem.files.units import factor
+from metafem.files.measurement.quantity_columns import Column, numbers, quantity_columns
 from metafem.surface import Friction, Material
 
 # Quantities of a measured law with the package's units, and a usual unit in the name of a column.
@@ -87,10 +84,7 @@ def read_measured_law(
     entries = table.entries()
     if not entries:
         raise InvalidInput(f"{table.name} names columns but holds no measured point")
-    values: dict[str, Any] = {
-        name: np.array([float(table.number(line, column, row[column]) * size) for line, row in entries])
-        for name, (column, size) in columns.items()
-    }
+    values: dict[str, Any] = {name: numbers(table, column) for name, column in columns.items()}
     names = ErrorNames(
         file=table.name,
         lines=tuple(line for line, _ in entries),
@@ -106,26 +100,9 @@ def read_measured_law(
         return MeasuredLaw(**values, material=material, friction=friction, errors=errors, label=label)
 
 
-def _columns(table: Table) -> dict[str, tuple[int, Fraction]]:
-    """Return the number of each column that is read, and the size of its unit in ours."""
-    found: dict[str, tuple[int, Fraction]] = {}
-    for column, title in enumerate(table.header):
-        if title in UNITS:
-            raise InvalidInput(
-                f"{table.name}: column {title} needs a unit in its name; write {title}_{UNITS[title][1]}"
-            )
-        name, _, unit = title.rpartition("_")
-        if name not in UNITS:
-            continue
-        try:
-            size = factor(unit, UNITS[name][0])
-        except InvalidInput as error:
-            raise InvalidInput(
-                f"{table.name}: column {printable(title, 40)} {error}; write {name}_{UNITS[name][1]}"
-            ) from None
-        if name in found:
-            raise InvalidInput(f"{table.name}: {name} is in two columns; keep one")
-        found[name] = (column, size)
+def _columns(table: Table) -> dict[str, Column]:
+    """Return the columns of the law."""
+    found = quantity_columns(table, UNITS, lambda name: name if name in UNITS else None)
     if "load" not in found or not {"friction_force", "area"} & found.keys():
         titles = printable(", ".join(table.header), 120)
         raise InvalidInput(f"{table.name} has the columns {titles}; name its columns {WANTED}")
