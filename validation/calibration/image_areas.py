@@ -34,6 +34,7 @@ IMAGES, SIDE = 8, 5
 EDGE = math.hypot(BLUR, math.sqrt(1.0 / 12.0))
 
 ISSUE = "requirement: 200 contacts with random centres, blur 1.5 pixels, noise 5 %"
+TENTH = "requirement: a tenth of the required rms, 50 contacts with random centres, blur 1.5 pixels"
 BOUND = (
     "Cramér-Rao bound of the position of an edge blurred by s, times the perimeter L: n sqrt(2 sqrt(pi) s L)"
 )
@@ -62,15 +63,17 @@ class Errors:
 
 
 @cache
-def errors(radius: float, ratio: float = 1.0, noise: float = NOISE, blur: float = BLUR) -> Errors:
+def errors(
+    radius: float, ratio: float = 1.0, noise: float = NOISE, blur: float = BLUR, images: int = IMAGES
+) -> Errors:
     """Measure contacts of one radius, or ellipses of one ratio of axes in random directions."""
-    return Errors(*np.concatenate(list(_images(radius, ratio, noise, blur))).T)
+    return Errors(*np.concatenate(list(_images(radius, ratio, noise, blur, images))).T)
 
 
-def _images(radius: float, ratio: float, noise: float, blur: float) -> Iterator[FloatArray]:
+def _images(radius: float, ratio: float, noise: float, blur: float, images: int) -> Iterator[FloatArray]:
     rng = np.random.default_rng(int(radius))
     exact = math.pi * radius**2 * ratio
-    for _ in range(IMAGES):
+    for _ in range(images):
         shape, centre = lattice(SIDE, radius, rng)
         axes = np.full(centre.shape, radius) * np.array([1.0, ratio])
         angle = rng.uniform(-np.pi, np.pi, len(centre))
@@ -139,9 +142,9 @@ def _curvature() -> list[Check]:
         rest = expected**2 / 6.0 + 0.25 / radius**2
         name = f"radius {radius:g} pixels: bias of the half level before the correction"
         checks.append(near(name, bias, expected, rest, GAUSS_BONNET))
-        clean = errors(radius, noise=0.001)
+        clean = errors(radius, noise=0.001, images=2)
         name = f"radius {radius:g} pixels: bias after it, noise 0.1 %"
-        checks.append(near(name, float(clean.area.mean()), 0.0, 0.1 * REQUIRED[radius], ISSUE))
+        checks.append(near(name, float(clean.area.mean()), 0.0, 0.1 * REQUIRED[radius], TENTH))
     return checks
 
 

@@ -68,7 +68,8 @@ def contact_areas(
     50 pixels with n = 0.05 and s = 1.5 pixels. To it are added the scatter of the grey levels of ground and
     contacts, and the errors of the dark level and of s, which are common to all contacts of an image.
     Contacts of radius below 2 s_t are not measured, and those below 1.2 s_t do not reach the half level. One
-    that comes within 2 s_t of the frame is at its edge.
+    that comes within 2 s_t of the frame is at its edge. The blur of a neighbour within 2 s_t adds to an area,
+    by up to 1 %; nearer ones are merged.
 
     Otsu's method, IEEE Trans. Syst. Man Cybern. 9, 62 (1979), doi:10.1109/TSMC.1979.4310076, is that of
     Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234.

@@ -49,7 +49,7 @@ def grey_values(image: Any) -> NDArray[Any]:
         raise InvalidInput(
             f"image is constant: all its grey values are {low:g}, all dark or all bright; it shows no contact"
         )
-    if not max(abs(low), abs(high)) < np.finfo(np.float32).max / values.size:
+    if not max(abs(low), abs(high)) < float(np.finfo(np.float32).max) / values.size:
         raise InvalidInput(f"image holds grey values from {low:g} to {high:g}; they are too large")
     return values
 
