@@ -139,7 +139,9 @@ def measured_surface(
     has the most information: for roughness of the standard deviation s with the covariance
     ``s^2 exp(-r^2/l^2)``, white noise on a circle of radius a gives the standard errors ``2 s l/a`` of the
     height, ``4 sqrt(3) s l R^2/a^3`` of the radius and ``2 s l R/a^2`` of each coordinate, to first order in
-    a/R and l/a. No unbiased estimate is better by more than terms of the order l/a. The standard errors
+    a/R and l/a. No unbiased estimate is better by more than terms of the order l/a. Caps of 0.05 to 0.27 mm
+    with R = 0.526 mm and an arithmetic roughness of 1.2 um have height errors of 0.1 um (root mean square) up
+    to l = 12 um, with a common radius up to l = 23 um. The standard errors
     returned follow from the correlation of the measured residuals.
 
     Parameters

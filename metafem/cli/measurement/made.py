@@ -114,7 +114,7 @@ def _print_correction(correction: Correction, say: Any) -> None:
 
 def _moments(values: Any, unit: str) -> tuple[str, str, str]:
     return (
-        f"{round(float(values.mean()), DIGITS):+.2g} {unit}",
+        f"{round(float(values.mean()), DIGITS) + 0.0:+.2g} {unit}",
         f"{values.std():.2g} {unit}",
         f"{values[abs(values).argmax()]:+.2g} {unit}",
     )
