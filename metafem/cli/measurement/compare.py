@@ -54,7 +54,8 @@ def compare(
     errors are 5 mN, 1 mN + 1 % and 1.4 um of the contacts' boundary. Or it is a table of `metafem images`.
 
     With --explain it also states which errors of the part explain the difference: tilt, height scale, E*,
-    sigma B, and the height and radius of each asperity.
+    sigma B, and the height and radius of each asperity. It starts from the E*, sigma and B that are compared
+    with; options such as --friction-sd state how large each error is expected to be.
 
     The results are the files DIR/measured.nc and DIR/explained.nc; `metafem report DIR` adds them to the
     report.
