@@ -112,7 +112,7 @@ def segmented(law: MeasuredLaw, *, draws: int = 2000, rng: Any = 0) -> Segmented
     others, exceeds its minimum by at most q. For many points or small errors, q is the 68 % quantile of
     chi-square with one degree of freedom, 0.989. Where the error of the crossover is not small against the
     distance of the points, several splits of the points into two branches compete, and intervals with this q
-    cover 63 to 68 % for the data of Fig. 5. q is therefore the 68 % quantile of the growth of chi-square in
+    cover 62 to 68 % for the data of Fig. 5. q is therefore the 68 % quantile of the growth of chi-square in
     simulated laws on the fitted lines.
 
     Parameters
