@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 
 from metafem.calibration import match_sites
 from metafem.errors import InvalidInput
-from tests.calibration.sites.scenes import lattice, seen, trial
+from validation.scenes.lattice_views import lattice, seen, trial
 
 SITES = lattice()
 

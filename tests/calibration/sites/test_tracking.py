@@ -6,7 +6,8 @@ import pytest
 from metafem.calibration import track_contacts
 from metafem.errors import InvalidInput
 from metafem.notes import Note
-from tests.calibration.sites.scenes import contacts, lattice, seen
+from tests.calibration.sites.scenes import contacts
+from validation.scenes.lattice_views import lattice, seen
 
 SITES = lattice()
 

@@ -8,7 +8,7 @@ import pytest
 import tifffile
 
 from metafem.files import read_contacts
-from tests.calibration.sites.scenes import lattice, seen
+from validation.scenes.lattice_views import lattice, seen
 from validation.scenes.pictures import picture
 
 PIXEL = 0.02
