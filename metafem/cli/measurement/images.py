@@ -168,7 +168,8 @@ def _print(found: Series, files: list[Path]) -> None:
     for line in found.sentences():
         console.print(line, highlight=False, markup=False)
     print_notes(console, found.notes)
-    remarks = found.tracked.table.remarks
+    said = {str(note) for note in found.notes}
+    remarks = [remark for remark in found.tracked.table.remarks if remark not in said]
     for remark in remarks[:PRINTED]:
         console.print(f"remark: {remark}", highlight=False, markup=False)
     if len(remarks) > PRINTED:

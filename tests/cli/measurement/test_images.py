@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import tifffile
 
+import metafem as mf
 from metafem.files import read_contacts
 from validation.scenes.lattice_views import lattice, seen
 from validation.scenes.pictures import picture
@@ -145,3 +146,18 @@ def test_bad_input(run, pictures, arguments, message):
     result = run("images", *(f"pictures/{name}.tif" for name in (9, 11)), *arguments)
     assert result.exit_code == 2
     assert message in " ".join(result.output.split())
+
+
+def test_the_areas_of_a_design_tell_a_wrong_viewing_side(run, demo, tmp_path):
+    demo("linear")
+    surface = mf.load("linear").surface
+    area = mf.equilibrium(surface, load=0.3).asperity_area
+    closed = area > 0.02
+    centre, axes = surface.position[closed] + 6.2, np.sqrt(area[closed] / np.pi)
+    image = picture((620, 620), centre / PIXEL, axes / PIXEL, noise=0.02, bits=8)
+    tifffile.imwrite(tmp_path / "1.tif", image)
+    (tmp_path / "forces.csv").write_text("image,load_mN\n1.tif,300\n", encoding="utf-8")
+    arguments = ["images", "1.tif", "--pixel", "20 um", "--forces", "forces.csv", "--sites", "linear"]
+    assert "viewing side" not in run(*arguments).output
+    wrong = " ".join(run(*arguments, "--viewed-from", "block").output.split())
+    assert wrong.count("the areas fit the design much better if it is seen through the glass") == 1
