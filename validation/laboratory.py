@@ -10,13 +10,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import click
-import numpy as np
 
 import metafem as mf
-from validation.scenes.laboratory import BLOCK, RADIUS, Series, calibration_tests, made, measured
-
-# Loads of the part over those at which the plane reaches its lowest summit; as many as points in Fig. 4.
-LOADS = np.linspace(0.05, 1.2, 16)
+from validation.scenes.laboratory import BLOCK, RADIUS, Series, calibration_tests, part_test
 
 WANTED = f"""
 [target]
@@ -56,13 +52,6 @@ def main(folder: Path, part: Path | None) -> None:
         return
     write(folder / "part", [part_test(mf.load(part).surface)])
     click.echo(f"wrote {folder / 'part'}")
-
-
-def part_test(design: mf.Surface) -> Series:
-    """Return the measurement of the made part of a design."""
-    surface = made(design)
-    lowest = mf.equilibrium(design, separation=float(design.height.min())).load
-    return measured(surface, LOADS * lowest, seed=20)
 
 
 def write(folder: Path, tests: list[Series]) -> None:

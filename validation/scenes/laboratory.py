@@ -106,16 +106,28 @@ def measured(
     )
 
 
-def calibration_tests(count: int = 3, loads: int = 10) -> list[Series]:
+def calibration_tests(count: int = 3, loads: int = 10, pixel: float = 0.01) -> list[Series]:
     """Return tests of the calibration sample, up to contact radii of .4 mm on each of its caps."""
-    # five contacts of the radii a under Hertz's law, from .08 to .4 mm as in the issue of the paper's Fig. 2
+    # the loads of five contacts of these radii under Hertz's law; .4 mm is the largest of the paper
     radius = np.linspace(0.08, 0.4, loads)
     load = 5.0 * 4.0 / 3.0 * MATERIAL.composite_modulus * radius**3 / RADIUS
-    return [measured(calibration_sample(), load, seed=number + 1) for number in range(count)]
+    return [measured(calibration_sample(), load, pixel=pixel, seed=number + 1) for number in range(count)]
 
 
-def made(
-    design: mf.Surface, *, scale: float = 1.015, height_sd: float = 9e-4, angle: float = 3e-4, seed: int = 7
-) -> mf.Surface:
-    """Return a surface as made and mounted: heights scaled, with random errors, and tilted about y [rad]."""
-    return design.replaced(height=scale * design.height).perturbed(height_sd, rng=seed).tilted(angle, 0.0)
+# Errors of the made part: scale of its heights, s.d. of each [mm] and tilt [rad].
+MADE = {"scale": 1.015, "height_sd": 9e-4, "angle": 3e-4}
+
+# Loads of the part over that at which the plane reaches its lowest summit; as many as points in Fig. 4.
+LOADS = np.linspace(0.05, 1.2, 16)
+
+
+def made(design: mf.Surface, seed: int = 7) -> mf.Surface:
+    """Return a surface as made and mounted: heights scaled, with random errors, and tilted along x."""
+    scaled = design.replaced(height=MADE["scale"] * design.height)
+    return scaled.perturbed(MADE["height_sd"], rng=seed).tilted(MADE["angle"], 0.0)
+
+
+def part_test(design: mf.Surface, pixel: float = 0.01) -> Series:
+    """Return the measurement of the made part of a design."""
+    lowest = mf.equilibrium(design, separation=float(design.height.min())).load
+    return measured(made(design), LOADS * lowest, pixel=pixel, seed=20)

@@ -20,11 +20,11 @@ from metafem.calibration.diagnosis.unresolved import unresolved
 from metafem.calibration.diagnosis.update import Posterior, update
 from metafem.calibration.measured_law.law import MeasuredLaw
 from metafem.calibration.verdict import judged
-from metafem.contact import Hertz
+from metafem.contact import Contact, Hertz
 from metafem.errors import InvalidInput
 from metafem.inversion import Design
 from metafem.models import Independent, Interacting, Model
-from metafem.models.model import checked_model, contact_of
+from metafem.models.model import checked_model, contact_of, with_contact
 from metafem.notes import Note
 from metafem.progress import doing
 from metafem.substrate import BondedLayer
@@ -78,11 +78,10 @@ def explain(
         Expected errors; default: `Priors()`.
     model : Model, optional
         Default: the one of independent asperities and, if the surface has a block, asperities interacting
-        through the bonded layer, under which the measured values are more probable; with the contacts of the
-        design's model. The derivatives of independent Hertz contacts have a closed form. Those of other
-        independent contacts leave out that adhesion and yield are compared with E*. Those of other models are
-        central differences for errors of the whole part and of the loads, and those of independent contacts
-        for errors of single asperities.
+        through the bonded layer, under which the measured values are more probable; with the contact law of
+        the design's model. Adhesive asperities are independent by default. Derivatives
+        by errors of single asperities are those of independent ones. Those by common errors are closed forms
+        for independent asperities, and central differences for interacting ones.
 
     Returns
     -------
@@ -123,7 +122,8 @@ def explain(
     observed = Observations.of(measured, surface)
     forces = measured.friction_force is not None
     causes = Causes.of(surface, measured.load, measured.load_sd, expected, forces)
-    tried = _models(model, design, surface.block is not None)
+    law = contact_of(design.law.model) if isinstance(design, Design) else Hertz()
+    tried = _models(model, surface, law)
     found: dict[str, tuple[Scene, Posterior]] = {}
     for one in tried:
         found[one.name] = _solved(Scene(one, causes, observed, friction))
@@ -132,15 +132,14 @@ def explain(
     return _explanation(*found[best], expected, evidence)
 
 
-def _models(model: Model | None, design: Design | Surface, block: bool) -> list[Model]:
-    """Return the given model, or independent and interacting asperities with the contacts of the design."""
+def _models(model: Model | None, surface: Surface, contact: Contact) -> list[Model]:
     if model is not None:
         return [checked_model(model)]
-    law = contact_of(design.law.model) if isinstance(design, Design) else Hertz()
-    tried: list[Model] = [Independent(law)]
-    if block:
-        tried.append(Interacting(min(3, law.largest_order), BondedLayer(), law))
-    return tried
+    alone = Independent(contact=contact)
+    # interacting adhesive contacts are followed from the first touch, seconds for each of hundreds of states
+    if surface.block is None or contact.adhesive:
+        return [alone]
+    return [alone, with_contact(Interacting(substrate=BondedLayer()), contact)]
 
 
 def _solved(scene: Scene) -> tuple[Scene, Posterior]:

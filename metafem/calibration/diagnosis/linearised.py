@@ -11,7 +11,7 @@ import numpy as np
 from metafem._validate import FloatArray
 from metafem.calibration.diagnosis.causes import Causes, Made
 from metafem.calibration.diagnosis.observations import Observations
-from metafem.calibration.diagnosis.sensitivities import Response, has_closed_derivatives, response
+from metafem.calibration.diagnosis.sensitivities import Response, response
 from metafem.models import Model
 from metafem.surface import Friction
 
@@ -73,11 +73,10 @@ class Scene:
         result = np.zeros((k, n, causes.size))
         rows = np.arange(k)
         loads = result[:, :, causes.where["load"]]
-        if has_closed_derivatives(self.model):
+        if not self.model.couples:
             modulus = made.material.composite_modulus
             by_load = found.by_load()
             loads[rows, :, rows] = by_load * (causes.load_sd / modulus)[:, None]
-            rescaled = (made.load / modulus)[:, None]
             x, y = made.position.T
             changes = {
                 "angle_x": x * (1.0 + made.slope[0] ** 2),
@@ -88,7 +87,7 @@ class Scene:
                 if name in causes.sd:
                     result[:, :, causes.where[name].start] = causes.sd[name] * found.by_height(change)
             if "composite_modulus" in causes.sd:
-                rate = -by_load * rescaled / made.stiffer
+                rate = found.by_modulus(made.load / modulus) / made.stiffer
                 result[:, :, causes.where["composite_modulus"].start] = causes.sd["composite_modulus"] * rate
         else:
             for name in causes.common:
@@ -152,13 +151,18 @@ class Scene:
             place = causes.where["radius"].start + seen.open_site
             own = found.area_by_radius[seen.open_row, seen.open_site] / rate
             by_indentation[np.arange(len(rate)), place] -= causes.sd["radius"] * own
+        if "composite_modulus" in causes.sd:
+            shift = found.indentation_by_modulus[seen.open_row, seen.open_site] / made.stiffer
+            by_indentation[:, causes.where["composite_modulus"].start] += (
+                causes.sd["composite_modulus"] * shift
+            )
         boundary = float(np.median(seen.boundary)) if len(seen.boundary) else 0.0
         least = (2.0 * boundary) ** 2 / causes.surface.radius[seen.open_site]
         return Linear(
             residual / sd,
             gradient / sd[:, None],
             sd,
-            found.area[seen.open_row, seen.open_site] / rate - SEEN * least,
+            found.indentation[seen.open_row, seen.open_site] - SEEN * least,
             by_indentation,
             SEEN_SD * least,
         )

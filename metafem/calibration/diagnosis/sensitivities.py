@@ -3,15 +3,21 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import Protocol
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any, Protocol
 
 import numpy as np
 
 from metafem._validate import FloatArray
-from metafem.models import Independent, Model
+from metafem.contact import Contact
+from metafem.models import Model
+from metafem.models.alone import contacts_alone
 from metafem.models.model import PARABOLOID, contact_of
 from metafem.surface import Material, Surface
+
+# Relative step of E* and of radii in central differences of a contact law, whose error is its square.
+STEP = 1e-4
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,11 +33,14 @@ class Response:
     """
 
     area: FloatArray  # [mm^2]
+    indentation: FloatArray  # d [mm]
     area_rate: FloatArray  # A' [mm]
     share: FloatArray  # s [-]
     stiffness: FloatArray  # (k,), sum of p' [mm]
     load_by_radius: FloatArray  # derivative of the load of each contact by its radius [mm]
     area_by_radius: FloatArray  # derivative of the area by the radius at fixed indentation [mm]
+    indentation_by_modulus: FloatArray  # by log E* at a fixed contact radius [mm]
+    load_by_modulus: FloatArray  # the same of the rescaled load of each contact [mm^2]
 
     def by_height(self, change: FloatArray) -> FloatArray:
         """Return the derivative of the areas by an error that changes the heights by `change` (n,)."""
@@ -49,6 +58,17 @@ class Response:
         i = np.arange(self.area.shape[1])
         found[:, i, i] += self.area_by_radius
         return found
+
+    def by_modulus(self, load: FloatArray) -> FloatArray:
+        """Return the derivative of the areas by log E* at the rescaled loads (k,).
+
+        The rescaled load falls by itself, and with adhesion or yield the indentation and the load of a
+        contact change by x_i and y_i at a fixed radius: ``dA_i = A'_i (c - x_i)`` and
+        ``sum_i (p'_i (c - x_i) + y_i) = -q``.
+        """
+        x, y = self.indentation_by_modulus, self.load_by_modulus
+        common = (self.share * x).sum(axis=1) - (load + y.sum(axis=1)) / self.stiffness
+        return np.asarray(self.area_rate * (common[:, None] - np.where(self.area > 0.0, x, 0.0)))
 
     def by_load(self) -> FloatArray:
         """Return the derivative of the areas at each rescaled load by that load."""
@@ -79,43 +99,78 @@ def response(model: Model, part: Part, load: FloatArray) -> Response:
     """Return the contacts at rescaled loads (k,) in any order; derivatives are of independent asperities."""
     law = contact_of(model).for_material(part.material)
     radius = part.radius
-    if type(model) is Independent and law == PARABOLOID:
-        order = np.argsort(load, kind="stable")
-        curve = model.curve_of(part.height, radius, load[order])
-        approach = np.empty(len(load))
-        approach[order] = curve.approach
-        indentation = approach[:, None] - (part.height.max() - part.height)
-        closed = np.maximum(indentation, 0.0)
-        each = 2.0 * np.sqrt(radius * closed)
-        rate = np.broadcast_to(math.pi * radius, indentation.shape)
-        area, carried = math.pi * radius * indentation, each * closed * (2.0 / 3.0)
+    if model.couples:
+        size, indentation, carried = _states(model, part.surface, load)
     else:
-        area, each, rate, carried = _states(model, part.surface, load)
-    total = each.sum(axis=1)
-    return Response(area, rate, each / total[:, None], total, carried / (2.0 * radius), area / radius)
+        order = np.argsort(load, kind="stable")
+        size, indentation = np.empty((2, len(load), len(radius)))
+        size[order], indentation[order] = contacts_alone(law, part.height, radius, load[order])
+        carried = _where_closed(law.load, size, radius)
+    closed = size > 0.0
+    stiffness = _where_closed(law.stiffness, size, radius)
+    rate = np.where(closed, _where_closed(law.area_slope, size, radius), math.pi * radius)
+    area = np.where(closed, law.area(size), math.pi * radius * np.minimum(indentation, 0.0))
+    total = stiffness.sum(axis=1)
+    share = stiffness / total[:, None]
+    by_radius = _by_radius(law, size, radius, indentation, carried, stiffness, rate)
+    by_modulus = _by_modulus(contact_of(model), part.material, size, radius)
+    return Response(area, indentation, rate, share, total, *by_radius, *by_modulus)
+
+
+def _by_radius(
+    law: Contact,
+    size: FloatArray,
+    radius: FloatArray,
+    indentation: FloatArray,
+    load: FloatArray,
+    stiffness: FloatArray,
+    rate: FloatArray,
+) -> tuple[FloatArray, FloatArray]:
+    """Return the derivatives of load and area of each contact by its radius at fixed indentation.
+
+    At a fixed contact radius indentation and load change by x and y, and at a fixed indentation load and area
+    by ``y - p' x`` and ``-A' x``; for a paraboloid by ``P/(2 R)`` and ``pi d``, that of the latent area of an
+    open contact.
+    """
+    latent = math.pi * indentation
+    if law == PARABOLOID:
+        return load / (2.0 * radius), latent
+    x, y = (
+        (_where_closed(of, size, (1.0 + STEP) * radius) - _where_closed(of, size, (1.0 - STEP) * radius))
+        / (2.0 * STEP * radius)
+        for of in (law.indentation, law.load)
+    )
+    return y - stiffness * x, np.where(size > 0.0, -rate * x, latent)
+
+
+def _by_modulus(
+    contact: Contact, material: Material, size: FloatArray, radius: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return the derivatives of indentation and rescaled load by log E* at fixed contact radii."""
+    if not contact.for_material(material).scales_with_stress:
+        return np.zeros(size.shape), np.zeros(size.shape)
+    softer, stiffer = (
+        contact.for_material(replace(material, composite_modulus=factor * material.composite_modulus))
+        for factor in (1.0 - STEP, 1.0 + STEP)
+    )
+    high, low = (
+        np.array([_where_closed(of, size, radius) for of in (law.indentation, law.load)])
+        for law in (stiffer, softer)
+    )
+    change = (high - low) / (2.0 * STEP)
+    return change[0], change[1]
+
+
+def _where_closed(value: Callable[..., Any], size: FloatArray, radius: FloatArray) -> FloatArray:
+    """Return a quantity of a contact law at contact radii, 0 where the contact is open."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(size > 0.0, value(size, radius), 0.0)
 
 
 def _states(model: Model, surface: Surface, load: FloatArray) -> tuple[FloatArray, ...]:
-    """Return areas, stiffnesses, rates of the areas and rescaled loads of the contacts of any model."""
-    law = contact_of(model).for_material(surface.material)
-    area, each, rate, carried = np.empty((4, len(load), surface.count))
+    """Return contact radii, indentations and rescaled loads of the contacts of any model."""
+    size, indentation, carried = np.empty((3, len(load), surface.count))
     for k, value in enumerate(load):
         state = model.curve(surface, np.array([value])).checked().last
-        closed = state.area > 0.0
-        size = np.sqrt(state.area / math.pi)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            slope = law.area_slope(size, surface.radius)
-            stiff = law.stiffness(size, surface.radius)
-        rate[k] = np.where(closed, slope, math.pi * surface.radius)
-        each[k] = np.where(closed, stiff, 0.0)
-        area[k] = np.where(closed, state.area, math.pi * surface.radius * np.minimum(state.indentation, 0.0))
-        carried[k] = state.load
-    return area, each, rate, carried
-
-
-def has_closed_derivatives(model: Model) -> bool:
-    """Whether the derivatives of `response` are those of the model by errors of heights, load and E*.
-
-    Those of contacts whose law changes with E*, by adhesion or yield, leave this change out.
-    """
-    return type(model) is Independent
+        size[k], indentation[k], carried[k] = np.sqrt(state.area / math.pi), state.indentation, state.load
+    return size, indentation, carried

@@ -62,8 +62,10 @@ def update(linear: Callable[[FloatArray, FloatArray], Linear], size: int) -> Pos
     precision_open = shift_open = np.zeros(0)
     covariance = np.eye(size)
     change, log_open = math.inf, 0.0
+    least = math.inf
     for step in range(MOST_STEPS):
         at = linear(mean, covariance)
+        cost = float(0.5 * (at.residual @ at.residual + mean @ mean) - log_open)
         gradient, gap_gradient = at.gradient, at.indentation_gradient
         if not len(precision_open):
             precision_open = shift_open = np.zeros(len(at.indentation))
@@ -79,6 +81,9 @@ def update(linear: Callable[[FloatArray, FloatArray], Linear], size: int) -> Pos
         whole = float((np.abs(move) / np.sqrt(np.diag(covariance))).max())
         move *= min(1.0, LONGEST / max(float(np.abs(move).max()), 1e-300))
         move *= 1.0 if step < FULL_STEPS else FULL_STEPS / (step + 1.0)
+        if step == 0 or (step >= FULL_STEPS and cost < least):
+            least = cost if step else math.inf
+            best = mean, covariance, precision, factor, log_open
         moved = 0.0
         if len(precision_open):
             new = _factors(at, move, covariance, precision_open, shift_open)
@@ -92,6 +97,8 @@ def update(linear: Callable[[FloatArray, FloatArray], Linear], size: int) -> Pos
         change = max(whole, moved)
         if change <= STILL:
             break
+    if change > NEARLY:  # an adhesive contact jumps in and out in turn
+        mean, covariance, precision, factor, log_open = best
     at = linear(mean, covariance)
     log_det = 2.0 * float(np.log(np.diag(factor[0])).sum())
     log_evidence = log_open - 0.5 * (at.residual @ at.residual + mean @ mean + log_det)

@@ -37,6 +37,17 @@ def test_a_scaled_part_is_recognised_as_scaled():
     assert abs(found["height_scale"].mean - 0.05) < 3.0 * found["height_scale"].sd
 
 
+def test_an_adhesive_part_is_explained_with_the_contact_law_of_its_design():
+    adhesive = mf.Independent(contact=mf.JKR(9e-6))
+    law = measured(PART.replaced(height=1.03 * PART.height), rng=np.random.default_rng(4), model=adhesive)
+    found = explain(law, PART, model=adhesive)
+    for name, value in (("height_scale", 0.03), ("composite_modulus", 0.0), ("friction", 0.0)):
+        assert abs(found[name].mean - value) < 3.0 * found[name].sd
+    assert found.verdict.fits
+    # Hertz contacts have smaller areas at the same loads
+    assert explain(law, PART, model=ALONE)["composite_modulus"].mean < -0.03
+
+
 def test_one_deep_hole_is_that_hole():
     height = PART.height.copy()
     site = int(height.argmax())

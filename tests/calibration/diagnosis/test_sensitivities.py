@@ -34,9 +34,12 @@ def computed(scene: Scene, z: np.ndarray) -> np.ndarray:
     return np.concatenate([-at.residual * at.sd, at.indentation])
 
 
+@pytest.mark.parametrize(
+    "contact", [mf.Hertz(), mf.SphericalCap(), mf.JKR(9e-6), mf.KogutEtsion(0.8)], ids=repr
+)
 @pytest.mark.parametrize("areas", [True, False])
-def test_derivatives_of_independent_contacts_are_exact(areas):
-    one = scene(mf.Independent(), Priors(position_sd=5e-3), areas)
+def test_derivatives_of_independent_contacts_are_exact(contact, areas):
+    one = scene(mf.Independent(contact=contact), Priors(position_sd=5e-3), areas)
     z = 0.3 * np.random.default_rng(0).standard_normal(one.causes.size)
     at = one.linear(z, np.zeros((len(z), len(z))))
     gradient = np.concatenate([at.gradient * at.sd[:, None], at.indentation_gradient])
