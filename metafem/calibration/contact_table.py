@@ -15,7 +15,8 @@ from metafem._values import Value
 class ContactTable(Value):
     """Areas of n contacts in k images, and the forces at which the images were taken.
 
-    A contact that an image does not show is open: its area and its error are 0. One that could not be
+    A contact that an image does not show is open: its area is 0, and its error the smallest area that the
+    image shows. One that could not be
     measured, at the edge of the frame or merged with another, has the area nan, and `remarks` names it.
 
     Attributes

@@ -13,6 +13,7 @@ from metafem.calibration.diagnosis.causes import Causes, Made
 from metafem.calibration.diagnosis.observations import Observations
 from metafem.calibration.diagnosis.sensitivities import Response, response
 from metafem.models import Model
+from metafem.models.model import contact_of
 from metafem.surface import Friction
 
 # Step of central differences over the prior standard deviation of a cause, or over that of the load.
@@ -157,15 +158,31 @@ class Scene:
                 causes.sd["composite_modulus"] * shift
             )
         boundary = float(np.median(seen.boundary)) if len(seen.boundary) else 0.0
-        least = (2.0 * boundary) ** 2 / causes.surface.radius[seen.open_site]
+        smallest, smallest_sd = self._smallest(boundary)
         return Linear(
             residual / sd,
             gradient / sd[:, None],
             sd,
-            found.indentation[seen.open_row, seen.open_site] - SEEN * least,
+            found.indentation[seen.open_row, seen.open_site] - smallest,
             by_indentation,
-            SEEN_SD * least,
+            smallest_sd,
         )
+
+    def _smallest(self, boundary: float) -> tuple[FloatArray, FloatArray]:
+        """Return the smallest indentation (c,) at which a contact found open is seen, and its deviation [mm].
+
+        With the error b of the boundary it is about b^2/(2 R); where a larger area may be overlooked, the
+        indentation of that area, with the error 2 a b/R of the contact radius a.
+        """
+        seen, radius = self.observed, self.causes.surface.radius[self.observed.open_site]
+        least = (2.0 * boundary) ** 2 / radius
+        law = contact_of(self.model).for_material(self.causes.surface.material)
+        size = np.sqrt(seen.overlooked / math.pi)
+        wide = size > 2.0 * boundary
+        depth = np.zeros(size.shape)
+        depth[wide] = np.maximum(law.indentation(size[wide], radius[wide]), 0.0)
+        sd = np.where(wide, 2.0 * size * boundary / radius, SEEN_SD * least)
+        return np.where(wide, depth, SEEN * least), sd
 
 
 def _total(area: FloatArray, derivative: FloatArray, covariance: FloatArray) -> tuple[FloatArray, FloatArray]:

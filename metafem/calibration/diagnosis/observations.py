@@ -31,6 +31,9 @@ class Observations:
     boundary: FloatArray  # (m,), error of the boundary of each contact [mm]
     open_row: IntArray  # (c,), largest load at which a contact was found open, and its asperity
     open_site: IntArray
+    overlooked: (
+        FloatArray  # (c,), largest area of such a contact that is overlooked [mm^2], 0: its boundary's
+    )
     errors: MeasurementErrors
 
     @staticmethod
@@ -38,6 +41,7 @@ class Observations:
         """Return the observations of a law; the total area is not one beside the areas of the contacts."""
         none, nothing = np.zeros(0, dtype=np.int64), np.zeros(0)
         row, site, area, boundary, open_row, open_site = none, none, nothing, nothing, none, none
+        overlooked = nothing
         total, total_sd = measured.area, measured.area_sd
         if measured.asperity_area is not None and measured.asperity_area_sd is not None:
             total = total_sd = None
@@ -61,9 +65,10 @@ class Observations:
             last = len(found) - 1 - np.argmax(found[::-1] <= 0.0, axis=0)
             column = np.flatnonzero((found <= 0.0).any(axis=0))
             open_row, open_site = last[column], numbers[column]
+            overlooked = found_sd[open_row, column]
         return Observations(
             measured.load, measured.load_sd, measured.friction_force, measured.friction_force_sd, total,
-            total_sd, row, site, area, boundary, open_row, open_site, measured.errors,
+            total_sd, row, site, area, boundary, open_row, open_site, overlooked, measured.errors,
         )  # fmt: skip
 
     @property

@@ -45,6 +45,8 @@ class ContactAreas(Value):
         Side of a pixel [mm].
     shape : tuple of int
         Rows and columns of the image.
+    smallest_area : float
+        Area below which a dark region is not taken for a contact [mm^2].
     failed : bool
         Whether the image could not be measured; `notes` say why, and there are no contacts.
     notes : tuple of Note
@@ -75,6 +77,7 @@ class ContactAreas(Value):
     noise: float
     pixel_size: float
     shape: tuple[int, int]
+    smallest_area: float = 0.0
     failed: bool = False
     notes: tuple[Note, ...] = ()
 

@@ -110,6 +110,7 @@ def _contacts(values: NDArray[Any], ground: Ground, found: Levels, options: Opti
         noise=noise,
         pixel_size=pixel,
         shape=(values.shape[0], values.shape[1]),
+        smallest_area=least * pixel**2,
     )
     return remarks(result, found, ground, count - len(order), least * pixel**2)
 

@@ -118,7 +118,8 @@ def _deviation(
     if name == "asperity_area":
         return errors.of_area(values)
     if given["area"] is None:
-        total: FloatArray = np.sqrt((found["asperity_area_sd"] ** 2).sum(axis=1))
+        closed = found["asperity_area"] > 0.0
+        total: FloatArray = np.sqrt((np.where(closed, found["asperity_area_sd"], 0.0) ** 2).sum(axis=1))
     else:
         total = errors.of_area(values)  # of n contacts together as of one: the squares add up
     if not values.max() > 0.0:

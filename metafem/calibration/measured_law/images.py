@@ -35,7 +35,7 @@ def of_contacts(table: ContactTable, rescaled: bool) -> tuple[dict[str, Any], tu
         sites = table.site >= 0
         found |= {"asperity_area": area[:, sites], "asperity_area_sd": area_sd[:, sites]}
         found["site"] = table.site[sites]
-    sd = np.sqrt((area_sd**2).sum(axis=1))
+    sd = np.sqrt((np.where(area > 0.0, area_sd, 0.0) ** 2).sum(axis=1))  # open contacts are taken as open
     if total[kept].all():
         found["area"] = area.sum(axis=1)
         if (sd > 0.0).all():  # else from the errors: an image without contacts has none

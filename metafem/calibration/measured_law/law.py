@@ -62,7 +62,8 @@ class MeasuredLaw(BaseLaw):
     errors : MeasurementErrors
         Standard deviations of what has none of its own; default: those of the paper.
     load_sd, friction_force_sd, area_sd, asperity_area_sd : array_like, optional
-        Standard deviations, in the units and shapes of the quantities, positive.
+        Standard deviations, in the units and shapes of the quantities, positive. That of an open contact is
+        the largest area that may have been overlooked, or 0.
     label : str
         Name of the law; default: "static".
     notes : tuple of Note

@@ -53,9 +53,9 @@ class Placed(Value):
     spoilt: tuple[tuple[int, str], ...]
     strays: IntArray
 
-    def values(self, of_contact: FloatArray) -> FloatArray:
-        """Return a quantity of the contacts at the sites (m,): 0 if open, nan where it was not measured."""
-        result = np.where(self.outside, np.nan, 0.0)
+    def values(self, of_contact: FloatArray, of_open: float) -> FloatArray:
+        """Return a quantity of the contacts at the sites (m,), nan where it was not measured."""
+        result = np.where(self.outside, np.nan, of_open)
         result[[site for site, _ in self.spoilt]] = np.nan
         matched = self.site >= 0
         result[self.site[matched]] = of_contact[matched]

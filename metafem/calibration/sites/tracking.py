@@ -236,14 +236,23 @@ class _Stack:
         remarks: tuple[str, ...],
     ) -> ContactTable:
         none = np.full(len(position), np.nan)
-        area, area_error, sheared_area, sheared_area_error = (
-            np.array([
-                none if one is None or areas is None else one.values(getattr(areas, quantity))
+
+        def stacked(
+            sites: Sequence[Placed | None], stack: Any, quantity: str, of_open: str = ""
+        ) -> FloatArray:
+            rows = [
+                none
+                if one is None or areas is None
+                else one.values(getattr(areas, quantity), getattr(areas, of_open) if of_open else 0.0)
                 for one, areas in zip(sites, stack, strict=True)
-            ])
+            ]
+            return np.array(rows)
+
+        area, sheared_area = stacked(found, self.areas, "area"), stacked(sheared, self.sheared, "area")
+        area_error, sheared_area_error = (
+            stacked(sites, stack, "area_error", "smallest_area")
             for sites, stack in ((found, self.areas), (sheared, self.sheared))
-            for quantity in ("area", "area_error")
-        )  # fmt: skip
+        )
         return ContactTable(
             image=self.image,
             test=self.test,
