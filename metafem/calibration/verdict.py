@@ -51,10 +51,11 @@ class Verdict:
         return min(self.probability, self.runs_probability) >= REJECTED
 
     def __str__(self) -> str:
+        degrees = f"{self.freedom} degree{'s' * (self.freedom != 1)} of freedom"
+        runs = f"{self.runs} run{'s' * (self.runs != 1)} of residuals"
         return (
-            f"the law {'fits' if self.fits else 'does not fit'}: chi² = {self.chi_square:.3g} with "
-            f"{self.freedom} degrees of freedom (p = {self.probability:.2g}), {self.runs} runs of residuals "
-            f"(p = {self.runs_probability:.2g})"
+            f"the law {'fits' if self.fits else 'does not fit'}: chi² = {self.chi_square:.3g} with {degrees} "
+            f"(p = {self.probability:.2g}), {runs} (p = {self.runs_probability:.2g})"
         )
 
 

@@ -47,7 +47,7 @@ def print_table(
             escape(heading), justify="right" if i else "left", min_width=longest, overflow="fold"
         )
     for row in rows:
-        table.add_row(*row)
+        table.add_row(*(escape(text) for text in row))
     console.print(table, crop=False)
 
 

@@ -40,3 +40,8 @@ def test_correct_laws_are_rejected_as_often_as_stated():
 def test_residuals_of_one_sign_are_no_fit():
     assert not judged(np.full(12, 0.9), 1).fits
     assert "does not fit" in str(judged(np.full(12, 0.9), 1))
+
+
+def test_one_degree_and_one_run_are_singular():
+    assert "with 1 degree of freedom" in str(judged(np.array([0.4, 0.2]), 1))
+    assert "1 run of residuals" in str(judged(np.array([0.4, 0.2]), 1))

@@ -16,3 +16,9 @@ def test_no_number_of_a_table_is_truncated(width):
     assert all(number in console.file.getvalue() for number in numbers)
     assert "heading" in console.file.getvalue()
     assert "…" not in console.file.getvalue()
+
+
+def test_units_in_brackets_are_printed():
+    console = Console(width=80, file=io.StringIO())
+    print_table(console, ["quantity [mm]", "value"], [("energy [mJ/m²]", "9")])
+    assert "energy [mJ/m²]" in console.file.getvalue()

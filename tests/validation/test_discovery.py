@@ -27,7 +27,14 @@ def test_every_file_is_found_once(attribute, definition):
 
 
 def test_claims_are_grouped_by_subject():
-    assert list(groups("claim")) == ["contact", "fidelity", "finite_elements", "inversion", "paper"]
+    assert list(groups("claim")) == [
+        "calibration",
+        "contact",
+        "fidelity",
+        "finite_elements",
+        "inversion",
+        "paper",
+    ]
 
 
 def test_names_select_claims_and_groups():
