@@ -36,7 +36,7 @@ TESTS, LOADS, PIXEL = 2, 8, 0.012
 TRUE = "the synthetic laboratory, validation/scenes/laboratory.py; three standard deviations"
 SITES = "the sites of the synthetic part"
 REQUIRED = "requirement of this check: contact radii of 7 pixels and more"
-CHI = "no effect remains: the probability of a larger chi-square is at least 1 %"
+CHI = "the verdict on the residuals: all errors of the synthetic part are found"
 
 # Standard deviations within which a value counts as found; 99.7 % of correct ones are.
 WITHIN = 3.0
@@ -89,6 +89,19 @@ def claim() -> Claim:
         ),
         _value("tilt along x [rad]", causes["angle_x"].mean, causes["angle_x"].sd ** 2, made["angle"]),
         _value("tilt along y [rad]", causes["angle_y"].mean, causes["angle_y"].sd ** 2, 0.0),
+        _value(
+            "error of the fitted E*",
+            causes["composite_modulus"].mean,
+            causes["composite_modulus"].sd ** 2,
+            laboratory.MATERIAL.composite_modulus / circle.contacts.composite_modulus - 1.0,
+        ),
+        _value(
+            "error of the fitted sqrt(w)",
+            causes["adhesion_root"].mean,
+            causes["adhesion_root"].sd ** 2,
+            laboratory.ADHESION_ENERGY**0.5 / circle.contacts.adhesion_root - 1.0,
+        ),
+        below("laws that the errors do not explain", float(not circle.explanation.verdict.fits), 0.0, CHI),
     ]
     text = f"{circle.contacts!r}\n{circle.sheared!r}\n{circle.explanation}"
     return Claim(

@@ -12,7 +12,7 @@ from metafem.calibration.diagnosis.priors import Priors
 from metafem.surface import Material, Surface
 
 # Errors of the whole part and of the calibration, one number each.
-COMMON = ("angle_x", "angle_y", "height_scale", "composite_modulus", "friction")
+COMMON = ("angle_x", "angle_y", "height_scale", "composite_modulus", "friction", "adhesion_root")
 
 # Errors of single asperities, one number or two of each asperity.
 SINGLE = ("height", "radius", "position")
@@ -23,6 +23,7 @@ GROUPS = {
     "height_scale": ("height_scale",),
     "composite_modulus": ("composite_modulus",),
     "friction": ("friction",),
+    "adhesion_root": ("adhesion_root",),
     "height": ("height",),
     "radius": ("radius",),
     "position": ("position",),
@@ -31,7 +32,7 @@ GROUPS = {
 # Smallest true load over the standard deviation of a measured one: there is a contact.
 LIGHTEST = 0.01
 
-# Smallest radius of a made summit over the designed one, and smallest factor of E* and sigma B.
+# Smallest radius of a made summit over the designed one, and smallest factor of E*, sigma B and sqrt(w).
 LEAST = 0.1
 
 
@@ -48,6 +49,7 @@ class Made:
     stiffer: float  # E* over the nominal one
     friction: float  # sigma B over the nominal one
     load: FloatArray  # (k,), [N]
+    adhesion: float = 1.0  # root of the adhesion energy over that of the contact law
 
     @cached_property
     def surface(self) -> Surface:
@@ -76,12 +78,24 @@ class Causes:
     where: dict[str, slice]
 
     @staticmethod
-    def of(surface: Surface, load: FloatArray, load_sd: FloatArray, priors: Priors, friction: bool) -> Causes:
-        """Return the unknowns with a prior that is not 0; friction: whether friction forces were measured."""
+    def of(
+        surface: Surface,
+        load: FloatArray,
+        load_sd: FloatArray,
+        priors: Priors,
+        friction: bool,
+        adhesive: bool = False,
+    ) -> Causes:
+        """Return the unknowns with a prior that is not 0.
+
+        friction: whether friction forces were measured; adhesive: whether the contacts are adhesive.
+        """
         sd = {name: getattr(priors, f"{name}_sd") for name in (*COMMON[2:], *SINGLE)}
         sd = {"angle_x": priors.angle_sd, "angle_y": priors.angle_sd, **sd}
         if not friction:
             del sd["friction"]
+        if not adhesive:
+            del sd["adhesion_root"]
         sd = {name: value for name, value in sd.items() if value > 0.0}
         where, end = {}, 0
         for name in sd:
@@ -132,10 +146,11 @@ class Causes:
         summits = design.height * (1.0 + self.value("height_scale", z)[0]) + self.value("height", z)
         radius = np.maximum(design.radius + self.value("radius", z), LEAST * design.radius)
         load = np.maximum(self.load + self.value("load", z), LIGHTEST * self.load_sd)
-        stiffer, friction = (
-            max(1.0 + float(self.value(name, z)[0]), LEAST) for name in ("composite_modulus", "friction")
+        stiffer, friction, adhesion = (
+            max(1.0 + float(self.value(name, z)[0]), LEAST)
+            for name in ("composite_modulus", "friction", "adhesion_root")
         )
         modulus = stiffer * design.material.composite_modulus
         material = replace(design.material, composite_modulus=modulus)
         height = summits + position @ slope
-        return Made(design, position, height, radius, material, slope, stiffer, friction, load)
+        return Made(design, position, height, radius, material, slope, stiffer, friction, load, adhesion)

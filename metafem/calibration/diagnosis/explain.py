@@ -121,9 +121,10 @@ def explain(
     surface = surface.replaced(material=measured.material)
     observed = Observations.of(measured, surface)
     forces = measured.friction_force is not None
-    causes = Causes.of(surface, measured.load, measured.load_sd, expected, forces)
     law = contact_of(design.law.model) if isinstance(design, Design) else Hertz()
     tried = _models(model, surface, law)
+    adhesive = contact_of(tried[0]).adhesive
+    causes = Causes.of(surface, measured.load, measured.load_sd, expected, forces, adhesive)
     found: dict[str, tuple[Scene, Posterior]] = {}
     for one in tried:
         found[one.name] = _solved(Scene(one, causes, observed, friction))

@@ -26,7 +26,8 @@ class Cause:
     Attributes
     ----------
     name : str
-        ``angle_x``, ``angle_y``, ``height_scale``, ``composite_modulus`` or ``friction``.
+        ``angle_x``, ``angle_y``, ``height_scale``, ``composite_modulus``, ``friction`` or
+        ``adhesion_root``.
     prior_sd, mean, sd : float
         Standard deviation before the measurement, and mean and standard deviation after it; angles in [rad],
         all others relative [-]. The 68 % interval is ``mean - sd`` to ``mean + sd``.
@@ -90,7 +91,8 @@ class Explanation(Value):
         Errors of single asperities that have a prior, by ``height``, ``radius`` and ``position``.
     shares : mapping of str to float
         Share of each cause in the explained misfit [-], largest first: ``tilt``, ``height_scale``,
-        ``composite_modulus``, ``friction``, ``height``, ``radius`` and ``position``. They add up to 1.
+        ``composite_modulus``, ``friction``, ``adhesion_root``, ``height``, ``radius`` and ``position``. They
+        add up to 1.
     misfit_without : mapping of str to float
         The misfit if one of these causes is left out and all others remain, in the same order [-].
     unresolved : tuple of Unresolved

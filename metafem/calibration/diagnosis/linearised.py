@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
 from metafem._validate import FloatArray
 from metafem.calibration.diagnosis.causes import Causes, Made
 from metafem.calibration.diagnosis.observations import Observations
-from metafem.calibration.diagnosis.sensitivities import Response, response
+from metafem.calibration.diagnosis.sensitivities import Response, law_changes, response, with_adhesion
 from metafem.models import Model
 from metafem.models.model import contact_of
 from metafem.surface import Friction
@@ -44,6 +45,15 @@ class Linear:
     indentation: FloatArray  # (c,), of the contacts found open, less the smallest one that is seen [mm]
     indentation_gradient: FloatArray  # (c, p)
     resolution: FloatArray  # (c,), standard deviation of the smallest indentation that is seen [mm]
+
+
+class Smallest(NamedTuple):
+    """Smallest indentation at which contacts found open are seen, (c,) [mm]."""
+
+    indentation: FloatArray
+    sd: FloatArray
+    by_modulus: FloatArray  # derivative by log E*
+    by_adhesion: FloatArray  # derivative by log sqrt(w)
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,8 +98,11 @@ class Scene:
                 if name in causes.sd:
                     result[:, :, causes.where[name].start] = causes.sd[name] * found.by_height(change)
             if "composite_modulus" in causes.sd:
-                rate = found.by_modulus(made.load / modulus) / made.stiffer
+                rate = found.by_law(found.by_modulus, -made.load / modulus) / made.stiffer
                 result[:, :, causes.where["composite_modulus"].start] = causes.sd["composite_modulus"] * rate
+            if "adhesion_root" in causes.sd:
+                rate = found.by_law(found.by_adhesion) / made.adhesion
+                result[:, :, causes.where["adhesion_root"].start] = causes.sd["adhesion_root"] * rate
         else:
             for name in causes.common:
                 if name != "friction":
@@ -152,37 +165,46 @@ class Scene:
             place = causes.where["radius"].start + seen.open_site
             own = found.area_by_radius[seen.open_row, seen.open_site] / rate
             by_indentation[np.arange(len(rate)), place] -= causes.sd["radius"] * own
-        if "composite_modulus" in causes.sd:
-            shift = found.indentation_by_modulus[seen.open_row, seen.open_site] / made.stiffer
-            by_indentation[:, causes.where["composite_modulus"].start] += (
-                causes.sd["composite_modulus"] * shift
-            )
         boundary = float(np.median(seen.boundary)) if len(seen.boundary) else 0.0
-        smallest, smallest_sd = self._smallest(boundary)
+        smallest = self._smallest(boundary, made)
+        for name, change, least, factor in (
+            ("composite_modulus", found.by_modulus, smallest.by_modulus, made.stiffer),
+            ("adhesion_root", found.by_adhesion, smallest.by_adhesion, made.adhesion),
+        ):
+            if name in causes.sd:
+                shift = (change.indentation[seen.open_row, seen.open_site] - least) / factor
+                by_indentation[:, causes.where[name].start] += causes.sd[name] * shift
         return Linear(
             residual / sd,
             gradient / sd[:, None],
             sd,
-            found.indentation[seen.open_row, seen.open_site] - smallest,
+            found.indentation[seen.open_row, seen.open_site] - smallest.indentation,
             by_indentation,
-            smallest_sd,
+            smallest.sd,
         )
 
-    def _smallest(self, boundary: float) -> tuple[FloatArray, FloatArray]:
-        """Return the smallest indentation (c,) at which a contact found open is seen, and its deviation [mm].
+    def _smallest(self, boundary: float, made: Made) -> Smallest:
+        """Return the smallest indentation (c,) at which a contact found open is seen.
 
-        With the error b of the boundary it is about b^2/(2 R); where a larger area may be overlooked, the
-        indentation of that area, with the error 2 a b/R of the contact radius a.
+        With the error b of the boundary it is about b^2/(2 R); where a larger area may be overlooked, it is
+        the indentation of that area, with the error 2 a b/R by that of the contact radius a.
         """
         seen, radius = self.observed, self.causes.surface.radius[self.observed.open_site]
         least = (2.0 * boundary) ** 2 / radius
-        law = contact_of(self.model).for_material(self.causes.surface.material)
+        contact = with_adhesion(contact_of(self.model), made.adhesion)
         size = np.sqrt(seen.overlooked / math.pi)
-        wide = size > 2.0 * boundary
-        depth = np.zeros(size.shape)
-        depth[wide] = np.maximum(law.indentation(size[wide], radius[wide]), 0.0)
-        sd = np.where(wide, 2.0 * size * boundary / radius, SEEN_SD * least)
-        return np.where(wide, depth, SEEN * least), sd
+        size = np.where(size > 2.0 * boundary, size, 0.0)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            depth = contact.for_material(made.material).indentation(size, radius)
+        # an adhesive contact of a smaller area than at no indentation has jumped in
+        wide = (size > 0.0) & (depth > 0.0)
+        by_modulus, by_adhesion = law_changes(contact, made.material, np.where(wide, size, 0.0), radius)
+        return Smallest(
+            np.where(size > 0.0, np.maximum(depth, 0.0), SEEN * least),
+            np.where(size > 0.0, 2.0 * size * boundary / radius, SEEN_SD * least),
+            by_modulus.indentation,
+            by_adhesion.indentation,
+        )
 
 
 def _total(area: FloatArray, derivative: FloatArray, covariance: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -38,6 +38,9 @@ class Priors:
         Of each radius [mm]; default: 5 um.
     position_sd : float
         Of x and of y of each site [mm]; default: 0.
+    adhesion_root_sd : float
+        Relative, of the root of the adhesion energy of adhesive contacts [-]; default: 0.2, about that of
+        three tests of a calibration.
 
     Raises
     ------
@@ -57,10 +60,11 @@ class Priors:
     height_sd: float = 0.9e-3
     radius_sd: float = 5e-3
     position_sd: float = 0.0
+    adhesion_root_sd: float = 0.2
 
     def __post_init__(self) -> None:
         check.member(self, "angle_sd", at_least=0.0, at_most=STEEPEST)
-        for name in ("height_scale_sd", "composite_modulus_sd", "friction_sd"):
+        for name in ("height_scale_sd", "composite_modulus_sd", "friction_sd", "adhesion_root_sd"):
             check.member(self, name, at_least=0.0, at_most=WIDEST)
         for name in ("height_sd", "radius_sd", "position_sd"):
             check.member(self, name, at_least=0.0)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol, cast
 
 import numpy as np
 
@@ -13,11 +13,19 @@ from metafem._validate import FloatArray
 from metafem.contact import Contact
 from metafem.models import Model
 from metafem.models.alone import contacts_alone
-from metafem.models.model import PARABOLOID, contact_of
+from metafem.models.model import PARABOLOID, contact_of, with_contact
 from metafem.surface import Material, Surface
 
-# Relative step of E* and of radii in central differences of a contact law, whose error is its square.
+# Relative step of E*, of the root of the adhesion energy and of radii in central differences of a contact
+# law, whose error is its square.
 STEP = 1e-4
+
+
+class Change(NamedTuple):
+    """Derivatives of a contact law at fixed contact radii, (k, n)."""
+
+    indentation: FloatArray  # [mm]
+    load: FloatArray  # of the rescaled load [mm^2]
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,8 +47,8 @@ class Response:
     stiffness: FloatArray  # (k,), sum of p' [mm]
     load_by_radius: FloatArray  # derivative of the load of each contact by its radius [mm]
     area_by_radius: FloatArray  # derivative of the area by the radius at fixed indentation [mm]
-    indentation_by_modulus: FloatArray  # by log E* at a fixed contact radius [mm]
-    load_by_modulus: FloatArray  # the same of the rescaled load of each contact [mm^2]
+    by_modulus: Change  # of the contact law by log E*
+    by_adhesion: Change  # of the contact law by the logarithm of the root of its adhesion energy
 
     def by_height(self, change: FloatArray) -> FloatArray:
         """Return the derivative of the areas by an error that changes the heights by `change` (n,)."""
@@ -59,15 +67,14 @@ class Response:
         found[:, i, i] += self.area_by_radius
         return found
 
-    def by_modulus(self, load: FloatArray) -> FloatArray:
-        """Return the derivative of the areas by log E* at the rescaled loads (k,).
+    def by_law(self, change: Change, load: FloatArray | float = 0.0) -> FloatArray:
+        """Return the derivative of the areas by a parameter of the contact law.
 
-        The rescaled load falls by itself, and with adhesion or yield the indentation and the load of a
-        contact change by x_i and y_i at a fixed radius: ``dA_i = A'_i (c - x_i)`` and
-        ``sum_i (p'_i (c - x_i) + y_i) = -q``.
+        The indentation and the load of a contact change by x_i and y_i at a fixed radius, and the rescaled
+        load by q, `load` (k,): ``dA_i = A'_i (c - x_i)`` and ``sum_i (p'_i (c - x_i) + y_i) = q``.
         """
-        x, y = self.indentation_by_modulus, self.load_by_modulus
-        common = (self.share * x).sum(axis=1) - (load + y.sum(axis=1)) / self.stiffness
+        x, y = change.indentation, change.load
+        common = (self.share * x).sum(axis=1) + (load - y.sum(axis=1)) / self.stiffness
         return np.asarray(self.area_rate * (common[:, None] - np.where(self.area > 0.0, x, 0.0)))
 
     def by_load(self) -> FloatArray:
@@ -91,16 +98,21 @@ class Part(Protocol):
         """Its material."""
 
     @property
+    def adhesion(self) -> float:
+        """Root of the adhesion energy over that of the contact law."""
+
+    @property
     def surface(self) -> Surface:
         """All of it."""
 
 
 def response(model: Model, part: Part, load: FloatArray) -> Response:
     """Return the contacts at rescaled loads (k,) in any order; derivatives are of independent asperities."""
-    law = contact_of(model).for_material(part.material)
+    contact = with_adhesion(contact_of(model), part.adhesion)
+    law = contact.for_material(part.material)
     radius = part.radius
     if model.couples:
-        size, indentation, carried = _states(model, part.surface, load)
+        size, indentation, carried = _states(with_contact(model, contact), part.surface, load)
     else:
         order = np.argsort(load, kind="stable")
         size, indentation = np.empty((2, len(load), len(radius)))
@@ -113,8 +125,25 @@ def response(model: Model, part: Part, load: FloatArray) -> Response:
     total = stiffness.sum(axis=1)
     share = stiffness / total[:, None]
     by_radius = _by_radius(law, size, radius, indentation, carried, stiffness, rate)
-    by_modulus = _by_modulus(contact_of(model), part.material, size, radius)
-    return Response(area, indentation, rate, share, total, *by_radius, *by_modulus)
+    return Response(
+        area, indentation, rate, share, total, *by_radius, *law_changes(contact, part.material, size, radius)
+    )
+
+
+def law_changes(
+    contact: Contact, material: Material, size: FloatArray, radius: FloatArray
+) -> tuple[Change, Change]:
+    """Return the derivatives of a contact law at contact radii by log E* and by log sqrt(w)."""
+    pairs = _by_modulus(contact, material), _by_adhesion(contact, material)
+    return _change(pairs[0], size, radius), _change(pairs[1], size, radius)
+
+
+def with_adhesion(contact: Contact, root: float) -> Contact:
+    """Return a law whose adhesion energy, if it has one, is multiplied by the square of a factor."""
+    if root == 1.0 or not contact.adhesive:
+        return contact
+    adhesive: Any = contact
+    return cast("Contact", replace(adhesive, adhesion_energy=root**2 * adhesive.adhesion_energy))
 
 
 def _by_radius(
@@ -143,22 +172,33 @@ def _by_radius(
     return y - stiffness * x, np.where(size > 0.0, -rate * x, latent)
 
 
-def _by_modulus(
-    contact: Contact, material: Material, size: FloatArray, radius: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Return the derivatives of indentation and rescaled load by log E* at fixed contact radii."""
+def _by_modulus(contact: Contact, material: Material) -> tuple[Contact, ...]:
+    """Return the laws at E* (1 - STEP) and E* (1 + STEP); nothing if they are the same."""
     if not contact.for_material(material).scales_with_stress:
-        return np.zeros(size.shape), np.zeros(size.shape)
-    softer, stiffer = (
-        contact.for_material(replace(material, composite_modulus=factor * material.composite_modulus))
-        for factor in (1.0 - STEP, 1.0 + STEP)
+        return ()
+    factors = (1.0 - STEP, 1.0 + STEP)
+    moduli = (factor * material.composite_modulus for factor in factors)
+    return tuple(contact.for_material(replace(material, composite_modulus=modulus)) for modulus in moduli)
+
+
+def _by_adhesion(contact: Contact, material: Material) -> tuple[Contact, ...]:
+    """Return the laws with the roots of the adhesion energy (1 - STEP) and (1 + STEP) times as large."""
+    if not contact.adhesive:
+        return ()
+    factors = (1.0 - STEP, 1.0 + STEP)
+    return tuple(with_adhesion(contact, factor).for_material(material) for factor in factors)
+
+
+def _change(laws: tuple[Contact, ...], size: FloatArray, radius: FloatArray) -> Change:
+    """Return the derivatives between two laws, low and high, at contact radii (k, n) and radii (n,)."""
+    if not laws:
+        return Change(np.zeros(size.shape), np.zeros(size.shape))
+    low, high = laws
+    changes = (
+        (_where_closed(after, size, radius) - _where_closed(before, size, radius)) / (2.0 * STEP)
+        for before, after in ((low.indentation, high.indentation), (low.load, high.load))
     )
-    high, low = (
-        np.array([_where_closed(of, size, radius) for of in (law.indentation, law.load)])
-        for law in (stiffer, softer)
-    )
-    change = (high - low) / (2.0 * STEP)
-    return change[0], change[1]
+    return Change(*changes)
 
 
 def _where_closed(value: Callable[..., Any], size: FloatArray, radius: FloatArray) -> FloatArray:

@@ -19,6 +19,7 @@ NAMES = {
     "height_scale": "height scale",
     "composite_modulus": "E*",
     "friction": "σB",
+    "adhesion_root": "√w",
     "height": "single heights",
     "radius": "radii",
     "position": "positions",

@@ -27,6 +27,7 @@ EXPECTED = {
     "height_sd": ("mm", "0.9um", "Expected error of each height"),
     "radius_sd": ("mm", "5um", "Expected error of each radius"),
     "position_sd": ("mm", "0um", "Expected error of x and of y of each site"),
+    "adhesion_root_sd": ("%", "20%", "Expected error of the root of the adhesion energy"),
 }
 
 explain_options = with_options(

@@ -12,7 +12,7 @@ from metafem.calibration.diagnosis.causes import Causes
 from metafem.calibration.diagnosis.linearised import response
 
 ERRORS = MeasurementErrors()
-NOTHING = Priors(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+NOTHING = Priors(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 COMMON = Priors(height_sd=0.0, radius_sd=0.0)
 LOADS = np.linspace(0.03, 0.6, 20)
 

@@ -44,6 +44,10 @@ def test_an_adhesive_part_is_explained_with_the_contact_law_of_its_design():
     for name, value in (("height_scale", 0.03), ("composite_modulus", 0.0), ("friction", 0.0)):
         assert abs(found[name].mean - value) < 3.0 * found[name].sd
     assert found.verdict.fits
+    # an adhesion energy of the calibration that is too large is found
+    found = explain(law, PART, model=mf.Independent(contact=mf.JKR(16e-6)))
+    for name, value in (("height_scale", 0.03), ("composite_modulus", 0.0), ("adhesion_root", -0.25)):
+        assert abs(found[name].mean - value) < 3.0 * found[name].sd
     # Hertz contacts have smaller areas at the same loads
     assert explain(law, PART, model=ALONE)["composite_modulus"].mean < -0.03
 

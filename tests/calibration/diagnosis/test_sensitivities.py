@@ -11,6 +11,7 @@ from metafem.calibration.diagnosis.causes import Causes, Made
 from metafem.calibration.diagnosis.linearised import Scene
 from metafem.calibration.diagnosis.observations import Observations
 from metafem.calibration.diagnosis.sensitivities import response
+from metafem.models.model import contact_of
 from tests.calibration.diagnosis.scenes import COMMON, NOTHING, design, measured
 
 PART = design((3, 3))
@@ -19,7 +20,8 @@ PART = design((3, 3))
 def scene(model: mf.Model, priors: Priors, areas: bool = True) -> Scene:
     """Return the part with its measured values without noise."""
     law = measured(PART, areas=areas)
-    causes = Causes.of(PART, law.load, law.load_sd, priors, True)
+    adhesive = contact_of(model).adhesive
+    causes = Causes.of(PART, law.load, law.load_sd, priors, True, adhesive)
     return Scene(model, causes, Observations.of(law, PART), PART.friction)
 
 
