@@ -3,6 +3,7 @@
 import contextlib
 import io
 import re
+import shlex
 import shutil
 from pathlib import Path
 
@@ -10,6 +11,7 @@ import pytest
 from click.testing import CliRunner
 
 from metafem import _caches, cli
+from validation import laboratory
 
 README = (Path(__file__).parent.parent / "README.md").read_text("utf-8")
 
@@ -36,3 +38,25 @@ def test_studies_print_the_answers_that_it_shows(demo_results, tmp_path, monkeyp
         result = CliRunner().invoke(cli.main, command.split()[1:])
         assert result.exit_code == 0, result.output
         assert answer in result.stdout.splitlines()
+
+
+@pytest.mark.slow
+def test_measurements_print_what_it_shows(tmp_path, monkeypatch):
+    section = README.split("## From measurements to the model, and back")[1].split("\n## ")[0]
+    blocks = re.findall(r"```bash\n(.*?)```\n\n```text\n(.*?)```", section, re.S)
+    monkeypatch.chdir(tmp_path)
+    runner = CliRunner(env={"COLUMNS": "200"})
+    assert runner.invoke(laboratory.main, ["lab"]).exit_code == 0
+    for commands, shown in blocks:
+        printed = []
+        for command in commands.splitlines():
+            result = runner.invoke(cli.main, shlex.split(command)[1:])
+            assert result.exit_code == 0, result.output
+            printed += [" ".join(line.split()) for line in result.stdout.splitlines()]
+            if command.startswith("metafem calibrate"):
+                Path("part.toml").write_text(
+                    Path("material.toml").read_text() + Path("lab/wanted.toml").read_text()
+                )
+            if command.startswith("metafem design"):
+                assert runner.invoke(laboratory.main, ["lab", "--part", "part"]).exit_code == 0
+        assert [line for line in shown.splitlines() if " ".join(line.split()) not in printed] == []
