@@ -70,7 +70,7 @@ def fit_branch(
     low, high = load_range
     if high <= low:
         raise InvalidInput(f"load_range = ({low:g}, {high:g}) must increase")
-    chosen = (load >= low) & (load <= high)
+    chosen = (load >= low) & (load <= high) & ~np.isnan(area)  # of a measured law, some are unknown
     count = int(chosen.sum())
     if count < 3 or np.ptp(load[chosen]) == 0.0:
         raise InvalidInput(

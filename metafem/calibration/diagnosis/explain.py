@@ -10,11 +10,13 @@ from metafem import _validate as check
 from metafem._calls import checked_call
 from metafem._given import shown
 from metafem._validate import FloatArray
-from metafem.calibration.diagnosis.causes import Causes
+from metafem._values import percent
+from metafem.calibration.diagnosis.causes import LEAST, Causes
 from metafem.calibration.diagnosis.explanation import Cause, Explanation, SingleErrors
 from metafem.calibration.diagnosis.linearised import Scene
 from metafem.calibration.diagnosis.observations import Observations
 from metafem.calibration.diagnosis.priors import Priors
+from metafem.calibration.diagnosis.sentences import NAMES
 from metafem.calibration.diagnosis.shares import shares
 from metafem.calibration.diagnosis.unresolved import unresolved
 from metafem.calibration.diagnosis.update import Posterior, update
@@ -180,6 +182,7 @@ def _explanation(
                 "deviations; a contact opens and closes in turn at a measured load"
             )
         )
+    notes += _impossible(causes, mean)
     measured = np.concatenate([-mean[causes.where["load"]], at.residual])
     gradient = at.gradient
     fitted = float(((gradient @ posterior.covariance) * gradient).sum())
@@ -208,6 +211,22 @@ def _explanation(
         priors=priors,
         notes=tuple(notes),
     )
+
+
+def _impossible(causes: Causes, mean: FloatArray) -> list[Note]:
+    """Return a note for each factor of E* or sigma B that no part has."""
+    found = []
+    for name in ("composite_modulus", "friction"):
+        error = float(causes.value(name, mean)[0])
+        if error <= LEAST - 1.0:
+            found.append(
+                Note(
+                    f"an error of {NAMES[name]} of {percent(error, '+.3g')} is impossible: no part explains "
+                    "the measured values; check the units of loads, friction forces and areas, and E*, sigma "
+                    "and B"
+                )
+            )
+    return found
 
 
 def _single(causes: Causes, name: str, mean: FloatArray, sd: FloatArray) -> SingleErrors:

@@ -31,6 +31,10 @@ SMALLEST = 1e-12
 # Differences are kept while no unknown moves by more than this number of prior standard deviations.
 NEAR = 0.05
 
+# Largest contact radius over the summit's at which the indentation of an overlooked area is taken: a
+# spherical cap has no contact of its own radius, and one as large says nothing about the gap.
+WIDEST = 0.9
+
 # Least area of a contact over the measured one at which the error of the area is taken: at half the radius.
 LEAST_AREA = 0.25
 
@@ -193,7 +197,7 @@ class Scene:
         least = (2.0 * boundary) ** 2 / radius
         contact = with_adhesion(contact_of(self.model), made.adhesion)
         size = np.sqrt(seen.overlooked / math.pi)
-        size = np.where(size > 2.0 * boundary, size, 0.0)
+        size = np.where(size > 2.0 * boundary, np.minimum(size, WIDEST * radius), 0.0)
         with np.errstate(divide="ignore", invalid="ignore"):
             depth = contact.for_material(made.material).indentation(size, radius)
         # an adhesive contact of a smaller area than at no indentation has jumped in

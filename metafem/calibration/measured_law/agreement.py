@@ -168,18 +168,26 @@ def compare(
     names, matrix = _parameters(measured, parameters, covariance)
     law = design.law if isinstance(design, Design) else design
     end = float(law.rescaled_load[-1])
-    within = measured.rescaled_load <= end
-    if not within.any():
+    smallest = measured.known().load[0]
+    known, within = ~np.isnan(measured.rescaled_friction), measured.rescaled_load <= end
+    point = np.flatnonzero(known & within)
+    if not point.size:
         modulus = measured.material.composite_modulus
         raise InvalidInput(
             f"all measured loads exceed the largest load of the design, P/E* = {end:.4g} mm^2 or "
-            f"{modulus * end:.4g} N; the smallest is {measured.load[0]:.4g} N"
+            f"{modulus * end:.4g} N; the smallest is {smallest:.4g} N"
         )
-    point = np.flatnonzero(within)
     prediction = predicted_at(measured, point, design, operating_loads(design))
     deviation = measured.rescaled_friction[point] - prediction.friction
     total = _covariance(measured, point, prediction, names, matrix)
-    notes = () if within.all() else (Note(_left_out(measured.load[~within], end)),)
+    notes = tuple(
+        Note(_left_out(measured.load[which], why))
+        for which, why in (
+            (~known, "the area of a contact is unknown"),
+            (known & ~within, f"the law of the design ends at P/E* = {end:.4g} mm^2"),
+        )
+        if which.any()
+    )
     features, more = features_of(Deviations(measured, point, prediction, total), design)
     # residuals in order of load, each less what those before it predict: independent if the law holds
     residual = np.linalg.solve(np.linalg.cholesky(total), deviation)
@@ -253,11 +261,11 @@ def _covariance(
     return total + jacobian @ matrix @ jacobian.T
 
 
-def _left_out(load: FloatArray, end: float) -> str:
+def _left_out(load: FloatArray, why: str) -> str:
     """Return which points are not compared."""
     points = (
         f"the point at {load[0]:.4g} N is"
         if len(load) == 1
         else f"{len(load)} points at {span(load, 'N')} are"
     )
-    return f"{points} left out: the law of the design ends at P/E* = {end:.4g} mm^2"
+    return f"{points} left out: {why}"

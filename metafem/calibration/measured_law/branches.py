@@ -92,6 +92,7 @@ def branches(law: MeasuredLaw, first: int | None = None, second: int | None = No
     array([0.1 , 0.12])
     """
     check.instance("law", law, MeasuredLaw, "a metafem.calibration.MeasuredLaw")
+    law = law.known()
     count = len(law.load)
     if count < 2 * LEAST:
         raise InvalidInput(f"law has {count} points; two branches need at least {2 * LEAST}")

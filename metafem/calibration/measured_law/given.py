@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from metafem import _validate as check
 from metafem._given import formatted, label, shown
@@ -33,12 +34,11 @@ def checked(given: Mapping[str, Any], errors: MeasurementErrors) -> dict[str, An
     """Return the arrays of a law that are known, in the order of load."""
     found: dict[str, Any] = {"load": check.array("load", given["load"], shape=(None,))}
     count = len(found["load"])
-    for name in ("friction_force", "area"):
-        if given[name] is not None:
-            found[name] = check.array(name, given[name], shape=(count,))
-    found |= _asperities(given, count)
-    if "area" not in found and "asperity_area" in found:
-        found |= _total(found["asperity_area"], needed="friction_force" not in found)
+    if given["friction_force"] is not None:
+        found["friction_force"] = check.array("friction_force", given["friction_force"], shape=(count,))
+    asperities = _asperities(given, count)
+    found |= _area(given["area"], count, asperities.get("asperity_area"), "friction_force" in found)
+    found |= asperities
     if "friction_force" not in found and "area" not in found:
         raise InvalidInput("a measured law needs friction_force, area or asperity_area")
     for name in QUANTITIES:
@@ -86,18 +86,22 @@ def _asperities(given: Mapping[str, Any], count: int) -> dict[str, Any]:
     return {"asperity_area": np.where(missing, np.nan, filled), "site": site.astype(np.intp)}
 
 
-def _total(areas: FloatArray, needed: bool) -> dict[str, FloatArray]:
-    """Return the sums over the asperities, if all of them were measured."""
-    missing = np.argwhere(np.isnan(areas))
-    if not missing.size:
+def _area(area: Any, count: int, areas: FloatArray | None, by_force: bool) -> dict[str, FloatArray]:
+    """Return the checked total areas, or the sums over the asperities: nan where one was not measured."""
+    if area is None:
+        if areas is None or (by_force and np.isnan(areas).any(axis=1).all()):
+            return {}
         return {"area": areas.sum(axis=1)}
-    if not needed:
-        return {}
-    image, contact = missing[0].tolist()
-    raise InvalidInput(
-        f"asperity_area[{image}, {contact}] is nan, so that the contact area at load {image} is unknown; "
-        "leave this load out, or give friction_force or area"
-    )
+    gaps = np.zeros(count, bool) if areas is None else np.isnan(areas).any(axis=1) & _unknown(area, count)
+    found = check.array("area", np.where(gaps, 0.0, area) if gaps.any() else area, shape=(count,))
+    return {"area": np.where(gaps, np.nan, found)}
+
+
+def _unknown(area: Any, count: int) -> NDArray[np.bool_]:
+    """Return which total areas are nan."""
+    values = np.asarray(area)
+    usable = values.dtype.kind == "f" and values.shape == (count,)
+    return np.isnan(values) if usable else np.zeros(count, bool)
 
 
 def _deviation(
@@ -122,15 +126,17 @@ def _deviation(
         total: FloatArray = np.sqrt((np.where(closed, found["asperity_area_sd"], 0.0) ** 2).sum(axis=1))
     else:
         total = errors.of_area(values)  # of n contacts together as of one: the squares add up
-    if not values.max() > 0.0:
-        raise InvalidInput(
-            f"{label('area')} is {formatted('area', values.max())} at most: there is no contact"
-        )
-    return np.maximum(total, errors.of_area(np.array(SMALL_CONTACT * values.max())))
+    # contacts at loads with an unknown total are contacts, too
+    parts = np.nansum(found["asperity_area"], axis=1) if missing.any() else values
+    largest = float(np.where(missing, parts, values).max())
+    if not largest > 0.0:
+        raise InvalidInput(f"{label('area')} is {formatted('area', largest)} at most: there is no contact")
+    sd = np.maximum(total, errors.of_area(np.array(SMALL_CONTACT * largest)))
+    return np.where(missing, np.nan, sd)
 
 
 def _refuse_negative(name: str, values: FloatArray, sd: FloatArray) -> None:
-    i = int((values / sd).argmin())
+    i = int(np.where(np.isnan(values), np.inf, values / sd).argmin())
     if values[i] < -BELOW_ZERO * sd[i]:
         raise InvalidInput(
             f"{label(f'{name}[{i}]')} = {formatted(name, values[i])} is below 0 by {-values[i] / sd[i]:.0f} "
@@ -140,19 +146,23 @@ def _refuse_negative(name: str, values: FloatArray, sd: FloatArray) -> None:
 
 def _refuse_falling(found: Mapping[str, FloatArray]) -> None:
     """Refuse points whose friction or area decreases with the load."""
-    load = found["load"]
     for name in ("friction_force", "area"):
-        if name not in found or np.ptp(load) <= found["load_sd"].max():
+        if name not in found:
             continue
-        values, centred = found[name], load - load.mean()
+        known = np.flatnonzero(~np.isnan(found[name]))
+        load, values, load_sd = found["load"][known], found[name][known], found["load_sd"][known]
+        if not known.size or np.ptp(load) <= load_sd.max():
+            continue
+        centred = load - load.mean()
         weight = centred / (centred**2).sum()
         slope = float(weight @ values)
         # the errors of the loads add to those of the values in proportion to the slope
-        sd = np.sqrt((weight**2) @ (found[f"{name}_sd"] ** 2 + (slope * found["load_sd"]) ** 2))
+        sd = np.sqrt((weight**2) @ (found[f"{name}_sd"][known] ** 2 + (slope * load_sd) ** 2))
         if slope < -FALLING * sd:
             first, last = int(load.argmin()), int(load.argmax())
             ends = (
-                f"{label(f'{name}[{i}]')} = {formatted(name, values[i])} at {formatted('load', load[i])}"
+                f"{label(f'{name}[{known[i]}]')} = {formatted(name, values[i])} at "
+                f"{formatted('load', load[i])}"
                 for i in (first, last)
             )
             raise InvalidInput(

@@ -19,28 +19,41 @@ def of_contacts(table: ContactTable, rescaled: bool) -> tuple[dict[str, Any], tu
     """
     forces, total = np.isfinite(table.friction_force), ~np.isnan(table.area.sum(axis=1))
     by_force = rescaled and bool(forces.any())
-    kept: NDArray[np.bool_] = np.isfinite(table.load) & (forces if by_force else total)
+    sites = table.matched & (table.site >= 0)
+    # without friction forces, the areas of some contacts are of use where those of all others are known
+    known = ~np.isnan(table.area)
+    usable = known[:, ~sites].all(axis=1) & known.any(axis=1)
+    kept: NDArray[np.bool_] = np.isfinite(table.load) & (forces if by_force else usable)
     if not kept.any():
         what = "a friction force" if by_force else "the areas of all its contacts"
         raise InvalidInput(f"none of the {len(kept)} images has a load and {what}")
-    notes = tuple(
+    notes = [
         Note(f"image {table.image[i]} is left out: it has no {_missing(table, i, by_force)}")
         for i in np.flatnonzero(~kept).tolist()
-    )
+    ]
+    notes += [
+        Note(f"image {table.image[i]}: {_unknown(table.site[~known[i] & sites])}")
+        for i in np.flatnonzero(kept & ~known[:, sites].all(axis=1)).tolist()
+    ]
     area, area_sd = table.area[kept], np.nan_to_num(table.area_error[kept])
     found: dict[str, Any] = {"load": table.load[kept]}
     if forces[kept].all():
         found["friction_force"] = table.friction_force[kept]
     if table.matched:
-        sites = table.site >= 0
         found |= {"asperity_area": area[:, sites], "asperity_area_sd": area_sd[:, sites]}
         found["site"] = table.site[sites]
     sd = np.sqrt((np.where(area > 0.0, area_sd, 0.0) ** 2).sum(axis=1))  # open contacts are taken as open
-    if total[kept].all():
+    if total[kept].all() or (table.matched and total[kept].any()):
         found["area"] = area.sum(axis=1)
         if (sd > 0.0).all():  # else from the errors: an image without contacts has none
             found["area_sd"] = sd
-    return found, notes
+    return found, tuple(notes)
+
+
+def _unknown(sites: NDArray[np.intp]) -> str:
+    """Return which areas of contacts an image lacks."""
+    more = f" and {len(sites) - 1} others" if len(sites) > 1 else ""
+    return f"the area of the contact at site {sites[0]}{more} is unknown; the other contacts are used"
 
 
 def _missing(table: ContactTable, i: int, by_force: bool) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import KW_ONLY, dataclass
+from dataclasses import KW_ONLY, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -53,7 +53,8 @@ class MeasuredLaw(BaseLaw):
     area : array_like, (k,), optional
         Real contact areas A0 [mm^2]; default: the sums of `asperity_area`.
     asperity_area : array_like, (k, n), optional
-        Contact area of each asperity [mm^2], 0 for an open contact; nan where it could not be measured.
+        Contact area of each asperity [mm^2], 0 for an open contact; nan where it could not be measured. The
+        area of such a load is nan, unless it is given, and `compare` leaves the load out.
     site : array_like of int, (n,), optional
         Numbers of the asperities in the design; default: 0 to n - 1.
     material : Material
@@ -141,7 +142,8 @@ class MeasuredLaw(BaseLaw):
 
         The area of a load is the sum over its contacts. Images without a load, and images without a friction
         force beside others that have one, are left out, and the notes name them. Areas of contacts that were
-        not matched to a site are part of the sums alone.
+        not matched to a site are part of the sums alone. Of an image in which the area of a matched contact
+        is unknown, the areas of the others are kept.
 
         Parameters
         ----------
@@ -185,6 +187,21 @@ class MeasuredLaw(BaseLaw):
         return (
             f'<MeasuredLaw "{self.label}": {len(self.load)} loads {span(self.load, "N")}, {what}, '
             f"{counted(self.notes)}>"
+        )
+
+    def known(self) -> MeasuredLaw:
+        """Return the law of the loads at which all contacts, or the friction force, were measured."""
+        kept = ~np.isnan(self.rescaled_friction)
+        if kept.all():
+            return self
+        if not kept.any():
+            raise InvalidInput(
+                "the contact area is unknown at every load, since an area of a contact is nan at each; "
+                "give friction forces, or areas at more loads"
+            )
+        arrays = {name: getattr(self, name) for name in ARRAYS if name != "site"}
+        return replace(
+            self, **{name: None if values is None else values[kept] for name, values in arrays.items()}
         )
 
     @property

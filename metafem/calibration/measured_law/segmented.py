@@ -152,6 +152,7 @@ def segmented(law: MeasuredLaw, *, draws: int = 2000, rng: Any = 0) -> Segmented
     (array([ 7. , 12.5]), 0.1)
     """
     check.instance("law", law, MeasuredLaw, "a metafem.calibration.MeasuredLaw")
+    law = law.known()
     count = check.integer("draws", draws, at_least=100)
     generator = check.generator(rng)
     if len(law.load) < LEAST:

@@ -52,6 +52,23 @@ def test_an_adhesive_part_is_explained_with_the_contact_law_of_its_design():
     assert explain(law, PART, model=ALONE)["composite_modulus"].mean < -0.03
 
 
+def test_an_overlooked_area_wider_than_a_sphere_says_nothing_about_the_gap():
+    law = measured(PART)
+    wide = np.where(law.asperity_area > 0.0, law.asperity_area_sd, 2.0)
+    law = replace(law, asperity_area_sd=wide)
+    found = explain(law, PART, COMMON, model=mf.Independent(contact=mf.SphericalCap()))
+    assert np.isfinite([cause.mean for cause in found.causes]).all()
+
+
+def test_areas_in_a_wrong_unit_are_noted():
+    law = measured(PART, forces=False)
+    other = replace(
+        law, area=None, area_sd=None, asperity_area=100.0 * law.asperity_area, asperity_area_sd=None
+    )
+    notes = explain(other, PART, COMMON, model=ALONE).notes
+    assert any("is impossible" in note.text and "check the units" in note.text for note in notes)
+
+
 def test_one_deep_hole_is_that_hole():
     height = PART.height.copy()
     site = int(height.argmax())

@@ -43,6 +43,17 @@ def test_a_part_that_is_the_design_has_no_deviation(linear):
     assert "agree" not in repr(found)
 
 
+def test_loads_with_an_unknown_contact_are_left_out_and_noted(linear):
+    load = np.linspace(0.1, 0.5, 5)
+    areas = np.array([mf.equilibrium(linear.surface, load=value).asperity_area for value in load])
+    areas[1, 7] = np.nan
+    law = MeasuredLaw(load, asperity_area=areas, material=linear.surface.material)
+    found = compare(law, linear)
+    assert found.point.tolist() == [0, 2, 3, 4]
+    assert np.isfinite(found.normalised).all()
+    assert found.notes[0].text == "the point at 0.2 N is left out: the area of a contact is unknown"
+
+
 def test_a_common_factor_is_every_deviation_and_that_of_the_slope(linear):
     found = compare(measured_on(linear, np.linspace(0.02, 0.6, 12), 1.04), linear)
     np.testing.assert_allclose(found.percent, 4.0, rtol=1e-9)

@@ -1,5 +1,7 @@
 """Measured laws: error bars, order, tables, and what they share with predicted laws."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -75,7 +77,7 @@ def test_asperities_are_in_the_data_set():
     data = law.to_xarray()
     assert data.asperity_area.sel(site=2).values.tolist()[1:] == [0.2, 0.3]
     assert np.isnan(data.asperity_area.sel(site=2).values[0])
-    assert law.area is None
+    np.testing.assert_array_equal(law.area, [np.nan, 0.3, 0.5])
 
 
 @pytest.mark.parametrize("units", ["N", "mm^2"])
@@ -111,9 +113,32 @@ def test_images_without_a_load_a_force_or_an_area_are_left_out_and_named():
     assert [note.text for note in law.notes] == ["image c is left out: it has no friction force"]
     merged = np.array([[0.1, np.nan], [0.05, 0.0], [0.3, 0.4]])
     law = MeasuredLaw.from_contacts(contacts(area=merged, area_error=0.01 * merged), MATERIAL)
-    assert [note.text for note in law.notes] == ["image a is left out: it has no area of contact 1"]
+    assert len(law.load) == 3
+    assert np.isnan(law.area[1])
+    assert [note.text for note in law.notes] == [
+        "image a: the area of the contact at site 2 is unknown; the other contacts are used"
+    ]
+    unmatched = contacts(area=merged, area_error=0.01 * merged, matched=False)
+    notes = MeasuredLaw.from_contacts(unmatched, MATERIAL).notes
+    assert [note.text for note in notes] == ["image a is left out: it has no area of contact 1"]
     with pytest.raises(mf.InvalidInput, match="none of the 3 images has a load"):
         MeasuredLaw.from_contacts(contacts(load=np.full(3, np.nan)), MATERIAL)
+
+
+def test_loads_with_an_unknown_contact_are_used_for_what_they_tell():
+    load = np.linspace(0.02, 0.2, 10)
+    whole = MeasuredLaw(load, asperity_area=np.outer(load, [1.0, 2.0]), material=MATERIAL)
+    areas = np.vstack([np.outer(load, [1.0, 2.0]), [[0.3, np.nan]]])
+    law = MeasuredLaw(np.append(load, 0.1), asperity_area=areas, material=MATERIAL)
+    assert np.isnan(law.area).sum() == np.isnan(law.area_sd).sum() == 1
+    np.testing.assert_array_equal(law.known().area, whole.area)
+    np.testing.assert_array_equal(replace(law, label="a copy").area, law.area)
+    assert law.fit(load=(0.02, 0.2)).slope == whole.fit(load=(0.02, 0.2)).slope
+    forces = replace(law, friction_force=0.3 * law.load, friction=FRICTION)
+    assert len(forces.known().load) == 11
+    nowhere = MeasuredLaw(load, asperity_area=np.outer(load, [1.0, np.nan]), material=MATERIAL)
+    with pytest.raises(mf.InvalidInput, match="the contact area is unknown at every load"):
+        nowhere.known()
 
 
 @pytest.mark.parametrize(
@@ -129,7 +154,7 @@ def test_images_without_a_load_a_force_or_an_area_are_left_out_and_named():
         ({"site": [1, 2]}, "site needs asperity_area"),
         ({"asperity_area": np.ones((3, 2)), "site": [1, 1]}, "site holds 1 twice"),
         ({"asperity_area": -np.ones((3, 2))}, r"asperity_area\[0, 0\] = -1 must be at least 0"),
-        ({"friction_force": None, "asperity_area": [[1.0], [np.nan], [1]]}, r"asperity_area\[1, 0\] is nan"),
+        ({"friction_force": None, "area": [0.1, np.nan, 0.3]}, "area holds nan at entry 1"),
         ({"area": [0.0, 0.0, 0.0]}, "there is no contact"),
         ({"loads": [1.0]}, "has no argument loads; did you mean load"),
     ],
