@@ -31,10 +31,15 @@ def of_contacts(table: ContactTable, rescaled: bool) -> tuple[dict[str, Any], tu
         Note(f"image {table.image[i]} is left out: it has no {_missing(table, i, by_force)}")
         for i in np.flatnonzero(~kept).tolist()
     ]
-    notes += [
-        Note(f"image {table.image[i]}: {_unknown(table.site[~known[i] & sites])}")
-        for i in np.flatnonzero(kept & ~known[:, sites].all(axis=1)).tolist()
-    ]
+    notes += _unknown(table, kept, ~known & sites)
+    overlooked = np.nanmax(np.where(table.area[kept] == 0.0, table.area_error[kept], 0.0))
+    if overlooked > 0.0 and not by_force:
+        notes.append(
+            Note(
+                f"contacts of less than {overlooked:.2g} mm^2 count as open; the errors of the total areas "
+                "do not include what these contacts lack"
+            )
+        )
     area, area_sd = table.area[kept], np.nan_to_num(table.area_error[kept])
     found: dict[str, Any] = {"load": table.load[kept]}
     if forces[kept].all():
@@ -50,10 +55,28 @@ def of_contacts(table: ContactTable, rescaled: bool) -> tuple[dict[str, Any], tu
     return found, tuple(notes)
 
 
-def _unknown(sites: NDArray[np.intp]) -> str:
-    """Return which areas of contacts an image lacks."""
-    more = f" and {len(sites) - 1} others" if len(sites) > 1 else ""
-    return f"the area of the contact at site {sites[0]}{more} is unknown; the other contacts are used"
+def _unknown(table: ContactTable, kept: NDArray[np.bool_], unknown: NDArray[np.bool_]) -> list[Note]:
+    """Return which areas of contacts (k, n) the images that are kept lack, one note for images alike."""
+    images: dict[str, list[str]] = {}
+    for i in np.flatnonzero(kept & unknown.any(axis=1)).tolist():
+        sites = table.site[unknown[i]].tolist()
+        several = "s" if len(sites) > 1 else ""
+        where = f"area{several} of the contact{several} at site{several} {', '.join(map(str, sites))}"
+        images.setdefault(where, []).append(table.image[i])
+    return [
+        Note(
+            f"{_named(names)}: the {where} {'are' if where.startswith('areas') else 'is'} unknown; the other "
+            "contacts are used"
+        )
+        for where, names in images.items()
+    ]
+
+
+def _named(images: list[str]) -> str:
+    """Return the names of images, of many the first and the last."""
+    if len(images) == 1:
+        return f"image {images[0]}"
+    return f"{len(images)} images, {images[0]} to {images[-1]}"
 
 
 def _missing(table: ContactTable, i: int, by_force: bool) -> str:

@@ -77,7 +77,7 @@ def test_asperities_are_in_the_data_set():
     data = law.to_xarray()
     assert data.asperity_area.sel(site=2).values.tolist()[1:] == [0.2, 0.3]
     assert np.isnan(data.asperity_area.sel(site=2).values[0])
-    np.testing.assert_array_equal(law.area, [np.nan, 0.3, 0.5])
+    np.testing.assert_allclose(law.area, [np.nan, 0.3, 0.5])
 
 
 @pytest.mark.parametrize("units", ["N", "mm^2"])
@@ -118,11 +118,22 @@ def test_images_without_a_load_a_force_or_an_area_are_left_out_and_named():
     assert [note.text for note in law.notes] == [
         "image a: the area of the contact at site 2 is unknown; the other contacts are used"
     ]
+    merged[2, 1] = np.nan
+    law = MeasuredLaw.from_contacts(contacts(area=merged, area_error=0.01 * merged), MATERIAL)
+    assert law.notes[0].text.startswith("2 images, a to c: the area of the contact at site 2 is unknown")
+    merged[2, 1] = 0.4
     unmatched = contacts(area=merged, area_error=0.01 * merged, matched=False)
     notes = MeasuredLaw.from_contacts(unmatched, MATERIAL).notes
     assert [note.text for note in notes] == ["image a is left out: it has no area of contact 1"]
     with pytest.raises(mf.InvalidInput, match="none of the 3 images has a load"):
         MeasuredLaw.from_contacts(contacts(load=np.full(3, np.nan)), MATERIAL)
+
+
+def test_areas_that_images_do_not_show_are_noted():
+    table = contacts(area_error=np.array([[0.01, 0.01], [0.01, 0.006], [0.01, 0.01]]))
+    law = MeasuredLaw.from_contacts(table, MATERIAL)
+    assert law.asperity_area_sd[0].tolist() == [0.01, 0.006]
+    assert law.notes[0].text.startswith("contacts of less than 0.006 mm^2 count as open")
 
 
 def test_loads_with_an_unknown_contact_are_used_for_what_they_tell():
