@@ -200,9 +200,10 @@ class MeasuredLaw(BaseLaw):
                 "give friction forces, or areas at more loads"
             )
         arrays = {name: getattr(self, name) for name in ARRAYS if name != "site"}
-        return replace(
-            self, **{name: None if values is None else values[kept] for name, values in arrays.items()}
-        )
+        changes: dict[str, Any] = {
+            name: None if values is None else values[kept] for name, values in arrays.items()
+        }
+        return replace(self, **changes)
 
     @property
     def by_force(self) -> bool:
