@@ -2,22 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from metafem._given import printable
 from metafem._validate import FloatArray
 from metafem._values import Value
+
+# Images or contacts that a sentence names, so that it stays readable.
+NAMED = 5
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ContactTable(Value):
     """Areas of n contacts in k images, and the forces at which the images were taken.
 
-    A contact that an image does not show is open: its area is 0, and its error the smallest area that the
-    image shows. One that could not be
-    measured, at the edge of the frame or merged with another, has the area nan, and `remarks` names it.
+    A contact that an image does not show counts as open: its area is 0, and its error the smallest area that
+    the image shows, below which a contact is overlooked. One that could not be measured, at the edge of the
+    frame or merged with another, has the area nan, and `remarks` names it.
 
     Attributes
     ----------
@@ -63,3 +68,19 @@ class ContactTable(Value):
     sheared_area: FloatArray
     sheared_area_error: FloatArray
     remarks: tuple[str, ...] = ()
+
+    def name_of(self, contact: int) -> str:
+        """Return the name of a contact, counted from 0, as in tables and remarks."""
+        return f"site {self.site[contact]}" if self.matched else f"contact {contact + 1}"
+
+
+def listed(names: Sequence[str]) -> str:
+    """Return names of images or contacts in a sentence.
+
+    Examples
+    --------
+    >>> listed(["1.tif", "2.tif", "3.tif", "4.tif", "5.tif", "6.tif", "7.tif"])
+    '1.tif, 2.tif, 3.tif, 4.tif, 5.tif and 2 more'
+    """
+    more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
+    return ", ".join(printable(name, 60) for name in names[:NAMED]) + more

@@ -242,7 +242,7 @@ def _notes(
     """Return the notes of both calibrations, and one on areas that both have."""
     from metafem.notes import information
 
-    notes = [note for each in (contact, shear) if each is not None for note in each.notes]
+    notes = [*measured.notes, *(note for each in (contact, shear) if each is not None for note in each.notes)]
     pressed, sheared = measured.compression, measured.shear
     if pressed is not None and sheared is not None and not set(pressed.place).isdisjoint(sheared.place):
         notes.append(

@@ -94,7 +94,7 @@ def fitted_contact(
         for name in ("radius", "radius_sd")
     )
     count = options["contacts"]
-    single = points.area.shape[1] if points.area.ndim == 2 else None
+    single = points.contacts
     if single is not None and count not in (None, single):
         raise InvalidInput(f"--contacts {count}: the tables hold {single} contacts one by one; leave it out")
     try:

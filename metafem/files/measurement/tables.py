@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -12,11 +12,14 @@ import numpy as np
 from metafem._given import ErrorNames, error_names, printable
 from metafem._validate import FloatArray
 from metafem.calibration import ContactTable, ShearRecord, shear_record
+from metafem.calibration.compression.images import pressed_images
+from metafem.calibration.sheared.images import sheared_points
 from metafem.errors import InvalidInput
 from metafem.files.csv_rows import Table, read_table
 from metafem.files.measurement.contacts import read_contacts
+from metafem.files.measurement.points import Compression, Shear, pooled_compression, pooled_shear
 from metafem.files.measurement.quantity_columns import Column, numbers, quantity_columns
-from metafem.progress import message
+from metafem.notes import Note
 
 # Quantities with the package's unit and a usual one in the name of a column.
 UNITS = {
@@ -48,34 +51,13 @@ PLAIN = {"": ("", 1.0)}
 SINGLE = re.compile(r"area_\d{1,4}", re.ASCII)
 
 
-@dataclass(frozen=True, eq=False)
-class Compression:
-    """Loads (k,) [N], areas (k,) or (k, n) [mm^2], labels of the tests, and the place of each point."""
-
-    load: FloatArray
-    area: FloatArray
-    test: tuple[str, ...]
-    place: tuple[str, ...]
-
-
-@dataclass(frozen=True, eq=False)
-class Shear:
-    """Areas before shear and sheared [mm^2] and friction forces [N], (k,); nan where not measured."""
-
-    area_before: FloatArray
-    area_sheared: FloatArray
-    friction_force: FloatArray
-    test: tuple[str, ...]
-    place: tuple[str, ...]
-
-
 @dataclass(eq=False)
 class CalibrationData:
     """What tables hold, pooled.
 
     `records` holds the records of pulls by the name of their file, `boundary` the error of the contacts'
     boundary [mm] that the tables of images state, for all areas or not at all, and `position` the centres of
-    the contacts (n, 2) [mm] of the first of these tables.
+    the contacts (n, 2) [mm] of the first of these tables. `notes` tell what is left out.
     """
 
     compression: Compression | None = None
@@ -83,6 +65,7 @@ class CalibrationData:
     records: dict[str, ShearRecord] = field(default_factory=dict)
     boundary: float | None = None
     position: FloatArray | None = None
+    notes: list[Note] = field(default_factory=list)
 
 
 def read_calibration(
@@ -114,7 +97,9 @@ def read_calibration(
         table = read_table(path, EXAMPLE)
         if set(table.header) >= CONTACTS:
             contacts = read_contacts(path)
-            parts += _of_contacts(contacts, table.name)
+            found, notes = _of_contacts(contacts, table.name)
+            parts += found
+            data.notes += notes
             boundaries.append(_boundary(contacts))
             data.position = contacts.position if data.position is None else data.position
             continue
@@ -127,11 +112,13 @@ def read_calibration(
             if table.name in data.records:
                 raise InvalidInput(f"{table.name} is given twice")
             record = data.records[table.name] = _record(table, columns, sliding_range)
+            data.notes += [replace(note, text=f"{table.name}: {note}") for note in record.notes]
             parts.append(_pull(table, record, sliding))
         else:
             parts += _points(table, columns)
-    data.compression = _pooled_compression([part for part in parts if isinstance(part, Compression)])
-    data.shear = _pooled_shear([part for part in parts if isinstance(part, Shear)])
+    data.compression, notes = pooled_compression([part for part in parts if isinstance(part, Compression)])
+    data.notes += notes
+    data.shear = pooled_shear([part for part in parts if isinstance(part, Shear)])
     known = [each for each in boundaries if each is not None]
     if known and len(known) == len(boundaries):
         data.boundary = float(np.sqrt(np.mean(np.square(known))))
@@ -209,8 +196,6 @@ def _record(
                 record = shear_record(displacement, force, area, sliding_range=sliding_range)
     except InvalidInput as error:
         raise of_files(error, [table.name]) from None
-    for note in record.notes:
-        message(f"{table.name}: {note}")
     return record
 
 
@@ -226,37 +211,26 @@ def _pull(table: Table, record: ShearRecord, sliding: bool) -> Shear:
     return Shear(np.array([record.area_before]), np.array([area]), np.array([force]), test, (table.name,))
 
 
-def _of_contacts(contacts: ContactTable, name: str) -> list[Compression | Shear]:
-    """Return the points of the images; a contact that could not be measured leaves out its image."""
+def _of_contacts(contacts: ContactTable, name: str) -> tuple[list[Compression | Shear], list[Note]]:
+    """Return the points of the images, and notes on those that are left out."""
     place = np.array([f"{name}, image {image}" for image in contacts.image])
     test = np.array([each or Path(name).stem for each in contacts.test])
-    whole = np.isfinite(contacts.area).all(axis=1)
-    usable = whole & np.isfinite(contacts.load) & (np.nan_to_num(contacts.area).sum(axis=1) > 0.0)
+    used, left_out = pressed_images(contacts)
+    points, without = sheared_points(contacts)
     found: list[Compression | Shear] = []
-    if usable.any():
-        left = int((np.isfinite(contacts.load) & ~whole).sum())
-        if left:
-            message(f"{name}: {left} images with contacts that could not be measured are not used for E*")
+    if used.size:
         found.append(
-            Compression(
-                contacts.load[usable], contacts.area[usable], tuple(test[usable]), tuple(place[usable])
-            )
+            Compression(contacts.load[used], contacts.area[used], tuple(test[used]), tuple(place[used]))
         )
-    both = np.isfinite(contacts.area) & np.isfinite(contacts.sheared_area)
-    before = np.where(both, contacts.area, 0.0).sum(axis=1)
-    after = np.where(both, contacts.sheared_area, 0.0).sum(axis=1)
-    # the friction force belongs to all contacts together
-    force = np.where(both.all(axis=1), contacts.friction_force, np.nan)
-    usable = (before > 0.0) & (after > 0.0)
-    if usable.any():
-        found.append(
-            Shear(before[usable], after[usable], force[usable], tuple(test[usable]), tuple(place[usable]))
-        )
+    if points.image.size:
+        tests, places = tuple(test[points.image]), tuple(place[points.image])
+        found.append(Shear(points.area_before, points.area_sheared, points.friction_force, tests, places))
     if not found:
+        why = "; ".join(map(str, left_out)) or "no image has a load and an area"
         raise InvalidInput(
-            f"{name} holds neither images with a load and the areas of all contacts, nor sheared areas"
+            f"{name} holds neither images with a load and the areas of all contacts, nor sheared areas: {why}"
         )
-    return found
+    return found, [replace(note, text=f"{name}: {note}") for note in (*left_out, *without)]
 
 
 def _boundary(contacts: ContactTable) -> float | None:
@@ -266,33 +240,6 @@ def _boundary(contacts: ContactTable) -> float | None:
         return None
     errors = contacts.area_error[known] / (2.0 * np.sqrt(np.pi * contacts.area[known]))
     return float(np.sqrt(np.mean(errors**2))) or None
-
-
-def _pooled_compression(parts: list[Compression]) -> Compression | None:
-    if not parts:
-        return None
-    areas = [part.area for part in parts]
-    if len({area.shape[1:] for area in areas}) > 1:
-        message("some tables hold the areas of single contacts and others their total; the totals are used")
-        areas = [area if area.ndim == 1 else area.sum(axis=1) for area in areas]
-    return Compression(
-        np.concatenate([part.load for part in parts]),
-        np.concatenate(areas),
-        tuple(label for part in parts for label in part.test),
-        tuple(place for part in parts for place in part.place),
-    )
-
-
-def _pooled_shear(parts: list[Shear]) -> Shear | None:
-    if not parts:
-        return None
-    return Shear(
-        np.concatenate([part.area_before for part in parts]),
-        np.concatenate([part.area_sheared for part in parts]),
-        np.concatenate([part.friction_force for part in parts]),
-        tuple(label for part in parts for label in part.test),
-        tuple(place for part in parts for place in part.place),
-    )
 
 
 def of_files(error: InvalidInput, names: list[str]) -> InvalidInput:

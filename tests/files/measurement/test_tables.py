@@ -1,11 +1,11 @@
 """Tables of tests: columns, units, empty entries, records, contacts in images, and what is refused."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from metafem import progress
 from metafem.calibration import ContactTable
 from metafem.errors import InvalidInput
 from metafem.files import of_files, read_calibration
@@ -54,11 +54,19 @@ def test_areas_of_single_contacts_are_in_the_order_of_their_numbers(read):
 
 def test_single_and_total_areas_become_totals(read):
     single, total = "load_mN,area_1_mm2,area_2_mm2\n10,0.1,0.2\n", "load_mN,area_mm2\n10,0.3\n"
-    told = []
-    with progress.listening(lambda step, done: None, told.append):
-        data = read({"a.csv": single, "b.csv": total})
+    data = read({"a.csv": single, "b.csv": total})
     assert data.compression.area == pytest.approx([0.3, 0.3])
-    assert "the totals are used" in told[0]
+    assert data.compression.contacts == 2
+    assert "the totals are used" in str(data.notes[0])
+
+
+def test_tables_of_different_numbers_of_contacts_are_not_pooled(read):
+    two, three = (
+        "load_mN,area_1_mm2,area_2_mm2\n1,2,3\n",
+        "load_mN,area_1_mm2,area_2_mm2,area_3_mm2\n1,2,3,4\n",
+    )
+    with pytest.raises(InvalidInput, match=r"2 \(a.csv, line 2\) and 3 \(b.csv, line 2\) contacts"):
+        read({"a.csv": two, "b.csv": three})
 
 
 def test_one_table_may_hold_compression_and_shear(read):
@@ -117,6 +125,7 @@ def test_contacts_of_images_are_points(read):
     assert data.compression.area.tolist() == [[0.1, 0.2]]
     assert data.compression.place == ("contacts.csv, image 1.tif",)
     # the second image still has the ratio of the contact that was measured, but not its force
+    assert [str(note).partition(":")[0] for note in data.notes] == ["contacts.csv"] * 2
     assert data.shear.area_before == pytest.approx([0.3, 0.15, 0.5])
     assert np.isnan(data.shear.friction_force).tolist() == [False, True, False]
     assert data.shear.test == ("contacts", "contacts", "b")
@@ -165,7 +174,22 @@ def test_contacts_without_loads_or_sheared_areas_are_refused(read):
         *(one.image, one.test, one.load * np.nan, one.friction_force, one.position, one.site, one.matched),
         *(one.area, one.area_error, one.area * np.nan, one.area * np.nan),
     )
-    with pytest.raises(InvalidInput, match="holds neither images with a load"):
+    with pytest.raises(InvalidInput, match=r"holds neither images with a load .*: no image has a load"):
+        read({"contacts.csv": contacts_table(bare)})
+
+
+def test_a_contact_that_no_image_measures_is_named(read):
+    one = contacts()
+    edge = replace(
+        one,
+        area=np.where([True, False], one.area, np.nan),
+        area_error=np.where([True, False], one.area_error, np.nan),
+    )
+    data = read({"contacts.csv": contacts_table(edge)})
+    assert data.compression is None
+    assert any("area of contact 2" in str(note) and "E* cannot be fitted" in str(note) for note in data.notes)
+    bare = replace(edge, sheared_area=one.area * np.nan, sheared_area_error=one.area * np.nan)
+    with pytest.raises(InvalidInput, match="contact 2, so that E\\* cannot be fitted"):
         read({"contacts.csv": contacts_table(bare)})
 
 

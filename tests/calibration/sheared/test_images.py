@@ -1,0 +1,84 @@
+"""Points of sheared contacts in images: contacts that are missing or below the smallest area."""
+
+import numpy as np
+import pytest
+
+from metafem.calibration import ContactTable, MeasurementErrors, shear
+from metafem.calibration.sheared.images import sheared_points
+
+LIMIT = 0.01
+
+
+def table(before, after, force=None):
+    before, after = np.array(before, dtype=float), np.array(after, dtype=float)
+    count, contacts = before.shape
+    force = np.full(count, 0.1) if force is None else np.array(force, dtype=float)
+    errors = [
+        np.where(area > 0.0, 0.01 * area, np.where(area == 0.0, LIMIT, np.nan)) for area in (before, after)
+    ]
+    names = tuple(f"{i + 1}.tif" for i in range(count))
+    position = np.zeros((contacts, 2))
+    return ContactTable(
+        *(names, ("",) * count, force * np.nan, force, position, np.arange(contacts), False),
+        *(before, errors[0], after, errors[1]),
+    )
+
+
+def listed(points):
+    columns = (points.area_before, points.area_sheared, points.friction_force, points.image)
+    return [[None if np.isnan(x) else round(x, 12) for x in row] for row in np.stack(columns, axis=1)]
+
+
+def test_complete_images_are_one_point():
+    points, notes = sheared_points(table([[0.1, 0.2], [0.1, 0.0]], [[0.08, 0.16], [0.08, 0.0]]))
+    assert listed(points) == [[0.3, 0.24, 0.1, 0], [0.1, 0.08, 0.1, 1]]
+    assert notes == ()
+
+
+def test_a_contact_that_was_not_measured_before_shear_takes_only_itself_from_the_ratio():
+    points, notes = sheared_points(table([[0.1, np.nan]], [[0.08, 0.16]]))
+    assert listed(points) == [[0.1, 0.08, None, 0], [None, 0.24, 0.1, 0]]
+    assert notes == ()
+
+
+def test_images_of_sheared_contacts_alone_yield_the_strength():
+    points, _ = sheared_points(table([[np.nan, np.nan]], [[0.08, 0.16]]))
+    assert listed(points) == [[None, 0.24, 0.1, 0]]
+
+
+def test_a_contact_that_was_not_measured_sheared_leaves_the_ratio_of_the_others():
+    points, (note,) = sheared_points(table([[0.1, 0.2]], [[0.08, np.nan]]))
+    assert listed(points) == [[0.1, 0.08, None, 0]]
+    assert str(note).startswith("sigma is fitted without 1.tif: the sheared area of contact 2 could not")
+
+
+@pytest.mark.parametrize(("area", "filled"), [(0.011, 0.0088), (0.1, LIMIT)])
+def test_a_contact_that_falls_below_the_smallest_area_is_not_taken_as_open(area, filled):
+    points, (note,) = sheared_points(table([[0.1, area]], [[0.08, 0.0]]))
+    assert listed(points) == [[0.1, 0.08, None, 0], [None, 0.08 + filled, 0.1, 0]]
+    assert "1.tif: contacts are below the smallest area" in str(note)
+
+
+def test_a_contact_that_only_the_sheared_image_shows_is_part_of_the_strength_alone():
+    points, _ = sheared_points(table([[0.1, 0.0]], [[0.08, 0.011]]))
+    assert listed(points) == [[0.1, 0.08, None, 0], [None, 0.091, 0.1, 0]]
+
+
+def test_images_without_contacts_are_no_points():
+    points, _ = sheared_points(table([[0.0, 0.0], [0.1, 0.0]], [[0.0, 0.0], [0.0, 0.0]]))
+    assert listed(points) == []
+
+
+def test_contacts_near_the_smallest_area_bias_neither_ratio_nor_strength():
+    """With 3 % of noise and areas of 1 to 3 times the smallest one; open contacts would bias B by -5 %."""
+    rng, ratio, strength = np.random.default_rng(0), 0.85, 0.4
+    area = LIMIT * rng.uniform(1.0, 3.0, (1500, 8))
+    measured = [true * (1.0 + 0.03 * rng.standard_normal(area.shape)) for true in (area, ratio * area)]
+    before, after = (np.where(each > LIMIT, each, 0.0) for each in measured)
+    force = strength * ratio * area.sum(axis=1)
+    points, _ = sheared_points(table(before, after, force))
+    found = shear(points.area_before, points.area_sheared, points.friction_force, errors=MeasurementErrors())
+    plain = after.sum() / before.sum() / ratio - 1.0
+    assert plain < -0.02
+    assert found.area_ratio == pytest.approx(ratio, rel=0.003)
+    assert found.shear_strength == pytest.approx(strength, rel=0.005)
