@@ -70,7 +70,22 @@ class ContactTable(Value):
     remarks: tuple[str, ...] = ()
 
     def name_of(self, contact: int) -> str:
-        """Return the name of a contact, counted from 0, as in tables and remarks."""
+        """Return the name of a contact in tables and remarks.
+
+        Parameters
+        ----------
+        contact : int
+            Its column, counted from 0.
+
+        Examples
+        --------
+        >>> one, none = np.array([[0.1]]), np.full((1, 1), np.nan)
+        >>> ContactTable(
+        ...     ("1.tif",), ("",), np.array([0.05]), np.array([np.nan]), np.zeros((1, 2)), np.array([7]),
+        ...     False, one, 0.01 * one, none, none,
+        ... ).name_of(0)
+        'contact 1'
+        """
         return f"site {self.site[contact]}" if self.matched else f"contact {contact + 1}"
 
 

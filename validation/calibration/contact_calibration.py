@@ -10,8 +10,8 @@ import numpy as np
 
 from metafem._validate import FloatArray
 from metafem.calibration import contact
+from metafem.calibration.bounded_interval import WIDTH, bounded_interval
 from metafem.calibration.compression.adhesive_line import line_points, straight_lines
-from metafem.calibration.compression.bounded_interval import WIDTH, bounded_interval
 from metafem.calibration.compression.distance_fit import DistanceFit, adhesive_load, distance_fit
 from metafem.calibration.compression.scene import cap_curve
 from metafem.contact import Hertz

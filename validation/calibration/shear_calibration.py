@@ -11,9 +11,9 @@ import numpy as np
 import metafem as mf
 from metafem._validate import FloatArray
 from metafem.calibration import MeasuredLaw, shear, shear_strength
+from metafem.calibration.bounded_interval import WIDTH
 from metafem.calibration.sheared.fits import parameters
 from metafem.calibration.sheared.proportional import proportional
-from metafem.calibration.sheared.result import WIDTH_68
 from metafem.drawing import new_figure
 from validation.check import Check, Claim, below, near, reported
 from validation.paper.surfaces import template
@@ -51,7 +51,7 @@ class Errors(NamedTuple):
     @property
     def coverage(self) -> float:
         """Share of 68 % intervals that hold the true value."""
-        return float((np.abs(self.error) <= WIDTH_68 * self.sd).mean())
+        return float((np.abs(self.error) <= WIDTH * self.sd).mean())
 
 
 @cache

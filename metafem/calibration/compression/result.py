@@ -12,8 +12,8 @@ from metafem import drawing
 from metafem._calls import checked_call
 from metafem._validate import FloatArray
 from metafem._values import Value
+from metafem.calibration.bounded_interval import WIDTH, bounded_interval
 from metafem.calibration.compression.adhesive_line import AdhesiveLine
-from metafem.calibration.compression.bounded_interval import WIDTH, bounded_interval
 from metafem.calibration.heterogeneity import Heterogeneity
 from metafem.calibration.verdict import Verdict
 from metafem.contact import Contact
@@ -170,9 +170,9 @@ class ContactCalibration(Value):
 
     @property
     def composite_modulus_interval(self) -> tuple[float, float]:
-        """68 % interval of E* [MPa]."""
-        half = WIDTH * math.sqrt(self.root_covariance[0, 0])
-        return self.composite_modulus - half, self.composite_modulus + half
+        """68 % interval of E* [MPa], which is at least 0."""
+        low, high = bounded_interval(self.composite_modulus, math.sqrt(self.root_covariance[0, 0]))
+        return float(low), float(high)
 
     @property
     def adhesion_root_interval(self) -> tuple[float, float]:

@@ -25,6 +25,9 @@ NAMES = ("area_before", "area_sheared", "friction_force")
 # The lines, each of which relates a quantity to the one before.
 LINES = ("Af = B A0", "F = sigma Af")
 
+# Standard deviations by which B exceeds 1 so that it is above it: one normal error in a hundred is so large.
+ABOVE_ONE = 2.33
+
 # Of a line through the origin: one for the factor, and one more for a residual.
 FEWEST = 2
 
@@ -169,6 +172,15 @@ def _notes(known: NDArray[np.bool_], found: ShearFit, compared: Heterogeneity | 
         for line, verdict in zip(LINES, found.verdicts, strict=True)
         if not verdict.fits
     ]
+    ratio, sd = found.parameters[0], np.sqrt(found.covariance[0, 0])
+    if ratio > 1.0 + ABOVE_ONE * sd:
+        notes.append(
+            Note(
+                f"B = {ratio:.4g} is above 1 by {(ratio - 1.0) / sd:.2g} standard deviations, but the areas "
+                "of soft contacts shrink under shear; compare area_before and area_sheared, and "
+                "check that they are not exchanged"
+            )
+        )
     if compared is not None and not compared.agree:
         notes.append(compared.note())
     single = int((known.sum(axis=0) < 2).sum())

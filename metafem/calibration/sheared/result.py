@@ -12,6 +12,7 @@ from metafem._calls import checked_call
 from metafem._given import shown
 from metafem._validate import FloatArray
 from metafem._values import Value
+from metafem.calibration.bounded_interval import bounded_interval
 from metafem.calibration.heterogeneity import Heterogeneity
 from metafem.calibration.measurement_errors import MeasurementErrors
 from metafem.calibration.verdict import Verdict
@@ -21,9 +22,6 @@ from metafem.notes import Note
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-# Half the width of a 68 % interval of a normal distribution, over its standard deviation.
-WIDTH_68 = 0.994458
 
 
 @dataclass(frozen=True)
@@ -85,7 +83,7 @@ class ShearCalibration(Value):
     notes : tuple of Note
     friction : metafem.Friction
     area_ratio_interval, shear_strength_interval : (float, float)
-        68 % intervals.
+        68 % intervals; they begin at 0 or above.
 
     Examples
     --------
@@ -186,5 +184,5 @@ class ShearCalibration(Value):
         return ax
 
     def _interval(self, value: float, index: int) -> tuple[float, float]:
-        half = WIDTH_68 * float(np.sqrt(self.covariance[index, index]))
-        return value - half, value + half
+        low, high = bounded_interval(value, np.sqrt(self.covariance[index, index]))
+        return float(low), float(high)

@@ -11,7 +11,7 @@ from metafem import drawing
 from metafem._calls import checked_call
 from metafem._validate import FloatArray
 from metafem._values import Value
-from metafem.calibration.sheared.result import WIDTH_68
+from metafem.calibration.bounded_interval import bounded_interval
 from metafem.calibration.verdict import Verdict
 from metafem.material import Friction
 
@@ -95,8 +95,8 @@ class StrengthFit(Value):
     @property
     def shear_strength_interval(self) -> tuple[float, float]:
         """68 % interval of sigma [MPa]."""
-        half = WIDTH_68 * float(np.sqrt(self.covariance[-1, -1]))
-        return self.shear_strength - half, self.shear_strength + half
+        low, high = bounded_interval(self.shear_strength, np.sqrt(self.covariance[-1, -1]))
+        return float(low), float(high)
 
     @checked_call
     def plot(self, ax: Axes | None = None) -> Axes:

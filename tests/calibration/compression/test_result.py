@@ -7,7 +7,7 @@ import pytest
 
 import metafem as mf
 from metafem.calibration import contact
-from metafem.calibration.compression.bounded_interval import WIDTH
+from metafem.calibration.bounded_interval import WIDTH
 
 A = np.linspace(0.08, 0.4, 20)
 AREA = math.pi * A**2
@@ -22,6 +22,14 @@ def test_intervals_follow_from_the_covariance():
     low, high = FOUND.adhesion_energy_interval
     assert low < FOUND.adhesion_energy < high
     assert high - FOUND.adhesion_energy > FOUND.adhesion_energy - low
+
+
+def test_no_interval_of_the_modulus_is_below_zero():
+    a = np.array([0.05, 0.06, 0.08])
+    found = contact(4.0 / 3.0 * 1.36 * a**3 / 0.526, np.pi * a**2, 0.526)
+    assert np.sqrt(found.root_covariance[0, 0]) > found.composite_modulus
+    low, high = found.composite_modulus_interval
+    assert 0.0 <= low < found.composite_modulus < high
 
 
 def test_the_covariance_of_w_is_that_of_the_square_of_a_normal_root():

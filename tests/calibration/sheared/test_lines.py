@@ -154,3 +154,19 @@ def test_the_lines_are_drawn_with_their_points(points, line, slope):
 def test_labels_must_fit_the_points(points):
     with pytest.raises(InvalidInput, match="test has 2 labels for 60 points"):
         shear(*points, test=["a", "b"])
+
+
+def test_no_interval_is_below_zero():
+    found = shear([1e-5, 2e-5], [1e-5, 1.5e-5], [3e-4, 1e-3])
+    for value, (low, high) in (
+        (found.area_ratio, found.area_ratio_interval),
+        (found.shear_strength, found.shear_strength_interval),
+    ):
+        assert 0.0 <= low < value < high
+
+
+def test_areas_that_grow_under_shear_are_a_warning():
+    area = np.linspace(0.05, 0.5, 10)
+    (note,) = shear(area, area / 0.85, 0.3 * area).notes
+    assert "check that they are not exchanged" in str(note)
+    assert not shear(area, 1.001 * area, 0.3 * area).notes

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.special import ndtr
 
-from metafem.calibration.compression.bounded_interval import PROBABILITY, WIDTH, bounded_interval
+from metafem.calibration.bounded_interval import PROBABILITY, WIDTH, bounded_interval
 
 
 @pytest.mark.parametrize(
