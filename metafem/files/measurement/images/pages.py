@@ -25,7 +25,8 @@ class Resolution:
 class Page:
     """An image in a file: its number from 1 and, if stated, the size of its pixels.
 
-    `refused` says why it is not read.
+    `refused` says why it is not read. `index` is its place in the file, where reduced copies of other images
+    count too.
     """
 
     number: int
@@ -33,6 +34,7 @@ class Page:
     columns: int
     resolution: Resolution | None = None
     refused: str = ""
+    index: int = 0
 
 
 def too_large(rows: int, columns: int) -> str:

@@ -34,10 +34,10 @@ FAULTS = (OSError, ValueError, RuntimeError, LookupError, TypeError, struct.erro
 def pages(path: Path) -> tuple[list[Page], str]:
     """Return the images of a file, and what is wrong behind the last one that can be read."""
     with _opened(path) as (file, complaints):
-        found = [page for page in file.pages if not page.is_reduced]
+        found = [(index, page) for index, page in enumerate(file.pages) if not page.is_reduced]
         if not found:
             raise Damaged("holds no image")
-        resolution = _resolution(file, found[0])
+        resolution = _resolution(file, found[0][1])
         joined = _joined(file, path)
         size = path.stat().st_size
         result = [
@@ -47,8 +47,9 @@ def pages(path: Path) -> tuple[list[Page], str]:
                 int(page.imagewidth),
                 resolution if number == 1 or joined else _resolution(file, page),
                 _refused(page, size, number if joined else 1),
+                index,
             )
-            for number, page in enumerate(found * joined if joined else found, 1)
+            for number, (index, page) in enumerate(found * joined if joined else found, 1)
         ]
         damage = ""
         if complaints:
@@ -59,10 +60,8 @@ def pages(path: Path) -> tuple[list[Page], str]:
 def read(path: Path, page: Page) -> NDArray[Any]:
     """Return the values of a page (rows, columns), or (rows, columns, channels) in colour."""
     with _opened(path) as (file, _):
-        found = [each for each in file.pages if not each.is_reduced]
-        joined = _joined(file, path)
-        first = found[0] if joined else found[page.number - 1]
-        if joined:
+        first = file.pages[page.index]  # the tags of the others are not read again
+        if _joined(file, path):
             return np.array(_mapped(path, file, first, page.number))
         try:
             values = first.asarray()

@@ -207,3 +207,23 @@ def test_images_are_read_one_by_one(tmp_path):
     _, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     assert peak < 3 * stack[0].nbytes + 10**6  # and what tifffile keeps of the tags
+
+
+def test_one_page_of_a_stack_is_read_without_the_tags_of_the_others(tmp_path, grey, monkeypatch):
+    with tifffile.TiffWriter(tmp_path / "stack.tif") as file:
+        for picture in grey:
+            file.write(picture, contiguous=False)
+            file.write(picture[::4, ::4], contiguous=False, subfiletype=1)  # a reduced copy
+    images = find_images([tmp_path])
+    assert [image.name for image in images] == [f"stack.tif:{i}" for i in range(1, 6)]
+    parsed = []
+    original = tifffile.TiffPage.__init__
+
+    def counted(page, parent, index, **given):
+        parsed.append(index)
+        original(page, parent, index, **given)
+
+    monkeypatch.setattr(tifffile.TiffPage, "__init__", counted)
+    values, _ = read_image(images[3])
+    np.testing.assert_array_equal(values, grey[3])
+    assert parsed == [0, 6]
