@@ -21,11 +21,6 @@ if TYPE_CHECKING:
 SCALE = 0.01
 
 
-# Area of the smallest contact that `contact_areas` finds, over pi times the variance of the edges: its radius
-# is two standard deviations of edges that have been smoothed once more by their own width.
-SMALLEST = 8.0
-
-
 @dataclass(frozen=True)
 class Series:
     """Images with their forces, and what was found in them."""
@@ -208,11 +203,8 @@ def _notes(
                 f"in colour, the luminance of ITU-R BT.709 is measured: {_listed(list(images.coloured))}"
             )
         )
-    blur = max((one.blur for one in areas if not one.failed), default=0.0)
-    smallest = SMALLEST * math.pi * blur**2
-    notes.append(
-        information(f"contacts of less than about {smallest:.2g} mm² are not found and count as open")
-    )
+    smallest = max(one.smallest_area for one in areas if not one.failed)
+    notes.append(information(f"contacts of less than {smallest:.2g} mm² are not found and count as open"))
     match = tracked.match
     if match is not None and abs(match.scale - 1.0) > SCALE:
         notes.append(
