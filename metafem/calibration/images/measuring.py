@@ -34,13 +34,12 @@ def measured(image: Any, options: Options, found: Levels | None = None) -> tuple
     values = grey_values(image)
     ground = without_illumination(values.astype(np.float32), options.bright_contacts)
     if found is None:
-        threshold = ground.otsu() if options.threshold is None else options.threshold
         blur = None if options.blur is None else options.blur / options.pixel_size
-        found = levels.measured_levels(ground, threshold, options.dark_level, blur)
+        found = levels.measured_levels(ground, options.threshold, options.dark_level, blur)
     elif abs(ground.level / found.ground - 1.0) > 0.5 * (1.0 - found.dark):
         raise InvalidInput(
-            f"image is all dark or bright: the grey level of its ground is {ground.level:.4g}, and that of "
-            f"the image at the largest load is {found.ground:.4g}"
+            f"image is all dark or bright, or has another exposure: the grey level of its ground is "
+            f"{ground.level:.4g}, and that of the image at the largest load is {found.ground:.4g}"
         )
     return _contacts(values, ground, found, options), found
 

@@ -36,6 +36,13 @@ def remarks(
                 "than their errors; give dark_level, threshold and blur of an image with larger contacts"
             )
         )
+    if levels.sparse:
+        notes.append(
+            information(
+                "the contacts cover too little of the image for Otsu's method, whose threshold is within the "
+                "noise of the ground; the level half-way to the darkest region is used instead"
+            )
+        )
     if dropped:
         notes.append(
             information(f"{dropped} dark spot{'s' * (dropped > 1)} below {smallest:.2g} mm^2 left out")

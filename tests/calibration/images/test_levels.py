@@ -4,7 +4,12 @@ import numpy as np
 import pytest
 
 from metafem.calibration import contact_areas
+from metafem.errors import InvalidInput
+from metafem.notes import Level
 from validation.scenes.pictures import BRIGHT, DARK, coverage, lattice, picture
+
+# a large frame with two small contacts
+SPARSE, CENTRES, RADII = (420, 420), [(90.3, 100.0), (310.0, 300.4)], np.array([6.5, 8.0])
 
 
 @pytest.mark.parametrize("radius", [8.0, pytest.param(15.0, marks=pytest.mark.slow), 40.0])
@@ -49,3 +54,34 @@ def test_different_dark_levels_enter_the_errors():
         errors.append(error.std())
         assert found.area_error.mean() == pytest.approx(error.std(), rel=0.4)
     assert errors[1] > 5.0 * errors[0]
+
+
+@pytest.mark.parametrize("bad_pixel", [False, True])
+def test_contacts_that_cover_a_thousandth_of_the_image(bad_pixel):
+    # the threshold of Otsu lies in the noise of the ground here
+    image = picture(SPARSE, CENTRES, RADII, noise=0.1, gradient=(0.15, -0.1), bits=8)
+    if bad_pixel:
+        image[200, 50] = 0
+    found = contact_areas(image, 1.0)
+    exact = np.pi * RADII[::-1] ** 2
+    assert np.abs(found.area / exact - 1.0).max() < 4.0 * (found.area_error / exact).max() < 0.1
+    assert np.abs(found.otsu_area / exact - 1.0).max() < 0.1
+    assert found.dark_level == pytest.approx(DARK / BRIGHT, abs=0.02)
+    assert [note.level for note in found.notes] == [Level.INFORMATION]
+    assert "too little of the image for Otsu's method" in str(found.notes[0])
+
+
+def test_otsus_threshold_is_kept_where_it_works():
+    from skimage.filters import threshold_otsu
+
+    for noise, share in ((0.02, 1.0), (0.1, 0.3)):
+        shape = tuple(round(share * n) for n in SPARSE)
+        image = picture(shape, share * np.array(CENTRES), RADII, noise=noise)
+        found = contact_areas(image, 1.0)
+        assert not found.notes
+        assert found.threshold == pytest.approx(threshold_otsu(image / BRIGHT), abs=0.02)
+
+
+def test_noise_shows_no_contacts():
+    with pytest.raises(InvalidInput, match="shows no contacts"):
+        contact_areas(picture(SPARSE, CENTRES, 1e-6 * RADII, noise=0.1, bits=8), 1.0)
