@@ -78,8 +78,9 @@ def numbers(ax: Axes, position: FloatArray, names: Sequence[str], colour: str) -
 
 def heading(ax: Axes, text: str) -> None:
     """Write the name of an image and the meaning of the colours above it."""
-    ax.legend(
-        loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4, frameon=False, fontsize=8, handletextpad=0.3,
-        borderaxespad=0.2, columnspacing=1.2,
-    )  # fmt: skip
+    if ax.get_legend_handles_labels()[0]:
+        ax.legend(
+            loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4, frameon=False, fontsize=8,
+            handletextpad=0.3, borderaxespad=0.2, columnspacing=1.2,
+        )  # fmt: skip
     ax.set_title(text, fontsize=10, loc="left", pad=24.0)

@@ -42,3 +42,9 @@ def test_outlines_are_ellipses_to_scale(ax):
     assert [text.get_text() for text in ax.texts] == ["7", "8"]
     contacts.outlines(ax, centre[:0], axes[:0], np.zeros(0), contacts.STRAY, "of no site")
     assert len(ax.collections) == 1
+
+
+def test_an_image_without_contacts_has_no_legend(ax):
+    contacts.heading(ax, "1.tif")  # matplotlib warns of an empty legend
+    assert ax.get_legend() is None
+    assert ax.get_title(loc="left") == "1.tif"

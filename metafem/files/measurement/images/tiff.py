@@ -118,7 +118,8 @@ def _opened(path: Path) -> Iterator[tuple[Any, list[str]]]:
 def _plain(error: BaseException) -> str:
     if isinstance(error, OSError) and error.strerror:
         return error.strerror
-    return " ".join(str(error).split()) or "it is damaged"
+    text = " ".join(str(error).split())
+    return "it is no TIFF file, or damaged" if "not a TIFF" in text else text or "it is damaged"
 
 
 def _refused(page: Any, size: int, number: int) -> str:

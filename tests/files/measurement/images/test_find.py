@@ -126,7 +126,7 @@ def test_16_bits_of_png(tmp_path, grey):
     ("plain.tif", 0.97, "plain.tif: is cut off: the file ends before the last row"),
     ("zlib.tif", 0.9, "zlib.tif: is cut off"),
     ("plain.tif", 0.001, "plain.tif: cannot be read"),
-    ("plain.tif", 0.0, "plain.tif: cannot be read: not a TIFF file"),
+    ("plain.tif", 0.0, "plain.tif: cannot be read: it is no TIFF file, or damaged"),
     ("image.png", 0.5, "image.png: cannot be read: image file is truncated"),
     ("image.png", 0.0, "image.png: cannot be read: it is no image, or damaged"),
 ])  # fmt: skip
