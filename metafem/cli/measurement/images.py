@@ -143,6 +143,9 @@ def _measured(source: tuple[Path, ...], options: dict[str, Any]) -> Series:
     turn = 0.0 if options["rotation"] is None else quantity("--rotation", options["rotation"], "rad")
     with doing("opening the images"):
         files = find_images(source)
+        name = options["picture_of"]
+        if name is not None and not any(file.name == name and file.page is not None for file in files):
+            raise InvalidInput(f"--picture-of = {name} is not among the images that can be read")
         series, without = shots(files, options["forces"])
         pixel, notes = pixel_size(files, given)
     return measured_series(series, without, pixel, notes, turn, options)
@@ -153,11 +156,12 @@ def _drawn(found: Series, name: str | None) -> tuple[int, Any, bool]:
     if name is None:
         index = found.tracked.reference
         return index, found.series[index].image, False
-    for index, shot in enumerate(found.series):
-        for file, sheared in ((shot.image, False), (shot.sheared, True)):
-            if file is not None and file.name == name and file.page is not None:
-                return index, file, sheared
-    raise InvalidInput(f"--picture-of = {name} is not among the images that were read")
+    return next(
+        (index, file, sheared)
+        for index, shot in enumerate(found.series)
+        for file, sheared in ((shot.image, False), (shot.sheared, True))
+        if file is not None and file.name == name
+    )
 
 
 def _print(found: Series, files: list[Path]) -> None:
