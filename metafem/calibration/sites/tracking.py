@@ -43,11 +43,11 @@ def track_contacts(
 ) -> TrackedContacts:
     """Find the same contacts in all images of one sample, and list their areas.
 
-    The image with most contacts is matched to the sites of the design, as `match_sites` does. In the others,
-    the same sites are looked for where that image shows them, after a shift that matches most contacts.
-    Without sites, the contacts of the image with most contacts take their place. A site without a contact is
-    open: its area is 0. One outside the frame, at its edge or merged with another has the area nan and a
-    remark.
+    The image with most contacts is matched to the sites of the design, as `match_sites` does; if loads are
+    given, it is one with a load. In the others, the same sites are looked for where that image shows them,
+    after a shift that matches most contacts. Without sites, the contacts of the image with most contacts take
+    their place. A site without a contact is open: its area is 0. One outside the frame, at its edge or merged
+    with another has the area nan and a remark.
 
     Parameters
     ----------
@@ -144,10 +144,14 @@ class _Stack:
         return cls(found, others, names, tests, *forces)
 
     def fullest(self) -> list[int]:
-        """Return the images, those with most contacts that can be measured first."""
+        """Return the images, those with most contacts that can be measured first.
+
+        If some have a load, those without one come last: they may show something else.
+        """
         complete = [np.count_nonzero(one.complete) for one in self.areas]
         total = [one.area[one.complete].sum() for one in self.areas]
-        order = sorted(range(len(complete)), key=lambda i: (-complete[i], -total[i]))
+        no_load = np.isnan(self.load)
+        order = sorted(range(len(complete)), key=lambda i: (no_load[i], -complete[i], -total[i]))
         order = [i for i in order if complete[i]]
         if not order:
             names = printable(", ".join(self.image), 120)

@@ -80,6 +80,13 @@ def test_without_sites_contacts_are_numbered_and_followed():
     assert tracked.table.test == ("1",) * 4
 
 
+def test_an_image_without_load_does_not_number_the_contacts():
+    other = contacts(np.random.default_rng(0).uniform(0.5, 13.5, (90, 2)), 0.2)
+    own = contacts(seen(SITES), 0.3)
+    assert track_contacts([other, own], ["a", "b"], load=[np.nan, 1.0]).reference == 1
+    assert track_contacts([other, own], ["a", "b"]).reference == 0
+
+
 def test_sheared_images_move_with_their_contacts():
     found, exact = loading(drift=0.05)
     moved = [

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import tifffile
+from PIL import Image
 
 import metafem as mf
 from metafem.files import read_contacts
@@ -129,6 +130,21 @@ def test_a_pixel_size_that_disagrees_and_images_without_forces(run, pictures):
     text = " ".join(result.output.split())
     assert "states pixels of 20 um by its resolution tags, and --pixel 10 um is used" in text
     assert "are not in the table of forces: the load is empty" in text
+
+
+def test_a_drawing_in_the_folder_is_no_image_and_an_image_is_no_drawing(run, pictures):
+    (pictures / "s10.tif").unlink()
+    arguments = ["images", "pictures", "--pixel", "20 um", "--picture", "pictures/found.png", "--json"]
+    first, second = run(*arguments), run(*arguments, "--force")
+    assert second.exit_code == 0, second.output
+    assert "not read, because they are drawings by metafem: found.png" in second.stderr
+    assert json.loads(second.stdout) == json.loads(first.stdout)
+    Image.fromarray(shot(2)).save(pictures / "11.png")
+    before = (pictures / "11.png").read_bytes()
+    lost = run("images", "pictures", "--pixel", "20 um", "--picture", "pictures/11.png", "--force")
+    assert lost.exit_code == 2
+    assert "was not written by metafem" in " ".join(lost.output.split())
+    assert (pictures / "11.png").read_bytes() == before
 
 
 @pytest.mark.parametrize(("arguments", "message"), [

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from metafem._extras import refuse_missing
 from metafem._given import printable
 from metafem.errors import InvalidInput
+from metafem.files.measurement.figures import FIRST_CHUNKS, is_figure
 from metafem.files.measurement.images import png, tiff
 from metafem.files.measurement.images.pages import Damaged, Page
 from metafem.files.reading import file_label
@@ -131,9 +132,21 @@ def _in_folder(folder: Path) -> list[Path]:
     if unread:
         which = printable(", ".join(unread), 80)
         message(f"{file_label(folder)}: not read, because they are no TIFF or PNG: {which}")
+    drawn = [entry for entry in found if _is_drawing(entry)]
+    if drawn:
+        which = printable(", ".join(entry.name for entry in drawn), 80)
+        message(f"{file_label(folder)}: not read, because they are drawings by metafem: {which}")
+        found = [entry for entry in found if entry not in drawn]
     if not found:
         raise InvalidInput(f"{file_label(folder)} holds no TIFF or PNG image")
     return found
+
+
+def _is_drawing(path: Path) -> bool:
+    """Whether a file is a figure that metafem wrote, such as that of an earlier measurement."""
+    with suppress(OSError), path.open("rb") as file:
+        return is_figure(file.read(FIRST_CHUNKS))
+    return False
 
 
 def _checked(path: Path) -> Path:
