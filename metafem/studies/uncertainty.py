@@ -148,7 +148,8 @@ def uncertainty(
     if "composite_modulus" in parameters and law.scales_with_stress:
         raise InvalidInput(
             f"parameters: composite_modulus also changes the law {law!r}, whose energy or stress is compared "
-            "with it; use combined, which solves each draw with its own modulus, or leave it out"
+            "with it; take a law without them (contact hertz), use the study combined, which solves each "
+            "draw with its own modulus, or leave the modulus out"
         )
     notes: list[Note] = []
     fit = None

@@ -20,7 +20,14 @@ def notes_of(found: ContactCalibration, cap: Contact, draws: int) -> tuple[Note,
     notes = []
     contacts = 1 if found.area.ndim == 2 else found.contacts
     widest = math.sqrt(float(found.area.max()) / contacts / math.pi) / found.radius
-    if widest > KNOWN and not isinstance(cap, TabulatedContact):
+    if widest > 1.0:
+        notes.append(
+            Note(
+                f"contact radii reach {widest:.2f} R, which no cap has: check the radius, the units, and the "
+                f"number of contacts that share a load, {found.contacts}"
+            )
+        )
+    elif widest > KNOWN and not isinstance(cap, TabulatedContact):
         notes.append(
             Note(
                 f"contact radii reach {widest:.2f} R; beyond {KNOWN} R the load of a soft cap at large "

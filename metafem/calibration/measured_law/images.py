@@ -85,4 +85,4 @@ def _missing(table: ContactTable, i: int, by_force: bool) -> str:
         return "load"
     if by_force:
         return "friction force"
-    return f"area of contact {int(np.isnan(table.area[i]).argmax())}"
+    return f"area of {table.name_of(int(np.isnan(table.area[i]).argmax()))}"

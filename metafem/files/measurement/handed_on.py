@@ -149,7 +149,7 @@ def read_handed_on(path: str | Path) -> HandedOn:
             f"{label} is not a calibration; write one with metafem calibrate DATA.csv -o calibration.json"
         )
     try:
-        names = tuple(data["parameters"])
+        names = tuple(str(name) for name in data["parameters"])
         value, covariance = np.array(data["values"], float), np.array(data["covariance"], float)
     except (KeyError, TypeError, ValueError):
         raise InvalidInput(f"{label} is damaged: parameters, values or covariance cannot be read") from None
@@ -160,6 +160,9 @@ def read_handed_on(path: str | Path) -> HandedOn:
             f"{label} is damaged: parameters, values and covariance of {printable(str(names), 80)} do not "
             "fit together"
         )
+    variance = np.diagonal(covariance)
+    if not (np.isfinite(value).all() and np.isfinite(covariance).all() and (variance >= 0.0).all()):
+        raise InvalidInput(f"{label} is damaged: the covariance has variances {variance.tolist()}")
     return HandedOn(names, value, covariance)
 
 

@@ -19,6 +19,7 @@ from metafem.files.csv_rows import Table, read_table
 from metafem.files.measurement.contacts import read_contacts
 from metafem.files.measurement.points import Compression, Shear, pooled_compression, pooled_shear
 from metafem.files.measurement.quantity_columns import Column, numbers, quantity_columns
+from metafem.files.reading import file_label
 from metafem.notes import Note
 
 # Quantities with the package's unit and a usual one in the name of a column.
@@ -93,11 +94,18 @@ def read_calibration(
     data = CalibrationData()
     parts: list[Compression | Shear] = []
     boundaries: list[float | None] = []
-    for path in paths:
+    files = [Path(path) for path in paths]
+    for i, path in enumerate(files):
+        if path in files[:i]:
+            raise InvalidInput(f"{file_label(path)} is given twice")
+    stems = [path.stem for path in files]
+    for path in files:
         table = read_table(path, EXAMPLE)
+        # files of one name in several folders are several tests
+        label = path.stem if stems.count(path.stem) == 1 else str(path.with_suffix(""))
         if set(table.header) >= CONTACTS:
             contacts = read_contacts(path)
-            found, notes = _of_contacts(contacts, table.name)
+            found, notes = _of_contacts(contacts, table.name, label)
             parts += found
             data.notes += notes
             boundaries.append(_boundary(contacts))
@@ -109,13 +117,16 @@ def read_calibration(
         if not table.entries():
             raise InvalidInput(f"{table.name} names columns but holds no measured point")
         if "displacement" in columns:
-            if table.name in data.records:
-                raise InvalidInput(f"{table.name} is given twice")
             record = data.records[table.name] = _record(table, columns, sliding_range)
             data.notes += [replace(note, text=f"{table.name}: {note}") for note in record.notes]
             parts.append(_pull(table, record, sliding))
         else:
-            parts += _points(table, columns)
+            parts += _points(table, columns, label)
+    if (sliding or sliding_range is not None) and not data.records:
+        raise InvalidInput(
+            f"{'--sliding' if sliding else '--sliding-range'} belongs to records of pulls, and no table has "
+            "the columns displacement_um,friction_force_mN,area_mm2 of one; leave it out"
+        )
     data.compression, notes = pooled_compression([part for part in parts if isinstance(part, Compression)])
     data.notes += notes
     data.shear = pooled_shear([part for part in parts if isinstance(part, Shear)])
@@ -130,7 +141,7 @@ def _quantity(name: str) -> str | None:
     return "area" if SINGLE.fullmatch(name) else name if name in UNITS else None
 
 
-def _points(table: Table, columns: dict[str, Column]) -> list[Compression | Shear]:
+def _points(table: Table, columns: dict[str, Column], label: str) -> list[Compression | Shear]:
     """Return the points of a compression test, of a shear test, or of both."""
     sheared = "area_sheared" in columns  # beside which an entry may be empty
     values = {name: numbers(table, column, empty=sheared) for name, column in columns.items()}
@@ -144,7 +155,7 @@ def _points(table: Table, columns: dict[str, Column]) -> list[Compression | Shea
         area = values.get("area", values.get("area_before"))
     line = [number for number, _ in table.entries()]
     place = np.array([f"{table.name}, line {number}" for number in line])
-    test = np.array(_tests(table, Path(table.name).stem))
+    test = np.array(_tests(table, label))
     found: list[Compression | Shear] = []
     if "load" in values and area is not None:
         known = np.isfinite(values["load"]) & np.isfinite(area if area.ndim == 1 else area.sum(axis=1))
@@ -211,10 +222,12 @@ def _pull(table: Table, record: ShearRecord, sliding: bool) -> Shear:
     return Shear(np.array([record.area_before]), np.array([area]), np.array([force]), test, (table.name,))
 
 
-def _of_contacts(contacts: ContactTable, name: str) -> tuple[list[Compression | Shear], list[Note]]:
+def _of_contacts(
+    contacts: ContactTable, name: str, label: str
+) -> tuple[list[Compression | Shear], list[Note]]:
     """Return the points of the images, and notes on those that are left out."""
     place = np.array([f"{name}, image {image}" for image in contacts.image])
-    test = np.array([each or Path(name).stem for each in contacts.test])
+    test = np.array([each or label for each in contacts.test])
     used, left_out = pressed_images(contacts)
     points, without = sheared_points(contacts)
     found: list[Compression | Shear] = []

@@ -203,6 +203,15 @@ def test_another_law_is_rejected():
 def test_the_largest_radii_are_noted():
     notes = contact(load_of(A), AREA, RADIUS).notes
     assert any("contact radii reach 0.76 R" in str(note) for note in notes)
+
+
+def test_contacts_wider_than_their_caps_are_a_warning():
+    """As of five contacts whose total area is taken as that of one."""
+    a = np.linspace(0.08, 0.4, 20)
+    notes = contact(5.0 * 1.36 * 4.0 / 3.0 * a**3 / 0.526, 5.0 * np.pi * a**2, 0.526).notes
+    assert any(
+        "reach 1.70 R, which no cap has" in str(note) and "share a load, 1" in str(note) for note in notes
+    )
     assert not any("contact radii" in str(note) for note in contact(load_of(A[:10]), AREA[:10], RADIUS).notes)
 
 

@@ -124,7 +124,7 @@ def test_images_without_a_load_a_force_or_an_area_are_left_out_and_named():
     merged[2, 1] = 0.4
     unmatched = contacts(area=merged, area_error=0.01 * merged, matched=False)
     notes = MeasuredLaw.from_contacts(unmatched, MATERIAL).notes
-    assert [note.text for note in notes] == ["image a is left out: it has no area of contact 1"]
+    assert [note.text for note in notes] == ["image a is left out: it has no area of contact 2"]
     with pytest.raises(mf.InvalidInput, match="none of the 3 images has a load"):
         MeasuredLaw.from_contacts(contacts(load=np.full(3, np.nan)), MATERIAL)
 

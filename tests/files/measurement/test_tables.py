@@ -162,10 +162,25 @@ def test_bad_tables_are_named(read, text, message):
         read({"a.csv": text})
 
 
-def test_a_record_is_read_once(read):
-    Path("1.csv").write_text(PULL, "utf-8")
+@pytest.mark.parametrize("text", [PULL, "load_mN,area_mm2\n10,0.1\n"])
+def test_a_table_is_read_once(read, text):
+    Path("1.csv").write_text(text, "utf-8")
     with pytest.raises(InvalidInput, match=r"1\.csv is given twice"):
-        read_calibration(["1.csv", "1.csv"])
+        read_calibration(["1.csv", "./1.csv"])
+
+
+def test_files_of_one_name_are_different_tests(read):
+    for folder in ("a", "b"):
+        Path(folder).mkdir()
+    table = "load_mN,area_mm2\n10,0.1\n"
+    assert read({"a/1.csv": table, "b/1.csv": table}).compression.test == ("a/1", "b/1")
+
+
+def test_options_of_records_need_one(read):
+    with pytest.raises(InvalidInput, match="--sliding belongs to records of pulls"):
+        read({"a.csv": "load_mN,area_mm2\n10,0.1\n"}, sliding=True)
+    with pytest.raises(InvalidInput, match="--sliding-range belongs to records"):
+        read({"a.csv": "load_mN,area_mm2\n10,0.1\n"}, sliding_range=(0.1, 0.2))
 
 
 def test_contacts_without_loads_or_sheared_areas_are_refused(read):

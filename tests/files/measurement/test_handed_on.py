@@ -1,0 +1,42 @@
+"""The covariance that a calibration hands on: files that are damaged are named."""
+
+import json
+
+import pytest
+
+from metafem.errors import InvalidInput
+from metafem.files.measurement.handed_on import KIND, read_handed_on
+
+
+@pytest.fixture
+def written(tmp_path):
+    """Return a file of a calibration with some entries."""
+
+    def call(parameters, values, covariance):
+        data = {"kind": KIND, "parameters": parameters, "values": values, "covariance": covariance}
+        path = tmp_path / "calibration.json"
+        path.write_text(json.dumps(data), "utf-8")
+        return path
+
+    return call
+
+
+def test_values_and_covariance_are_read(written):
+    found = read_handed_on(written(["area_ratio"], [0.85], [[4e-6]]))
+    assert (found.parameters, found.value.tolist(), found.sd.tolist()) == (("area_ratio",), [0.85], [2e-3])
+
+
+@pytest.mark.parametrize(
+    ("parameters", "values", "covariance"),
+    [
+        ([["area_ratio"]], [0.85], [[1.0]]),
+        (["area"], [0.85], [[1.0]]),
+        (["area_ratio"], [0.85, 1.0], [[1.0]]),
+        (["area_ratio"], [0.85], [[-1.0]]),
+        (["area_ratio"], ["much"], [[1.0]]),
+        (3, [0.85], [[1.0]]),
+    ],
+)
+def test_damaged_files_are_refused(written, parameters, values, covariance):
+    with pytest.raises(InvalidInput, match=r"calibration\.json is damaged"):
+        read_handed_on(written(parameters, values, covariance))
