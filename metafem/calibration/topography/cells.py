@@ -46,8 +46,10 @@ class HeightMap:
         return slice(int(top), int(bottom)), slice(int(left), int(right))
 
     def heights(self, rows: slice, columns: slice) -> FloatArray:
-        """Return a window in double precision."""
-        return np.asarray(self.sign * self.values[rows, columns].astype(np.float64))
+        """Return a window in double precision; what is not finite was not measured."""
+        found = np.asarray(self.sign * self.values[rows, columns].astype(np.float64))
+        found[~np.isfinite(found)] = np.nan
+        return found
 
 
 @dataclass(frozen=True, eq=False)

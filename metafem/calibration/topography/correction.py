@@ -257,14 +257,17 @@ def _notes(made: MadeSurface, surface: Surface, left_out: tuple[str, ...]) -> li
     designed = float(made.design.radius[made.site].mean())
     weight = made.radius_sd**-2 if made.radius_sd.all() else np.ones(len(made.site))
     off = float((weight * made.radius_error).sum() / weight.sum())
+    # caps with one common radius do not scatter, and have its error
     spread = float(made.radius_error.std() / math.sqrt(len(made.site)))
+    if np.ptp(made.surface.radius) == 0.0:
+        spread = max(spread, float(made.radius_sd.min()))
     if abs(off) > NOTED * spread + RESOLUTION * designed:
-        larger = f"{formatted('radius', abs(off))} {'larger' if off > 0.0 else 'smaller'} than designed"
+        larger = f"{formatted('radius', abs(off))} mm {'larger' if off > 0.0 else 'smaller'} than designed"
         remedy = "other heights do not correct that; design the next part with the radius of the tool"
         notes.append(Note(f"the radii are {larger} ({percent(off / designed)}); {remedy}"))
     for i in np.flatnonzero(surface.height <= 0.0)[:1].tolist():
         height = formatted("height", float(surface.height[i]))
-        notes.append(Note(f"the corrected height of asperity {i} is {height}: it cannot be made"))
+        notes.append(Note(f"the corrected height of asperity {i} is {height} mm: it cannot be made"))
     return notes
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from metafem._given import formatted
 from metafem._validate import FloatArray, IntArray
 from metafem._values import percent
 from metafem.calibration.topography.alignment import Alignment
@@ -12,6 +13,10 @@ from metafem.surface import Surface
 
 # Largest relative error of distances on the map that is not noted; microscopes are calibrated to this.
 SCALE = 2e-3
+
+# A standard deviation of the height errors above this part of that of the designed heights and this part of
+# their mean is noted: errors of making are a few percent, those of another part as large as its heights.
+FOREIGN, FOREIGN_MEAN = 0.5, 0.05
 
 # Places of a kind that are named one by one.
 NAMED = 5
@@ -38,6 +43,16 @@ def placement_notes(
     if len(missing) > NAMED:
         numbers = ", ".join(map(str, missing[NAMED:]))
         notes.append(Note(f"so are {len(missing) - NAMED} others of the design: {numbers}"))
+    height = design.height[place.site[place.site >= 0]]
+    if place.misfit > FOREIGN * height.std() and place.misfit > FOREIGN_MEAN * height.mean():
+        error, designed = (formatted("height", float(value)) for value in (place.misfit, height.std()))
+        notes.append(
+            Note(
+                f"the heights of the caps are not those of the design: their errors have the standard "
+                f"deviation {error} mm, the designed heights {designed} mm; check the design, and whether "
+                "the map shows the mould"
+            )
+        )
     turn = round(math.degrees(place.rotation) / 90.0) % 4 * 90
     if not place.decided:
         notes.append(information(UNDECIDED))

@@ -87,8 +87,8 @@ def test_radii_and_impossible_heights_are_noted():
     made = made_surface(design, np.full(3, 2e-3), sd=0.0)
     made = type(made)(**{**vars(made), "surface": made.surface.replaced(radius=0.536)})
     text = "\n".join(map(str, mf.calibration.corrected(design, made).notes))
-    assert "the radii are 0.01 larger than designed (1.9 %)" in text
-    assert "the corrected height of asperity 0 is -0.001: it cannot be made" in text
+    assert "the radii are 0.01 mm larger than designed (1.9 %)" in text
+    assert "the corrected height of asperity 0 is -0.001 mm: it cannot be made" in text
 
 
 def test_a_design_can_be_saved_with_corrected_heights(tmp_path):

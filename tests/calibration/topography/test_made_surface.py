@@ -55,6 +55,20 @@ def test_a_turned_or_mirrored_map_gives_the_same_surface(rough, quarter, mirrore
     assert np.abs(made.position_error).max() < 2e-3
 
 
+def test_pixels_at_infinity_were_not_measured(rough):
+    holes = rough.copy()
+    holes[::7, ::5] = np.inf
+    made = mf.calibration.measured_surface(holes, PIXEL, DESIGN)
+    assert np.abs(made.height_error).max() < 1e-3
+
+
+def test_the_map_of_another_part_is_noted(rough):
+    other = DESIGN.replaced(height=np.array([0.5, 2.0, 0.7, 1.6]) * DESIGN.height)
+    text = "\n".join(map(str, mf.calibration.measured_surface(rough, PIXEL, other).notes))
+    assert "the heights of the caps are not those of the design" in text
+    assert not mf.calibration.measured_surface(rough, PIXEL, DESIGN).notes
+
+
 def test_a_mould_is_measured_like_its_part(rough):
     part = mf.calibration.measured_surface(rough, PIXEL, DESIGN)
     mould = mf.calibration.measured_surface(-rough[:, ::-1], PIXEL, DESIGN, mould=True)
@@ -68,6 +82,8 @@ def test_a_common_radius_reduces_the_errors_of_the_heights(rough):
     assert (common.height_sd < own.height_sd).all()
     assert np.ptp(common.surface.radius) == 0.0
     assert np.abs(common.height_error / common.height_sd).max() < 4.0
+    # one radius has no scatter, but an error
+    assert "the radii are" not in str(mf.calibration.corrected(DESIGN, common).notes)
 
 
 def test_missing_summits_and_hills_are_named(rough):
