@@ -57,6 +57,7 @@ def explained(found: Explanation) -> xr.Dataset:
     if kinds:
         variables["single_prior_sd"] = ("kind",), np.array([found.single[name].prior_sd for name in kinds])
         variables["outlier"] = ("site",), np.isin(np.arange(found.surface.count), found.outliers).astype(int)
+    sites = np.arange(found.surface.count) if found.sites is None else found.sites
     for name in ("misfit_design", "misfit"):
         variables[name] = (), getattr(found, name)
     variables["values"] = (), found.count
@@ -68,6 +69,7 @@ def explained(found: Explanation) -> xr.Dataset:
             "other_cause": np.array(names, dtype=str),
             "group": np.array(list(found.shares), dtype=str),
             "kind": np.array(kinds, dtype=str),
+            **({"site": sites} if kinds else {}),
         },
         model=found.model,
         inputs=inputs_hash((found,)),

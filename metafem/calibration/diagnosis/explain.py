@@ -132,7 +132,8 @@ def explain(
         found[one.name] = _solved(Scene(one, causes, observed, friction))
     best = max(found, key=lambda name: found[name][1].log_evidence)
     evidence = {name: posterior.log_evidence for name, (_, posterior) in found.items()}
-    return _explanation(*found[best], expected, evidence)
+    sites = design.sites if isinstance(design, Design) else None
+    return replace(_explanation(*found[best], expected, evidence), sites=sites)
 
 
 def _models(model: Model | None, surface: Surface, contact: Contact) -> list[Model]:

@@ -118,6 +118,8 @@ class Explanation(Value):
     model : Model
     priors : Priors
     notes : tuple of Note
+    sites : ndarray of int, (n,), or None
+        Sites of the asperities in the lattice of a Design; None for a Surface.
 
     Examples
     --------
@@ -151,6 +153,7 @@ class Explanation(Value):
     model: Model
     priors: Priors
     notes: tuple[Note, ...] = field(default=())
+    sites: IntArray | None = None
 
     def __getitem__(self, name: str) -> Cause:
         return next(cause for cause in self.causes if cause.name == name)
@@ -176,8 +179,11 @@ class Explanation(Value):
         for name, errors in self.single.items():
             if name != "position":
                 for i in np.flatnonzero(errors.outlier):
+                    asperity = (
+                        f"Asperity {i}" if self.sites is None else f"The asperity at site {self.sites[i]}"
+                    )
                     found.append(
-                        sentences.outlier(name, int(i), errors.mean[i], errors.sd[i], errors.prior_sd)
+                        sentences.outlier(name, asperity, errors.mean[i], errors.sd[i], errors.prior_sd)
                     )
         found += [sentences.unresolved(one.change, one.variance_left) for one in self.unresolved]
         found += sentences.models(self.log_evidence)

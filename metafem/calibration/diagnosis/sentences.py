@@ -78,12 +78,12 @@ def ranking(shares: Mapping[str, float]) -> list[str]:
     return [f"It is explained by {parts}."]
 
 
-def outlier(name: str, site: int, mean: float, sd: float, prior_sd: float) -> str:
+def outlier(name: str, asperity: str, mean: float, sd: float, prior_sd: float) -> str:
     """Return an asperity with an error far outside its tolerance."""
     words = {"height": ("higher", "lower"), "radius": ("larger in radius", "smaller in radius")}[name]
     size = f"{amount(name, abs(mean), '.3g')} ± {amount(name, sd, '.2g')}"
     return (
-        f"Asperity {site} is {size} {words[0] if mean > 0.0 else words[1]} than designed, "
+        f"{asperity} is {size} {words[0] if mean > 0.0 else words[1]} than designed, "
         f"{abs(mean) / prior_sd:.0f} times the expected deviation."
     )
 

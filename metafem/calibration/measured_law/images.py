@@ -7,14 +7,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from metafem._validate import IntArray
 from metafem.calibration.contact_table import ContactTable
 from metafem.errors import InvalidInput
 from metafem.notes import Note
 
 
-def of_contacts(table: ContactTable, rescaled: bool) -> tuple[dict[str, Any], tuple[Note, ...]]:
+def of_contacts(
+    table: ContactTable, rescaled: bool, numbers: IntArray | None
+) -> tuple[dict[str, Any], tuple[Note, ...]]:
     """Return the arrays of a law by name, and notes that name the images that are left out.
 
+    `numbers` are the sites of the design's asperities; without them, these have the numbers of the sites.
     Friction forces are used where they can be `rescaled`, else the areas.
     """
     forces, total = np.isfinite(table.friction_force), ~np.isnan(table.area.sum(axis=1))
@@ -46,13 +50,25 @@ def of_contacts(table: ContactTable, rescaled: bool) -> tuple[dict[str, Any], tu
         found["friction_force"] = table.friction_force[kept]
     if table.matched:
         found |= {"asperity_area": area[:, sites], "asperity_area_sd": area_sd[:, sites]}
-        found["site"] = table.site[sites]
+        found["site"] = _asperities(table.site[sites], numbers)
     sd = np.sqrt((np.where(area > 0.0, area_sd, 0.0) ** 2).sum(axis=1))  # open contacts are taken as open
     if total[kept].all() or (table.matched and total[kept].any()):
         found["area"] = area.sum(axis=1)
         if (sd > 0.0).all():  # else from the errors: an image without contacts has none
             found["area_sd"] = sd
     return found, tuple(notes)
+
+
+def _asperities(sites: NDArray[np.intp], numbers: IntArray | None) -> NDArray[np.intp]:
+    """Return the asperities of the design at sites."""
+    if numbers is None:
+        return sites
+    order = np.argsort(numbers)
+    place = np.minimum(np.searchsorted(numbers, sites, sorter=order), len(numbers) - 1)
+    found = order[place]
+    for site in sites[numbers[found] != sites][:1]:
+        raise InvalidInput(f"the contacts have site {site}, which the design leaves empty or does not have")
+    return found
 
 
 def _unknown(table: ContactTable, kept: NDArray[np.bool_], unknown: NDArray[np.bool_]) -> list[Note]:

@@ -6,7 +6,7 @@ from dataclasses import KW_ONLY, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from metafem import _validate as check
 from metafem._calls import checked_class
@@ -137,6 +137,7 @@ class MeasuredLaw(BaseLaw):
         *,
         errors: MeasurementErrors = PAPER,
         label: str = "static",
+        sites: ArrayLike | None = None,
     ) -> MeasuredLaw:
         """Return the law of the contacts found in images.
 
@@ -153,6 +154,9 @@ class MeasuredLaw(BaseLaw):
         errors : MeasurementErrors
             Of loads and friction forces; the areas have their own.
         label : str
+        sites : array_like of int, (n,), optional
+            Sites of the asperities of the design, ``Design.sites``; needed for a table of `metafem images` if
+            the design leaves sites empty. Default: asperities have the numbers of their sites.
 
         Returns
         -------
@@ -161,7 +165,8 @@ class MeasuredLaw(BaseLaw):
         Raises
         ------
         InvalidInput
-            If no image has a load, or none has a friction force or the areas of all contacts.
+            If no image has a load, or none has a friction force or the areas of all contacts, and for a site
+            that is none of `sites`.
 
         Examples
         --------
@@ -175,7 +180,8 @@ class MeasuredLaw(BaseLaw):
         array([0.1])
         """
         check.instance("table", table, ContactTable, "a metafem.calibration.ContactTable")
-        arrays, notes = of_contacts(table, friction is not None)
+        numbers = None if sites is None else check.array("sites", sites, shape=(None,)).astype(np.int64)
+        arrays, notes = of_contacts(table, friction is not None, numbers)
         return cls(material=material, friction=friction, errors=errors, label=label, notes=notes, **arrays)
 
     def __repr__(self) -> str:

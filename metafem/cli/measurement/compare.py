@@ -73,7 +73,7 @@ def compare(
     design = mf.load(folder)
     with progress(), given_deviations(sd, PARAMETERS) as errors:
         pair = pair_of(design.surface, given, errors)
-        laws = measured_laws(pair, table, sliding)
+        laws = measured_laws(pair, table, sliding, design.sites)
         comparisons = [mf.calibration.compare(law, design, **pair.errors(law)) for law in laws]
         dataset = measured(comparisons, design.law.model)
         write_study(dataset, path, force=force, still=still)

@@ -15,7 +15,7 @@ from metafem.cli.study.parameters import deviation_option
 from metafem.errors import InvalidInput
 
 if TYPE_CHECKING:
-    from metafem._validate import FloatArray
+    from metafem._validate import FloatArray, IntArray
     from metafem.calibration import MeasuredLaw
     from metafem.files import HandedOn
     from metafem.surface import Friction, Material, Surface
@@ -117,13 +117,13 @@ def pair_of(surface: Surface, given: Mapping[str, Any], deviations: Mapping[str,
     return Pair(material, static, sliding, names, covariance)
 
 
-def measured_laws(pair: Pair, table: Path, sliding: Path | None) -> list[MeasuredLaw]:
-    """Return the static law of a table, and the sliding one of another."""
+def measured_laws(pair: Pair, table: Path, sliding: Path | None, sites: IntArray) -> list[MeasuredLaw]:
+    """Return the static law of a table, and the sliding one of another; `sites` are the design's."""
     from metafem.files import read_measured_law
 
-    laws = [read_measured_law(table, pair.material, pair.static, label="static")]
+    laws = [read_measured_law(table, pair.material, pair.static, label="static", sites=sites)]
     if sliding is not None:
-        laws.append(read_measured_law(sliding, pair.material, pair.sliding, label="sliding"))
+        laws.append(read_measured_law(sliding, pair.material, pair.sliding, label="sliding", sites=sites))
     return laws
 
 

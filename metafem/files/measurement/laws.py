@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from metafem._given import ErrorNames, error_names, printable
+from metafem._validate import IntArray
 from metafem.calibration import MeasuredLaw, MeasurementErrors
 from metafem.errors import InvalidInput
 from metafem.files.csv_rows import Table, read_table
@@ -38,6 +39,7 @@ def read_measured_law(
     *,
     errors: MeasurementErrors = PAPER,
     label: str = "static",
+    sites: IntArray | None = None,
 ) -> MeasuredLaw:
     """Return the measured law of a table.
 
@@ -56,6 +58,9 @@ def read_measured_law(
         Standard deviations where the table has none; default: those of the paper.
     label : str
         Name of the law; default: "static".
+    sites : ndarray of int, (n,), optional
+        Sites of the asperities of the design, ``Design.sites``; default: asperities have the numbers of the
+        sites in a table of contacts.
 
     Returns
     -------
@@ -78,7 +83,13 @@ def read_measured_law(
     """
     table = read_table(path, EXAMPLE)
     if set(table.header) >= CONTACTS:
-        return MeasuredLaw.from_contacts(read_contacts(path), material, friction, errors=errors, label=label)
+        contacts = read_contacts(path)
+        try:
+            return MeasuredLaw.from_contacts(
+                contacts, material, friction, errors=errors, label=label, sites=sites
+            )
+        except InvalidInput as error:
+            raise InvalidInput(f"{table.name}: {error}") from None
     columns = _columns(table)
     table.report_unread([table.header[column] for column, _ in columns.values()])
     entries = table.entries()

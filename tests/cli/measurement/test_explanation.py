@@ -45,6 +45,27 @@ def test_a_tilt_is_explained_and_stored(run, tilted):
     assert text.rstrip().endswith("wrote linear/explained.nc")
 
 
+@pytest.mark.slow
+def test_contacts_have_the_sites_of_a_design_that_leaves_some_empty(run, demo):
+    demo("operating-points")
+    design = mf.load("operating-points")
+    assert design.surface.count < design.template.count
+    lines = ["image,load_N,contact,site,x_mm,y_mm,area_mm2,area_error_mm2"]
+    height = design.surface.height.copy()
+    height[-1] -= 0.02
+    for load in (0.2, 0.8):
+        state = mf.equilibrium(design.surface.replaced(height=height), load=load)
+        for i, area in enumerate(state.asperity_area):
+            x, y = design.surface.position[i]
+            error = 2.8e-3 * math.sqrt(math.pi * area)
+            lines.append(f"{load},{load},{i + 1},{design.sites[i]},{x},{y},{area},{error}")
+    Path("contacts.csv").write_text("\n".join(lines), "utf-8")
+    result = run("compare", "operating-points", "contacts.csv", "--explain")
+    assert result.exit_code == 0, result.output
+    assert f"The asperity at site {design.sites[-1]} is" in result.output
+    assert "lower than designed" in result.output
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [

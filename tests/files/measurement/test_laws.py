@@ -13,10 +13,10 @@ MATERIAL, FRICTION = mf.Material(1.36), mf.Friction(0.404, 0.85)
 
 @pytest.fixture
 def read(tmp_path):
-    def call(text, friction=FRICTION):
+    def call(text, friction=FRICTION, **given):
         path = tmp_path / "measured.csv"
         path.write_text(text, "utf-8")
-        return read_measured_law(path, MATERIAL, friction)
+        return read_measured_law(path, MATERIAL, friction, **given)
 
     return call
 
@@ -41,6 +41,9 @@ def test_contacts_of_images_are_a_measured_law(read):
     law = read(contacts_table(table))
     np.testing.assert_allclose(law.area, [0.3, 0.7])
     assert law.site.tolist() == [4, 7]
+    assert read(contacts_table(table), sites=np.array([7, 2, 4])).site.tolist() == [2, 0]
+    with pytest.raises(mf.InvalidInput, match=r"site 4, which the design leaves empty"):
+        read(contacts_table(table), sites=np.array([7, 2, 5]))
     other_unit = read(contacts_table(table).replace("load_N", "load_mN"))
     np.testing.assert_allclose(other_unit.load, 1e-3 * law.load)
 
