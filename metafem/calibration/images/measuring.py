@@ -15,7 +15,7 @@ from metafem.calibration.images.contact_areas import ContactAreas
 from metafem.calibration.images.ellipses import semi_axes
 from metafem.calibration.images.flags import Window, at_edge, merged, pixels_of, saturated
 from metafem.calibration.images.grey import grey_values
-from metafem.calibration.images.illumination import Ground, without_illumination
+from metafem.calibration.images.illumination import MAD, Ground, without_illumination
 from metafem.calibration.images.levels import Levels
 from metafem.calibration.images.options import Options
 from metafem.calibration.images.remarks import remarks
@@ -28,11 +28,16 @@ CONTRAST = 6.0
 # of the half level is less than three quarters of the contact's, and grows so steeply that noise decides.
 SMALLEST = 2.0
 
+# A difference of grey levels is taken for one of the contacts, and not for noise, if it is so many standard
+# deviations.
+CLEAR = 3.0
+
 
 def measured(image: Any, options: Options, found: Levels | None = None) -> tuple[ContactAreas, Levels]:
     """Return the contacts of an image, and its levels; the levels of another image are used if given."""
     values = grey_values(image)
     ground = without_illumination(values.astype(np.float32), options.bright_contacts)
+    own = found is None
     if found is None:
         blur = None if options.blur is None else options.blur / options.pixel_size
         found = levels.measured_levels(ground, options.threshold, options.dark_level, blur)
@@ -41,11 +46,13 @@ def measured(image: Any, options: Options, found: Levels | None = None) -> tuple
             f"image is all dark or bright, or has another exposure: the grey level of its ground is "
             f"{ground.level:.4g}, and that of the image at the largest load is {found.ground:.4g}"
         )
-    return _contacts(values, ground, found, options), found
+    return _contacts(values, ground, found, options, own), found
 
 
-def _contacts(values: NDArray[Any], ground: Ground, found: Levels, options: Options) -> ContactAreas:
-    """Measure the contacts of an image whose levels are known."""
+def _contacts(
+    values: NDArray[Any], ground: Ground, found: Levels, options: Options, own: bool
+) -> ContactAreas:
+    """Measure the contacts of an image whose levels are known; `own` says that they are from this image."""
     from scipy.ndimage import find_objects, label
 
     width = max(found.blur, levels.LEAST_SMOOTHING)
@@ -82,14 +89,20 @@ def _contacts(values: NDArray[Any], ground: Ground, found: Levels, options: Opti
     edge = np.array([at_edge(w, image.shape, math.ceil(2.0 * total)) for w in windows], dtype=bool)
     counted = _counted(ground.corrected, labels, windows, found.threshold)
     steps = errors.quantisation(noise, _step(values, ground) / contrast)
-    at_level = 0.5 * math.hypot(found.dark_scatter / contrast, ground.structure / contrast, steps)
+    axes, angle = semi_axes(shape, total)
+    joined = merged(shape, labels, windows) & ~edge
+    drift = 0.0
+    if not own:
+        whole = enough & ~edge & ~joined & (shape.holes == 0)
+        middle = _middle(image, shape.centre[whole], axes[whole], total)
+        drift = _drift(middle, found, scatter, math.hypot(ground.structure, steps * contrast)) / contrast
+    at_level = 0.5 * math.hypot(found.dark_scatter / contrast, ground.structure / contrast, steps, drift)
     error = errors.of_contour(
         shape.length, noise, math.sqrt(variance), total, at_level, found.blur_error * found.blur / total
     )
     if not options.subpixel:
         relative = (1.0 - found.threshold) / contrast
         area, error = counted, errors.of_counting(shape.length, noise, relative, found.blur)
-    axes, angle = semi_axes(shape, total)
     clipped = saturated(values, labels[1:-1, 1:-1], size, options.bright_contacts)
     order = np.flatnonzero(enough)
     result = ContactAreas(
@@ -100,7 +113,7 @@ def _contacts(values: NDArray[Any], ground: Ground, found: Levels, options: Opti
         axes=axes[order] * pixel,
         angle=angle[order],
         edge=edge[order],
-        merged=(merged(shape, labels, windows) & ~edge)[order],
+        merged=joined[order],
         saturated=clipped[order],
         holes=shape.holes[order],
         threshold=found.threshold,
@@ -111,7 +124,30 @@ def _contacts(values: NDArray[Any], ground: Ground, found: Levels, options: Opti
         shape=(values.shape[0], values.shape[1]),
         smallest_area=least * pixel**2,
     )
-    return remarks(result, found, ground, count - len(order), least * pixel**2)
+    return remarks(result, found, ground, count - len(order), drift)
+
+
+def _middle(image: NDArray[np.float32], centre: FloatArray, axes: FloatArray, total: float) -> FloatArray:
+    """Return the grey levels of contacts in the middle of those that are wide enough to show them."""
+    wide = axes[:, 1] > levels.DEEP * total
+    x, y = centre[wide].T
+    # the border shifts the pixels by one
+    level = image[(image.shape[0] - 1 - y).astype(int), x.astype(int) + 1].astype(np.float64)
+    # a smoothed circle has this share of the contrast in its middle
+    shown = 1.0 - np.exp(-0.5 * axes[wide].prod(axis=1) / total**2)
+    return np.asarray(1.0 - (1.0 - level) / shown)
+
+
+def _drift(middle: FloatArray, found: Levels, scatter: float, common: float) -> float:
+    """Return the median of grey levels less the dark level, 0 if it may differ by chance."""
+    if not middle.size:
+        return 0.0
+    level = float(np.median(middle))
+    spread = float(np.median(np.abs(middle - level))) / MAD
+    # a median has the variance pi/2 times that of a mean
+    chance = math.sqrt(0.5 * math.pi / middle.size) * max(spread, scatter)
+    away = level - found.dark
+    return away if abs(away) > CLEAR * math.hypot(chance, found.dark_scatter, common) else 0.0
 
 
 def _step(values: NDArray[Any], ground: Ground) -> float:

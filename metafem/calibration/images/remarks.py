@@ -20,10 +20,11 @@ UNEVEN = 0.02
 NAMED = 10
 
 
-def remarks(
-    found: ContactAreas, levels: Levels, ground: Ground, dropped: int, smallest: float
-) -> ContactAreas:
-    """Return the contacts with notes on what was left out and on what is uncertain."""
+def remarks(found: ContactAreas, levels: Levels, ground: Ground, dropped: int, drift: float) -> ContactAreas:
+    """Return the contacts with notes on what was left out and on what is uncertain.
+
+    `drift` is the difference of the contacts' grey level from that of the levels, over the contrast.
+    """
     notes = []
     if levels.cut:
         notes.append(
@@ -45,7 +46,9 @@ def remarks(
         )
     if dropped:
         notes.append(
-            information(f"{dropped} dark spot{'s' * (dropped > 1)} below {smallest:.2g} mm^2 left out")
+            information(
+                f"{dropped} dark spot{'s' * (dropped > 1)} below {found.smallest_area:.2g} mm^2 left out"
+            )
         )
     if not ground.divided:
         notes.append(information("the ground is so dark that it was subtracted, and not divided by"))
@@ -53,6 +56,14 @@ def remarks(
     if ground.structure > UNEVEN * contrast:
         uneven = percent(ground.structure / contrast)
         notes.append(Note(f"the ground is uneven by {uneven} of the contrast after removing the gradient"))
+    if drift:
+        notes.append(
+            Note(
+                f"the contacts are {'brighter' if drift > 0.0 else 'darker'} by {percent(abs(drift))} of the "
+                "contrast than in the image at the largest load, and the errors of the areas are increased "
+                "by what this may cause; keep lamp and exposure, or measure this image alone"
+            )
+        )
     return replace(found, notes=(*notes, *contact_notes(found)))
 
 

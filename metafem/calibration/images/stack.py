@@ -37,8 +37,10 @@ def stack_areas(
     """Measure the areas of the contacts in k images with the threshold of the image at the largest load.
 
     That image also supplies the dark level and the blur, as the contacts at smaller loads may be too narrow
-    to show them. If it cannot be measured, the one at the next smaller load takes its place. The images are
-    read one at a time, from the largest load to the smallest. One that cannot be measured does not stop the
+    to show them. If it cannot be measured, the one at the next smaller load takes its place. Where the wide
+    contacts of another image are brighter or darker than that level, a note says so, and the errors of its
+    areas contain what this may cause; a change of the blur between images is not noticed. The images are read
+    one at a time, from the largest load to the smallest. One that cannot be measured does not stop the
     others: its result has no contacts, `failed` is true, and its notes say why.
 
     Parameters

@@ -5,7 +5,7 @@ import pytest
 
 import metafem as mf
 from metafem.calibration import contact_areas, stack_areas
-from validation.scenes.pictures import picture
+from validation.scenes.pictures import lattice, picture
 
 PIXEL, SHAPE, CENTRE = 0.005, (120, 120), [(30.0, 30.0), (85.0, 80.0)]
 RADII = ([6.0, 0.0], [9.0, 7.0], [16.0, 14.0], [24.0, 20.0])
@@ -90,3 +90,17 @@ def test_stacks_without_an_image_to_measure_are_refused():
         stack_areas(iter(images()), PIXEL)
     with pytest.raises(mf.InvalidInput, match="loads has shape"):
         stack_areas(images(), PIXEL, loads=[1.0, 2.0])
+
+
+@pytest.mark.parametrize(("dark", "words"), [(0.2, ""), (0.23, "brighter by"), (0.17, "darker by")])
+def test_contacts_of_another_grey_level_are_named_and_their_errors_contain_it(dark, words):
+    rng = np.random.default_rng(0)
+    shape, centre = lattice(4, 16.0, rng)
+    largest = picture(shape, centre, np.full(16, 18.0), noise=0.05, bits=8, rng=rng)
+    image = picture(shape, centre, np.full(16, 12.0), noise=0.05, bits=8, rng=rng, levels=(dark, 0.7))
+    found = stack_areas([image, largest], 1.0)
+    away = (found[0].area - 144.0 * np.pi) / found[0].area_error
+    assert np.sqrt(np.mean(away**2)) < 1.5
+    assert not found[1].notes
+    assert bool(words) == bool(found[0].notes)
+    assert words in "".join(map(str, found[0].notes))
