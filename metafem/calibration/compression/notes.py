@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 
 from metafem._values import percent
+from metafem.calibration.compression.data import FEWEST
 from metafem.calibration.compression.result import ContactCalibration
+from metafem.calibration.contact_table import listed
 from metafem.contact import Contact, TabulatedContact
 from metafem.notes import Note, information
 
@@ -52,9 +54,18 @@ def notes_of(found: ContactCalibration, cap: Contact, draws: int) -> tuple[Note,
         notes.append(Note(f"{found.verdict}; the stated uncertainties hold only for a law that fits"))
     if found.heterogeneity is not None and not found.heterogeneity.agree:
         notes.append(found.heterogeneity.note())
-    unfitted = [test.name for test in found.tests if test.composite_modulus is None]
-    if unfitted:
-        notes.append(information(f"no fit of their own have the tests {', '.join(unfitted)}: too few points"))
+    unfitted = [test for test in found.tests if test.composite_modulus is None]
+    few = [test.name for test in unfitted if test.points < FEWEST]
+    if few:
+        notes.append(information(f"no fit of their own have the tests {listed(few)}: too few points"))
+    other = [test.name for test in unfitted if test.points >= FEWEST]
+    if other:
+        notes.append(
+            Note(
+                f"no fit of their own have the tests {listed(other)}: their areas are alike, or their loads "
+                "do not grow with them; they are part of the common fit, but not compared with others"
+            )
+        )
     if found.bootstrap is not None and len(found.bootstrap) < draws:
         lost = draws - len(found.bootstrap)
         notes.append(Note(f"{lost} of the {draws} draws of the bootstrap have no fit and are left out"))

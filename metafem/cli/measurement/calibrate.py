@@ -195,7 +195,8 @@ def _print(
 
     if contact is not None:
         sd = math.sqrt(contact.root_covariance[0, 0])
-        drawn = None if contact.bootstrap is None else contact.bootstrap[:, 0].std(ddof=1)
+        draws = contact.bootstrap
+        drawn = None if draws is None or len(draws) < 2 else draws[:, 0].std(ddof=1)
         ends = contact.composite_modulus_interval
         row("E*, composite modulus", contact.composite_modulus, ends, sd, "MPa", drawn)
         energy = contact.adhesion_energy / ENERGY

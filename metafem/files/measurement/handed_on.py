@@ -194,5 +194,7 @@ def _heterogeneity(found: Heterogeneity | None) -> dict[str, Any] | None:
 
 
 def _spread(draws: FloatArray | None, names: tuple[str, str]) -> dict[str, float] | None:
-    """Return the standard deviations of a bootstrap."""
-    return None if draws is None else dict(zip(names, draws.std(axis=0, ddof=1).tolist(), strict=True))
+    """Return the standard deviations of a bootstrap, None of fewer than two draws with a fit."""
+    if draws is None or len(draws) < 2:
+        return None
+    return dict(zip(names, draws.std(axis=0, ddof=1).tolist(), strict=True))

@@ -205,6 +205,15 @@ def test_the_largest_radii_are_noted():
     assert any("contact radii reach 0.76 R" in str(note) for note in notes)
 
 
+def test_a_test_whose_load_falls_is_named():
+    load, area = load_of(A), AREA
+    load = np.append(load, load[2::-1])
+    found = contact(load, np.append(area, area[:3]), RADIUS, test=["up"] * len(A) + ["down"] * 3)
+    (note,) = [note for note in found.notes if "no fit of their own" in str(note)]
+    assert note.warns
+    assert "the tests down: their areas are alike, or their loads do not grow" in str(note)
+
+
 def test_contacts_wider_than_their_caps_are_a_warning():
     """As of five contacts whose total area is taken as that of one."""
     a = np.linspace(0.08, 0.4, 20)

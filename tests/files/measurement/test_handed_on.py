@@ -1,11 +1,14 @@
 """The covariance that a calibration hands on: files that are damaged are named."""
 
 import json
+from dataclasses import replace
 
+import numpy as np
 import pytest
 
+from metafem.calibration import contact
 from metafem.errors import InvalidInput
-from metafem.files.measurement.handed_on import KIND, read_handed_on
+from metafem.files.measurement.handed_on import KIND, calibration_data, read_handed_on
 
 
 @pytest.fixture
@@ -40,3 +43,11 @@ def test_values_and_covariance_are_read(written):
 def test_damaged_files_are_refused(written, parameters, values, covariance):
     with pytest.raises(InvalidInput, match=r"calibration\.json is damaged"):
         read_handed_on(written(parameters, values, covariance))
+
+
+@pytest.mark.parametrize("draws", [0, 1])
+def test_a_bootstrap_of_which_no_two_draws_have_a_fit_has_no_spread(draws):
+    a = np.linspace(0.08, 0.4, 5)
+    found = contact(1.36 * 4.0 / 3.0 * a**3 / 0.526, np.pi * a**2, 0.526)
+    data = calibration_data(replace(found, bootstrap=np.ones((draws, 2))), None, ["a.csv"], {})
+    assert data["compression_bootstrap_sd"] is None
