@@ -63,8 +63,9 @@ def single(name: str, prior_sd: float, mean: FloatArray, sd: FloatArray) -> str:
 
 def misfit(design: float, left: float, count: int) -> str:
     """Return the misfit before and after."""
+    values = "1 measured value" if count == 1 else f"{count} measured values"
     return (
-        f"The measured law differs from the design by chi² = {design:.4g} over {count} measured values; with "
+        f"The measured law differs from the design by chi² = {design:.4g} over {values}; with "
         f"the errors below it is {left:.4g}."
     )
 

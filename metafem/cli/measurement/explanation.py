@@ -51,9 +51,16 @@ def given_priors(options: dict[str, Any], explain: bool) -> Priors | None:
         raise InvalidInput(f"{option_name(next(iter(texts)))} needs --explain")
     if not texts:
         return None
+    from metafem._given import ErrorNames, error_names
     from metafem.calibration import Priors
 
-    return Priors(**{name: _number(name, text) for name, text in texts.items()})
+    names = ErrorNames(
+        names={name: option_name(name) for name in EXPECTED},
+        units={name: (unit, 0.01 if unit == "%" else 1.0) for name, (unit, _, _) in EXPECTED.items()},
+    )
+    values = {name: _number(name, text) for name, text in texts.items()}
+    with error_names(names):
+        return Priors(**values)
 
 
 def _number(name: str, text: str) -> float:

@@ -143,6 +143,7 @@ def _friction_of(found: HandedOn, designed: Friction | None) -> Friction | None:
 
 def _friction(given: Mapping[str, Any], kind: str, default: Friction | None) -> Friction | None:
     """Return the friction of the options for static or sliding friction."""
+    from metafem._given import ErrorNames, error_names
     from metafem.files import quantity
     from metafem.surface import Friction
 
@@ -156,4 +157,6 @@ def _friction(given: Mapping[str, Any], kind: str, default: Friction | None) -> 
         )
     before = (1.0, 1.0) if default is None else (default.shear_strength, default.area_ratio)
     strength = before[0] if stress is None else quantity(f"--{option}shear-strength", stress, "MPa")
-    return Friction(strength, before[1] if ratio is None else ratio)
+    names = {name: f"--{option}{name.replace('_', '-')}" for name in ("shear_strength", "area_ratio")}
+    with error_names(ErrorNames(names=names, units={"shear_strength": ("MPa", 1.0)})):
+        return Friction(strength, before[1] if ratio is None else ratio)

@@ -88,6 +88,8 @@ def topography(
             refuse_existing(path, force, is_heights_table)
     if picture is not None:
         refuse_figure(picture, force)
+    if output is not None and corrected is not None and output.absolute() == corrected.absolute():
+        raise InvalidInput(f"--output and --corrected both name {output}; give each a file of its own")
     design = mf.load(folder)
     with progress():
         stored = read_height_map(height_map, pixel, height_unit)

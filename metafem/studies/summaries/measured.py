@@ -68,10 +68,11 @@ def answers(study: Dataset) -> list[str]:
         points = study.isel(point=np.flatnonzero(study["of_law"].values == label))
         ratio = (points["deviation"] / points["predicted"]).values[points["predicted"].values > 0.0]
         rms = percent(float(np.sqrt((ratio**2).mean()))) if ratio.size else "unknown"
+        freedom = int(one["freedom"])
         agrees = "agrees" if int(one["fits"]) else "does not agree"
         found.append(
             f"The {label} law {agrees} with the design within its error bars: rms deviation {rms}, "
-            f"chi² = {float(one['chi_square']):.3g} with {int(one['freedom'])} degrees of freedom "
+            f"chi² = {float(one['chi_square']):.3g} with {freedom} degree{'s' * (freedom != 1)} of freedom "
             f"(p = {float(one['probability']):.2g}), {counted_runs(int(one['runs']))} of deviations "
             f"(p = {float(one['runs_probability']):.2g})."
         )

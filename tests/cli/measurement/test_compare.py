@@ -69,6 +69,7 @@ def test_errors_of_the_parameters_widen_the_bars(run, measured):
         (("--composite-modulus", "-1 MPa"), "--composite-modulus = -1 MPa must be greater than 0"),
         (("--sd", "radius=1um"), '--sd "radius=1um" must be INPUT=QUANTITY'),
         (("--sliding", "nothing.csv"), "nothing.csv"),
+        (("--sliding-area-ratio", "-1"), "--sliding-area-ratio = -1 must be greater than 0"),
     ],
 )
 def test_options_that_are_wrong_are_named(run, measured, options, words):

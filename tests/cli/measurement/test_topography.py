@@ -80,6 +80,7 @@ def test_a_missing_summit_is_named(run, part, heights):
         (("part.npy", *PIXEL, "--design", "none"), "none"),
         (("part.npy", *PIXEL, "--design", "design", "--picture", "made.pdf"), "must end with .svg or .png"),
         (("part.npy", *PIXEL, "--design", "design", "-o", "part.npy"), "exists"),
+        (("part.npy", *PIXEL, "--design", "design", "-o", "a.csv", "--corrected", "./a.csv"), "both name"),
         (("part.npy", *PIXEL, "--design", "design", "--mould"), "no cap"),
         (("part.npy", "--pixel", "15 um", "--height-unit", "um", "--design", "design"), "no cap"),
     ],
