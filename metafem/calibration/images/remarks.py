@@ -28,13 +28,17 @@ def remarks(found: ContactAreas, levels: Levels, ground: Ground, dropped: int, d
     notes = []
     if levels.cut:
         notes.append(
-            Note("all contacts are at the edge of the frame or merged: the blur is not measured, give blur")
+            Note(
+                "all contacts are at the edge of the frame or merged: the blur is not measured; give blur, "
+                "or measure the image in one series with one of whole contacts"
+            )
         )
     elif levels.narrow:
         notes.append(
             Note(
                 "no contact is wide enough to show its dark level: areas may be wrong by more "
-                "than their errors; give dark_level, threshold and blur of an image with larger contacts"
+                "than their errors; give dark_level, threshold and blur of an image with larger contacts, or "
+                "measure both in one series"
             )
         )
     if levels.sparse:

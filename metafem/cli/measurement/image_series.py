@@ -182,6 +182,13 @@ def measured_series(
             **given,
         )
     more = [*notes, *_notes(without, images, areas, tracked, pixel)]
+    if sites is not None and (expected is None or np.isnan(expected[tracked.reference]).any()):
+        more.append(
+            information(
+                "positions alone do not show whether the viewing side and the quarter turn are right; areas "
+                "do, with --sites DIR, the result folder of the design, and --forces"
+            )
+        )
     return Series(series, areas, sheared, tracked, pixel, (*more, *tracked.notes))
 
 

@@ -62,10 +62,12 @@ def read_sites(path: str | Path) -> Sites:
     if "site" in table.header:
         column = table.header.index("site")
         given = [(line, table.number(line, column, row[column])) for line, row in entries]
-        for i, (line, value) in enumerate(given):
-            if value.denominator != 1 or value < 0 or value in [other for _, other in given[:i]]:
+        before = set()
+        for line, value in given:
+            if value.denominator != 1 or value < 0 or value in before:
                 raise InvalidInput(
                     f"{table.name}, line {line}: site = {float(value):g} must be a whole number of its own"
                 )
+            before.add(value)
         number = np.array([int(value) for _, value in given])
     return Sites(position, number)

@@ -175,5 +175,7 @@ def test_the_areas_of_a_design_tell_a_wrong_viewing_side(run, demo, tmp_path):
     (tmp_path / "forces.csv").write_text("image,load_mN\n1.tif,300\n", encoding="utf-8")
     arguments = ["images", "1.tif", "--pixel", "20 um", "--forces", "forces.csv", "--sites", "linear"]
     assert "viewing side" not in run(*arguments).output
+    unknown = " ".join(run(*arguments[:4], "--sites", "linear").output.split())
+    assert "positions alone do not show whether the viewing side and the quarter turn are right" in unknown
     wrong = " ".join(run(*arguments, "--viewed-from", "block").output.split())
     assert wrong.count("the areas fit the design much better if it is seen through the glass") == 1
