@@ -82,7 +82,10 @@ def find_images(sources: Iterable[str | Path]) -> list[ImageFile]:
     paths: list[Path] = []
     for source in map(Path, sources):
         paths += _in_folder(source) if source.is_dir() else [_checked(source)]
-    files = [image for path in dict.fromkeys(paths) for image in _pages(path)]
+    once: dict[Path, Path] = {}
+    for path in paths:
+        once.setdefault(path.absolute(), path)
+    files = [image for path in once.values() for image in _pages(path)]
     count = Counter(image.name for image in files)
     # files of one name from several folders are named with these
     return [

@@ -37,6 +37,13 @@ def test_a_folder_in_natural_order(tmp_path, grey):
     assert names(tmp_path / "10.tif", tmp_path) == ["10.tif", "1.png", "2.TIFF"]
 
 
+def test_a_file_that_is_named_twice_is_read_once(tmp_path, grey, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for name in ("1.png", "2.png"):
+        Image.fromarray(grey[0]).save(tmp_path / name)
+    assert names(tmp_path / "2.png", ".", "1.png", tmp_path) == ["2.png", "1.png"]
+
+
 def test_files_of_one_name_are_named_with_their_folders(tmp_path, grey):
     for folder in ("a", "b"):
         (tmp_path / folder).mkdir()
