@@ -154,7 +154,7 @@ def contact(
         return sample_curve(scaled, model, law, data.area, data.one_by_one)
 
     nominal = curve(size)
-    data.refuse_beyond(nominal, cap)
+    data.refuse_beyond(nominal, cap, size)
     found = data.checked_fit(nominal)
     change = np.zeros(FITTED)
     if size_sd:

@@ -82,8 +82,8 @@ class Data:
         rescaled, lowered = curve.load_and_slope(area)[0], adhesive_load(area)[0]
         return np.asarray(self.contacts * (fit.modulus * rescaled - fit.product * lowered).sum(axis=1))
 
-    def refuse_beyond(self, curve: AreaCurve, law: Any) -> None:
-        """Raise InvalidInput for areas that the curve does not reach."""
+    def refuse_beyond(self, curve: AreaCurve, law: Any, radius: float) -> None:
+        """Raise InvalidInput for areas that the curve, or a cap of this radius, does not reach."""
         beyond = np.argwhere(self.area > np.multiply(1.0 + ROUNDING, curve.largest))
         if beyond.size:
             i, j = beyond[0].tolist()
@@ -91,6 +91,14 @@ class Data:
             raise InvalidInput(
                 f"{self._area(i, j)} is beyond the last area of {shown(law)}, {formatted('area', most)}; "
                 "leave the point out, or give a law that reaches it"
+            )
+        i, j = np.unravel_index(int(self.area.argmax()), self.area.shape)
+        widest = math.sqrt(float(self.area[i, j]) / math.pi) / radius
+        if widest > 1.0:
+            raise InvalidInput(
+                f"{self._area(int(i), int(j))}: a contact radius of {widest:.4g} R, which no cap has; check "
+                f"the radius, {formatted('radius', radius)}, the unit of the areas, and the number of "
+                f"contacts that share a load, {self.total_contacts}"
             )
 
     def checked_fit(self, curve: AreaCurve) -> DistanceFit:

@@ -22,20 +22,13 @@ def notes_of(found: ContactCalibration, cap: Contact, draws: int) -> tuple[Note,
     notes = []
     contacts = 1 if found.area.ndim == 2 else found.contacts
     widest = math.sqrt(float(found.area.max()) / contacts / math.pi) / found.radius
-    if widest > 1.0:
-        notes.append(
-            Note(
-                f"contact radii reach {widest:.2f} R, which no cap has: check the radius, the units, and the "
-                f"number of contacts that share a load, {found.contacts}"
-            )
-        )
-    elif widest > KNOWN and not isinstance(cap, TabulatedContact):
+    if widest > KNOWN and not isinstance(cap, TabulatedContact):
         notes.append(
             Note(
                 f"contact radii reach {widest:.2f} R; beyond {KNOWN} R the load of a soft cap at large "
                 "strain rises from 3 to 4 % below Hertz's law to nearly that law, and the fit takes the bend "
-                "for adhesion. Leave out the largest loads, or give contact=, a table of "
-                "metafem.fe.tabulated_contact"
+                "for adhesion. Leave out the largest loads, or use the table of metafem.fe.tabulated_contact "
+                "as the contact law"
             )
         )
     if found.adhesion_energy_interval[0] == 0.0:

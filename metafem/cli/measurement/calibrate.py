@@ -183,6 +183,7 @@ def _print(
     """Print the values with their intervals, the verdicts and the tests."""
     import numpy as np
 
+    from metafem.calibration.bounded_interval import bounded_interval
     from metafem.files.measurement.numbers import interval, published, rounded
 
     console = terminal()
@@ -199,6 +200,10 @@ def _print(
         drawn = None if draws is None or len(draws) < 2 else draws[:, 0].std(ddof=1)
         ends = contact.composite_modulus_interval
         row("E*, composite modulus", contact.composite_modulus, ends, sd, "MPa", drawn)
+        if contact.adhesion_energy <= 0.0:
+            alone, without = contact.modulus_without_adhesion
+            low, high = (float(end) for end in bounded_interval(alone, without))
+            row("E* without adhesion", alone, (low, high), without, "MPa", None)
         energy = contact.adhesion_energy / ENERGY
         low, high = (end / ENERGY for end in contact.adhesion_energy_interval)
         width = 0.5 * (high - low)

@@ -61,8 +61,10 @@ def calibration_data(
     values: dict[str, float] = {}
     data: dict[str, Any] = {"kind": KIND, "files": list(sources)}
     if contact is not None:
-        values |= {"radius": contact.radius, "composite_modulus": contact.composite_modulus}
         modulus, without_sd = contact.modulus_without_adhesion
+        # that of the sections of a specification, which are without adhesion where the best w is 0
+        used = modulus if contact.adhesion_energy <= 0.0 else contact.composite_modulus
+        values |= {"radius": contact.radius, "composite_modulus": used}
         data |= {
             "composite_modulus_MPa": contact.composite_modulus,
             "composite_modulus_sd_MPa": math.sqrt(contact.root_covariance[0, 0]),

@@ -214,13 +214,13 @@ def test_a_test_whose_load_falls_is_named():
     assert "the tests down: their areas are alike, or their loads do not grow" in str(note)
 
 
-def test_contacts_wider_than_their_caps_are_a_warning():
+def test_contacts_wider_than_their_caps_are_refused():
     """As of five contacts whose total area is taken as that of one."""
     a = np.linspace(0.08, 0.4, 20)
-    notes = contact(5.0 * 1.36 * 4.0 / 3.0 * a**3 / 0.526, 5.0 * np.pi * a**2, 0.526).notes
-    assert any(
-        "reach 1.70 R, which no cap has" in str(note) and "share a load, 1" in str(note) for note in notes
-    )
+    with pytest.raises(
+        mf.InvalidInput, match=r"a contact radius of 1\.7\d* R, which no cap has.*share a load, 1"
+    ):
+        contact(5.0 * 1.36 * 4.0 / 3.0 * a**3 / 0.526, 5.0 * np.pi * a**2, 0.526)
     assert not any("contact radii" in str(note) for note in contact(load_of(A[:10]), AREA[:10], RADIUS).notes)
 
 
