@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -62,15 +63,23 @@ class Cells:
     size: float
 
 
-def cells(height_map: HeightMap, side: int) -> Cells:
-    """Return the means over cells of `side` pixels; incomplete cells at the right and below are left out."""
+def cells(
+    height_map: HeightMap, side: int, expected: Callable[[slice, slice], FloatArray] | None = None
+) -> Cells:
+    """Return the means over cells of `side` pixels; incomplete cells at the right and below are left out.
+
+    `expected` gives the heights that are subtracted from the pixels in rows and columns.
+    """
     rows, columns = (length // side for length in height_map.values.shape)
     mean = np.empty((rows, columns))
     at_once = max(1, AT_ONCE // (columns * side * side))
     whole = slice(0, columns * side)
     for start in each("reading the map", range(0, rows, at_once)):
         stop = min(start + at_once, rows)
-        band = height_map.heights(slice(start * side, stop * side), whole)
+        within = slice(start * side, stop * side)
+        band = height_map.heights(within, whole)
+        if expected is not None:
+            band -= expected(within, whole)
         blocks = band.reshape(stop - start, side, columns, side)
         known = np.isfinite(blocks)
         count = known.sum(axis=(1, 3))
