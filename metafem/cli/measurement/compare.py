@@ -66,20 +66,20 @@ def compare(
     from metafem.files import same_design, study_path, write_study
     from metafem.studies.measured import measured
 
-    path = study_path(folder, "measured", force)
-    explained = study_path(folder, "explained", force) if explain else None
     priors = given_priors(given, explain)
     still = same_design(folder)
     design = mf.load(folder)
     with progress(), given_deviations(sd, PARAMETERS) as errors:
         pair = pair_of(design.surface, given, errors)
         laws = measured_laws(pair, table, sliding, design.sites)
+        path = study_path(folder, "measured", force)
+        explained = study_path(folder, "explained", force) if explain else None
         comparisons = [mf.calibration.compare(law, design, **pair.errors(law)) for law in laws]
         dataset = measured(comparisons, design.law.model)
+        why = None if explained is None else explanation(laws[0], design, priors)
+        # all results together: a stopped run leaves none that its repetition would refuse to replace
         write_study(dataset, path, force=force, still=still)
-        why = None
-        if explained is not None:
-            why = explanation(laws[0], design, priors)
+        if why is not None and explained is not None:
             write_study(why, explained, force=force, still=still)
     if as_json:
         from metafem.files import study_data

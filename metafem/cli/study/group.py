@@ -43,8 +43,17 @@ def of_design(compute: Callable[..., Dataset]) -> Callable[..., None]:
     def command(folder: Path, force: bool, as_json: bool, **options: Any) -> None:
         import metafem as mf
         from metafem._given import error_names
-        from metafem.files import option_names, same_design, study_data, study_path, write_study
+        from metafem.files import (
+            option_names,
+            read_handed_on,
+            same_design,
+            study_data,
+            study_path,
+            write_study,
+        )
 
+        if options.get("calibration") is not None:  # a wrong file is told before a finished study
+            read_handed_on(options["calibration"])
         path = study_path(folder, name, force)
         still = same_design(folder)
         design = mf.load(folder)

@@ -25,21 +25,23 @@ def write_file(
     force: bool = False,
     ours: Callable[[bytes], bool] = lambda _: True,
     still: Callable[[], None] = lambda: None,
+    fixed: bool = False,
 ) -> None:
     """Write a file by the function `write` under another name, and rename it.
 
     With `force` an existing file is replaced: in a result folder one that metafem wrote and that was not
     changed, elsewhere one whose content `ours` accepts as metafem's. `still` raises an error if the content
-    is not valid any more, and is called before the file is renamed. Raise InvalidInput if the file exists or
+    is not valid any more, and is called before the file is renamed. `fixed` says that no other name can be
+    chosen. Raise InvalidInput if the file exists or
     cannot be written; no unfinished file is left.
     """
     target = Path(path).absolute()
-    refuse_existing(target, force, ours)
+    refuse_existing(target, force, ours, fixed)
     try:
         with claimed(target.parent / SUFFIX, target) as work:
             write(work / NEW / target.name)
             still()
-            refuse_existing(target, force, ours)
+            refuse_existing(target, force, ours, fixed)
             before = _before(target, ours)
             if (manifest := target.with_name(MANIFEST)).is_file():
                 fresh = {target.name: frozenset({digest(work / NEW / target.name)})}
@@ -50,13 +52,16 @@ def write_file(
         raise InvalidInput(f"{target} cannot be written: {reason(error)}") from None
 
 
-def refuse_existing(path: str | Path, force: bool, ours: Callable[[bytes], bool] = lambda _: True) -> None:
+def refuse_existing(
+    path: str | Path, force: bool, ours: Callable[[bytes], bool] = lambda _: True, fixed: bool = False
+) -> None:
     """Raise InvalidInput if `write_file` would refuse the file, before a long run."""
     target = Path(path).absolute()
     if not os.path.lexists(target):
         return
     if not force:
-        raise InvalidInput(f"{target} exists; choose another name, or replace it with force=True")
+        other = "" if fixed else "choose another name, or "
+        raise InvalidInput(f"{target} exists; {other}replace it with force=True")
     if target.is_symlink() or not target.is_file():
         kind = "a link" if target.is_symlink() else "a folder" if target.is_dir() else "no regular file"
         raise InvalidInput(f"{target} cannot be written: it is {kind}; choose another name")

@@ -22,10 +22,13 @@ from metafem.calibration import (
     joint_covariance,
 )
 from metafem.errors import InvalidInput
-from metafem.files.reading import file_label, read_record
+from metafem.files.reading import RECORD, file_label, read_bytes, read_record
 
 # Name of the kind of file.
 KIND = "metafem calibration"
+
+# White space before the first object of JSON, and the bytes of a byte-order mark.
+BLANK = b" \t\r\n\xef\xbb\xbf"
 
 # Parameters that a calibration determines, with their units in the names of keys.
 UNITS = {"radius": "mm", "composite_modulus": "MPa", "area_ratio": "1", "shear_strength": "MPa"}
@@ -145,7 +148,8 @@ def calibration_data(
 def read_handed_on(path: str | Path) -> HandedOn:
     """Return parameters, values and covariance of a file that ``metafem calibrate`` wrote as JSON."""
     label = file_label(path)
-    data = read_record(path)
+    # any other file than one of JSON is no damaged calibration
+    data = read_record(path) if read_bytes(path, RECORD).lstrip(BLANK).startswith(b"{") else None
     if not isinstance(data, dict) or data.get("kind") != KIND:
         raise InvalidInput(
             f"{label} is not a calibration; write one with metafem calibrate DATA.csv -o calibration.json"

@@ -27,7 +27,7 @@ def study_path(folder: str | Path, name: str, force: bool) -> Path:
     if not is_result_folder(Path(folder)):
         raise InvalidInput(f"{record} is not a design of metafem")
     path = Path(folder) / f"{name}.nc"
-    refuse_existing(path, force)
+    refuse_existing(path, force, fixed=True)
     return path
 
 
@@ -38,7 +38,9 @@ def write_study(
 
     `still` is that of `write_file`: no study is written if the design was replaced in the meantime.
     """
-    write_file(path, lambda fresh: study.to_netcdf(fresh, engine="h5netcdf"), force=force, still=still)
+    write_file(
+        path, lambda fresh: study.to_netcdf(fresh, engine="h5netcdf"), force=force, still=still, fixed=True
+    )
 
 
 @doing("reading the studies")

@@ -32,7 +32,8 @@ def test_a_measured_law_is_compared_and_stored(run, measured):
     assert Path("linear/measured.nc").exists()
     again = run("compare", "linear", "measured.csv")
     assert again.exit_code == 2
-    assert "--force" in again.output
+    assert "measured.nc exists; replace it with --force" in " ".join(again.output.split())
+    assert "choose another name" not in again.output
     text = " ".join(run("compare", "linear", "measured.csv", "--force").output.split())
     assert "+3.0 %" in text
     assert "slope, P/E* = " in text
@@ -77,6 +78,17 @@ def test_options_that_are_wrong_are_named(run, measured, options, words):
     assert result.exit_code == 2
     assert words in " ".join(result.output.split())
     assert not Path("linear/measured.nc").exists()
+
+
+@pytest.mark.parametrize(
+    "command", [("compare", "linear", "measured.csv"), ("study", "uncertainty", "linear")]
+)
+def test_a_table_is_no_calibration_even_where_a_result_stands(run, measured, command):
+    name = "measured" if command[0] == "compare" else "uncertainty"
+    Path(f"linear/{name}.nc").touch()
+    result = run(*command, "--calibration", "measured.csv")
+    assert result.exit_code == 2
+    assert "measured.csv is not a calibration; write one with" in " ".join(result.output.split())
 
 
 def test_a_folder_that_holds_no_design_is_refused(run, measured):

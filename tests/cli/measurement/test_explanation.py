@@ -45,6 +45,15 @@ def test_a_tilt_is_explained_and_stored(run, tilted):
     assert text.rstrip().endswith("wrote linear/explained.nc")
 
 
+def test_a_stopped_explanation_leaves_no_file(run, tilted, monkeypatch):
+    def stopped(*_args):
+        raise mf.NotConverged("stopped")
+
+    monkeypatch.setattr("metafem.cli.measurement.compare.explanation", stopped)
+    assert run("compare", "linear", "contacts.csv", "--explain").exit_code == 1
+    assert not Path("linear/measured.nc").exists()
+
+
 @pytest.mark.slow
 def test_contacts_have_the_sites_of_a_design_that_leaves_some_empty(run, demo):
     demo("operating-points")
