@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,6 +25,11 @@ from metafem.calibration.sites.similarity import ComplexArray, Similarity, compl
 # Number of contacts from which a drift is guessed: one of them is a contact.
 GUESSES = 8
 
+# A shift by more than this, in distances between neighbouring sites, could as well be the shorter one to the
+# next site. It is taken only if it matches clearly more regions: by so many at least, and this part of all. A
+# full square lattice of 8 x 8 loses 1/8 of them by a wrong shift of one pitch.
+HALF, MORE, PART = 0.5, 3, 0.1
+
 # A region at the edge of the frame belongs to a site within so many of its semi-axes: half a circle has the
 # centre of the circle at 0.8 of its own, a smaller part farther out. Other regions contain their sites.
 SEMI_AXES = 1.5
@@ -45,6 +51,8 @@ class Placed(Value):
         Sites that cannot be measured: pairs of site and reason.
     strays : ndarray of int
         Regions that belong to no site.
+    unclear : bool
+        Whether another shift, by a distance between sites, matches about as many regions or more.
     """
 
     position: FloatArray
@@ -52,6 +60,7 @@ class Placed(Value):
     outside: NDArray[np.bool_]
     spoilt: tuple[tuple[int, str], ...]
     strays: IntArray
+    unclear: bool = False
 
     def values(self, of_contact: FloatArray, of_open: float) -> FloatArray:
         """Return a quantity of the contacts at the sites (m,), nan where it was not measured."""
@@ -62,44 +71,82 @@ class Placed(Value):
         return result
 
 
-def placed(areas: ContactAreas, position: FloatArray, names: list[str]) -> Placed:
+def placed(
+    areas: ContactAreas, position: FloatArray, names: list[str], reach: FloatArray | None = None
+) -> Placed:
     """Return the sites in an image, from their positions in another one of the same sample (m, 2).
 
-    Between two images the sample may move, by any distance that leaves one shift as the best; of several
-    shifts that match equally many contacts the shortest is meant. `names` are those of the sites in remarks.
+    Between two images the sample may move. The shortest shift is meant, unless a longer one matches clearly
+    more regions; those at the edge and merged ones count too. `names` are those of the sites in remarks, and
+    `reach` (m,) the errors of positions that are known badly [mm]; default: 0.
     """
+    own = np.zeros(len(position)) if reach is None else reach
     whole = np.flatnonzero(areas.complete)
-    points, lattice = complex_points(areas.centre[whole]), Lattice(complex_points(position))
-    pose = _drifted(points, lattice)
+    lattice = Lattice(complex_points(position))
+    pose, unclear = _drifted(areas, lattice, own)
     where = real_points(pose.similarity.image(lattice.sites))
     site = np.full(areas.count, -1, dtype=np.intp)
     site[whole] = pose.site
+    taken = set(pose.site[pose.site >= 0].tolist())
+    for region in whole[pose.site < 0].tolist():
+        inside = [s for s in _within(areas, region, where, own) if s not in taken]
+        if len(inside) == 1 and own[inside[0]] > 0.0:
+            site[region] = inside[0]
+            taken.update(inside)
     frame = areas.pixel_size * np.array(areas.shape[::-1])
     outside = np.any((where < 0.0) | (where > frame), axis=1)
     outside[site[site >= 0]] = False
     spoilt, strays = [], []
-    taken = set(site[site >= 0].tolist())
     for region in np.flatnonzero(site < 0).tolist():
-        inside = [s for s in _within(areas, region, where) if s not in taken]
+        inside = [s for s in _within(areas, region, where, own) if s not in taken]
         taken.update(inside)
         spoilt += [(s, _reason(areas, region, inside, s, names)) for s in inside]
         if not inside and not areas.edge[region]:
             strays.append(region)
-    return Placed(where, site, outside, tuple(sorted(spoilt)), np.array(sorted(strays), dtype=np.intp))
+    return Placed(
+        where, site, outside, tuple(sorted(spoilt)), np.array(sorted(strays), dtype=np.intp), unclear
+    )
 
 
-def _drifted(points: ComplexArray, lattice: Lattice) -> Pose:
-    """Return the shift that matches most contacts, and the sites of these."""
+def _drifted(areas: ContactAreas, lattice: Lattice, own: FloatArray) -> tuple[Pose, bool]:
+    """Return the shift, with the sites of the complete contacts, and whether another one may be meant."""
     still = Similarity(1.0, 0.0)
+    points = complex_points(areas.centre[areas.complete])
     if not points.size:
-        return Pose(still, np.zeros(0, dtype=np.intp))
+        return Pose(still, np.zeros(0, dtype=np.intp)), False
     some = points[np.unique(np.linspace(0, len(points) - 1, GUESSES).astype(int))]
     shift = np.append((some[:, None] - lattice.sites).ravel(), 0.0)
     shift = shift[np.argsort(np.abs(shift), kind="stable")]
     rated = rating(points, lattice, np.ones(len(shift), complex), shift)
-    best = np.argsort(-rated, kind="stable")[:REFINED]
-    poses = [_settled(points, lattice, complex(shift[i])) for i in best]
-    return min(poses, key=lambda pose: (-pose.matched, abs(pose.similarity.shift)))
+    short = np.flatnonzero(np.abs(shift) <= HALF * lattice.spacing)
+    best = [
+        *np.argsort(-rated, kind="stable")[:REFINED],
+        *short[np.argsort(-rated[short], kind="stable")][:GUESSES],
+    ]
+    poses = [_settled(points, lattice, complex(shift[i])) for i in dict.fromkeys(best)]
+    found = [(pose, _votes(areas, pose, lattice, own), pose.similarity.shift) for pose in poses]
+    order = sorted(found, key=lambda one: (-one[1], abs(one[2])))
+    near = next((one for one in order if abs(one[2]) <= HALF * lattice.spacing), order[0])
+    clearly = max(MORE, PART * areas.count)
+    chosen = order[0] if order[0][1] - near[1] >= clearly else near
+    if chosen is near and near[1] == order[0][1] and abs(near[2]) <= HALF * lattice.spacing:
+        return near[0], False
+    others = [votes for _, votes, by in found if abs(by - chosen[2]) > HALF * lattice.spacing]
+    return chosen[0], max(others, default=0) > chosen[1] - clearly
+
+
+def _votes(areas: ContactAreas, pose: Pose, lattice: Lattice, own: FloatArray) -> int:
+    """Return the number of regions at sites, with those that are at the edge or merged."""
+    where = real_points(pose.similarity.image(lattice.sites))
+    taken = set(pose.site[pose.site >= 0].tolist())
+    count = len(taken)
+    whole = np.flatnonzero(areas.complete)
+    rest = [*whole[pose.site < 0].tolist(), *np.flatnonzero(~areas.complete).tolist()]
+    for region in rest:
+        inside = [s for s in _within(areas, region, where, own) if s not in taken]
+        taken.update(inside)
+        count += bool(inside)
+    return count
 
 
 def _settled(points: ComplexArray, lattice: Lattice, shift: complex) -> Pose:
@@ -117,15 +164,16 @@ def _settled(points: ComplexArray, lattice: Lattice, shift: complex) -> Pose:
     return Pose(similarity, site)
 
 
-def _within(areas: ContactAreas, region: int, where: FloatArray) -> list[int]:
-    """Return the sites within the ellipse of a region, the nearest first."""
+def _within(areas: ContactAreas, region: int, where: FloatArray, own: FloatArray) -> list[int]:
+    """Return the sites within the ellipse of a region or the errors of their positions, the nearest first."""
     away = where - areas.centre[region]
     cos, sin = np.cos(areas.angle[region]), np.sin(areas.angle[region])
     along, across = away @ [cos, sin], away @ [-sin, cos]
     distance = np.hypot(along / areas.axes[region, 0], across / areas.axes[region, 1])
     order = np.argsort(distance, kind="stable")
     most = SEMI_AXES if areas.edge[region] else 1.0
-    return [int(s) for s in order if distance[s] <= most]
+    close = (distance <= most) | (np.hypot(*away.T) < own)
+    return [int(s) for s in order if close[s]]
 
 
 def _reason(areas: ContactAreas, region: int, inside: list[int], site: int, names: list[str]) -> str:
@@ -138,3 +186,18 @@ def _reason(areas: ContactAreas, region: int, inside: list[int], site: int, name
     if areas.merged[region]:
         return "its outline is no ellipse, as that of two contacts in one"
     return "its region is not centred on the site, as if merged with another"
+
+
+def mean_positions(
+    found: Sequence[Placed | None], areas: Sequence[ContactAreas], centre: FloatArray
+) -> FloatArray:
+    """Return the mean positions of contacts, without the shifts between images, (m, 2)."""
+    total, count = np.zeros_like(centre), np.zeros(len(centre))
+    for one, each in zip(found, areas, strict=True):
+        if one is not None:
+            matched = one.site >= 0
+            sites = one.site[matched]
+            shift = one.position[0] - centre[0]
+            total[sites] += each.centre[matched] - shift
+            count[sites] += 1
+    return total / count[:, None]

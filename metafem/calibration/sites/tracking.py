@@ -16,9 +16,9 @@ from metafem._validate import FloatArray
 from metafem.calibration.contact_table import ContactTable
 from metafem.calibration.images.contact_areas import ContactAreas
 from metafem.calibration.sites.match import match_sites
-from metafem.calibration.sites.placement import Placed, placed
+from metafem.calibration.sites.placement import Placed, mean_positions, placed
 from metafem.calibration.sites.site_match import SiteMatch
-from metafem.calibration.sites.stack_remarks import remarks_of
+from metafem.calibration.sites.stack_remarks import not_numbered, remarks_of, unclear_notes
 from metafem.calibration.sites.tracked_contacts import TrackedContacts
 from metafem.errors import InvalidInput
 
@@ -46,8 +46,10 @@ def track_contacts(
     The image with most contacts is matched to the sites of the design, as `match_sites` does; if loads are
     given, it is one with a load. In the others, the same sites are looked for where that image shows them,
     after a shift that matches most contacts. Without sites, the contacts of the image with most contacts take
-    their place. A site without a contact is open: its area is 0. One outside the frame, at its edge or merged
-    with another has the area nan and a remark.
+    their place, with those at its edge that another image shows whole. The shortest shift is taken unless a
+    longer one matches clearly more contacts; a warning names images where this is not clear. A site without a
+    contact is open: its area is 0. One outside the frame, at its edge or merged with another has the area nan
+    and a remark.
 
     Parameters
     ----------
@@ -161,13 +163,28 @@ class _Stack:
     def numbered(self) -> TrackedContacts:
         """Number the contacts of the fullest image from top to bottom of the frame."""
         reference = self.fullest()[0]
-        centre = self.areas[reference].centre[self.areas[reference].complete]
-        names = [f"contact {j + 1}" for j in range(len(centre))]
-        found, sheared = self._placed(centre, names)
-        position = _mean(found, self.areas, centre)
-        remarks = self._remarks(found, sheared, names, {})
+        areas = self.areas[reference]
+        # one at the edge is a contact if another image shows it whole; its centre is known to its semi-axis
+        known = areas.complete | areas.edge
+        reach = np.where(areas.edge, areas.axes[:, 0], 0.0)
+        names: list[str] = []
+        for _ in range(2):
+            centre = areas.centre[known]
+            names = [f"contact {j + 1}" for j in range(len(centre))]
+            found, sheared = self._placed(centre, names, reach[known])
+            seen = np.zeros(len(centre), dtype=bool)
+            for one in found:
+                if one is not None:
+                    seen[one.site[one.site >= 0]] = True
+            if seen.all():
+                break
+            known[np.flatnonzero(known)[~seen]] = False
+        position = mean_positions(found, self.areas, centre)
+        remarks = self._remarks(found, sheared, names, {reference: not_numbered(areas, known)})
         table = self._table(found, sheared, position, np.arange(len(centre)), False, remarks)
-        return TrackedContacts(table, reference, None, found, sheared)
+        return TrackedContacts(
+            table, reference, None, found, sheared, unclear_notes(self.image, found, "contact")
+        )
 
     def matched(
         self, sites: FloatArray, number: Any, options: dict[str, Any], expected: Any
@@ -179,7 +196,9 @@ class _Stack:
         own = {reference: tuple(str(note) for note in match.notes if note.warns)}
         table = self._table(found, sheared, sites, number, True, self._remarks(found, sheared, names, own))
         notes = tuple(replace(note, text=f"{self.image[reference]}: {note.text}") for note in match.notes)
-        return TrackedContacts(table, reference, match, found, sheared, notes)
+        return TrackedContacts(
+            table, reference, match, found, sheared, (*notes, *unclear_notes(self.image, found, "site"))
+        )
 
     def _match(self, sites: FloatArray, options: dict[str, Any], expected: Any) -> tuple[int, SiteMatch]:
         """Return the fullest image that can be matched, and its match."""
@@ -200,14 +219,14 @@ class _Stack:
         raise first or AssertionError  # fullest() returns at least one image
 
     def _placed(
-        self, position: FloatArray, names: list[str]
+        self, position: FloatArray, names: list[str], reach: FloatArray | None = None
     ) -> tuple[tuple[Placed | None, ...], tuple[Placed | None, ...]]:
         """Return the sites in each image, and in each sheared one."""
-        found = tuple(None if one.failed else placed(one, position, names) for one in self.areas)
+        found = tuple(None if one.failed else placed(one, position, names, reach) for one in self.areas)
         sheared = tuple(
             None
             if one is None or one.failed
-            else placed(one, position if near is None else near.position, names)
+            else placed(one, position if near is None else near.position, names, reach)
             for one, near in zip(self.sheared, found, strict=True)
         )
         return found, sheared
@@ -271,16 +290,3 @@ class _Stack:
             sheared_area_error=sheared_area_error,
             remarks=remarks,
         )
-
-
-def _mean(found: Sequence[Placed | None], areas: Sequence[ContactAreas], centre: FloatArray) -> FloatArray:
-    """Return the mean positions of contacts, without the shifts between images, (m, 2)."""
-    total, count = np.zeros_like(centre), np.zeros(len(centre))
-    for one, each in zip(found, areas, strict=True):
-        if one is not None:
-            matched = one.site >= 0
-            sites = one.site[matched]
-            shift = one.position[0] - centre[0]
-            total[sites] += each.centre[matched] - shift
-            count[sites] += 1
-    return total / count[:, None]

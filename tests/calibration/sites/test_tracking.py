@@ -105,6 +105,53 @@ def test_a_shift_by_more_than_half_a_pitch_is_found_where_the_whole_lattice_is_s
     np.testing.assert_allclose(table.area[-1], exact[-1], rtol=1e-12)
 
 
+def cropped():
+    """Return two images of a lattice whose frame cuts two large contacts, its sites, and the closed ones."""
+    where = seen(SITES)
+    closed = [0, 9, 18, 33, 45, 50, 39, 63]
+    few = contacts(where[closed], 0.02 + 0.001 * np.arange(8))
+    centre = where.copy()
+    centre[[39, 63], 0] -= 0.07  # the centre of the part that is seen
+    return few, contacts(centre, 0.2, edge=[39, 63]), where, closed
+
+
+def test_contacts_cut_by_the_frame_at_large_load_do_not_shift_the_others():
+    few, full, where, closed = cropped()
+    table = track_contacts([few, full], ["a", "b"]).table
+    assert len(table.site) == 64
+    exact = few.area[np.argsort(closed)]
+    near = np.array([np.argmin(np.hypot(*(where - p).T)) for p in table.position])
+    measured = table.area[0] > 0.0
+    assert near[measured].tolist() == sorted(closed)
+    np.testing.assert_allclose(table.area[0, measured], exact, rtol=1e-12)
+    lost = np.isnan(table.area[1])
+    assert near[lost].tolist() == [39, 63]
+    alone = track_contacts([full], ["b"]).table
+    assert len(alone.site) == 62
+    assert alone.remarks == ("b: 2 regions at the edge of the frame or merged, with 0.251 mm², not numbered",)
+
+
+def test_contacts_at_the_edge_count_for_the_shift_of_a_design():
+    few, full, _, closed = cropped()
+    edge = replace(few, edge=np.isin(closed, [39, 63]))
+    table = track_contacts([edge, full], ["a", "b"], site_position=SITES).table
+    assert np.flatnonzero(table.area[0] > 0.0).tolist() == sorted(set(closed) - {39, 63})
+    assert np.flatnonzero(np.isnan(table.area[0])).tolist() == [39, 63]
+
+
+@pytest.mark.parametrize("given", [{}, {"site_position": SITES}])
+def test_a_shift_by_one_pitch_that_matches_two_contacts_more_is_not_taken(given):
+    """Two of eight contacts stand beyond the upper row."""
+    where = seen(SITES)
+    few = contacts(np.vstack([where[[56, 57]] + [0.0, 1.5], where[10:16]]), 0.1, shape=(1600, 1600))
+    tracked = track_contacts([few, contacts(where, 0.2, shape=(1600, 1600))], ["a", "b"], **given)
+    assert np.flatnonzero(tracked.table.area[0] > 0.0).tolist() == list(range(10, 16))
+    assert [str(note) for note in tracked.notes if "shifted" in str(note)] == [
+        "a: contacts may be shifted by one lattice distance; "
+        + ("compare the numbers in its picture" if given else "give --sites")
+    ]
+
+
 def test_what_cannot_be_measured_is_named():
     where = seen(SITES)
     last = contacts(where, 0.3)
