@@ -9,6 +9,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from metafem._given import label
 from metafem._validate import FloatArray
 from metafem.calibration.sites.match import FEWEST, match_sites
 from metafem.errors import InvalidInput
@@ -100,8 +101,8 @@ def _few(centre: FloatArray, height: FloatArray, design: Surface) -> Alignment:
     """Match one or two summits to as many sites, as the map lies; the order of x and y decides."""
     if len(centre) != design.count:
         raise InvalidInput(
-            f"height_map shows {len(centre)} caps and design_surface has {design.count} asperities; at least "
-            f"{FEWEST} of each are needed to match them"
+            f"{label('height_map')} shows {len(centre)} caps and {label('design_surface')} has "
+            f"{design.count} asperities; at least {FEWEST} of each are needed to match them"
         )
     site = np.empty(design.count, dtype=np.intp)
     along = centre[-1] - centre[0]

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from metafem._given import label
 from metafem._validate import FloatArray
 from metafem._values import Value
 from metafem.calibration.topography.cells import Cells, HeightMap
@@ -97,9 +98,11 @@ def levelled(
     known = np.isfinite(found.mean) if caps is None else np.isfinite(found.mean) & ~caps
     count = 6 if bowed else 3
     if known.sum() < FEWEST:
+        if not np.isfinite(height_map.values).any():
+            raise InvalidInput(f"{label('height_map')} holds no heights: none of its pixels was measured")
         raise InvalidInput(
-            f"height_map shows {int(known.sum())} cells of {found.size:.3g} mm between its summits; at least "
-            f"{FEWEST} are needed for the base plane"
+            f"{label('height_map')} shows {int(known.sum())} cells of {found.size:.3g} mm between its "
+            f"summits; at least {FEWEST} are needed for the base plane"
         )
     values = found.mean[known]
     matrix = _powers(u[known], v[known], bowed)
@@ -121,7 +124,9 @@ def levelled(
         if (before == kept).all():
             break
     if kept.sum() < FEWEST:
-        raise InvalidInput("height_map holds no base plane: its cells between the summits do not lie on one")
+        raise InvalidInput(
+            f"{label('height_map')} holds no base plane: its cells between the summits do not lie on one"
+        )
     grid = np.zeros(found.mean.shape)
     grid[known] = np.where(kept, residual, 0.0)
     used = np.zeros(found.mean.shape)

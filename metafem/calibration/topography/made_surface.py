@@ -10,14 +10,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from metafem import _validate as check
 from metafem._calls import checked_call
-from metafem._given import formatted
+from metafem._given import label
 from metafem._validate import FloatArray, IntArray
 from metafem._values import MICROMETRES, Value, span
 from metafem.calibration.topography.alignment import Alignment, aligned
 from metafem.calibration.topography.caps import Cap, fitted_caps
 from metafem.calibration.topography.cells import HeightMap, cells
 from metafem.calibration.topography.levelled import Levelling, levelled
-from metafem.calibration.topography.placement_notes import on_map, placement_notes
+from metafem.calibration.topography.placement_notes import no_cap, on_map, placement_notes
 from metafem.calibration.topography.radii import pooled
 from metafem.calibration.topography.summits import hills
 from metafem.errors import InvalidInput
@@ -208,11 +208,7 @@ def measured_surface(
         standing = hills(found, first, LOWEST * lowest, radius)
         level = levelled(picture, found, bow, standing.cells)
         if not standing.starts:
-            raise InvalidInput(
-                f"height_map shows no cap of a radius near {formatted('radius', radius)}: "
-                f"{len(standing.other)} hills of other shapes; check pixel_size, the unit of the heights, "
-                f"and mould={not mould}"
-            )
+            raise InvalidInput(no_cap(radius, len(standing.other), mould))
         caps, covariance = fitted_caps(picture, level, standing.starts, limit)
     good = np.array([not cap.cause for cap in caps])
     notes = [
@@ -221,7 +217,7 @@ def measured_surface(
         if cap.cause
     ]
     if not good.any():
-        raise InvalidInput(f"height_map shows no cap that can be measured; {notes[0].text}")
+        raise InvalidInput(f"{label('height_map')} shows no cap that can be measured; {notes[0].text}")
     caps = [cap for cap in caps if not cap.cause]
     covariance = covariance[good]
     value = np.array([[cap.x, cap.y, cap.height, cap.radius] for cap in caps])
@@ -238,7 +234,10 @@ def _made(
 ) -> MadeSurface:  # fmt: skip
     matched = np.flatnonzero(place.site >= 0)
     if not matched.size:
-        raise InvalidInput(f"none of the {len(caps)} caps of height_map lies on a site of design_surface")
+        raise InvalidInput(
+            f"none of the {len(caps)} caps of {label('height_map')} lies on a site of "
+            f"{label('design_surface')}"
+        )
     order = matched[np.argsort(place.site[matched])]
     site = place.site[order].astype(np.int64)
     missing = np.setdiff1d(np.arange(design.count), site)
@@ -277,7 +276,8 @@ def _height_map(values: ArrayLike, pixel_size: float | tuple[float, float], moul
         raise InvalidInput("height_map is not an array of numbers") from None
     if array.ndim != 2 or min(array.shape) < FEWEST:
         raise InvalidInput(
-            f"height_map has shape {array.shape}; it must have shape (rows, columns), each at least {FEWEST}"
+            f"{label('height_map')} has shape {array.shape}; it must have shape (rows, columns), "
+            f"each at least {FEWEST}"
         )
     return HeightMap(array, (width, height), -1.0 if mould else 1.0)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from metafem._given import formatted
+from metafem._given import formatted, label
 from metafem._validate import FloatArray, IntArray
 from metafem._values import percent
 from metafem.calibration.topography.alignment import Alignment
@@ -76,3 +76,12 @@ def _named(what: str, places: list[str], one: str, many: str) -> list[Note]:
 def on_map(x: float, y: float) -> str:
     """Return a point of a map for a note."""
     return f"({x:.3f}, {y:.3f}) mm"
+
+
+def no_cap(radius: float, hills: int, mould: bool) -> str:
+    """Return the error for a map on which no hill is a cap of about this radius [mm]."""
+    other = "1 hill of another shape" if hills == 1 else f"{hills} hills of other shapes"
+    return (
+        f"{label('height_map')} shows no cap of a radius near {radius:g} mm, but {other}; check "
+        f"{label('pixel_size')}, {label('the unit of the heights')} and {label(f'mould={not mould}')}"
+    )

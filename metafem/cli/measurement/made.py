@@ -18,7 +18,7 @@ WORST, LOADS = 5, 5
 # The terms of the systematic error as they are printed: unit, and how many of it are one of the package's.
 TERMS = {
     "offset": ("um", 1e3),
-    "scale": ("% of the height", 1e2),
+    "scale": ("% of the height above or below the mean of {mean:.4g} um", 1e2),
     "tilt_x": ("um/mm along x", 1e3),
     "tilt_y": ("um/mm along y", 1e3),
     "bow_xx": ("um/mm^2 along x", 1e3),
@@ -73,7 +73,7 @@ def print_made(design: Design, made: MadeSurface, correction: Correction | None,
     titles = ["site", "x [mm]", "y [mm]", "designed height [um]", "made [um]", "error [um]", "s.e. [um]"]
     print_table(console, titles, rows, "largest height errors")
     if correction is not None:
-        _print_correction(correction, say)
+        _print_correction(correction, UM * float(made.design.height[made.site].mean()), say)
     first, every = (
         design.law,
         range(len(law.load) // LOADS - 1, len(law.load), max(1, len(law.load) // LOADS)),
@@ -95,14 +95,15 @@ def print_made(design: Design, made: MadeSurface, correction: Correction | None,
     print_notes(console, notes)
 
 
-def _print_correction(correction: Correction, say: Any) -> None:
+def _print_correction(correction: Correction, mean: float, say: Any) -> None:
+    """Print the errors; `mean` is that of the designed heights [um], about which the scale is."""
     for name, value, sd in zip(
         correction.terms, correction.value.tolist(), correction.value_sd.tolist(), strict=True
     ):
         unit, size = TERMS[name]
-        say(
-            f"systematic height error, {name.replace('_', ' ')}: {size * value:+.3g} ± {size * sd:.2g} {unit}"
-        )
+        term = f"systematic height error, {name.replace('_', ' ')}:"
+        what = "mean height error" if name == "offset" else term
+        say(f"{what} {size * value:+.3g} ± {size * sd:.2g} {unit.format(mean=mean)}")
     if not correction.terms:
         say("no systematic height error is significant")
     say(

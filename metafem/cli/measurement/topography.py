@@ -72,6 +72,7 @@ def topography(
     Example: metafem topography part.x3p --design linear -o made.csv --corrected next.csv --picture made.svg
     """
     import metafem as mf
+    from metafem._given import ErrorNames, error_names
     from metafem.files import (
         corrected_table,
         is_heights_table,
@@ -91,7 +92,8 @@ def topography(
     if output is not None and corrected is not None and output.absolute() == corrected.absolute():
         raise InvalidInput(f"--output and --corrected both name {output}; give each a file of its own")
     design = mf.load(folder)
-    with progress():
+    names = ErrorNames(names=_names(height_map, folder, pixel, height_unit))
+    with progress(), error_names(names):
         stored = read_height_map(height_map, pixel, height_unit)
         made = mf.calibration.measured_surface(
             stored.values,
@@ -123,6 +125,21 @@ def topography(
     print_made(design, made, correction, law)
     for path in written:
         terminal().print(f"wrote {path}", highlight=False, markup=False)
+
+
+def _names(height_map: Path, folder: Path, pixel: str | None, height_unit: str | None) -> dict[str, str]:
+    """Return the names of files and options that errors use for arguments."""
+    from metafem._given import printable
+
+    file = printable(str(height_map))
+    return {
+        "height_map": file,
+        "design_surface": f"the design in {printable(str(folder))}",
+        "pixel_size": f"the size of the pixels in {file}" if pixel is None else "--pixel",
+        "the unit of the heights": "the unit of its heights" if height_unit is None else "--height-unit",
+        "mould=True": "--mould",
+        "mould=False": "whether --mould is right",
+    }
 
 
 def _correction(design: Design, made: MadeSurface, wanted: Path | None) -> Correction | None:

@@ -19,6 +19,9 @@ from metafem.files.units import factor, quantity
 # Formats that are read: the map of an instrument, an array of numpy, and a list of points.
 FORMATS = ".x3p, .sur, .plux, .npy, .xyz and others that SurfaceTopography reads"
 
+# Units of heights that an option names; both micro signs are read.
+UNITS = ("m", "mm", "um", "µm", "μm", "micron", "nm")
+
 # Rows that are converted at once, of a large map.
 AT_ONCE = 256
 
@@ -64,6 +67,10 @@ def read_height_map(path: str | Path, pixel: str | None = None, height_unit: str
     """
     name, kind = file_label(path), Path(path).suffix.lower()
     refuse_unreadable(path)
+    if height_unit is not None and height_unit not in UNITS:
+        raise InvalidInput(
+            f'--height-unit = "{printable(height_unit, 40)}" must be m, mm, um, µm, micron or nm'
+        )
     size = None if height_unit is None else _unit_size(height_unit)
     width = None if pixel is None else _pixel_size(pixel)
     if kind in (".npy", ".xyz"):

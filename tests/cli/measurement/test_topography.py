@@ -1,6 +1,7 @@
 """`metafem topography` in an empty folder."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -37,7 +38,7 @@ def test_the_made_surface_is_printed_written_and_predicted(run, part):
     assert result.exit_code == 0, result.output
     for text in (
         "9 of 9 asperities measured",
-        "systematic height error, offset: +4",
+        "mean height error +4",
         "expected with corrected heights",
         "law of the made surface: A0 differs",
         "wrote made.csv",
@@ -72,6 +73,15 @@ def test_a_missing_summit_is_named(run, part, heights):
     assert "asperity 6 of the design, at (-1.500, 1.500) mm, is missing" in result.output.replace("\n", " ")
 
 
+def test_a_scale_is_about_the_mean_height(run, part):
+    design = DESIGN.surface.replaced(height=np.linspace(0.08, 0.16, 9))
+    mf.save(replace(DESIGN, surface=design), "steps")
+    np.save(part / "part.npy", height_map(design.replaced(height=1.02 * design.height), (960, 960), 5e-3))
+    result = run("topography", "part.npy", "--pixel", "5 um", "--height-unit", "mm", "--design", "steps")
+    assert "mean height error +2.4" in result.output
+    assert "% of the height above or below the mean of 120 um" in " ".join(result.output.split())
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -81,11 +91,17 @@ def test_a_missing_summit_is_named(run, part, heights):
         (("part.npy", *PIXEL, "--design", "design", "--picture", "made.pdf"), "must end with .svg or .png"),
         (("part.npy", *PIXEL, "--design", "design", "-o", "part.npy"), "exists"),
         (("part.npy", *PIXEL, "--design", "design", "-o", "a.csv", "--corrected", "./a.csv"), "both name"),
-        (("part.npy", *PIXEL, "--design", "design", "--mould"), "no cap"),
-        (("part.npy", "--pixel", "15 um", "--height-unit", "um", "--design", "design"), "no cap"),
+        (("part.npy", *PIXEL, "--design", "design", "--mould"), "no cap of a radius near 0.526 mm"),
+        (("part.npy", "--pixel", "5 um", "--height-unit", "parsec", "--design", "design"), "micron or nm"),
+        (
+            ("part.npy", "--pixel", "15 um", "--height-unit", "um", "--design", "design"),
+            "check --pixel, --height-unit and --mould",
+        ),
+        (("empty.npy", *PIXEL, "--design", "design"), "empty.npy holds no heights"),
     ],
 )
 def test_what_cannot_be_measured_ends_with_a_message(run, part, arguments, message):
+    np.save(part / "empty.npy", np.full((400, 400), np.nan))
     result = run("topography", *arguments)
     assert result.exit_code == 2
-    assert message in result.output
+    assert message in " ".join(result.output.split())
