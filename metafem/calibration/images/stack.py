@@ -92,7 +92,10 @@ def stack_areas(
             continue
         if len(found) == 1 and failures:
             # every result with these levels says where they are from
-            first = Note(f"threshold and levels are those of images[{i}]: {_failed(failures)}")
+            other = next(iter(failures))
+            first = Note(
+                f"threshold and levels are from images[{i}], because images[{other}] cannot be measured"
+            )
             found[i] = replace(found[i], notes=(*found[i].notes, first))
     if not found:
         raise InvalidInput(f"none of the images can be measured: {_failed(failures)}")

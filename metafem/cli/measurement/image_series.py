@@ -81,13 +81,13 @@ class Series:
                     "open": None if failed else int(np.count_nonzero(table.area[i] == 0.0)),
                     "not_measured": None if failed else int(np.count_nonzero(np.isnan(table.area[i]))),
                     "area_mm2": None if failed else float(np.nansum(table.area[i])),
-                    "area_error_mm2": None if failed else _together(table.area_error[i]),
+                    "area_error_mm2": None if failed else _together(table.area_error[i], table.area[i]),
                     "sheared_area_mm2": None
                     if sheared is None or sheared.failed
                     else float(np.nansum(table.sheared_area[i])),
                     "sheared_area_error_mm2": None
                     if sheared is None or sheared.failed
-                    else _together(table.sheared_area_error[i]),
+                    else _together(table.sheared_area_error[i], table.sheared_area[i]),
                 }
             )
         return rows
@@ -156,10 +156,13 @@ def measured_series(
     # images without a load are not the one at the largest; without any load the last one is
     order = np.where(known, load, load[known].min() - 1.0) if known.any() else np.arange(float(len(load)))
     images = Images(files)
-    found = stack_areas(
-        images, pixel, loads=[*order, *order[after]], bright_contacts=options["bright_contacts"]
-    )
     names = [file.name for file in files]
+    bright = options["bright_contacts"]
+    try:
+        found = stack_areas(images, pixel, loads=[*order, *order[after]], bright_contacts=bright)
+    except InvalidInput as error:
+        hint = "; --bright-contacts is given: are the contacts brighter than the ground?" if bright else ""
+        raise InvalidInput(f"{_with_files(str(error), names)}{hint}") from None
     found = tuple(_named(one, names, i) for i, one in enumerate(found))
     areas = found[: len(before)]
     sheared: list[ContactAreas | None] = [None] * len(before)
@@ -211,7 +214,13 @@ def _notes(
             )
         )
     smallest = max(one.smallest_area for one in areas if not one.failed)
-    notes.append(information(f"contacts of less than {smallest:.2g} mm² are not found and count as open"))
+    if smallest > 0.0:
+        notes.append(
+            information(
+                f"contacts of less than {smallest:.2g} mm² are not found and count as open; ± is the "
+                "standard deviation of the sum over the closed ones"
+            )
+        )
     match = tracked.match
     if match is not None and abs(match.scale - 1.0) > SCALE:
         notes.append(
@@ -233,12 +242,16 @@ def _named(areas: ContactAreas, names: Sequence[str], own: int) -> ContactAreas:
     """Return the contacts of an image with notes that name other images as files, and not its own."""
 
     def named(note: Note) -> Note:
-        text = re.sub(r"images\[(\d+)\]", lambda match: names[int(match[1])], note.text)
-        # an error of a file names it again
-        text = re.sub(r"(\S+) is not measured: \1: ", r"\1 ", text)
-        return replace(note, text=text.removeprefix(f"{names[own]} "))
+        return replace(note, text=_with_files(note.text, names).removeprefix(f"{names[own]} "))
 
     return replace(areas, notes=tuple(map(named, areas.notes)))
+
+
+def _with_files(text: str, names: Sequence[str]) -> str:
+    """Return a text about ``images[2]`` that names their files."""
+    text = re.sub(r"images\[(\d+)\]", lambda match: names[int(match[1])], text)
+    # an error of a file names it again
+    return re.sub(r"(\S+) is not measured: \1: ", r"\1 ", text)
 
 
 def _sites(source: Path | None, load: Any) -> tuple[Sites | None, Any]:
@@ -268,11 +281,11 @@ def _known(value: float) -> float | None:
     return None if math.isnan(value) else float(value)
 
 
-def _together(error: Any) -> float:
-    """Return the standard deviation of the sum of areas with independent errors."""
+def _together(error: Any, area: Any) -> float:
+    """Return the standard deviation of the sum of the areas of closed contacts with independent errors."""
     import numpy as np
 
-    return float(np.sqrt(np.nansum(np.square(error))))
+    return float(np.sqrt(np.square(error[area > 0.0]).sum()))
 
 
 def _text(name: str, value: Any) -> str:

@@ -60,7 +60,7 @@ def test_an_image_that_fails_is_named_and_the_others_are_measured(bad, words, at
     for areas, alone in zip([areas for areas in found if not areas.failed], rest, strict=True):
         assert np.array_equal(areas.area, alone.area)
     if at == 3:
-        assert "levels are those of images[2]" in str(found[2].notes[-1])
+        assert "levels are from images[2], because images[3] cannot" in str(found[2].notes[-1])
 
 
 def test_images_are_read_one_by_one_and_progress_is_reported():

@@ -147,7 +147,32 @@ def test_a_drawing_in_the_folder_is_no_image_and_an_image_is_no_drawing(run, pic
     assert (pictures / "11.png").read_bytes() == before
 
 
+def test_an_image_without_contacts_is_named_once_as_the_reason(run, pictures):
+    Image.fromarray(np.full((220, 230), 180, dtype=np.uint8)).save("blank.png")
+    result = run("images", "pictures/11.tif", "blank.png", "--pixel", "20 um")
+    assert result.exit_code == 1
+    text = " ".join(result.output.split())
+    assert (
+        "remark: 11.tif: threshold and levels are from 11.tif, because blank.png cannot be measured" in text
+    )
+    assert text.count("image is constant") == 1
+    wrong = " ".join(run("images", "blank.png", "--pixel", "20 um", "--bright-contacts").output.split())
+    assert "none of the images can be measured: blank.png is not measured" in wrong
+    assert "images[" not in wrong
+    assert "--bright-contacts is given" in wrong
+
+
+def test_the_error_of_a_sum_is_that_of_the_closed_contacts(run, pictures):
+    result = run("images", "pictures", "--forces", "forces.csv", "-o", "contacts.csv", "--json")
+    table = read_contacts("contacts.csv")
+    exact = [np.sqrt(np.sum(e[a > 0.0] ** 2)) for e, a in zip(table.area_error, table.area, strict=True)]
+    rows = json.loads(result.stdout)["images"]
+    np.testing.assert_allclose([row["area_error_mm2"] for row in rows], exact, rtol=1e-6)
+    assert rows[0]["open"] > 0
+
+
 @pytest.mark.parametrize(("arguments", "message"), [
+    (["nosuchfolder"], "nosuchfolder: no such file or folder"),
     (["--pixel", "20"], '--pixel = "20" needs a unit; write for example "5.3 um"'),
     (["--pixel", "0 um"], "must be greater than 0"),
     (["--sites", "nothing.csv"], "no such file or folder"),

@@ -154,14 +154,16 @@ def _is_drawing(path: Path) -> bool:
 
 def _checked(path: Path) -> Path:
     """Return a path to a file of a known format."""
+    exists = False
+    with suppress(OSError, ValueError):
+        exists = path.exists()
+    if not exists:
+        raise InvalidInput(f"{file_label(path)}: no such file or folder")
     if path.suffix.lower() not in FORMATS:
         jpeg = path.suffix.lower() in (".jpg", ".jpeg")
         why = "; JPEG changes grey levels at the edges of contacts" if jpeg else ""
         raise InvalidInput(f"{file_label(path)} is no image that can be read; save it as TIFF or PNG{why}")
-    with suppress(OSError, ValueError):
-        if path.exists():
-            return path
-    raise InvalidInput(f"{file_label(path)}: no such file or folder")
+    return path
 
 
 def _pages(path: Path) -> list[ImageFile]:

@@ -194,10 +194,13 @@ def test_what_has_no_grey_levels_is_refused(tmp_path, grey, write, message):
     ("empty", "holds no TIFF or PNG image"),
     ("image.jpg", "no image that can be read; save it as TIFF or PNG; JPEG changes"),
     ("missing.tif", "no such file or folder"),
+    ("missing", "missing: no such file or folder"),
     ("table.csv", "no image that can be read"),
 ])  # fmt: skip
 def test_names_that_are_no_images(tmp_path, name, message):
     (tmp_path / "empty").mkdir()
+    for other in ("image.jpg", "table.csv"):
+        (tmp_path / other).write_bytes(b"")
     with pytest.raises(InvalidInput, match=message):
         find_images([tmp_path / name])
 
