@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from metafem._validate import FloatArray
-from metafem.calibration.verdict import REJECTED
+from metafem.calibration.verdict import REJECTED, chi
 from metafem.notes import Note
 
 
@@ -57,7 +57,7 @@ class Heterogeneity:
 
     def __str__(self) -> str:
         return (
-            f"the tests {'agree' if self.agree else 'differ'}: chi² = {self.chi_square:.3g} with "
+            f"the tests {'agree' if self.agree else 'differ'}: chi² = {chi(self.chi_square)} with "
             f"{self.freedom} degree{'s' * (self.freedom != 1)} of freedom (p = {self.probability:.2g})"
         )
 

@@ -54,9 +54,20 @@ class Verdict:
         degrees = f"{self.freedom} degree{'s' * (self.freedom != 1)} of freedom"
         runs = f"{self.runs} run{'s' * (self.runs != 1)} of residuals"
         return (
-            f"the law {'fits' if self.fits else 'does not fit'}: chi² = {self.chi_square:.3g} with {degrees} "
-            f"(p = {self.probability:.2g}), {runs} (p = {self.runs_probability:.2g})"
+            f"the law {'fits' if self.fits else 'does not fit'}: chi² = {chi(self.chi_square)} with "
+            f"{degrees} (p = {self.probability:.2g}), {runs} (p = {self.runs_probability:.2g})"
         )
+
+
+def chi(square: float) -> str:
+    """Return a chi-square for texts: of four digits from a thousand on, without a power of ten.
+
+    Examples
+    --------
+    >>> chi(3.954), chi(317_512.0)
+    ('3.95', '317,500')
+    """
+    return f"{square:.3g}" if square < 999.5 else f"{float(f'{square:.4g}'):,.0f}"
 
 
 def judged(residual: FloatArray, parameters: int) -> Verdict:

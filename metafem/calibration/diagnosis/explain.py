@@ -19,7 +19,7 @@ from metafem.calibration.diagnosis.priors import Priors
 from metafem.calibration.diagnosis.sentences import NAMES
 from metafem.calibration.diagnosis.shares import shares
 from metafem.calibration.diagnosis.unresolved import unresolved
-from metafem.calibration.diagnosis.update import Posterior, update
+from metafem.calibration.diagnosis.update import NEARLY, Posterior, update
 from metafem.calibration.measured_law.law import MeasuredLaw
 from metafem.calibration.verdict import judged
 from metafem.contact import Contact, Hertz
@@ -179,8 +179,9 @@ def _explanation(
     if not posterior.converged:
         notes.append(
             Note(
-                f"the update does not stand still: its last step is {posterior.change:.2g} standard "
-                "deviations; a contact opens and closes in turn at a measured load"
+                f"the fit has not converged: its last step changed an error by {posterior.change:.2g} of its "
+                f"standard deviation (limit: {NEARLY:g}); this happens where a contact opens in one step and "
+                "closes in the next"
             )
         )
     notes += _impossible(causes, mean)

@@ -13,7 +13,7 @@ from metafem.calibration.diagnosis import sentences
 from metafem.calibration.diagnosis.causes import GROUPS
 from metafem.calibration.diagnosis.priors import Priors
 from metafem.calibration.diagnosis.unresolved import Unresolved
-from metafem.calibration.verdict import Verdict
+from metafem.calibration.verdict import Verdict, chi
 from metafem.models import Model
 from metafem.notes import Note, counted
 from metafem.surface import Friction, Surface
@@ -162,7 +162,7 @@ class Explanation(Value):
         first = next(iter(self.shares), None)
         what = "no causes" if first is None else f"{percent(self.shares[first])} by {sentences.NAMES[first]}"
         return (
-            f"<Explanation: chi² {self.misfit_design:.4g} of the design, {self.misfit:.4g} explained, "
+            f"<Explanation: chi² {chi(self.misfit_design)} of the design, {chi(self.misfit)} explained, "
             f"{what}, {counted(self.notes)}>"
         )
 
@@ -174,7 +174,8 @@ class Explanation(Value):
 
     def sentences(self) -> tuple[str, ...]:
         """Return what explains the measured law, what is not determined and what remains, in sentences."""
-        found = [sentences.misfit(self.misfit_design, self.misfit, self.count)]
+        areas = bool(np.isfinite(self.residual.get("asperity_area", np.nan)).any())
+        found = [sentences.misfit(self.misfit_design, self.misfit, self.count, areas)]
         found += sentences.ranking(self.shares)
         for name, errors in self.single.items():
             if name != "position":

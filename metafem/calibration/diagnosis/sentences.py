@@ -9,7 +9,7 @@ import numpy as np
 
 from metafem._validate import FloatArray
 from metafem._values import MICROMETRES, percent
-from metafem.calibration.verdict import Verdict
+from metafem.calibration.verdict import Verdict, chi
 
 # Names of causes and of groups of them.
 NAMES = {
@@ -61,22 +61,34 @@ def single(name: str, prior_sd: float, mean: FloatArray, sd: FloatArray) -> str:
     return f"{NAMES[name]} {spread(name, mean, sd)} (expected: 0 ± {amount(name, prior_sd, '.2g')})"
 
 
-def misfit(design: float, left: float, count: int) -> str:
-    """Return the misfit before and after."""
+def misfit(design: float, left: float, count: int, areas: bool) -> str:
+    """Return the misfit before and after; `areas`: those of single contacts are among the values."""
     values = "1 measured value" if count == 1 else f"{count} measured values"
     return (
-        f"The measured law differs from the design by chi² = {design:.4g} over {values}; with "
-        f"the errors below it is {left:.4g}."
+        f"The measured law differs from the design by chi² = {chi(design)} over {values}"
+        f"{', the areas of the single contacts included' if areas else ''}; with the errors found it is "
+        f"{chi(left)}."
     )
 
 
 def ranking(shares: Mapping[str, float]) -> list[str]:
     """Return which causes explain the misfit, the most important first."""
-    named = [(NAMES[name], value) for name, value in shares.items() if value >= SMALL]
+    named = [f"{NAMES[name]} ({part(value)})" for name, value in shares.items() if value >= SMALL]
     if not named:
         return []
-    parts = joined([f"{name} ({percent(value, '.0f')})" for name, value in named])
-    return [f"It is explained by {parts}."]
+    found = [f"It is explained by {joined(named)}."]
+    against = [f"{NAMES[name]} ({part(value)})" for name, value in shares.items() if value <= -SMALL]
+    if against:
+        found.append(
+            f"All shares add to 100 %: negative is that of {joined(against)}, which takes back a part of "
+            "what the others explain."
+        )
+    return found
+
+
+def part(share: float) -> str:
+    """Return a share of the misfit in whole percent."""
+    return percent(round(share, 2) + 0.0, ".0f")
 
 
 def outlier(name: str, asperity: str, mean: float, sd: float, prior_sd: float) -> str:

@@ -57,6 +57,10 @@ def compare(
     sigma B, and the height and radius of each asperity. It starts from the E*, sigma and B that are compared
     with; options such as --friction-sd state how large each error is expected to be.
 
+    In its table "share of the misfit" is the part of the reduction of chi² that an error explains. The shares
+    add to 100 %; an error with a negative one takes back a part of what the others explain. "chi² without it"
+    is what chi² would be without this error, with the others fitted anew: the larger, the more it is needed.
+
     The results are the files DIR/measured.nc and DIR/explained.nc; `metafem report DIR` adds them to the
     report.
 
@@ -83,10 +87,13 @@ def compare(
             write_study(why, explained, force=force, still=still)
     if as_json:
         from metafem.files import study_data
+        from metafem.studies.summaries.explained import answers as explained_answers
+        from metafem.studies.summaries.measured import answers
 
-        data = {"file": str(path), **study_data(dataset)}
+        data = {"file": str(path), "answers": answers(dataset), **study_data(dataset)}
         if why is not None:
-            data["explanation"] = {"file": str(explained), **study_data(why)}
+            sentences = explained_answers(why)
+            data["explanation"] = {"file": str(explained), "answers": sentences, **study_data(why)}
         click.echo(json.dumps(data))
     else:
         _print(dataset, path)

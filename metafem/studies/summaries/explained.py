@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from metafem._values import percent
 from metafem.calibration.diagnosis.causes import GROUPS
-from metafem.calibration.diagnosis.sentences import NAMES, amount, spread
+from metafem.calibration.diagnosis.sentences import NAMES, amount, part, spread
+from metafem.calibration.verdict import chi
 from metafem.studies.summaries.table import Summary, stored_notes
 
 if TYPE_CHECKING:
     from xarray import Dataset
+
+# The share of a second error of one group.
+WITH = "(with x)"
 
 COLUMNS = ("cause", "expected", "found (68 %)", "share of the misfit", "chi² without it")
 
@@ -19,8 +22,10 @@ def explained_summary(study: Dataset) -> Summary:
     """Return the errors with their shares of the misfit, the largest first, and what they say."""
     rows: list[tuple[str, ...]] = []
     for group in study["group"].values.tolist():
-        share = percent(max(float(study["share"].sel(group=group)), 0.0), ".0f")
-        last = share, f"{float(study['misfit_without'].sel(group=group)):.4g}"
+        last = (
+            part(float(study["share"].sel(group=group))),
+            chi(float(study["misfit_without"].sel(group=group))),
+        )
         for name in GROUPS[group]:
             if name in study["cause"].values:
                 one = study.sel(cause=name)
@@ -33,7 +38,7 @@ def explained_summary(study: Dataset) -> Summary:
             else:
                 continue
             rows.append((NAMES[name], f"0 ± {amount(name, prior, '.2g')}", found, *last))
-            last = "", ""
+            last = WITH, WITH
     return Summary(
         "What explains the measured law", COLUMNS, tuple(rows), stored_notes(study), " ".join(answers(study))
     )

@@ -7,10 +7,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from metafem._values import percent
+from metafem.calibration.verdict import REJECTED, chi
 from metafem.studies.summaries.table import Summary, stored_notes
 
 if TYPE_CHECKING:
     from xarray import Dataset
+
+# The probability below which a law is rejected.
+LIMIT = percent(REJECTED)
 
 # Columns of the table of points, and of that of features.
 POINTS = ("law", "P [N]", "P/E* [mm²]", "measured [mm²]", "±", "design [mm²]", "deviation", "in s.d.")
@@ -69,10 +73,11 @@ def answers(study: Dataset) -> list[str]:
         ratio = (points["deviation"] / points["predicted"]).values[points["predicted"].values > 0.0]
         rms = percent(float(np.sqrt((ratio**2).mean()))) if ratio.size else "unknown"
         freedom = int(one["freedom"])
-        agrees = "agrees" if int(one["fits"]) else "does not agree"
+        agrees, rejected = ("agrees", "not rejected") if int(one["fits"]) else ("does not agree", "rejected")
         found.append(
-            f"The {label} law {agrees} with the design within its error bars: rms deviation {rms}, "
-            f"chi² = {float(one['chi_square']):.3g} with {freedom} degree{'s' * (freedom != 1)} of freedom "
+            f"The {label} law {agrees} with the design within its error bars ({rejected} at {LIMIT}): "
+            f"rms deviation {rms}, "
+            f"chi² = {chi(float(one['chi_square']))} with {freedom} degree{'s' * (freedom != 1)} of freedom "
             f"(p = {float(one['probability']):.2g}), {counted_runs(int(one['runs']))} of deviations "
             f"(p = {float(one['runs_probability']):.2g})."
         )

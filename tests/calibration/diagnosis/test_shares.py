@@ -9,6 +9,7 @@ import pytest
 
 import metafem as mf
 from metafem.calibration import Priors, explain
+from metafem.calibration.diagnosis.sentences import ranking
 from tests.calibration.diagnosis.scenes import COMMON, design, measured
 
 PART = design((3, 3))
@@ -35,3 +36,12 @@ def test_the_misfit_without_a_cause_is_that_of_an_explanation_without_it():
     other = explain(law, PART, replace(COMMON, composite_modulus_sd=0.0), model=mf.Independent())
     assert found.misfit_without["composite_modulus"] == pytest.approx(other.misfit, rel=0.05)
     assert all(value >= found.misfit for value in found.misfit_without.values())
+
+
+def test_a_negative_share_is_stated_so_that_the_named_ones_add_to_one():
+    assert ranking({"tilt": 0.7, "height": 0.3}) == [
+        "It is explained by tilt (70 %) and single heights (30 %)."
+    ]
+    first, second = ranking({"radius": 0.95, "composite_modulus": 0.25, "friction": -0.2})
+    assert first == "It is explained by radii (95 %) and E* (25 %)."
+    assert second.startswith("All shares add to 100 %: negative is that of σB (-20 %)")

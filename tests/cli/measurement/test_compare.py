@@ -29,6 +29,7 @@ def test_a_measured_law_is_compared_and_stored(run, measured):
                                / data["data"]["predicted"]["values"], 0.03, atol=1e-4)  # fmt: skip
     assert data["data"]["law"]["values"] == ["static"]
     assert data["data"]["target"]["values"] == [6.87]
+    assert data["answers"][0].startswith("The static law does not agree with the design")
     assert Path("linear/measured.nc").exists()
     again = run("compare", "linear", "measured.csv")
     assert again.exit_code == 2
@@ -37,7 +38,10 @@ def test_a_measured_law_is_compared_and_stored(run, measured):
     text = " ".join(run("compare", "linear", "measured.csv", "--force").output.split())
     assert "+3.0 %" in text
     assert "slope, P/E* = " in text
-    assert "The static law does not agree with the design within its error bars: rms deviation 3 %" in text
+    assert (
+        "The static law does not agree with the design within its error bars "
+        "(rejected at 1 %): rms deviation 3 %" in text
+    )
     assert text.endswith("wrote linear/measured.nc")
     assert run("report", "linear").exit_code == 0
     report = Path("linear/report.html").read_text("utf-8")

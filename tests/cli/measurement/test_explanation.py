@@ -32,7 +32,12 @@ def tilted(demo):
 def test_a_tilt_is_explained_and_stored(run, tilted):
     result = run("compare", "linear", "contacts.csv", "--explain", "--json")
     assert result.exit_code == 0, result.output
-    found = json.loads(result.stdout)["explanation"]["data"]
+    data = json.loads(result.stdout)["explanation"]
+    assert (
+        "measured values, the areas of the single contacts included; with the errors found"
+        in data["answers"][0]
+    )
+    found = data["data"]
     assert found["group"]["values"][0] == "tilt"
     assert found["share"]["values"][0] > 0.8
     assert math.degrees(found["mean"]["values"][0]) == pytest.approx(0.1, abs=0.01)
