@@ -136,7 +136,6 @@ class Series:
 
 def measured_series(
     series: Sequence[Shot],
-    without: Sequence[str],
     pixel: float,
     notes: Sequence[Note],
     rotation: float,
@@ -184,7 +183,7 @@ def measured_series(
             rotation=rotation,
             **given,
         )
-    more = [*notes, *_notes(without, images, areas, tracked, pixel)]
+    more = [*notes, *_notes(images, areas, tracked, pixel)]
     if sites is not None and (expected is None or np.isnan(expected[tracked.reference]).any()):
         more.append(
             information(
@@ -192,11 +191,13 @@ def measured_series(
                 "do, with --sites DIR, the result folder of the design, and --forces"
             )
         )
-    return Series(series, areas, sheared, tracked, pixel, (*more, *tracked.notes))
+    # warnings of the match stand beside what was matched
+    of_match = sorted(tracked.notes, key=lambda note: not note.warns)
+    first = [note for note in of_match if note.warns]
+    return Series(series, areas, sheared, tracked, pixel, (*first, *more, *of_match[len(first) :]))
 
 
 def _notes(
-    without: Sequence[str],
     images: Images,
     areas: Sequence[ContactAreas],
     tracked: TrackedContacts,
@@ -204,9 +205,6 @@ def _notes(
 ) -> list[Note]:
     """Return what is to be known of all images."""
     notes = []
-    if without:
-        are = "is" if len(without) == 1 else "are"
-        notes.append(Note(f"{_listed(without)} {are} not in the table of forces: the load is empty"))
     if images.coloured:
         notes.append(
             information(

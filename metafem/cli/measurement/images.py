@@ -91,6 +91,10 @@ def images(
     and metafem compare. Open contacts have the area 0; areas that could not be measured are empty, with a
     remark.
 
+    A contact at the edge of the frame or merged with another has no area in that image, with a remark; it is
+    measured in the images that show it whole. Without --sites, the image with most contacts numbers them, and
+    with them those at its edge that another image shows whole; merged ones have no number.
+
     An image that cannot be read or measured is named, the others are measured, and the exit code is 1.
 
     Example: metafem images pictures --pixel "5.3 um" --forces forces.csv -o contacts.csv --picture found.png
@@ -146,9 +150,9 @@ def _measured(source: tuple[Path, ...], options: dict[str, Any]) -> Series:
         name = options["picture_of"]
         if name is not None and not any(file.name == name and file.page is not None for file in files):
             raise InvalidInput(f"--picture-of = {name} is not among the images that can be read")
-        series, without = shots(files, options["forces"])
+        series, of_forces = shots(files, options["forces"])
         pixel, notes = pixel_size(files, given)
-    return measured_series(series, without, pixel, notes, turn, options)
+    return measured_series(series, pixel, [*of_forces, *notes], turn, options)
 
 
 def _drawn(found: Series, name: str | None) -> tuple[int, Any, bool]:

@@ -23,7 +23,7 @@ def test_images_have_their_forces_in_their_own_order(tmp_path):
         tmp_path,
         "image;load_mN;friction_force_N;sheared_image;test\n10.tif;200,5;;;b\n1.tif;50;0,1;2.tif;a\n",
     )
-    found, without = shots(IMAGES, path)
+    found, notes = shots(IMAGES, path)
     assert [(shot.image.name, shot.load, shot.test) for shot in found[:2]] == [
         ("1.tif", 0.05, "a"), ("10.tif", 0.2005, "b"),
     ]  # fmt: skip
@@ -34,19 +34,44 @@ def test_images_have_their_forces_in_their_own_order(tmp_path):
     # an image without a line is measured all the same
     assert found[2].image.name == "s.tif:1"
     assert math.isnan(found[2].load)
-    assert without == ["s.tif:1"]
+    assert [str(note) for note in notes] == ["s.tif:1 is not in the table of forces: the load is empty"]
 
 
 def test_without_a_table_there_are_no_forces():
-    found, without = shots(IMAGES)
+    found, notes = shots(IMAGES)
     assert [shot.image for shot in found] == IMAGES
     assert all(math.isnan(shot.load) for shot in found)
-    assert without == []
+    assert notes == []
 
 
 def test_the_only_page_of_a_file_may_be_numbered(tmp_path):
     found, _ = shots(IMAGES[:1], table(tmp_path, "image,load_N\n1.tif:1,0.1\n"))
     assert found[0].load == 0.1
+
+
+def test_a_misspelt_column_is_named_with_the_right_name(tmp_path):
+    text = "image,load_mN,friction_mN,shear_image,operator\n1.tif,5,6,2.tif,me\n"
+    _, notes = shots(IMAGES[:1], table(tmp_path, text))
+    assert [str(note) for note in notes] == [
+        f"{tmp_path}/forces.csv: the column friction_mN is not read; did you mean friction_force_mN?",
+        f"{tmp_path}/forces.csv: the column shear_image is not read; did you mean sheared_image?",
+    ]
+    assert all(note.warns for note in notes)
+
+
+def test_a_line_without_its_image_is_left_out(tmp_path):
+    text = "image,load_mN,sheared_image\n1.tif,5,2.tif\n3.tif,6,\n10.tif,7,9.tif\n"
+    found, notes = shots(IMAGES[:3], table(tmp_path, text))
+    assert [(shot.image.name, shot.load, shot.sheared) for shot in found] == [
+        ("1.tif", 0.005, IMAGES[1]), ("10.tif", 0.007, None),
+    ]  # fmt: skip
+    assert [str(note).partition("; did")[0] for note in notes] == [
+        f"{tmp_path}/forces.csv, line 3: image = '3.tif' is not among the images",
+        f"{tmp_path}/forces.csv, line 4: sheared_image = '9.tif' is not among the images",
+    ]
+    assert [str(note).rpartition("; ")[2] for note in notes] == [
+        "the line is left out", "the sheared image is left out",
+    ]  # fmt: skip
 
 
 @pytest.mark.parametrize(("text", "message"), [
