@@ -263,10 +263,12 @@ class _Scene:
             return []
         views = [name for name, value in SIDES.items() if value == side and side != mirrored]
         changes = [f"seen through the {name}" for name in views] + [f"turned by {angle}°"] * bool(angle)
+        turn = (math.degrees(self.bounds.rotation) + angle + 180.0) % 360.0 - 180.0
+        tries = [f"--viewed-from {name}" for name in views] + [f'--rotation "{turn:.4g} deg"'] * bool(angle)
         return [
             Note(
-                f"the areas fit the design much better if it is {' and '.join(changes)}; check the viewing "
-                "side and the rotation of the image"
+                f"the areas fit the design much better if it is {' and '.join(changes)}; try "
+                f"{' and '.join(tries)}, and check the viewing side and the rotation of the image"
             )
         ]
 

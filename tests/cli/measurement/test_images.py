@@ -204,3 +204,7 @@ def test_the_areas_of_a_design_tell_a_wrong_viewing_side(run, demo, tmp_path):
     assert "positions alone do not show whether the viewing side and the quarter turn are right" in unknown
     wrong = " ".join(run(*arguments, "--viewed-from", "block").output.split())
     assert wrong.count("the areas fit the design much better if it is seen through the glass") == 1
+    assert "try --viewed-from glass" in wrong
+    assert "µm warning: the areas" in wrong or "µm warning: 1.tif: the areas" in wrong
+    turned = " ".join(run(*arguments, "--rotation", "90 deg").output.split())
+    assert 'turned by 270°; try --rotation "0 deg"' in turned
