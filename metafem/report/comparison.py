@@ -9,6 +9,7 @@ from metafem.inversion import Design
 from metafem.models.model import contact_of
 from metafem.notes import Note
 from metafem.prediction import FrictionLaw
+from metafem.report.names import model_words
 from metafem.studies.substrates import laws_on_substrates
 
 # A report takes a second or two; above this number of asperities interacting laws take longer.
@@ -43,7 +44,12 @@ def compared(design: Design) -> tuple[tuple[Comparison, ...], tuple[Note, ...]]:
     if design.law.model not in (independent.model, *(law.model for law in laws.values())):
         laws[design.law.model.name] = design.law
     comparisons = tuple(
-        Comparison(name, law, law.area / independent.area - 1.0, independent.separation - law.separation)
-        for name, law in laws.items()
+        Comparison(
+            model_words(law.model),
+            law,
+            law.area / independent.area - 1.0,
+            independent.separation - law.separation,
+        )
+        for law in laws.values()
     )
     return comparisons, tuple(notes)

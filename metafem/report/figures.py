@@ -13,6 +13,7 @@ from metafem.drawing import ACHIEVED, QUIET, TARGET, new_figure
 from metafem.inversion import Design, feasible_region
 from metafem.inversion.picture import draw_laws, draw_target, few
 from metafem.report.comparison import Comparison
+from metafem.report.names import model_words
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -32,7 +33,7 @@ def law_figure(design: Design) -> Figure:
     figure = new_figure(7.0, 5.6, (0.9, 0.8, 0.6, 0.6))
     ax, below = figure.subplots(2, 1, sharex=True, height_ratios=[3, 1], gridspec_kw={"hspace": 0.08})
     _draw_reach(design, ax)
-    draw_laws(design, ax, "achieved: " + design.law.model.name)
+    draw_laws(design, ax, "achieved: " + model_words(design.law.model))
     _draw_difference(design, below)
     for branch, _ in design.fits:
         below.axvspan(*branch.load_range, color=TARGET, alpha=0.06, lw=0)
@@ -102,7 +103,13 @@ def comparison_figure(comparisons: tuple[Comparison, ...]) -> Figure:
     ax.axhline(0.0, color=QUIET, lw=0.8)
     for comparison, style in zip(comparisons, cycle(("-", "--", ":")), strict=False):
         load = comparison.law.rescaled_load
-        ax.plot(load, 100.0 * comparison.difference, style, color=ACHIEVED, label=comparison.name)
+        ax.plot(
+            load,
+            100.0 * comparison.difference,
+            style,
+            color=ACHIEVED,
+            label=comparison.name,
+        )
     ax.set_xlabel("rescaled load  P/E* [mm²]")
     ax.set_ylabel("change of A0 [%]")
     ax.set_xlim(left=0.0)

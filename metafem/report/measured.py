@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from metafem.drawing import QUIET, new_figure, svg
 from metafem.drawing.measured import COLOURS, points, residuals
 from metafem.inversion import Design
+from metafem.report.names import model_words
 from metafem.studies.summaries.measured import FEATURES, POINTS, answers, feature_rows
 from metafem.studies.summaries.table import stored_notes
 from metafem.studies.summaries.tables import summary
@@ -23,6 +24,9 @@ NAME = "measured"
 
 # The axes end at this multiple of the largest measured value.
 ROOM = 1.08
+
+# Height of the figure, of its margin above and of a row of its legend [inch].
+HEIGHT, MARGIN, ROW = 5.6, 0.2, 0.22
 
 
 def measured_section(design: Design, studies: Mapping[str, Dataset]) -> dict[str, Any] | None:
@@ -46,9 +50,9 @@ def measured_section(design: Design, studies: Mapping[str, Dataset]) -> dict[str
 
 def measured_figure(design: Design, study: Dataset) -> Figure:
     """Draw the law of the design with the measured points, and below it the deviations over their s.d."""
-    figure = new_figure(7.0, 5.6, (0.9, 0.2, 0.6, 0.2))
+    figure = new_figure(7.0, HEIGHT, (0.9, 0.2, 0.6, MARGIN))
     ax, below = figure.subplots(2, 1, sharex=True, height_ratios=[3, 1], gridspec_kw={"hspace": 0.08})
-    design.law.plot(ax, label=f"design: {design.law.model.name}")
+    design.law.plot(ax, label=f"design: {model_words(design.law.model)}")
     for label, colour in zip(map(str, study["law"].values), COLOURS, strict=False):
         one = study.isel(point=np.flatnonzero(study["of_law"].values == label))
         x, x_sd = one["rescaled_load"].values, one["rescaled_load_sd"].values
@@ -69,7 +73,12 @@ def measured_figure(design: Design, study: Dataset) -> Figure:
     ax.set_ylim(0.0, ROOM * max(float(study["rescaled_friction"].max()), float(shown)))
     for each in (ax, below):
         each.spines[["top", "right"]].set_visible(False)
-    ax.legend(frameon=False, loc="lower right")
+    # above the axes: measured points may lie in any of their corners
+    handles, labels = ax.get_legend_handles_labels()
+    rows = -(-len(labels) // 2)
+    figure.subplots_adjust(top=1.0 - (MARGIN + ROW * rows) / HEIGHT)
+    place = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0)}
+    ax.legend(handles, labels, frameon=False, ncols=2, fontsize="small", **place)
     return figure
 
 

@@ -8,11 +8,16 @@ from typing import Any
 import numpy as np
 
 from metafem._values import percent
+from metafem.contact import JKR, Contact, Hertz, JacksonGreen, KogutEtsion, PowerCap, SphericalCap
 from metafem.inversion import Design
 from metafem.models import Model
+from metafem.models.model import contact_of
 
 # A misfit up to this value is printed as a bound: the tolerance of exact designs.
 EXACT = 1e-9
+
+# One N/mm in mJ/m^2.
+MJ_PER_M2 = 1e6
 
 
 def in_python(value: Any) -> str:
@@ -26,6 +31,33 @@ def in_python(value: Any) -> str:
         if member != default:
             given.append(f"{field.name}={in_python(member)}")
     return f"{type(value).__name__}({', '.join(given)})"
+
+
+def model_words(model: Model) -> str:
+    """Return a model's name with its contact law in words, for texts and legends.
+
+    Examples
+    --------
+    >>> from metafem import JKR, Independent
+    >>> model_words(Independent(JKR(1.604e-5)))
+    'independent, JKR, w = 16 mJ/m²'
+    """
+    law = contact_of(model)
+    return model.name.replace(repr(law), law_words(law))
+
+
+def law_words(law: Contact) -> str:
+    """Return a contact law in words; one without a short name as Python code."""
+    if isinstance(law, JKR):
+        cap = "" if law.cap == Hertz() else f", {law_words(law.cap)}"
+        return f"JKR, w = {MJ_PER_M2 * law.adhesion_energy:.3g} mJ/m²{cap}"
+    if isinstance(law, KogutEtsion):
+        return f"Kogut and Etsion, hardness {law.hardness:.3g} MPa"
+    if isinstance(law, JacksonGreen):
+        return f"Jackson and Green, yield strength {law.yield_strength:.3g} MPa"
+    if isinstance(law, PowerCap):
+        return f"power cap, exponent {law.exponent:.3g}"
+    return "spherical caps" if law == SphericalCap() else repr(law)
 
 
 def model_data(model: Model) -> dict[str, str]:

@@ -23,7 +23,7 @@ from metafem.report.explanation import explanation_section
 from metafem.report.figures import comparison_figure, force_figure, law_figure, sensitivity_figure
 from metafem.report.fits import fit_table
 from metafem.report.measured import measured_section
-from metafem.report.names import in_python, misfit_words
+from metafem.report.names import in_python, misfit_words, model_words
 from metafem.report.notes import all_notes
 from metafem.report.views import MOST_SHAPED, contact_figure, height_figure, several_radii, shape_figure
 
@@ -174,7 +174,7 @@ def page(
         inputs=_inputs(design),
         summits=_summits(design),
         residual=f"{design.law.residual.max():.1e}",
-        model=design.law.model.name,
+        model=model_words(design.law.model),
         python=in_python(design.law.model),
     )
 

@@ -40,6 +40,12 @@ def test_both_laws_are_drawn_with_bars_and_residuals(design):
     labels = [text.get_text() for text in above.get_legend().get_texts()]
     assert {"measured: static", "measured: sliding", "crossover, 68 %: static"} <= set(labels)
     assert len(above.containers) == 2
+    figure = above.figure
+    figure.draw_without_rendering()
+    legend = above.get_legend().get_window_extent()
+    assert legend.y0 >= above.get_window_extent().y1 - 1.0  # it covers no point
+    assert legend.y1 <= figure.bbox.y1
+    assert legend.x1 <= figure.bbox.x1
     drawn = [line.get_ydata() for line in below.lines if line.get_marker() == "o"]
     np.testing.assert_allclose(drawn[0], 0.0, atol=1e-9)
     np.testing.assert_allclose(drawn[1], (study.deviation / study.deviation_sd).values[14:])

@@ -1,7 +1,7 @@
 """Texts for models."""
 
 import metafem as mf
-from metafem.report.names import in_python
+from metafem.report.names import in_python, model_words
 
 
 def test_a_model_is_written_as_python_without_defaults():
@@ -23,3 +23,10 @@ def test_a_profile_is_written_by_its_size_or_its_name():
         in_python(mf.Independent(contact=function))
         == "Independent(contact=AxisymmetricCap(bowl, extent=0.2))"
     )
+
+
+def test_a_contact_law_is_named_in_words():
+    adhesive = mf.JKR(1.604e-5, mf.SphericalCap())
+    assert model_words(mf.Independent(adhesive)) == "independent, JKR, w = 16 mJ/m², spherical caps"
+    assert model_words(mf.Interacting(contact=mf.JKR(9e-6))) == "half-space, JKR, w = 9 mJ/m²"
+    assert model_words(mf.Independent()) == "independent"
