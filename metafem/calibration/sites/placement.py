@@ -30,6 +30,9 @@ GUESSES = 8
 # full square lattice of 8 x 8 loses 1/8 of them by a wrong shift of one pitch.
 HALF, MORE, PART = 0.5, 3, 0.1
 
+# A shift by more than this is nearly as long as the one to the next site, 0.6, and is as little certain.
+CERTAIN = 0.4
+
 # A region at the edge of the frame belongs to a site within so many of its semi-axes: half a circle has the
 # centre of the circle at 0.8 of its own, a smaller part farther out. Other regions contain their sites.
 SEMI_AXES = 1.5
@@ -53,6 +56,8 @@ class Placed(Value):
         Regions that belong to no site.
     unclear : bool
         Whether another shift, by a distance between sites, matches about as many regions or more.
+    shift : complex
+        By how much the sites are moved against the other image [mm], x + i y.
     """
 
     position: FloatArray
@@ -61,6 +66,7 @@ class Placed(Value):
     spoilt: tuple[tuple[int, str], ...]
     strays: IntArray
     unclear: bool = False
+    shift: complex = 0j
 
     def values(self, of_contact: FloatArray, of_open: float) -> FloatArray:
         """Return a quantity of the contacts at the sites (m,), nan where it was not measured."""
@@ -72,18 +78,27 @@ class Placed(Value):
 
 
 def placed(
-    areas: ContactAreas, position: FloatArray, names: list[str], reach: FloatArray | None = None
+    areas: ContactAreas,
+    position: FloatArray,
+    names: list[str],
+    reach: FloatArray | None = None,
+    before: Placed | None = None,
 ) -> Placed:
     """Return the sites in an image, from their positions in another one of the same sample (m, 2).
 
     Between two images the sample may move. The shortest shift is meant, unless a longer one matches clearly
     more regions; those at the edge and merged ones count too. `names` are those of the sites in remarks, and
     `reach` (m,) the errors of positions that are known badly [mm]; default: 0.
+    With `before`, the shift is that of the same image with more sites.
     """
     own = np.zeros(len(position)) if reach is None else reach
     whole = np.flatnonzero(areas.complete)
     lattice = Lattice(complex_points(position))
-    pose, unclear = _drifted(areas, lattice, own)
+    if before is None:
+        pose, unclear = _drifted(areas, lattice, own)
+    else:
+        points = complex_points(areas.centre[whole])
+        pose, unclear = _settled(points, lattice, before.shift), before.unclear
     where = real_points(pose.similarity.image(lattice.sites))
     site = np.full(areas.count, -1, dtype=np.intp)
     site[whole] = pose.site
@@ -104,7 +119,13 @@ def placed(
         if not inside and not areas.edge[region]:
             strays.append(region)
     return Placed(
-        where, site, outside, tuple(sorted(spoilt)), np.array(sorted(strays), dtype=np.intp), unclear
+        where,
+        site,
+        outside,
+        tuple(sorted(spoilt)),
+        np.array(sorted(strays), dtype=np.intp),
+        unclear,
+        pose.similarity.shift,
     )
 
 
@@ -129,7 +150,7 @@ def _drifted(areas: ContactAreas, lattice: Lattice, own: FloatArray) -> tuple[Po
     near = next((one for one in order if abs(one[2]) <= HALF * lattice.spacing), order[0])
     clearly = max(MORE, PART * areas.count)
     chosen = order[0] if order[0][1] - near[1] >= clearly else near
-    if chosen is near and near[1] == order[0][1] and abs(near[2]) <= HALF * lattice.spacing:
+    if chosen is near and near[1] == order[0][1] and abs(near[2]) <= CERTAIN * lattice.spacing:
         return near[0], False
     others = [votes for _, votes, by in found if abs(by - chosen[2]) > HALF * lattice.spacing]
     return chosen[0], max(others, default=0) > chosen[1] - clearly

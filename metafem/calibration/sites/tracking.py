@@ -167,21 +167,20 @@ class _Stack:
         # one at the edge is a contact if another image shows it whole; its centre is known to its semi-axis
         known = areas.complete | areas.edge
         reach = np.where(areas.edge, areas.axes[:, 0], 0.0)
-        names: list[str] = []
-        for _ in range(2):
+        found: Sequence[Placed | None] = [None] * len(self.areas)
+        sheared = found
+        while True:
             centre = areas.centre[known]
             names = [f"contact {j + 1}" for j in range(len(centre))]
-            found, sheared = self._placed(centre, names, reach[known])
-            seen = np.zeros(len(centre), dtype=bool)
-            for one in found:
-                if one is not None:
-                    seen[one.site[one.site >= 0]] = True
+            found, sheared = self._placed(centre, names, reach[known], found, sheared)
+            sites = [one.site for one in found if one is not None]
+            seen = np.isin(np.arange(len(centre)), np.concatenate(sites))
             if seen.all():
                 break
             known[np.flatnonzero(known)[~seen]] = False
-        position = mean_positions(found, self.areas, centre)
         remarks = self._remarks(found, sheared, names, {reference: not_numbered(areas, known)})
-        table = self._table(found, sheared, position, np.arange(len(centre)), False, remarks)
+        centre = mean_positions(found, self.areas, centre)
+        table = self._table(found, sheared, centre, np.arange(len(centre)), False, remarks)
         return TrackedContacts(
             table, reference, None, found, sheared, unclear_notes(self.image, found, "contact")
         )
@@ -219,15 +218,23 @@ class _Stack:
         raise first or AssertionError  # fullest() returns at least one image
 
     def _placed(
-        self, position: FloatArray, names: list[str], reach: FloatArray | None = None
+        self,
+        position: FloatArray,
+        names: list[str],
+        reach: FloatArray | None = None,
+        *before: Sequence[Placed | None],
     ) -> tuple[tuple[Placed | None, ...], tuple[Placed | None, ...]]:
         """Return the sites in each image, and in each sheared one."""
-        found = tuple(None if one.failed else placed(one, position, names, reach) for one in self.areas)
+        first, second = before or ([None] * len(self.areas),) * 2
+        found = tuple(
+            None if one.failed else placed(one, position, names, reach, known)
+            for one, known in zip(self.areas, first, strict=True)
+        )
         sheared = tuple(
             None
             if one is None or one.failed
-            else placed(one, position if near is None else near.position, names, reach)
-            for one, near in zip(self.sheared, found, strict=True)
+            else placed(one, position if near is None else near.position, names, reach, known)
+            for one, near, known in zip(self.sheared, found, second, strict=True)
         )
         return found, sheared
 

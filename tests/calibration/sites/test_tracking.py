@@ -131,6 +131,18 @@ def test_contacts_cut_by_the_frame_at_large_load_do_not_shift_the_others():
     assert alone.remarks == ("b: 2 regions at the edge of the frame or merged, with 0.251 mm², not numbered",)
 
 
+def test_contacts_that_no_image_shows_whole_count_for_the_shift():
+    """The lowest row is cut by the frame in both images, one of which may have no other contacts."""
+    where = seen(SITES)
+    full = contacts(where, 0.2, edge=range(8))
+    few = contacts(where[[1, 2, 3, 4, 5, 9, 18]], 0.1, edge=range(5))
+    rest = contacts(where[[3, 4]], 0.1, edge=range(2))
+    table = track_contacts([rest, few, full], ["a", "b", "c"]).table
+    assert np.flatnonzero(table.area[1] > 0.0).tolist() == [1, 10]
+    assert np.nansum(table.area[0]) == 0.0
+    np.testing.assert_allclose(table.position, where[8:], atol=1e-12)
+
+
 def test_contacts_at_the_edge_count_for_the_shift_of_a_design():
     few, full, _, closed = cropped()
     edge = replace(few, edge=np.isin(closed, [39, 63]))
@@ -150,6 +162,18 @@ def test_a_shift_by_one_pitch_that_matches_two_contacts_more_is_not_taken(given)
         "a: contacts may be shifted by one lattice distance; "
         + ("compare the numbers in its picture" if given else "give --sites")
     ]
+
+
+@pytest.mark.parametrize(("drift", "unclear"), [(0.5, False), (0.7, True)])
+def test_a_shift_by_nearly_half_a_pitch_is_not_certain_for_few_contacts(drift, unclear):
+    where = seen(SITES)
+    few = contacts(where[[18, 27, 29, 37]] + [drift, 0.0], 0.1)
+    tracked = track_contacts([few, contacts(where, 0.2)], ["a", "b"], site_position=SITES)
+    assert np.flatnonzero(tracked.table.area[0] > 0.0).tolist() == [18, 27, 29, 37]
+    assert any("may be shifted" in str(note) for note in tracked.notes) == unclear
+    all_of_them = contacts(where + np.array([drift, 0.0]), 0.1, shape=(1400, 1500))
+    tracked = track_contacts([all_of_them, contacts(where, 0.2)], ["a", "b"], site_position=SITES)
+    assert not any("may be shifted" in str(note) for note in tracked.notes)
 
 
 def test_what_cannot_be_measured_is_named():
