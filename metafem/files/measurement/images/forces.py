@@ -71,7 +71,7 @@ def shots(images: Sequence[ImageFile], forces: str | Path | None = None) -> tupl
             if name and name not in names:
                 absent = InvalidInput(_absent(table, row.line, column, name, names))
                 what = "the line" if column == "image" else "the sheared image"
-                notes.append(Note(f"{absent}; {what} is left out"))
+                notes.append(Note(f"{what} is left out: {absent}"))
                 if column == "image":
                     break
             image = names.get(name)
