@@ -95,7 +95,8 @@ def uncertainty_figure(study: Dataset) -> Figure:
         x, dx, y, dy = (study[each].values for each in moments)
         left.errorbar(x, y, dy, dx, fmt="o", ms=3, lw=1.2, color=TARGET, label="measured")
     total, first = shares(study, name, "total"), shares(study, name, "first_order")
-    labels = [in_words(str(label)).removeprefix("the ") for label in study["parameter"].values]
+    names = [in_words(str(label)).removeprefix("the ") for label in study["parameter"].values]
+    labels = [name.replace(" and ", "\nand ") for name in names]  # correlated inputs are one bar
     right.barh(labels, 100.0 * total, color=QUIET, label="with others")
     right.barh(labels, 100.0 * first, height=0.5, color=ACHIEVED, label="alone")
     right.set_ylim(max(len(labels), FEW_BARS) - 0.5, -0.5)
