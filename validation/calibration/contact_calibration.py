@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import math
 from functools import cache
-from typing import NamedTuple
 
 import numpy as np
 
 from metafem._validate import FloatArray
 from metafem.calibration import contact
-from metafem.calibration.bounded_interval import WIDTH, bounded_interval
+from metafem.calibration.bounded_interval import bounded_interval
 from metafem.calibration.compression.adhesive_line import line_points, straight_lines
 from metafem.calibration.compression.distance_fit import DistanceFit, adhesive_load, distance_fit
 from metafem.calibration.compression.scene import cap_curve
@@ -18,6 +17,7 @@ from metafem.contact import Hertz
 from metafem.drawing import new_figure
 from validation.check import Check, Claim, below, near, reported
 from validation.scenes.compression_tests import ENERGY, ERRORS, MODULUS, RADIUS, compression_tests
+from validation.scenes.repeated_estimates import Errors
 
 TRIALS = 5000
 
@@ -27,23 +27,6 @@ CONTACTS, ENERGIES = (1, 5), (ENERGY, 0.0)
 REQUIRED = "requirement: bias below a fifth of the stated uncertainty, 68 % intervals cover 66 to 70.5 %"
 LINE = "least squares of the paper's straight line on the same data, this check"
 CHI_SQUARE = "mean of the chi-square distribution of 58 degrees of freedom, four standard errors"
-
-
-class Errors(NamedTuple):
-    """Errors of an estimate and its stated standard deviations, (trials,)."""
-
-    error: FloatArray
-    sd: FloatArray
-
-    @property
-    def bias(self) -> float:
-        """Mean error over the mean stated standard deviation."""
-        return float(self.error.mean() / self.sd.mean())
-
-    @property
-    def coverage(self) -> float:
-        """Share of 68 % intervals that hold the true value."""
-        return float((np.abs(self.error) <= WIDTH * self.sd).mean())
 
 
 def fitted(load: FloatArray, area: FloatArray, contacts: int) -> DistanceFit:

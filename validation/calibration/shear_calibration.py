@@ -4,20 +4,19 @@ from __future__ import annotations
 
 import math
 from functools import cache
-from typing import NamedTuple
 
 import numpy as np
 
 import metafem as mf
 from metafem._validate import FloatArray
 from metafem.calibration import MeasuredLaw, shear, shear_strength
-from metafem.calibration.bounded_interval import WIDTH
 from metafem.calibration.sheared.fits import parameters
 from metafem.calibration.sheared.proportional import proportional
 from metafem.drawing import new_figure
 from validation.check import Check, Claim, below, near, reported
 from validation.paper.surfaces import template
 from validation.published import paper, table
+from validation.scenes.repeated_estimates import Errors
 from validation.scenes.sheared_contacts import ERRORS, RATIO, STRENGTH, sheared
 
 SLOW = True
@@ -35,23 +34,6 @@ REQUIRED = "requirement: bias below a fifth of the stated uncertainty, 68 % inte
 CHI_SQUARE = "mean of the chi-square distribution of 59 degrees of freedom, four standard errors"
 SCATTER = "scatter of the same 5,000 calibrations, four standard errors of a correlation"
 OTHER = "another estimate from the same data, this check"
-
-
-class Errors(NamedTuple):
-    """Errors of an estimate and its stated standard deviations, (trials,)."""
-
-    error: FloatArray
-    sd: FloatArray
-
-    @property
-    def bias(self) -> float:
-        """Mean error over the mean stated standard deviation."""
-        return float(self.error.mean() / self.sd.mean())
-
-    @property
-    def coverage(self) -> float:
-        """Share of 68 % intervals that hold the true value."""
-        return float((np.abs(self.error) <= WIDTH * self.sd).mean())
 
 
 @cache

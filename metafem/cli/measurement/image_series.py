@@ -204,11 +204,13 @@ def _notes(
     pixel: float,
 ) -> list[Note]:
     """Return what is to be known of all images."""
+    from metafem.calibration.contact_table import listed
+
     notes = []
     if images.coloured:
         notes.append(
             information(
-                f"in colour, the luminance of ITU-R BT.709 is measured: {_listed(list(images.coloured))}"
+                f"in colour, the luminance of ITU-R BT.709 is measured: {listed(list(images.coloured))}"
             )
         )
     smallest = max(one.smallest_area for one in areas if not one.failed)
@@ -229,11 +231,6 @@ def _notes(
             )
         )
     return notes
-
-
-def _listed(names: Sequence[str]) -> str:
-    """Return up to five names."""
-    return ", ".join(names[:5]) + (f" and {len(names) - 5} more" if len(names) > 5 else "")
 
 
 def _named(areas: ContactAreas, names: Sequence[str], own: int) -> ContactAreas:
