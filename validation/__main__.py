@@ -91,14 +91,23 @@ def main(output: str, readme: bool, names: tuple[str, ...]) -> None:
         table = Table("check", "computed", "expected", "source", title=title, title_justify="left")
         for check in claim.checks:
             style = None if check.passed else "bold red"
-            row = (check.name, f"{check.computed:.6g}", check.expected, check.source)
+            row = (check.name, f"{check.computed:.6g}", check.expected, str(check.source))
             table.add_row(*map(Text, row), style=style)  # texts: a unit in brackets is no markup
+        for each in claim.results:
+            table.add_row(*map(Text, (each.name, f"{each.value:.6g}", "", each.method)), style="dim")
         console.print(table)
         console.print(f"{time.perf_counter() - start:.1f} s\n")
     folder = Path(output)
     folder.mkdir(parents=True, exist_ok=True)
-    data = {name: {"title": c.title, "checks": [asdict(k) for k in c.checks]} for name, c in results.items()}
-    (folder / "results.json").write_text(json.dumps(data, indent=1, ensure_ascii=False), "utf-8")
+    data = {
+        name: {
+            "title": c.title,
+            "checks": [asdict(k) for k in c.checks],
+            "results": [asdict(k) for k in c.results],
+        }
+        for name, c in results.items()
+    }
+    (folder / "results.json").write_text(json.dumps(data, indent=1, ensure_ascii=False, default=str), "utf-8")
     (folder / "index.html").write_text(page(results), "utf-8")
     if readme:
         renew_readme(results)

@@ -1,41 +1,115 @@
-"""Checks of computed numbers against expected ones, each with its source, and claims made of them."""
+"""Checks of computed numbers against expected ones, results without one, and claims made of them."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-import numpy as np
-
-from metafem.studies import Check
+from metafem import studies
+from validation.sources import Source
 
 # Sources of bounds on the misfit of designs.
 REQUIRED = "requirement of this check; design() reports a misfit above 1 % as a missed target"
 LINE_REQUIRED = "10 %, above which design() reports a line with an intercept as a missed target"
 
 
-def near(name: str, computed: float, expected: float, tolerance: float, source: str) -> Check:
+@dataclass(frozen=True)
+class Check:
+    """A computed number, the expected one in words, and where the expected one comes from."""
+
+    name: str
+    computed: float
+    expected: str
+    passed: bool
+    source: Source | str
+
+
+@dataclass(frozen=True)
+class Result:
+    """A computed number that has no expected one, and the method that computed it."""
+
+    name: str
+    value: float
+    method: str
+
+
+@dataclass(frozen=True)
+class Difference:
+    """A statement of the paper that does not hold: computed number, printed text, and what holds in words."""
+
+    name: str
+    computed: float
+    printed: str
+    words: str
+    source: Source
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A figure that is made when it is drawn, and a caption that says what to see."""
+
+    draw: Callable[[], Any]
+    caption: str
+
+
+Row = Check | Result | Difference
+
+
+@dataclass(frozen=True)
+class Claim:
+    """What one file shows: checks, results, differences from the paper, titled figures, and a text."""
+
+    title: str
+    rows: Sequence[Row]
+    figures: dict[str, Picture | Callable[[], Any]] = field(default_factory=dict)
+    text: str = ""
+
+    @property
+    def checks(self) -> list[Check]:
+        """The rows with an expected number."""
+        return [row for row in self.rows if isinstance(row, Check)]
+
+    @property
+    def results(self) -> list[Result]:
+        """The rows without one."""
+        return [row for row in self.rows if isinstance(row, Result)]
+
+    @property
+    def differences(self) -> list[Difference]:
+        """The statements of the paper that do not hold."""
+        return [row for row in self.rows if isinstance(row, Difference)]
+
+    def value(self, name: str) -> float:
+        """Return the computed number of the row of a name."""
+        (row,) = (row for row in self.rows if row.name == name)
+        return row.value if isinstance(row, Result) else row.computed
+
+
+def near(name: str, computed: float, expected: float, tolerance: float, source: Source | str) -> Check:
     """Check that a number agrees with another within an absolute tolerance."""
     passed = bool(abs(computed - expected) <= tolerance)
     return Check(name, float(computed), f"{expected:.6g} ± {tolerance:.2g}", passed, source)
 
 
-def below(name: str, computed: float, limit: float, source: str) -> Check:
+def below(name: str, computed: float, limit: float, source: Source | str) -> Check:
     """Check that a number, usually an error, does not exceed a limit."""
     return Check(name, float(computed), f"at most {limit:.3g}", bool(computed <= limit), source)
 
 
-def reported(name: str, computed: float, source: str) -> Check:
-    """Report a finite number that has no published value to be compared with."""
-    return Check(name, float(computed), "no published value", bool(np.isfinite(computed)), source)
+def above(name: str, computed: float, limit: float, source: Source | str) -> Check:
+    """Check that a number is not less than a limit."""
+    return Check(name, float(computed), f"at least {limit:.3g}", bool(computed >= limit), source)
 
 
-@dataclass(frozen=True)
-class Claim:
-    """What one file shows: checks, at most three figures that are made when they are drawn, and a text."""
+def reported(name: str, value: float, method: str) -> Result:
+    """Report a finite number that has no expected one."""
+    if not math.isfinite(value):
+        raise ValueError(f"{name}: {value} must be a finite number")
+    return Result(name, float(value), method)
 
-    title: str
-    checks: list[Check]
-    figures: dict[str, Callable[[], Any]] = field(default_factory=dict)
-    text: str = ""
+
+def of_elements(checks: Sequence[studies.Check]) -> list[Check]:
+    """Return checks of the finite elements as rows."""
+    return [Check(each.name, each.computed, each.expected, each.passed, each.source) for each in checks]

@@ -30,6 +30,9 @@ th { color: #667078; } .failed td { color: #b3261e; font-weight: 600; }
 <tr{% if not check.passed %} class="failed"{% endif %}><td>{{ check.name }}</td>
 <td>{{ "%.6g"|format(check.computed) }}</td><td>{{ check.expected }}</td><td>{{ check.source }}</td></tr>
 {% endfor %}
+{% for row in claim.results %}
+<tr><td>{{ row.name }}</td><td>{{ "%.6g"|format(row.value) }}</td><td></td><td>{{ row.method }}</td></tr>
+{% endfor %}
 </tbody></table>
 <div class="figures">{% for figure in drawn[name] %}{{ figure|safe }}{% endfor %}</div>
 {% endfor %}

@@ -10,7 +10,7 @@ import numpy as np
 import metafem as mf
 from metafem._validate import FloatArray
 from metafem.calibration import Correction, MadeSurface
-from validation.check import Claim, below, near, reported
+from validation.check import Check, Claim, below, near, reported
 from validation.scenes.cap_bound import smallest_errors
 from validation.scenes.height_maps import Placement, Roughness, height_map
 
@@ -81,7 +81,7 @@ def claim() -> Claim:
     return Claim("Height maps: made surface and corrected heights", checks, {"made surface": _figure})
 
 
-def _correction_checks(part: _Part, correction: Correction) -> list[mf.studies.Check]:
+def _correction_checks(part: _Part, correction: Correction) -> list[Check]:
     rng = np.random.default_rng(3)
     following = [_made(correction.surface, part.design, rng) - part.design.height for _ in range(200)]
     true = {"offset": OFFSET, "scale": SCALE, "tilt_x": TILT}

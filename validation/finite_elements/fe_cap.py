@@ -5,7 +5,7 @@ from __future__ import annotations
 from metafem import fe, studies
 from metafem.report.elements import cap_pressure_figure, mesh_figure
 from metafem.studies.element_checks import BLOCK_RADIUS, CAP_ROWS, RADIUS, THICKNESS
-from validation.check import Claim
+from validation.check import Claim, of_elements
 from validation.finite_elements.fe_finite_strain import TEXT
 from validation.finite_elements.frozen_meshes import CAP_CONTACT, FOLDER, cap
 
@@ -17,7 +17,7 @@ def claim() -> Claim:
     """Compare load and indentation with a separate program."""
     return Claim(
         "Finite elements: the spherical cap on the bonded block",
-        studies.cap_check(),
+        of_elements(studies.cap_check()),
         {"mesh": _mesh, "pressure": _pressure},
         TEXT,
     )

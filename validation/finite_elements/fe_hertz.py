@@ -6,7 +6,7 @@ from metafem import fe, studies
 from metafem.drawing import new_figure
 from metafem.report.elements import hertz_figure
 from metafem.studies.element_checks import search_convergence, spectral_convergence
-from validation.check import Claim
+from validation.check import Claim, of_elements
 
 A, R = 0.2, 0.526
 
@@ -18,7 +18,7 @@ def claim() -> Claim:
     """Compare load, indentation and field, and fit the rates."""
     return Claim(
         "Finite elements: Hertz's contact on a half-space",
-        studies.hertz_check(),
+        of_elements(studies.hertz_check()),
         {"fields": _fields, "rates": _rates},
     )
 

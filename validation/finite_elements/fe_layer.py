@@ -8,7 +8,7 @@ from metafem import fe, studies
 from metafem.drawing import new_figure
 from metafem.reference import bonded_layer
 from metafem.studies.element_checks import RADIUS, THICKNESS
-from validation.check import Claim
+from validation.check import Claim, of_elements
 
 # Several seconds of finite elements.
 SLOW = True
@@ -16,7 +16,7 @@ SLOW = True
 
 def claim() -> Claim:
     """Compare at distances up to the block's half-width, for three Poisson ratios."""
-    checks = [check for nu in (0.5, 0.49, 0.3) for check in studies.layer_check(nu)]
+    checks = [row for nu in (0.5, 0.49, 0.3) for row in of_elements(studies.layer_check(nu))]
     return Claim("Finite elements: the bonded layer's influence", checks, {"influence": _figure})
 
 

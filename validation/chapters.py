@@ -1,0 +1,61 @@
+"""The chapters of the report in the order in which they are read, and the claims of each."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Chapter:
+    """A page of the report: file name, title, the question that it answers, and its claims in order."""
+
+    name: str
+    title: str
+    question: str
+    claims: tuple[str, ...]
+
+
+CHAPTERS = (
+    Chapter(
+        "paper",
+        "The paper, figure by figure",
+        "Is the paper reproduced?",
+        (
+            "table_s1", "table_s2", "equations", "bounds", "fig3_operating_points", "fig4_linear",
+            "fig5_bilinear", "error_bars", "fig_s2_misalignment", "fig_s3_manufacturing",
+        ),
+    ),
+    Chapter(
+        "interaction",
+        "Elastic interaction and the block",
+        "Is elastic interaction below 2.3 %, and which substrate should be used?",
+        ("interaction_error", "block_or_layer", "pedestal_effect"),
+    ),
+    Chapter(
+        "finite_elements",
+        "Finite elements",
+        "Do finite elements confirm the laws on which the models rest?",
+        ("fe_hertz", "fe_cap", "fe_layer", "fe_cell", "fe_pedestal", "fe_finite_strain"),
+    ),
+    Chapter(
+        "contact_laws",
+        "Contact laws",
+        "What do adhesion, the shape of the caps and plasticity change?",
+        ("contact_laws", "contact_designs", "elastic_plastic"),
+    ),
+    Chapter(
+        "inversion",
+        "Inverse design",
+        "Which laws can be designed, and how exactly?",
+        ("targets", "any_law", "several_radii", "layout"),
+    ),
+    Chapter(
+        "measurements",
+        "From measurements to the model, and back",
+        "Are the quantities fitted to measurements unbiased, and are their errors right?",
+        (
+            "contact_calibration", "calibration_bias", "shear_calibration", "image_areas", "site_matching",
+            "topography", "segmented_regression", "diagnosis", "whole_circle",
+        ),
+    ),
+)  # fmt: skip
