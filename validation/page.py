@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from metafem.drawing import svg
+from validation.chapters import CHAPTERS
 from validation.check import Claim
 from validation.discovery import module
 from validation.published import REFERENCE
@@ -64,11 +65,12 @@ def page(results: dict[str, Claim]) -> str:
 
 
 def readme_table(results: dict[str, Claim]) -> str:
-    """Return the summary, one line for each claim, in Markdown."""
-    rows = ["| claim | checks passed | file |", "|---|---|---|"]
-    for name, claim in results.items():
-        passed = sum(check.passed for check in claim.checks)
-        rows.append(f"| {claim.title} | {passed} of {len(claim.checks)} | `{path(name)}` |")
+    """Return the summary, one line for each chapter, in Markdown."""
+    rows = ["| chapter | question | checks passed |", "|---|---|---|"]
+    for chapter in CHAPTERS:
+        checks = [check for name in chapter.claims for check in results[name].checks]
+        passed = sum(check.passed for check in checks)
+        rows.append(f"| {chapter.title} | {chapter.question} | {passed} of {len(checks)} |")
     return "\n".join(rows)
 
 

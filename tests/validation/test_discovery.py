@@ -1,6 +1,5 @@
 """Claims and benchmarks are found by walking the packages."""
 
-import re
 from pathlib import Path
 
 import click
@@ -8,10 +7,8 @@ import pytest
 from click.testing import CliRunner
 
 import validation
-from validation.__main__ import MARKS, main
+from validation.__main__ import main
 from validation.discovery import chosen, first_line, groups, module
-from validation.page import path
-from validation.readme import README
 
 FOLDER = Path(validation.__file__).parent
 
@@ -52,8 +49,3 @@ def test_help_lists_every_claim_with_one_line():
         for name in names:
             assert f"\n  {name} " in text
             assert first_line(module(name, "claim")).endswith(".")
-
-
-def test_the_readme_lists_every_claim():
-    table = README.read_text("utf-8").split(MARKS[0])[1].split(MARKS[1])[0]
-    assert re.findall(r"`(validation/\S+)`", table) == [path(name) for name in chosen((), "claim")]
