@@ -8,11 +8,11 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from metafem import studies
-from validation.sources import Source
+from validation.sources import Source, known_input
 
-# Sources of bounds on the misfit of designs.
-REQUIRED = "requirement of this check; design() reports a misfit above 1 % as a missed target"
-LINE_REQUIRED = "10 %, above which design() reports a line with an intercept as a missed target"
+# Sources of the misfit of designs, whose expected value is 0.
+REQUIRED = known_input("target of the design, which counts as missed above 1 %")
+LINE_REQUIRED = known_input("target of the design; a line with an intercept counts as missed above 10 %")
 
 
 @dataclass(frozen=True)

@@ -8,9 +8,10 @@ import numpy as np
 
 import metafem as mf
 from metafem.drawing import new_figure
-from validation.check import REQUIRED, Check, Claim, below
+from validation.check import REQUIRED, Claim, Picture, below
 from validation.paper.surfaces import template
 from validation.scenes.models import MODELS
+from validation.sources import second_method
 
 LIMITS = mf.Limits(0.27, offset=0.05)
 
@@ -26,6 +27,16 @@ TARGETS = {
 
 # Largest misfit: rms of the sampled law and the power law, error of the slope of a branch.
 LARGEST = {"samples of a wave": 1e-3, "a power of 1.2": 1.5e-3, "slopes 9.5, then 7": 0.01}
+
+UNREFINED = second_method(
+    mf.design, "a third of the rms of the design for independent asperities, on the layer"
+)
+
+CAPTION = (
+    "Above, the area of real contact against the load: the target (dots) and the law of each design under "
+    "the model for which it was designed. The lines cannot be told apart. Below, their differences from the "
+    "target."
+)
 
 
 @cache
@@ -44,17 +55,18 @@ def claim() -> Claim:
     for name in TARGETS:
         crossed = _misfit(designed(name, "independent"), MODELS["layer"])
         same = _misfit(designed(name, "layer"), MODELS["layer"])
-        gain = crossed / same
-        checks.append(
-            Check(
-                f"{name}: rms on the layer, independent design over refined design",
-                gain,
-                "at least 3",
-                gain >= 3.0,
-                "requirement of this check: the refinement reduces the rms to a third",
-            )
-        )
-    return Claim("An example of each target", checks, {name: partial(_picture, name) for name in TARGETS})
+        checks.append(below(f"{name}: rms on the layer, refined design", same, crossed / 3.0, UNREFINED))
+    return Claim(
+        "An example of each target",
+        checks,
+        {name: Picture(partial(_picture, name), CAPTION) for name in TARGETS},
+        "Three laws that the paper does not show are designed on its lattice of 64 caps: given point by "
+        "point, a power of the load, and two straight branches of which the second is less steep. Each is "
+        "designed for independent asperities and for asperities that interact through a half-space or a "
+        "bonded layer, and evaluated by the model for which it was designed. A design for independent "
+        "asperities misses its target on the layer; the design that is refined for the layer has at most a "
+        "third of that error.",
+    )
 
 
 def _misfit(result: mf.Design, model: mf.Model) -> float:
@@ -74,7 +86,7 @@ def _picture(name: str):
         difference = 100.0 * (area / law.law(area) - 1.0)
         gap = np.argmax(np.diff(law.load)) + 1 if len(TARGETS[name].branches) > 1 else 0
         below_ax.plot(np.insert(law.load, gap, np.nan), np.insert(difference, gap, np.nan))
-    ax.plot(law.load, law.law(area), "o", ms=3, color="grey", label="target", zorder=0)
+    ax.plot(law.load, law.law(area), "o", ms=2, color="black", label="target", zorder=3)
     below_ax.axhline(0.0, color="grey", lw=0.8)
     ax.set_ylabel("A0 [mm²]")
     below_ax.set_ylabel("difference [%]")
