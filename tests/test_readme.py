@@ -1,4 +1,4 @@
-"""The README's Python runs and prints what it says."""
+"""The Python and the commands of the README and of the guide run and print what they say."""
 
 import contextlib
 import io
@@ -13,7 +13,13 @@ from click.testing import CliRunner
 from metafem import _caches, cli
 from validation import laboratory
 
-README = (Path(__file__).parent.parent / "README.md").read_text("utf-8")
+ROOT = Path(__file__).parent.parent
+README = (ROOT / "README.md").read_text("utf-8")
+
+
+def guide(name):
+    """The text of a page of the guide."""
+    return (ROOT / "validation" / "guide" / f"{name}.md").read_text("utf-8")
 
 
 def test_printed_output_is_what_the_example_prints():
@@ -26,7 +32,7 @@ def test_printed_output_is_what_the_example_prints():
 
 @pytest.mark.slow
 def test_studies_print_the_answers_that_it_shows(demo_results, tmp_path, monkeypatch):
-    section = README.split("## How exact must the part be")[1].split("\n## ")[0]
+    section = guide("tolerances")
     commands = re.search(r"```bash\n(.*?)```", section, re.S).group(1).splitlines()
     text = re.search(r"```text\n(.*?)```", section, re.S).group(1)
     answers = text.replace("\n  ", " ").splitlines()  # long lines are continued
@@ -42,7 +48,7 @@ def test_studies_print_the_answers_that_it_shows(demo_results, tmp_path, monkeyp
 
 @pytest.mark.slow
 def test_measurements_print_what_it_shows(tmp_path, monkeypatch):
-    section = README.split("## From measurements to the model, and back")[1].split("\n## ")[0]
+    section = guide("measurements")
     blocks = re.findall(r"```bash\n(.*?)```\n\n```text\n(.*?)```", section, re.S)
     monkeypatch.chdir(tmp_path)
     runner = CliRunner(env={"COLUMNS": "200"})

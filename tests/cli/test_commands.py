@@ -19,8 +19,8 @@ def test_models_of_the_command_are_those_of_the_files():
 
 
 def test_help_and_readme_name_every_section_and_kind_of_target(run):
-    readme = (Path(__file__).parent.parent.parent / "README.md").read_text("utf-8")
-    for text in (run("design", "--help").output, readme.split("## Commands")[1]):
+    page = Path(__file__).parents[2] / "validation" / "guide" / "commands.md"
+    for text in (run("design", "--help").output, page.read_text("utf-8")):
         words = set(re.findall(r"[a-z-]+", " ".join(text.split())))
         assert {name for key in all_keys() for name in (key.section, key.kind) if name} <= words
 
