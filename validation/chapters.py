@@ -58,4 +58,10 @@ CHAPTERS = (
             "topography", "segmented_regression", "diagnosis", "whole_circle",
         ),
     ),
+    Chapter(
+        "stability",
+        "Where it fails",
+        "Where do the models fail, and do they say so?",
+        ("random_scenes",),
+    ),
 )  # fmt: skip

@@ -31,6 +31,7 @@ def test_claims_are_grouped_by_subject():
         "finite_elements",
         "inversion",
         "paper",
+        "stability",
     ]
 
 

@@ -1,0 +1,1 @@
+"""Where the models fail, and whether they say so."""
