@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from importlib import resources
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
@@ -22,6 +21,7 @@ from metafem.report.exactness import exactness_section
 from metafem.report.explanation import explanation_section
 from metafem.report.figures import comparison_figure, force_figure, law_figure, sensitivity_figure
 from metafem.report.fits import fit_table
+from metafem.report.html import render
 from metafem.report.measured import measured_section
 from metafem.report.names import in_python, misfit_words, model_words
 from metafem.report.notes import all_notes
@@ -131,14 +131,11 @@ def page(
     >>> text[:15], "http" in text.replace("http://www.w3.org", "")
     ('<!doctype html>', False)
     """
-    from jinja2 import Environment, StrictUndefined
-
-    source = resources.files("metafem.report").joinpath("templates/page.html").read_text("utf-8")
-    template = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True).from_string(source)
     comparisons, left_out = compared(design)
     fit_columns, fits = fit_table(design)
     notes, achieved = all_notes(design, hardness), design.status.name != "MISSED"
-    return template.render(
+    return render(
+        "page.html",
         title=design.target.title,
         status=design.status.value,
         achieved=achieved,
