@@ -17,14 +17,14 @@ from metafem.prediction.validity import base_contact_load
 from metafem.progress import doing
 from metafem.report.comparison import MOST_COMPARED, Comparison, compared
 from metafem.report.elements import elements_section
-from metafem.report.exactness import exactness_section
-from metafem.report.explanation import explanation_section
 from metafem.report.figures import comparison_figure, force_figure, law_figure, sensitivity_figure
 from metafem.report.fits import fit_table
 from metafem.report.html import render
-from metafem.report.measured import measured_section
 from metafem.report.names import in_python, misfit_words, model_words
 from metafem.report.notes import all_notes
+from metafem.report.sections.exactness import exactness_section
+from metafem.report.sections.explanation import explanation_section
+from metafem.report.sections.measured import measured_section
 from metafem.report.views import MOST_SHAPED, contact_figure, height_figure, several_radii, shape_figure
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ import xarray as xr
 
 import metafem as mf
 from metafem.files import demo_text, stored_studies
-from metafem.report.exactness import exactness_section
+from metafem.report.sections.exactness import exactness_section
 from metafem.studies.sampling.store import Store
 
 

@@ -5,8 +5,8 @@ import pytest
 
 import metafem as mf
 from metafem.calibration import MeasuredLaw, compare
-from metafem.report.measured import measured_figure, measured_section
 from metafem.report.page import page
+from metafem.report.sections.measured import measured_figure, measured_section
 from metafem.studies.measured import measured
 
 

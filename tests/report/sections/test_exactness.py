@@ -6,7 +6,7 @@ import pytest
 
 import metafem as mf
 from metafem import cli
-from metafem.report.exactness import QUESTIONS, SOURCE, exactness_section
+from metafem.report.sections.exactness import QUESTIONS, SOURCE, exactness_section
 
 
 @pytest.fixture
