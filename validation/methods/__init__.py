@@ -1,0 +1,1 @@
+"""Second methods: plain numpy, without the package's models, for the expected numbers of the claims."""

@@ -1,0 +1,129 @@
+"""The contacts at the loads of the photographs in Figs. 3 to 5, as independent and as interacting ones.
+
+Neither counts nor areas are printed beside them.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+
+import metafem as mf
+from metafem.drawing import ACHIEVED, circles, new_figure, plan
+from validation.check import Check, Claim, Picture, Result, near, reported
+from validation.methods import contact_equations
+from validation.paper.surfaces import surfaces
+from validation.published import paper
+from validation.sources import second_method
+
+# Loads of the photographs [N], in the order of the surfaces.
+PLACES = {
+    "Fig. 3": ("fig3",),
+    "Fig. 4 blue": ("fig4", "blue"),
+    "Fig. 4 red": ("fig4", "red"),
+    "Fig. 5 blue": ("fig5", "blue"),
+    "Fig. 5 red": ("fig5", "red"),
+}
+
+MODELS = {
+    "independent": mf.Independent(),
+    "layer, order 1": mf.Interacting(order=1, substrate=mf.BondedLayer()),
+    "layer, order 3": mf.Interacting(substrate=mf.BondedLayer()),
+}
+
+# Solver and second method agree to rounding in their sums, and the influences to their quadratures.
+EXACT, QUADRATURE = 1e-10, 1e-8
+
+SUMS = second_method(contact_equations.independent, "bisection of the sums of eq. S1 with numpy")
+NEWTON = second_method(
+    contact_equations.coupled, "Newton's method for point loads on the layer, its influence by quadrature"
+)
+
+
+@cache
+def state(name: str, model: str) -> mf.ContactState:
+    """Return the contacts of a surface at the load of its photograph."""
+    return mf.equilibrium(surfaces()[name], MODELS[model], load=load(name))
+
+
+def load(name: str) -> float:
+    """Return the load of the photograph of a surface [N]."""
+    found = paper()
+    for key in PLACES[name]:
+        found = found[key]
+    return float(found["inset_load_N"])
+
+
+def claim() -> Claim:
+    """Count the contacts and add up their areas by two models, and by two programs."""
+    rows = [row for name in surfaces() for row in _rows(name)]
+    text = (
+        "The paper shows photographs of the contacts at these loads: 0.92 N (Fig. 3), 0.39 N (Fig. 4, blue), "
+        "0.93 N (Fig. 4, red), 0.34 N (Fig. 5, blue) and 0.23 N (Fig. 5, red). The models predict that on "
+        "the surfaces of Figs. 4 and 5 all 64 asperities are then in contact, down to the lowest. The sites "
+        "of the heights are printed for Fig. 5 only; on the other surfaces they are those of the design, "
+        "which interaction depends on and independent asperities do not."
+    )
+    caption = (
+        "Contacts at the loads of the paper's photographs, to scale, on the bonded layer at order 3. "
+        "Compare the mixture of large and small spots: few large ones on Fig. 3, a gradual decrease of the "
+        "sizes on Figs. 4 and 5."
+    )
+    return Claim(
+        "Contacts at the loads of the photographs", rows, {"contacts": Picture(_picture, caption)}, text
+    )
+
+
+def _rows(name: str) -> list[Check | Result]:
+    surface = surfaces()[name]
+    radius, rescaled = float(surface.radius[0]), load(name) / surface.material.composite_modulus
+    block, ratio = surface.block, surface.material.poisson_ratio
+    assert block is not None
+    influence = contact_equations.layer_influence(surface.position, block.thickness, ratio)
+    methods = {
+        "independent": (SUMS, EXACT, contact_equations.independent(surface.height, radius, rescaled)),
+        "layer, order 1": (
+            NEWTON,
+            QUADRATURE,
+            contact_equations.coupled(surface.height, radius, influence, rescaled),
+        ),
+    }
+    rows: list[Check | Result] = []
+    for model, (source, tolerance, (indentation, separation)) in methods.items():
+        found, label = state(name, model), f"{name}, {load(name)} N, {model}"
+        count, area = np.count_nonzero(indentation > 0.0), contact_equations.area(indentation, radius)
+        rows += [
+            near(f"{label}: contacts", _count(found), count, 0, source),
+            near(f"{label}: A0 [mm²]", found.area, area, tolerance * area, source),
+            near(f"{label}: separation [µm]", 1e3 * found.separation, 1e3 * separation,
+                 1e3 * tolerance * radius, source),
+        ]  # fmt: skip
+    found, alone = state(name, "layer, order 3"), state(name, "independent")
+    radii = 1e3 * np.sqrt(found.asperity_area[found.asperity_area > 0.0] / np.pi)
+    label, method = f"{name}, {load(name)} N, layer, order 3", "mf.Interacting(substrate=mf.BondedLayer())"
+    return [
+        *rows,
+        reported(f"{label}: contacts", _count(found), method),
+        reported(f"{label}: A0 [mm²]", found.area, method),
+        reported(f"{label}: change of A0 by interaction [%]", 1e2 * (found.area / alone.area - 1.0), method),
+        reported(f"{label}: smallest contact radius [µm]", float(radii.min()), method),
+        reported(f"{label}: largest contact radius [µm]", float(radii.max()), method),
+    ]  # fmt: skip
+
+
+def _count(found: mf.ContactState) -> int:
+    return int(np.count_nonzero(found.asperity_area))
+
+
+def _picture():
+    figure = new_figure(8.4, 6.0)
+    for ax, name in zip(figure.subplots(2, 3).flat, surfaces(), strict=False):
+        found = state(name, "layer, order 3")
+        circles(ax, surfaces()[name].position, 2.0 * np.sqrt(found.asperity_area / np.pi)).set_facecolor(
+            ACHIEVED
+        )
+        plan(ax)
+        ax.set_title(f"{name}, {load(name)} N: {_count(found)} contacts", fontsize=9)
+    figure.axes[-1].set_axis_off()
+    return figure
