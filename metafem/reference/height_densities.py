@@ -24,6 +24,19 @@ def slope(scale: float, radius: float, max_height: float) -> float:
     return sqrt(pi * radius / scale) * g(max_height / scale)  # eq. S3
 
 
+def smallest_slope(radius: float, max_height: float) -> float:
+    """Limit ``3 pi/4 sqrt(R/h_m)`` of the slope m [-] for a uniform density, lambda -> infinity."""
+    return 0.75 * pi * sqrt(radius / max_height)
+
+
+def slope_series(x: float) -> float:
+    """Excess ``x/10 + 13 x^2/1050`` of m over its limit, relative to it, for small x = h_m/lambda.
+
+    The quotient of the series of ``1 - exp(-x)`` and of k(x) in equation S4; its next term is of order x^3.
+    """
+    return x / 10.0 + 13.0 * x**2 / 1050.0
+
+
 def intercept(scale: float, radius: float, max_height: float, count: int) -> float:
     """Intercept alpha of the asymptote [mm^2]."""
     x = max_height / scale

@@ -2,35 +2,93 @@
 
 from __future__ import annotations
 
-import metafem as mf
-from metafem.inversion.height_density import slope_excess
-from validation.check import Claim, near
-from validation.paper.surfaces import template
-from validation.published import PAPER, paper
+import numpy as np
 
-# Both bounds by the closed forms of the paper. tests/validation/test_expected_numbers.py evaluates them.
-TO_FOUR_DIGITS = (1.104, 3.032)
+import metafem as mf
+from metafem.drawing import ACHIEVED, QUIET, TARGET, new_figure
+from metafem.inversion.height_density import TruncatedExponential, slope_excess
+from metafem.reference import height_densities as reference
+from validation.check import Claim, Picture, near
+from validation.paper.surfaces import template
+from validation.published import paper
+from validation.sources import closed_form, printed
+
+TOP = 0.120
+
+# Two evaluations of a closed form with different rounding.
+ROUNDING = 1e-9
+
+TEXT = """The friction coefficient μ = σB/E* · m of a truncated exponential density of heights is computed over
+its scale λ, for σ = 0.358 MPa, B = 0.85, E* = 1.36 MPa, R = 526 µm and h_m = 120 µm. It falls towards the value
+of a uniform density as λ grows. The largest value belongs to the smallest λ that the workshop can make, ten
+standard deviations of its heights (9 µm), a rule of thumb of the paper."""
+
+CAPTION = """Friction coefficient μ over the scale λ of the density [µm], on logarithmic axes. The curve runs
+between the two bounds that the paper prints (dashed lines, 1.10 and 3.03), and meets the upper one at λ = 9 µm
+(dotted line). The square is the red surface of Fig. 4, designed for m = 6.87."""
 
 
 def claim() -> Claim:
     """Compute both bounds with the paper's parameters, and the slope of a nearly uniform density."""
-    printed = paper()
-    smallest = printed["bounds"]["smallest_friction_coefficient"]
-    largest = printed["bounds"]["largest_friction_coefficient"]
-    limits = mf.Limits(0.120, height_sd=printed["sample"]["depth_precision_um"] / 1e3)
-    low, high = mf.achievable_friction_coefficients(template("fig4_red"), limits)
-    where = f"{PAPER}, SM, bounds on achievable friction coefficients"
+    numbers = paper()["bounds"]
+    smallest, largest = numbers["smallest_friction_coefficient"], numbers["largest_friction_coefficient"]
+    surface = template("fig4_red")
+    limits = mf.Limits(TOP, height_sd=paper()["sample"]["depth_precision_um"] / 1e3)
+    low, high = mf.achievable_friction_coefficients(surface, limits)
+    factor, radius = _factor(surface), float(surface.radius[0])
+    finest = numbers["smallest_scale_um"] / 1e3
+    where = printed("SM, bounds on achievable friction coefficients")
+    tiny = 1e-9
     checks = [
         near("smallest friction coefficient", low, smallest, 0.005, where),
         near("largest friction coefficient", high, largest, 0.005, where),
-        near("smallest, to four digits", low, TO_FOUR_DIGITS[0], 5e-4, "closed form 3π/4 √(R/h_m) σB/E*"),
-        near("largest, to four digits", high, TO_FOUR_DIGITS[1], 5e-4, f"{PAPER}, eq. S3 at λ = 9 µm"),
         near(
-            "excess of the slope at h_m/λ = 1e-9",
-            float(slope_excess(1e-9)),
-            1e-10,
-            1e-19,
-            "series of eqs. S3 to S5 in x = h_m/λ: slope = 3π/4 √(R/h_m) (1 + x/10 + …)",
+            "smallest friction coefficient, all digits", low,
+            factor * reference.smallest_slope(radius, TOP), ROUNDING,
+            closed_form(reference.smallest_slope, "μ = σB/E* · 3π/4 √(R/h_m)"),
         ),
-    ]
-    return Claim("Bounds on the friction coefficient", checks)
+        near(
+            "largest friction coefficient, all digits", high,
+            factor * reference.slope(finest, radius, TOP), ROUNDING,
+            closed_form(reference.slope, "μ = σB/E* · m, eqs. S3 to S5 at λ = 9 µm"),
+        ),
+        near(
+            "nearly uniform density, h_m/λ = 1e-9: slope over that of the uniform one, minus 1",
+            float(slope_excess(tiny)), reference.slope_series(tiny), ROUNDING * tiny,
+            closed_form(reference.slope_series, "series x/10 + 13 x²/1050 in x = h_m/λ"),
+        ),
+    ]  # fmt: skip
+    return Claim(
+        "Bounds on the friction coefficient",
+        checks,
+        {"Friction coefficient": Picture(_figure, CAPTION)},
+        TEXT,
+    )
+
+
+def _factor(surface: mf.Surface) -> float:
+    """Return the friction coefficient of a slope of 1."""
+    friction = surface.friction
+    return friction.shear_strength * friction.area_ratio / surface.material.composite_modulus
+
+
+def _figure():
+    figure = new_figure(7.0, 3.6)
+    ax = figure.add_subplot()
+    surface, numbers = template("fig4_red"), paper()["bounds"]
+    factor, radius = _factor(surface), float(surface.radius[0])
+    scale = np.geomspace(0.005, 1.0, 200)
+    slope = [TruncatedExponential(x, TOP).asymptotic_slope(radius) for x in scale]
+    ax.loglog(1e3 * scale, factor * np.array(slope), color=ACHIEVED, label="density of heights")
+    for name in ("smallest", "largest"):
+        label = "bounds printed in the paper" if name == "smallest" else None
+        ax.axhline(numbers[f"{name}_friction_coefficient"], color=TARGET, ls="--", lw=1.2, label=label)
+    ax.axvline(numbers["smallest_scale_um"], color=QUIET, ls=":", label="smallest scale that can be made")
+    red = paper()["fig4"]["red"]
+    ax.plot(red["scale_um"], factor * red["target_slope"], "s", color=TARGET, label="Fig. 4, red surface")
+    ax.set(xlabel="scale of the density  λ [µm]", ylabel="friction coefficient  μ")
+    ax.set_yticks([1.0, 2.0, 3.0, 4.0], ["1", "2", "3", "4"])
+    ax.minorticks_off()
+    ax.spines[["top", "right"]].set_visible(False)
+    ax.legend(frameon=False)
+    return figure

@@ -2,45 +2,131 @@
 
 from __future__ import annotations
 
+from functools import cache
+from itertools import product
+
 import numpy as np
 
-from metafem.drawing import new_figure
-from validation.check import Claim, below, near
+from metafem.drawing import QUIET, new_figure
+from validation.check import Claim, Difference, Picture, Row, below, near
+from validation.methods.densities import interval_middles, share_above, two_branches
 from validation.paper.surfaces import fig5
-from validation.published import PAPER, table
+from validation.published import paper, table
+from validation.sources import printed, second_method
 
-# Half of the last printed digit, and the effect of the last digits of the printed slopes and crossover loads.
-HEIGHT_TOLERANCE_UM = 0.12
+# Half of the last printed digit of the heights [µm], of the slopes, and of the crossover loads [mm²].
+HEIGHT_DIGIT, SLOPE_DIGIT, LOAD_DIGIT = 0.05, 0.005, 5e-5
 
-# Weight, crossover height [µm] and asperities above and below it: eqs. S7 and S8 for the printed targets.
-# tests/validation/test_expected_numbers.py solves them.
-EXPECTED = {"red": (0.14941, 15.338, 6, 58), "blue": (0.24956, 11.179, 12, 52)}
+# Accuracy of the solvers of both methods, with a margin: weight [-], lengths [µm].
+METHODS = 1e-6
 
-SCALE_UM = 35.680
+COLOURS = ("red", "blue")
+
+RULE = printed("SM, building a bilinear friction law")
+
+TEXT = """Both surfaces of Fig. 5 are designed from their two slopes (7.15 and 12.52) and crossover loads, with
+the tallest height of 120 µm and the offset of 50 µm that the paper prints. The scale λ, the weight u and the
+crossover height h_c solve eqs. S7 and S8; they are computed a second time with the densities integrated by
+quadrature. The heights stand in the middles of intervals of equal mass, and all 128 printed heights are
+reproduced within the digits of the paper's numbers."""
+
+CAPTION = """Upper panel: the heights of both designs [µm], from the lowest to the tallest, as lines, and those of
+Table S2 as dots, which cover the lines. Lower panel: their differences [µm]; all lie below the grey line at
+{limit:.2f} µm, half of the last printed digit of the heights plus the largest effect of the last digits of the
+printed slopes and crossover loads on a height."""
 
 
 def claim() -> Claim:
     """Design both surfaces from their slopes and crossover loads and compare the heights."""
-    checks = []
-    for colour, (weight, crossover, upper, lower) in EXPECTED.items():
+    rows: list[Row] = []
+    for colour in COLOURS:
         design = fig5(colour)
-        found = design.parameters
+        found, (scale, weight, crossover) = design.parameters, solved(colour)
         height = (found["crossover_height"] - design.limits.offset) * 1e3
-        source = f"{PAPER}, eqs. S7 and S8 for Fig. 5, solved by tests/validation/test_expected_numbers.py"
-        checks += [
+        source = second_method(two_branches, "eqs. S7 and S8 with the integrals by quadrature")
+        upper = round(64 * share(colour))
+        words = f"nearest integer to 64 × {share(colour):.5f}, the mass above the crossover"
+        mass = second_method(share_above, words)
+        rows += [
             below(
-                f"{colour}: largest difference of 64 heights [µm]",
-                _difference(design, colour).max(),
-                HEIGHT_TOLERANCE_UM,
-                f"{PAPER}, Table S2",
+                f"{colour}: largest difference of 64 heights [µm]", _difference(design, colour).max(),
+                HEIGHT_DIGIT + effect_of_digits(colour), printed("Table S2"),
             ),
-            near(f"{colour}: weight u", found["weight"], weight, 5e-6, source),
-            near(f"{colour}: crossover height [µm]", height, crossover, 5e-4, source),
-            near(f"{colour}: asperities above the crossover", found["counts"][0], upper, 0, source),
-            near(f"{colour}: asperities below the crossover", found["counts"][1], lower, 0, source),
-            near(f"{colour}: scale λ [µm]", found["scale"] * 1e3, SCALE_UM, 5e-4, source),
-        ]
-    return Claim("Table S2: heights of the bilinear laws", checks, {"heights": _figure})
+            near(f"{colour}: weight u", found["weight"], weight, METHODS, source),
+            near(f"{colour}: crossover height [µm]", height, 1e3 * crossover, METHODS, source),
+            near(f"{colour}: asperities above the crossover", found["counts"][0], upper, 0, mass),
+            near(f"{colour}: asperities below the crossover", found["counts"][1], 64 - upper, 0, mass),
+            near(f"{colour}: scale λ [µm]", found["scale"] * 1e3, 1e3 * scale, METHODS, source),
+            below(
+                f"{colour}: largest difference of 64 heights from a second computation [µm]",
+                np.abs(np.sort(design.surface.height - design.limits.offset) - heights(colour)).max() * 1e3,
+                METHODS, second_method(interval_middles, "middles of intervals of equal mass of each branch"),
+            ),
+        ]  # fmt: skip
+    rows += [_other_rule(colour) for colour in COLOURS]
+    return Claim(
+        "Table S2: heights of the bilinear laws",
+        rows,
+        {"Heights": Picture(_figure, CAPTION.format(limit=_limit()))},
+        TEXT,
+    )
+
+
+@cache
+def solved(colour: str, digits: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> tuple[float, float, float]:
+    """Scale [mm], weight and crossover height [mm] by the second method, of targets changed by digits."""
+    numbers = paper()["fig5"]
+    first, second = (slope + digit for slope, digit in zip(numbers["slopes"], digits[:2], strict=True))
+    load, top = numbers[colour]["crossover_load_mm2"] + digits[2], numbers["max_height_um"] / 1e3
+    return two_branches((first, second), load, top, 64, paper()["sample"]["radius_um"] / 1e3)
+
+
+def share(colour: str) -> float:
+    """Share of the mass above the crossover height by the second method."""
+    return share_above(*solved(colour), paper()["fig5"]["max_height_um"] / 1e3)
+
+
+def heights(
+    colour: str, printed_rule: bool = False, digits: tuple[float, float, float] = (0.0, 0.0, 0.0)
+) -> np.ndarray:
+    """Heights (64,) [mm] by the second method, without the offset, in increasing order.
+
+    The intervals hold equal shares of the mass of their branch or, by the printed rule, of the whole density.
+    """
+    scale, _, crossover = solved(colour, digits)
+    above, top, found = share(colour), paper()["fig5"]["max_height_um"] / 1e3, []
+    upper = round(64 * above)
+    for count, low, high, mass in ((64 - upper, 0.0, crossover, 1.0 - above), (upper, crossover, top, above)):
+        part = 1.0 / (64 * mass) if printed_rule else 1.0 / count
+        found.append(interval_middles(scale, low, high, np.full(count, part)))
+    return np.concatenate(found)
+
+
+@cache
+def effect_of_digits(colour: str) -> float:
+    """Largest change of a height [µm] if each printed target changes by half of its last digit."""
+    corners = product(*((-digit, digit) for digit in (SLOPE_DIGIT, SLOPE_DIGIT, LOAD_DIGIT)))
+    return 1e3 * max(
+        float(np.abs(heights(colour, digits=digits) - heights(colour)).max()) for digits in corners
+    )
+
+
+def _limit() -> float:
+    """Largest difference of a height [µm] that digits of the paper explain, on either surface."""
+    return HEIGHT_DIGIT + max(map(effect_of_digits, COLOURS))
+
+
+def _other_rule(colour: str) -> Difference:
+    miss = np.abs(1e3 * heights(colour, printed_rule=True) + 50.0 - np.sort(table("table_s2")[colour])).max()
+    return Difference(
+        f"{colour}: largest difference from Table S2 with intervals of mass 1/(N1 + N2) [µm]",
+        float(miss),
+        "intervals [b_i, b_{i+1}] whose probability is equal to 1/(N1 + N2)",
+        "Intervals of that mass, laid upwards from the foot of each branch, do not end at the top of the branch,"
+        " because 64 times the mass of a branch is not a whole number. The heights of Table S2 are the middles of"
+        " N1 and N2 intervals of equal mass that fill their branches; the design does the same.",
+        RULE,
+    )
 
 
 def _difference(design, colour: str) -> np.ndarray:
@@ -48,12 +134,26 @@ def _difference(design, colour: str) -> np.ndarray:
 
 
 def _figure():
-    figure = new_figure(6.0, 3.2)
-    ax = figure.add_subplot()
-    for colour in EXPECTED:
-        ax.plot(_difference(fig5(colour), colour), ".", color=f"tab:{colour}", label=colour)
-    ax.axhline(HEIGHT_TOLERANCE_UM, color="grey", lw=0.8)
-    ax.set_xlabel("asperity, by height")
-    ax.set_ylabel("difference from Table S2 [µm]")
-    ax.legend(frameon=False)
+    figure = new_figure(7.0, 5.0)
+    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[2, 1])
+    for colour in COLOURS:
+        design, rank = fig5(colour), np.arange(1, 65)
+        upper.plot(
+            rank, 1e3 * np.sort(design.surface.height), color=f"tab:{colour}", label=f"{colour} design"
+        )
+        upper.plot(
+            rank,
+            np.sort(table("table_s2")[colour]),
+            ".",
+            ms=4,
+            color=f"tab:{colour}",
+            label=f"{colour}, Table S2",
+        )
+        lower.plot(rank, _difference(design, colour), ".", color=f"tab:{colour}")
+    lower.axhline(_limit(), color=QUIET, lw=0.8)
+    upper.set_ylabel("height with offset [µm]")
+    lower.set(xlabel="asperity, by height", ylabel="difference [µm]")
+    for ax in (upper, lower):
+        ax.spines[["top", "right"]].set_visible(False)
+    upper.legend(frameon=False)
     return figure

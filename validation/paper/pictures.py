@@ -1,0 +1,61 @@
+"""Laws with their slopes, and the numbers of the paper in the same axes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+import metafem as mf
+from metafem.drawing import ACHIEVED, MEASURED_BESIDE, TARGET, new_figure
+from metafem.inversion.picture import draw_laws
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+# The drawn laws end at this multiple of the load at the foot of the density.
+END = 1.1
+
+LOADS = 400
+
+
+def law_and_slopes(design: mf.Design) -> tuple[Figure, Axes, Axes]:
+    """Draw the law of a density's heights with its target, and beside it the local slopes dA0/d(P/E*)."""
+    figure = new_figure(9.0, 3.8)
+    left, right = figure.subplots(1, 2)
+    draw_laws(design, left)
+    end = END * design.fits[-1][0].load_range[1]
+    area = np.interp(end, design.law.rescaled_load, design.law.area)
+    left.set(xlim=(0.0, end), ylim=(0.0, 1.1 * area))
+    load = np.linspace(0.0, end, LOADS + 1)[1:]
+    area = mf.friction_law(design.surface, load=load * design.surface.material.composite_modulus).area
+    middle = 0.5 * (load[1:] + load[:-1])
+    right.plot(middle, np.diff(area) / np.diff(load), color=ACHIEVED, lw=0.8, label="64 asperities")
+    target = design.target_law
+    right.plot(
+        0.5 * (target.load[1:] + target.load[:-1]), np.diff(target.base) / np.diff(target.load),
+        color="black", ls=(0, (2, 3)), lw=1.2, label="height density",
+    )  # fmt: skip
+    for i, (branch, fit) in enumerate(design.fits):
+        ends = branch.load_range
+        words = ("fitted to 64 asperities", "target slope") if i == 0 else (None, None)
+        right.plot(ends, [fit.slope] * 2, color=ACHIEVED, lw=2.0, label=words[0])
+        right.plot(ends, [branch.slope] * 2, "--", color=TARGET, lw=1.4, label=words[1])
+    highest = 1.35 * max(branch.slope for branch, _ in design.fits)
+    right.set(
+        xlim=(0.0, end), ylim=(0.0, highest), xlabel="rescaled load  P/E* [mm²]", ylabel="slope of the law"
+    )
+    for ax in (left, right):
+        ax.spines[["top", "right"]].set_visible(False)
+    return figure, left, right
+
+
+def slope_band(ax: Axes, load: tuple[float, float], slope: float, error: float, label: str | None) -> None:
+    """Draw a slope ± error over a range of loads [mm²] as a band."""
+    ax.fill_between(load, slope - error, slope + error, color=MEASURED_BESIDE, alpha=0.3, lw=0, label=label)
+
+
+def load_band(ax: Axes, load: float, error: float, label: str | None) -> None:
+    """Draw a measured load ± error [mm²] as a band."""
+    ax.axvspan(load - error, load + error, color=MEASURED_BESIDE, alpha=0.3, lw=0, label=label)
