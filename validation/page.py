@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from metafem.drawing import svg
 from validation.chapters import CHAPTERS
-from validation.check import Claim
+from validation.check import Claim, Picture
 from validation.discovery import module
 from validation.published import REFERENCE
 
@@ -47,7 +47,10 @@ def page(results: dict[str, Claim]) -> str:
 
     checks = [check for claim in results.values() for check in claim.checks]
     drawn = {
-        name: [svg(draw(), f"{claim.title}: {title}") for title, draw in claim.figures.items()]
+        name: [
+            svg(each.draw() if isinstance(each, Picture) else each(), f"{claim.title}: {title}")
+            for title, each in claim.figures.items()
+        ]
         for name, claim in results.items()
     }
     return (

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 from scipy.integrate import quad
 from scipy.optimize import brentq, fsolve
@@ -47,7 +49,7 @@ def scale_of_slope(slope: float, top: float, radius: float) -> float:
 def two_branches(
     slopes: tuple[float, float], crossover_load: float, top: float, count: int, radius: float
 ) -> tuple[float, float, float]:
-    """Scale [mm], weight u [-] and crossover height [mm] of two slopes and a crossover load, eqs. S7 and S8."""
+    """Scale [mm], weight u [-] and crossover height [mm] of two slopes and a crossover load, S7 and S8."""
     scale = scale_of_slope(slopes[0], top, radius)
     whole = moment(scale, 0.0, 0.0, top)
 
@@ -79,7 +81,7 @@ def _power(scale: float, power: float, low: float, high: float) -> float:
 
 
 def interval_middles(scale: float, low: float, high: float, shares: np.ndarray) -> np.ndarray:
-    """Middles (n,) [mm] of consecutive intervals that begin at low and hold shares of the mass on [low, high].
+    """Middles (n,) [mm] of consecutive intervals from low on that hold shares of the mass on [low, high].
 
     The density is exponential; an end beyond the mass, by rounding, is high.
     """
@@ -92,5 +94,5 @@ def interval_middles(scale: float, low: float, high: float, shares: np.ndarray) 
 def expected_counts(scale: float, top: float, step: float, count: int) -> np.ndarray:
     """Expected numbers (levels,) of asperities on intervals of a height step of a truncated exponential."""
     ends = np.minimum(step * np.arange(int(np.ceil(top / step)) + 1), top)
-    masses = [moment(scale, 0.0, a, b) for a, b in zip(ends[:-1], ends[1:], strict=True)]
+    masses = [moment(scale, 0.0, a, b) for a, b in pairwise(ends)]
     return count * np.array(masses) / moment(scale, 0.0, 0.0, top)

@@ -18,14 +18,14 @@ TOP = 0.120
 # Two evaluations of a closed form with different rounding.
 ROUNDING = 1e-9
 
-TEXT = """The friction coefficient μ = σB/E* · m of a truncated exponential density of heights is computed over
-its scale λ, for σ = 0.358 MPa, B = 0.85, E* = 1.36 MPa, R = 526 µm and h_m = 120 µm. It falls towards the value
-of a uniform density as λ grows. The largest value belongs to the smallest λ that the workshop can make, ten
-standard deviations of its heights (9 µm), a rule of thumb of the paper."""
+TEXT = """The friction coefficient μ = σB/E* · m of a truncated exponential density of heights is computed
+over its scale λ, for σ = 0.358 MPa, B = 0.85, E* = 1.36 MPa, R = 526 µm and h_m = 120 µm. It falls towards
+the value of a uniform density as λ grows. The largest value belongs to the smallest λ that the workshop can
+make, ten standard deviations of its heights (9 µm), a rule of thumb of the paper."""
 
 CAPTION = """Friction coefficient μ over the scale λ of the density [µm], on logarithmic axes. The curve runs
-between the two bounds that the paper prints (dashed lines, 1.10 and 3.03), and meets the upper one at λ = 9 µm
-(dotted line). The square is the red surface of Fig. 4, designed for m = 6.87."""
+between the two bounds that the paper prints (dashed lines, 1.10 and 3.03), and meets the upper one at λ = 9
+µm (dotted line). The square is the red surface of Fig. 4, designed for m = 6.87."""
 
 
 def claim() -> Claim:

@@ -28,15 +28,17 @@ METHODS = 1e-6
 
 WHERE = printed("Fig. 4 caption")
 
-TEXT = """Both surfaces of Fig. 4 are designed from the printed target slopes: 64 heights on steps of 6 µm, which
-follow a truncated exponential density, and independent Hertz contacts. The slope of the density is the target;
-the slope of 64 asperities is fitted to the predicted law between 25 and 100 % of the load at which the plane
-reaches the foot of the density. Both predicted slopes lie within the errors of the measured ones."""
+TEXT = """Both surfaces of Fig. 4 are designed from the printed target slopes: 64 heights on steps of 6 µm,
+which follow a truncated exponential density, and independent Hertz contacts. The slope of the density is the
+target; the slope of 64 asperities is fitted to the predicted law between 25 and 100 % of the load at which
+the plane reaches the foot of the density. Both predicted slopes lie within the errors of the measured
+ones."""
 
-SEEN = """Left: predicted rescaled friction F/(σB) over rescaled load P/E* [mm²], with the law of the continuous
-density and a straight line of the target slope. Right: slopes of both laws over the load. The slope of 64
-asperities jumps whenever a level comes into contact; its fit (thick line) over the shaded range lies close to
-the target {target} (dashed line), and inside the band of the measured slope, {measured} ± {error}."""
+SEEN = """Left: predicted rescaled friction F/(σB) over rescaled load P/E* [mm²], with the law of the
+continuous density and a straight line of the target slope. Right: slopes of both laws over the load. The
+slope of 64 asperities jumps whenever a level comes into contact; its fit (thick line) over the shaded range
+lies close to the target {target} (dashed line), and inside the band of the measured slope, {measured} ±
+{error}."""
 
 
 def claim() -> Claim:
@@ -59,7 +61,8 @@ def claim() -> Claim:
                 METHODS, second_method(load_at_foot, "eq. S2 by quadrature, λ and h_m of the design"),
             ),
             near(
-                f"{colour}: fitted slope of 64 asperities", fit.slope, table_slope(colour, fit.points), METHODS,
+                f"{colour}: fitted slope of 64 asperities", fit.slope, table_slope(colour, fit.points),
+                METHODS,
                 second_method(fitted_slope, "line through the law of the heights of Table S1, by bisection"),
             ),
             near(f"{colour}: fitted slope and measured slope", fit.slope, measured, error, WHERE),

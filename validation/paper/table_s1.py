@@ -17,14 +17,19 @@ RULE = printed("SM, building a quasi-linear friction law")
 # Accuracy of the quadrature, with a margin [µm].
 METHODS = 1e-6
 
-TEXT = """The surfaces of Fig. 4 are designed from their target slopes 9.43 and 6.87, with the tallest height h_m
-and the step of 6 µm that the paper prints. The scale λ of the density solves eqs. S3 to S5, and each level
-receives the whole number of asperities nearest to its expectation, changed by one on one level if the sum is
-not 64. All 40 printed numbers are reproduced."""
+WORDS = """The closest integers add up to {total:.0f} on the blue surface. Table S1 has one asperity less
+than the closest integer at {level:g} µm, where the expectation is {expected:.2f}. Of all numbers this one,
+changed by one, has the smallest difference from its expectation, relative to it. The design changes numbers
+by that rule until the sum is N."""
 
-CAPTION = """Numbers of asperities on each height level [µm]: bars are the designs, black marks the numbers of
-Table S1, and the thin line is the expectation of the continuous density at each level. Every mark lies on the
-end of its bar."""
+TEXT = """The surfaces of Fig. 4 are designed from their target slopes 9.43 and 6.87, with the tallest height
+h_m and the step of 6 µm that the paper prints. The scale λ of the density solves eqs. S3 to S5, and each
+level receives the whole number of asperities nearest to its expectation, changed by one on one level if the
+sum is not 64. All 40 printed numbers are reproduced."""
+
+CAPTION = """Numbers of asperities on each height level [µm]: bars are the designs, black marks the numbers
+of Table S1, and the thin line is the expectation of the continuous density at each level. Every mark lies on
+the end of its bar."""
 
 
 def claim() -> Claim:
@@ -53,10 +58,9 @@ def claim() -> Claim:
             "blue: asperities with the closest integer on each level",
             float(rounded.sum()),
             "N = 64, with the closest integer to the expectation on each level",
-            f"The closest integers add up to {rounded.sum():.0f} on the blue surface. Table S1 has one asperity"
-            f" less than the closest integer at {numbers['height'][level]:g} µm, where the expectation is"
-            f" {_expected('blue')[level]:.2f}. Of all numbers this one, changed by one, has the smallest difference"
-            " from its expectation relative to it. The design changes numbers by that rule until the sum is N.",
+            WORDS.format(
+                total=rounded.sum(), level=numbers["height"][level], expected=_expected("blue")[level]
+            ),
             RULE,
         )
     )

@@ -24,16 +24,20 @@ COLOURS = ("red", "blue")
 
 RULE = printed("SM, building a bilinear friction law")
 
-TEXT = """Both surfaces of Fig. 5 are designed from their two slopes (7.15 and 12.52) and crossover loads, with
-the tallest height of 120 µm and the offset of 50 µm that the paper prints. The scale λ, the weight u and the
-crossover height h_c solve eqs. S7 and S8; they are computed a second time with the densities integrated by
-quadrature. The heights stand in the middles of intervals of equal mass, and all 128 printed heights are
-reproduced within the digits of the paper's numbers."""
+WORDS = """Intervals of that mass, laid upwards from the foot of each branch, do not end at the top of the
+branch, because 64 times the mass of a branch is not a whole number. The heights of Table S2 are the middles
+of N1 and N2 intervals of equal mass that fill their branches. The design does the same."""
 
-CAPTION = """Upper panel: the heights of both designs [µm], from the lowest to the tallest, as lines, and those of
-Table S2 as dots, which cover the lines. Lower panel: their differences [µm]; all lie below the grey line at
-{limit:.2f} µm, half of the last printed digit of the heights plus the largest effect of the last digits of the
-printed slopes and crossover loads on a height."""
+TEXT = """Both surfaces of Fig. 5 are designed from their two slopes (7.15 and 12.52) and crossover loads,
+with the tallest height of 120 µm and the offset of 50 µm that the paper prints. The scale λ, the weight u
+and the crossover height h_c solve eqs. S7 and S8; they are computed a second time with the densities
+integrated by quadrature. The heights stand in the middles of intervals of equal mass, and all 128 printed
+heights are reproduced within the digits of the paper's numbers."""
+
+CAPTION = """Upper panel: the heights of both designs [µm], from the lowest to the tallest, as lines, and
+those of Table S2 as dots, which cover the lines. Lower panel: their differences [µm]; all lie below the grey
+line at {limit:.2f} µm, half of the last printed digit of the heights plus the largest effect of the last
+digits of the printed slopes and crossover loads on a height."""
 
 
 def claim() -> Claim:
@@ -122,9 +126,7 @@ def _other_rule(colour: str) -> Difference:
         f"{colour}: largest difference from Table S2 with intervals of mass 1/(N1 + N2) [µm]",
         float(miss),
         "intervals [b_i, b_{i+1}] whose probability is equal to 1/(N1 + N2)",
-        "Intervals of that mass, laid upwards from the foot of each branch, do not end at the top of the branch,"
-        " because 64 times the mass of a branch is not a whole number. The heights of Table S2 are the middles of"
-        " N1 and N2 intervals of equal mass that fill their branches; the design does the same.",
+        WORDS,
         RULE,
     )
 
