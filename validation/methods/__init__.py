@@ -1,1 +1,1 @@
-"""Second methods: plain numpy and scipy, without the package's models, for the expected numbers of the claims."""
+"""Second methods: plain numpy and scipy, without the models that they judge, for numbers of the claims."""
