@@ -40,21 +40,21 @@ class Errors(NamedTuple):
 
 
 def bias_and_coverage(found: Mapping[str, Mapping[str, Errors]], limit: float = 1.0) -> Any:
-    """Draw bias and coverage of estimates, by method and by estimate; a larger bias is at the edge."""
-    figure = new_figure(8.0, 0.9 + 0.28 * len(next(iter(found.values()))))
+    """Draw bias, up to a limit, and coverage of estimates, by method and by estimate."""
+    figure = new_figure(8.0, 1.2 + 0.28 * len(next(iter(found.values()))))
     bias, coverage = figure.subplots(1, 2, sharey=True)
     for (method, estimates), ink, marker in zip(found.items(), INKS, "os^", strict=False):
         place = -np.arange(len(estimates))
         shift = [each.bias for each in estimates.values()]
-        bias.plot(np.clip(shift, -limit, limit), place, marker, ms=5, color=ink, label=method)
+        bias.plot(shift, place, marker, ms=5, color=ink, label=method)
         coverage.plot([each.coverage for each in estimates.values()], place, marker, ms=5, color=ink)
     bias.axvspan(-0.2, 0.2, color=QUIET, alpha=0.25, lw=0)
     coverage.axvspan(NOMINAL - ALLOWED, NOMINAL + ALLOWED, color=QUIET, alpha=0.25, lw=0)
     bias.set_yticks(place, list(estimates), fontsize=8)
-    bias.set_xlim(-1.1 * limit, 1.1 * limit)
+    bias.set_xlim(-limit, limit)
     coverage.set_xlim(0.0, 1.0)
     bias.set_xlabel("bias over the stated uncertainty")
     coverage.set_xlabel("68 % intervals that hold the true value")
     if len(found) > 1:
-        bias.legend(frameon=False, fontsize=8)
+        figure.legend(frameon=False, fontsize=8, loc="outside lower center", ncols=len(found))
     return figure
