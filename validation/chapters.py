@@ -30,7 +30,7 @@ CHAPTERS = (
         "interaction",
         "Elastic interaction and the block",
         "Is elastic interaction below 2.3 %, and which substrate should be used?",
-        ("interaction_error", "block_or_layer", "pedestal_effect"),
+        ("interaction_error", "order3_against_resolved", "block_or_layer", "pedestal_effect"),
     ),
     Chapter(
         "finite_elements",
