@@ -25,9 +25,10 @@ from metafem.calibration.measured_law.bent_line import (
 from metafem.calibration.measured_law.growth import LEVEL_OF_INTERVALS, REGULAR_GROWTH, growths
 from metafem.calibration.measured_law.segmented import TRIED
 from metafem.drawing import ACHIEVED, MEASURED, TARGET, new_figure
-from validation.check import Check, Claim, near, reported
+from validation.check import Claim, Picture, Row, near, reported
 from validation.paper.surfaces import surfaces
-from validation.published import PAPER, paper
+from validation.published import paper
+from validation.sources import known_input
 
 # The tests of this claim carry the mark "slow".
 SLOW = True
@@ -46,6 +47,17 @@ FIRST = {"red": 4, "blue": 8}
 WANTED, TOLERANCE = LEVEL_OF_INTERVALS, 0.03
 
 NAMES = ("crossover", "slope below", "slope above")
+
+COVERED = known_input(f"nominal 68 % of the intervals in {TRIALS} synthetic laws, true values without errors")
+
+REGULAR = f"{TRIALS} synthetic laws; too small where splits of the points compete"
+RULE = "500 synthetic laws, with the rule by which the paper's crossovers can be read"
+
+CAPTION = (
+    "Left, one synthetic measurement of each surface of Fig. 5, with the paper's error bars, and its "
+    "regression by two lines. Right, the crossovers of all trials: they scatter about the crossover of the "
+    "64 asperities (full line), which lies beyond the target of the continuous distribution (dotted)."
+)
 
 
 def laws(colour: str, trials: int, noise: float = 1.0, seed: int = 0) -> tuple[Points, mf.Surface]:
@@ -92,32 +104,42 @@ def found(colour: str) -> dict[str, np.ndarray]:
 
 def claim() -> Claim:
     """Compare the coverage with 68 %, and state the bias of the paper's rule."""
-    checks: list[Check] = []
+    checks: list[Row] = []
     for colour in LOADS:
         result = found(colour)
         for i, name in enumerate(NAMES):
             checks.append(
                 near(f"{colour}: coverage of the {name}", float(result["covered"][i].mean()),
-                     WANTED, TOLERANCE, f"required; {TRIALS} trials, the estimate without errors")
+                     WANTED, TOLERANCE, COVERED)
             )  # fmt: skip
         for i, name in enumerate(NAMES):
             checks.append(
                 reported(f"{colour}: coverage of the {name} with the growth of the regular case",
-                         float(result["regular"][i].mean()), "too small where splits of the points compete")
+                         float(result["regular"][i].mean()), REGULAR)
             )  # fmt: skip
         target = paper()["fig5"][colour]["crossover_load_mm2"]
         checks.append(
             reported(f"{colour}: crossover without errors over the target",
-                     float(result["truth"][KINK]) / target, "64 asperities, Table S2")
+                     float(result["truth"][KINK]) / target, "64 asperities of Table S2, without errors")
         )  # fmt: skip
     shares, late = zip(*(rule(colour) for colour in LOADS), strict=True)
     checks += [
-        near("share of trials in which the paper's rule contains the target, both colours",
-             float(np.mean(shares)), 0.15, 0.03, f"requirement; the rule and errors of {PAPER}"),
-        *(reported(f"{colour}: mean of the paper's rule less the target [mm²]", one, "this check")
+        reported("share of trials in which the paper's rule contains the target, both colours",
+                 float(np.mean(shares)), RULE),
+        *(reported(f"{colour}: mean of the paper's rule less the target [mm²]", one, RULE)
           for colour, one in zip(LOADS, late, strict=True)),
     ]  # fmt: skip
-    return Claim("Fig. 5: crossover and slopes of measured laws", checks, {"crossovers": figure})
+    return Claim(
+        "Fig. 5: crossover and slopes of measured laws",
+        checks,
+        {"measured laws and their crossovers": Picture(figure, CAPTION)},
+        "The paper states the crossover between the two slopes of Fig. 5 as the middle of two neighbouring "
+        "loads, ±0.005 mm². Here laws of its two surfaces are measured 2,000 times with its error bars, and "
+        "a regression by two lines is fitted: its 68 % intervals hold the true crossover and slopes as "
+        "often as they should. The paper's rule contains the target in few of the trials, because it has no "
+        "probability, and because the crossover of 64 asperities lies beyond that of the continuous "
+        "distribution.",
+    )
 
 
 def rule(colour: str, trials: int = 500) -> tuple[float, float]:
