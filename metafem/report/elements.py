@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from metafem.drawing import new_figure, svg
+from metafem.drawing import new_figure
+from metafem.drawing.inline import Drawn, drawn
 from metafem.errors import InvalidInput
 from metafem.inversion import Design
 from metafem.models import Independent
@@ -22,6 +23,10 @@ if TYPE_CHECKING:
 
 # Half-width of the view of the contact's edge, in contact radii.
 EDGE_VIEW = 0.3
+
+HERTZ = "Pressure and displacement of a half-space against Hertz's closed forms."
+MESH = "Mesh of the true cap on the bonded block: the whole mesh, and the edge of the contact."
+CAP = "Pressure under the true cap on the bonded block, and Hertz's at the same contact radius."
 
 
 @doing("checking the finite elements")
@@ -49,7 +54,7 @@ def elements_section(design: Design) -> dict[str, Any]:
     tallest = int(surface.height.argmax())
     a, radius = math.sqrt(float(last.area[tallest]) / math.pi), float(surface.radius[tallest])
     contact = fe.press(a, radius, surface.material.poisson_ratio)
-    figures = [svg(hertz_figure(contact, radius), "Pressure and displacement against Hertz's")]
+    figures = [drawn(hertz_figure(contact, radius), "Pressure and displacement against Hertz's", HERTZ)]
     reason = ""
     try:
         figures += _cap_figures(design, a, tallest)
@@ -58,7 +63,7 @@ def elements_section(design: Design) -> dict[str, Any]:
     return {"rows": rows, "figures": figures, "contact_radius": f"{a:.3g}", "left_out": reason}
 
 
-def _cap_figures(design: Design, a: float, tallest: int) -> list[str]:
+def _cap_figures(design: Design, a: float, tallest: int) -> list[Drawn]:
     from metafem import fe
     from metafem.fe.axisymmetric.geometry import Cap
     from metafem.fe.axisymmetric.mesh import graded_mesh
@@ -73,8 +78,8 @@ def _cap_figures(design: Design, a: float, tallest: int) -> list[str]:
     cap = Cap(radius, height, side, block.thickness)
     mesh = graded_mesh(float(cap.surface(np.array(a))[0]), side, block.thickness, cap.foot)
     return [
-        svg(mesh_figure(mesh, cap, a), "Mesh of the tallest cap"),
-        svg(cap_pressure_figure([(contact, height)], radius), "Pressure under the tallest cap"),
+        drawn(mesh_figure(mesh, cap, a), "Mesh of the tallest cap", MESH),
+        drawn(cap_pressure_figure([(contact, height)], radius), "Pressure under the tallest cap", CAP),
     ]
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from metafem._values import MICROMETRES, percent
-from metafem.drawing import svg
+from metafem.drawing.inline import drawn
 from metafem.errors import MetafemError
 from metafem.inversion import Design
 from metafem.prediction.validity import base_contact_load
@@ -145,20 +145,20 @@ def page(
         excerpt=design.surface.count > MOST_SHAPED,
         arranged=design.layout is not None,
         hardness=hardness,
-        law=svg(law_figure(design), "Target and achieved friction law"),
-        forces=""
+        law=drawn(law_figure(design), "Target and achieved friction law"),
+        forces=None
         if (friction := design.surface.friction) is None
-        else svg(force_figure(design, friction), "Friction force and friction coefficient"),
-        shape=svg(shape_figure(design), "The surface seen at an angle"),
-        heights=svg(height_figure(design), "Summit heights at their sites"),
-        sensitivities=svg(sensitivity_figure(design), "Sensitivity of A0 to each height")
+        else drawn(force_figure(design, friction), "Friction force and friction coefficient"),
+        shape=drawn(shape_figure(design), "The surface seen at an angle"),
+        heights=drawn(height_figure(design), "Summit heights at their sites"),
+        sensitivities=drawn(sensitivity_figure(design), "Sensitivity of A0 to each height")
         if design.surface.count <= MOST_COMPARED
-        else "",
-        contacts=svg(contact_figure(design), "Real contacts at three loads"),
+        else None,
+        contacts=drawn(contact_figure(design), "Real contacts at three loads"),
         measured=measured_section(design, studies),
-        comparison=svg(comparison_figure(comparisons), "Change by elastic interaction")
+        comparison=drawn(comparison_figure(comparisons), "Change by elastic interaction")
         if comparisons
-        else "",
+        else None,
         comparisons=_comparisons(comparisons),
         left_out=left_out,
         exactness=exactness_section(studies),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from metafem.drawing import svg
+from metafem.drawing.inline import drawn
 from metafem.report.study_figures import (
     combined_figure,
     manufacturing_figure,
@@ -20,12 +20,13 @@ if TYPE_CHECKING:
 
 
 class Question(NamedTuple):
-    """A question, the command whose study answers it, and the figure of the study, if any, with its title."""
+    """A question, the command whose study answers it, and its figure, if any, with title and caption."""
 
     text: str
     command: str
     title: str
     figure: Callable[[Dataset], Figure | None]
+    caption: str
 
 
 QUESTIONS: Mapping[str, Question] = {
@@ -34,24 +35,28 @@ QUESTIONS: Mapping[str, Question] = {
         "metafem study manufacturing DIR",
         "Slope against the errors of the heights",
         lambda study: manufacturing_figure({"": study}),
+        "Mean slope over the nominal one, with bars of one standard deviation, against errors of heights.",
     ),
     "misalignment": Question(
         "How level must the plane be?",
         "metafem study misalignment DIR",
         "Scatter of the slope against the tilt of the plane",
         lambda study: misalignment_figure({"": study}),
+        "Standard deviation of the slope over the nominal slope against the largest angle of the plane.",
     ),
     "uncertainty": Question(
         "Which input matters most?",
         "metafem study uncertainty DIR --sd composite_modulus=0.04MPa --sd radius=2um",
         "Error bars of the law and the share of each input",
         uncertainty_figure,
+        "Left: the law with bars of one standard deviation. Right: the share of each input in the variance.",
     ),
     "combined": Question(
         "How good must the machine be?",
         "metafem study combined DIR --height-sd 3um --angle 0.05deg",
         "Largest errors with which the target is met",
         combined_figure,
+        "How far the given errors may grow before the target is met less often than wanted.",
     ),
 }
 
@@ -67,8 +72,8 @@ def exactness_section(studies: Mapping[str, Dataset]) -> dict[str, Any]:
     answers, missing = [], []
     for name, question in QUESTIONS.items():
         if name in studies:
-            drawn = question.figure(studies[name])
-            picture = "" if drawn is None else svg(drawn, question.title)
+            figure = question.figure(studies[name])
+            picture = None if figure is None else drawn(figure, question.title, question.caption)
             answers.append({**vars(summary(studies[name])), "question": question.text, "figure": picture})
         else:
             missing.append((question.text, question.command))

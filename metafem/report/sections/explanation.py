@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 from metafem._values import MICROMETRES
 from metafem.calibration.diagnosis.sentences import NAMES
-from metafem.drawing import diagnosis, new_figure, svg
+from metafem.drawing import diagnosis, new_figure
+from metafem.drawing.inline import drawn
 from metafem.studies.summaries import summary
 from metafem.studies.summaries.explained import answers
 
@@ -18,6 +19,9 @@ if TYPE_CHECKING:
 # Margins around the errors, whose names stand on the left, and around the heights [inch].
 WIDE, NARROW = (1.3, 0.2, 0.6, 0.4), (0.9, 0.2, 0.6, 0.2)
 
+ERRORS = "Errors of the whole part that explain its law, over the standard deviations expected before."
+HEIGHTS = "Errors of single heights that explain the law, with their standard deviations."
+
 
 def explanation_section(studies: Mapping[str, Dataset]) -> dict[str, Any] | None:
     """Return sentences, table and figures of the explanation; None if the law was not explained."""
@@ -26,9 +30,9 @@ def explanation_section(studies: Mapping[str, Dataset]) -> dict[str, Any] | None
     study = studies["explained"]
     figures = []
     if study.sizes["cause"]:
-        figures.append(svg(errors_figure(study), "Errors of the part over their expected sizes"))
+        figures.append(drawn(errors_figure(study), "Errors of the part over their expected sizes", ERRORS))
     if "height" in study["kind"].values:
-        figures.append(svg(heights_figure(study), "Errors of single heights"))
+        figures.append(drawn(heights_figure(study), "Errors of single heights", HEIGHTS))
     return {**vars(summary(study)), "answers": answers(study), "figures": figures}
 
 

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from metafem.drawing import QUIET, new_figure, svg
+from metafem.drawing import QUIET, new_figure
+from metafem.drawing.inline import drawn
 from metafem.drawing.measured import COLOURS, points, residuals
 from metafem.inversion import Design
 from metafem.report.names import model_words
@@ -39,7 +40,7 @@ def measured_section(design: Design, studies: Mapping[str, Dataset]) -> dict[str
         "differs": not study["fits"].values.all(),
         "shaded": bool(design.fits),
         "bars": _bars(study),
-        "figure": svg(measured_figure(design, study), "Measured and designed friction law"),
+        "figure": drawn(measured_figure(design, study), "Measured and designed friction law"),
         "feature_columns": FEATURES,
         "features": feature_rows(study),
         "columns": POINTS,

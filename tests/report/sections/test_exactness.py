@@ -20,7 +20,7 @@ def test_answers_have_a_sentence_a_figure_and_a_table(studies):
     assert [each["question"] for each in section["answers"]] == [QUESTIONS[name].text for name in studies]
     for answer in section["answers"]:
         assert answer["answer"].endswith(".")
-        assert answer["figure"].startswith("<svg")
+        assert answer["figure"].svg.startswith("<svg")
         assert {len(row) for row in answer["rows"]} == {len(answer["columns"])}
 
 

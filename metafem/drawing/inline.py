@@ -1,0 +1,79 @@
+"""Figures as parts of a page: SVG whose colours follow those of the page, with a caption and their data."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+from urllib.parse import quote
+
+from metafem.drawing import ACHIEVED, MEASURED, MEASURED_BESIDE, QUIET, TARGET, svg
+from metafem.drawing.data import figure_table
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+# Variables of the page for the colours of a figure; a page without them shows the colours themselves.
+VARIABLES = {
+    "#000000": "--ink",
+    "#ffffff": "--paper",
+    TARGET: "--target",
+    ACHIEVED: "--achieved",
+    MEASURED: "--measured",
+    MEASURED_BESIDE: "--beside",
+    QUIET: "--faint",
+    "#808080": "--faint",  # matplotlib's grey
+    "#cccccc": "--line",  # frames of its legends
+}
+
+COLOUR = re.compile("|".join(VARIABLES))
+FONT = re.compile(r"font-family: ([^;\"]*sans-serif);? ?")
+IDENTIFIER = re.compile(r' id="([^"]*)"')
+COORDINATES = re.compile(r' (?:d|x|y|x1|x2|y1|y2)="[^"]*"')
+
+# Digits of a coordinate behind the decimal point, in points of 1/72 inch.
+LONG_NUMBER = re.compile(r"(\.\d\d)\d+")
+
+# What a link with data may hold unescaped.
+SAFE = "/,:;()[]=+-*!?@$'~ "
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """A figure of a page: its title, a caption that says what to see, its picture and its data."""
+
+    title: str
+    caption: str
+    svg: str
+    csv: str
+
+    @property
+    def file_name(self) -> str:
+        """The name under which the data are saved."""
+        plain = unicodedata.normalize("NFKD", self.title).encode("ascii", "ignore").decode().lower()
+        return re.sub(r"[^a-z0-9]+", "_", plain).strip("_")[:60] + ".csv"
+
+    @property
+    def link(self) -> str:
+        """The data as an address, which a page holds itself."""
+        return "data:text/csv;charset=utf-8," + quote(self.csv, SAFE).replace(" ", "%20").replace("'", "%27")
+
+
+def drawn(figure: Figure, title: str, caption: str = "") -> Drawn:
+    """Return a figure as a part of a page."""
+    return Drawn(title, caption, themed(svg(figure, title)), figure_table(figure))
+
+
+def themed(text: str) -> str:
+    """Return an SVG element whose colours are variables of the page, in fewer bytes.
+
+    Identifiers without references, repeated names of fonts and digits that nobody sees are left out.
+    """
+    used = set(re.findall(r'#([^")]+)["\)]', text))
+    text = IDENTIFIER.sub(lambda found: found[0] if found[1] in used else "", text)
+    text = COORDINATES.sub(lambda found: LONG_NUMBER.sub(r"\1", found[0]), text)
+    text = COLOUR.sub(lambda found: f"var({VARIABLES[found[0]]}, {found[0]})", text)
+    fonts = FONT.search(text)
+    style = f' style="font-family: {fonts[1]}"' if fonts else ""
+    return FONT.sub("", text).replace("<svg ", f'<svg role="img"{style} ', 1)
