@@ -16,9 +16,9 @@ NAMES = [pytest.param(name, marks=pytest.mark.slow) if is_slow(name) else name f
 # Claims whose sources are texts and whose figures have no captions yet.
 UNSORTED = {
     "any_law", "block_or_layer", "calibration_bias", "contact_calibration", "contact_designs", "contact_laws",
-    "diagnosis", "elastic_plastic", "equations", "error_bars", "fe_cap", "fe_cell", "fe_finite_strain",
-    "fe_hertz", "fe_layer", "fe_pedestal", "fig3_operating_points", "fig5_bilinear", "fig_s2_misalignment",
-    "fig_s3_manufacturing", "image_areas", "interaction_error", "layout", "pedestal_effect",
+    "diagnosis", "elastic_plastic", "error_bars", "fe_cap", "fe_cell", "fe_finite_strain",
+    "fe_hertz", "fe_layer", "fe_pedestal", "fig_s2_misalignment",
+    "image_areas", "interaction_error", "layout", "pedestal_effect",
     "segmented_regression", "several_radii", "shear_calibration", "site_matching", "targets", "topography",
     "whole_circle",
 }  # fmt: skip

@@ -10,12 +10,8 @@ from scipy.optimize import brentq, fsolve
 
 
 def moment(scale: float, power: float, low: float, high: float) -> float:
-    """Integral of ``exp(-h/scale) (h - low)^power`` from low to high, by quadrature in t² = h - low."""
-
-    def integrand(t: float) -> float:
-        return 2.0 * t ** (2.0 * power + 1.0) * float(np.exp(-(low + t * t) / scale))
-
-    return float(quad(integrand, 0.0, np.sqrt(high - low), epsrel=1e-12, epsabs=0.0)[0])
+    """Integral of ``exp(-h/scale) (h - low)^power`` from low to high, by quadrature."""
+    return _between(scale, power, low, low, high)
 
 
 def load_at_foot(scale: float, top: float, count: int, radius: float) -> float:
@@ -31,7 +27,7 @@ def slope_at_foot(parts: list[tuple[float, float, float]], scale: float, radius:
     """
 
     def integral(power: float) -> float:
-        return sum(factor * _power(scale, power, low, high) for factor, low, high in parts)
+        return sum(factor * _between(scale, power, 0.0, low, high) for factor, low, high in parts)
 
     return float(0.5 * np.pi * np.sqrt(radius) * integral(0.0) / integral(0.5))
 
@@ -71,13 +67,20 @@ def share_above(scale: float, weight: float, height: float, top: float) -> float
     return weight * moment(scale, 0.0, height, top) / moment(scale, 0.0, 0.0, top)
 
 
-def _power(scale: float, power: float, low: float, high: float) -> float:
-    """Integral of ``exp(-h/scale) h^power`` from low to high, by quadrature in t² = h."""
+def mean_power(
+    scale: float, power: float, separation: float, top: float, crossover: float = 0.0, weight: float = 1.0
+) -> float:
+    """Mean of ``(h - separation)^power`` over the summits in contact, for the density of eq. S6.
 
-    def integrand(t: float) -> float:
-        return 2.0 * t ** (2.0 * power + 1.0) * float(np.exp(-t * t / scale))
-
-    return float(quad(integrand, np.sqrt(low), np.sqrt(high), epsrel=1e-12, epsabs=0.0)[0])
+    The weight applies above the crossover height; with a weight of 1 the density has one branch.
+    """
+    second = weight / moment(scale, 0.0, 0.0, top)
+    found = second * _between(scale, power, separation, max(crossover, separation), top)
+    if separation < crossover:
+        first = 1.0 - second * moment(scale, 0.0, crossover, top)
+        first /= moment(scale, 0.0, 0.0, crossover)
+        found += first * _between(scale, power, separation, separation, crossover)
+    return found
 
 
 def interval_middles(scale: float, low: float, high: float, shares: np.ndarray) -> np.ndarray:
@@ -96,3 +99,13 @@ def expected_counts(scale: float, top: float, step: float, count: int) -> np.nda
     ends = np.minimum(step * np.arange(int(np.ceil(top / step)) + 1), top)
     masses = [moment(scale, 0.0, a, b) for a, b in pairwise(ends)]
     return count * np.array(masses) / moment(scale, 0.0, 0.0, top)
+
+
+def _between(scale: float, power: float, separation: float, low: float, high: float) -> float:
+    """Integral of ``exp(-h/scale) (h - separation)^power`` from low to high, in t² = h - separation."""
+
+    def integrand(t: float) -> float:
+        return 2.0 * t ** (2.0 * power + 1.0) * float(np.exp(-(separation + t * t) / scale))
+
+    ends = np.sqrt(low - separation), np.sqrt(high - separation)
+    return float(quad(integrand, *ends, epsrel=1e-12, epsabs=0.0)[0])

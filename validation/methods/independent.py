@@ -1,4 +1,4 @@
-"""Independent Hertz contacts of one radius: sums over the heights, and bisection of the approach."""
+"""Independent Hertz contacts of one radius: sums over the heights, and Newton's method for the approach."""
 
 from __future__ import annotations
 
@@ -7,8 +7,9 @@ from numpy.typing import ArrayLike, NDArray
 
 FloatArray = NDArray[np.float64]
 
-# Halvings of the interval of the approach, after which its width is less than rounding.
-HALVINGS = 60
+# Steps of Newton's method, of which about eight are needed, and the size of the last one relative to the
+# approach, some units of rounding.
+STEPS, LAST = 100, 1e-15
 
 
 def sums(depth: ArrayLike, radius: float) -> tuple[FloatArray, FloatArray]:
@@ -19,18 +20,23 @@ def sums(depth: ArrayLike, radius: float) -> tuple[FloatArray, FloatArray]:
 
 
 def approaches(height: ArrayLike, load: ArrayLike, radius: float) -> FloatArray:
-    """Approaches (…, k) [mm] of heights (…, n) [mm] at which they carry loads (k,) [mm²]."""
+    """Approaches (…, k) [mm] of heights (…, n) [mm] at which they carry loads (k,) [mm²].
+
+    The load is a convex function of the approach: Newton's method decreases from an upper bound.
+    """
     heights, loads = np.asarray(height, dtype=float), np.asarray(load, dtype=float)
     gap = (heights.max(axis=-1, keepdims=True) - heights)[..., None, :]
-    # the tallest alone would carry the largest load at this approach
-    most = (0.75 * loads.max() / np.sqrt(radius)) ** (2.0 / 3.0)
-    low = np.zeros((*heights.shape[:-1], len(loads)))
-    high = np.full_like(low, most)
-    for _ in range(HALVINGS):
-        middle = 0.5 * (low + high)
-        light = sums(middle[..., None] - gap, radius)[1] < loads
-        low, high = np.where(light, middle, low), np.where(light, high, middle)
-    return high
+    # the tallest alone carries each load at this approach
+    approach = np.empty((*heights.shape[:-1], len(loads)))
+    approach[...] = (0.75 * loads / np.sqrt(radius)) ** (2.0 / 3.0)
+    for _ in range(STEPS):
+        root = np.sqrt(np.clip(approach[..., None] - gap, 0.0, None))
+        carried = 4.0 / 3.0 * np.sqrt(radius) * (root**3).sum(axis=-1)
+        step = (carried - loads) / (2.0 * np.sqrt(radius) * root.sum(axis=-1))
+        approach = approach - step
+        if np.all(step <= LAST * approach):
+            return approach
+    raise ArithmeticError("Newton's method for the approach does not converge")
 
 
 def areas(height: ArrayLike, load: ArrayLike, radius: float) -> FloatArray:

@@ -63,7 +63,7 @@ def claim() -> Claim:
             near(
                 f"{colour}: fitted slope of 64 asperities", fit.slope, table_slope(colour, fit.points),
                 METHODS,
-                second_method(fitted_slope, "line through the law of the heights of Table S1, by bisection"),
+                second_method(fitted_slope, "line through the law of Table S1's heights, by Newton's method"),
             ),
             near(f"{colour}: fitted slope and measured slope", fit.slope, measured, error, WHERE),
             near(

@@ -44,6 +44,18 @@ def test_share_above_of_one_branch_is_that_of_the_exponential():
     assert densities.share_above(0.04, 1.0, 0.04, TOP) == pytest.approx(expected, rel=1e-12)
 
 
+def test_mean_power_of_one_branch_is_that_of_two_of_equal_weight():
+    one = densities.mean_power(0.04, 1.5, 0.01, TOP)
+    assert densities.mean_power(0.04, 1.5, 0.01, TOP, crossover=0.05) == pytest.approx(one, rel=1e-12)
+    expected = densities.moment(0.04, 1.5, 0.01, TOP) / densities.moment(0.04, 0.0, 0.0, TOP)
+    assert one == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize("weight", [0.15, 3.0])
+def test_two_branches_have_mass_one(weight):
+    assert densities.mean_power(0.04, 0.0, 0.0, TOP, 0.02, weight) == pytest.approx(1.0, rel=1e-12)
+
+
 def test_intervals_of_a_wide_density_are_equal():
     middles = densities.interval_middles(1e6, 0.02, 0.12, np.full(5, 0.2))
     assert middles == pytest.approx([0.03, 0.05, 0.07, 0.09, 0.11], rel=1e-6)

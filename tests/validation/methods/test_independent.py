@@ -1,4 +1,4 @@
-"""Sums of Hertz contacts by bisection, against closed forms."""
+"""Sums of Hertz contacts by Newton's method, against closed forms."""
 
 import numpy as np
 import pytest
