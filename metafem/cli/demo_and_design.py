@@ -32,9 +32,9 @@ if TYPE_CHECKING:
 def demo(name: str, model: str | None, contact: str | None, force: bool, as_json: bool) -> None:
     """Write the paper's specification NAME.toml here, and design its surface into the folder NAME.
 
-    An edited NAME.toml is never replaced.
+    metafem.schema.json is written beside it, for editors. An edited NAME.toml is never replaced.
     """
-    from metafem.files import check_free, demo_text, write_text
+    from metafem.files import check_free, demo_text, place_schema, write_text
 
     path, folder, text = Path(f"{name}.toml"), Path(name), demo_text(name)
     check_free(folder, force)
@@ -49,6 +49,8 @@ def demo(name: str, model: str | None, contact: str | None, force: bool, as_json
                 f"{path} exists and differs from the demo's; run it by `metafem design {path} -o FOLDER`, "
                 "or rename it"
             ) from None
+    if (remark := place_schema(path.parent)) is not None:
+        click.echo(f"note: {remark}", err=True)
     _run(path, folder, (model, contact), force, as_json)
 
 

@@ -4,19 +4,36 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict
+from pathlib import Path
 
 import click
 
-from metafem.cli.group import json_option, main
+from metafem.cli.group import Name, force_option, json_option, main
 
 
 @main.command("spec", short_help="Print every key of a specification, with examples.")
+@click.option(
+    "--schema",
+    "as_schema",
+    is_flag=True,
+    help="Print the JSON schema instead, by which editors complete keys and mark errors. A specification "
+    "names it in a comment before the first section: `#:schema ./metafem.schema.json`.",
+)
+@click.option("-o", "--output", type=Name(), help="Write the schema into this file instead of printing it.")
+@force_option
 @json_option
-def explain(as_json: bool) -> None:
+def explain(as_schema: bool, output: Path | None, force: bool, as_json: bool) -> None:
     """Print every section and key of a specification with its meaning and an example."""
-    from metafem.files import all_keys, manual
+    from metafem.files import all_keys, manual, schema_text, write_schema
 
-    if as_json:
+    if output is not None:
+        if not as_schema:
+            raise click.UsageError("--output writes the schema; add --schema")
+        write_schema(output, force)
+        click.echo(json.dumps({"schema": str(output)}) if as_json else f"wrote {output}")
+    elif as_schema:
+        click.echo(schema_text(), nl=False)
+    elif as_json:
         click.echo(json.dumps([asdict(key) for key in all_keys()]))
     else:
         click.echo(manual(), nl=False)

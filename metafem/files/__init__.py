@@ -24,6 +24,7 @@ from metafem.files.part.plan import PartOptions, part_notes, planned
 from metafem.files.result.folder import load, result_folder, same_design, save, stored_hardness, write_all
 from metafem.files.result.study import stored_studies, study_data, study_path, write_study
 from metafem.files.result.tables import is_law_table, law_table, read_surface
+from metafem.files.schema.document import place_schema, schema_text, write_schema
 from metafem.files.specification.demos import demo_text
 from metafem.files.specification.manual import all_keys, manual
 from metafem.files.specification.models import MODELS
@@ -67,6 +68,7 @@ __all__ = [
     "option_names",
     "part_notes",
     "pixel_size",
+    "place_schema",
     "planned",
     "quantity",
     "read_calibration",
@@ -83,6 +85,7 @@ __all__ = [
     "result_folder",
     "same_design",
     "save",
+    "schema_text",
     "shots",
     "stored_hardness",
     "stored_studies",
@@ -90,6 +93,7 @@ __all__ = [
     "study_path",
     "write_all",
     "write_figure",
+    "write_schema",
     "write_study",
     "write_text",
 ]

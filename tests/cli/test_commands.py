@@ -10,7 +10,7 @@ import metafem as mf
 from metafem import cli
 from metafem.cli.group import DEMOS
 from metafem.cli.group import MODELS as COMMAND_MODELS
-from metafem.files import MODELS, all_keys, demo_text, manual
+from metafem.files import MODELS, all_keys, demo_text, manual, schema_text
 
 
 def test_models_of_the_command_are_those_of_the_files():
@@ -97,6 +97,7 @@ def test_demo_writes_the_specification_and_the_whole_folder(demo, name):
     data = demo(name)
     assert data["status"] in ("exact", "approximate")
     assert Path(f"{name}.toml").read_text("utf-8") == demo_text(name)
+    assert Path("metafem.schema.json").read_text("utf-8") == schema_text()
     files = {"design.json", "heights.csv", "law.csv", "mould.csv", "block.stl", "surface.vtu", "report.html"}
     assert files <= {path.name for path in Path(name).iterdir()}
     assert mf.load(name).misfit == data["misfit"]
@@ -112,7 +113,9 @@ def test_existing_files_are_kept_without_force(run, demo):
     assert Path("linear.toml").read_text("utf-8") == "mine"
     Path("linear.toml").unlink()
     demo("linear")
-    assert run("demo", "linear", "--force").exit_code == 0
+    Path("metafem.schema.json").write_text("mine", "utf-8")
+    assert "metafem.schema.json exists and differs" in run("demo", "linear", "--force").stderr
+    assert Path("metafem.schema.json").read_text("utf-8") == "mine"
     result = run("demo", "linear")
     assert (result.exit_code, "--force" in result.output) == (2, True)
     assert "force=True" not in result.output
@@ -386,3 +389,17 @@ def test_a_column_that_is_not_read_is_reported_once(run):
     # without an area ratio it is 1
     law = json.loads(result.stdout)
     assert law["friction_force_N"][-1] == pytest.approx(0.4 * law["area_mm2"][-1], rel=1e-12)
+
+
+def test_the_schema_is_printed_and_written(run):
+    assert run("spec", "--schema").stdout == schema_text()
+    assert run("spec", "--schema", "-o", "a.json").stdout == "wrote a.json\n"
+    assert Path("a.json").read_text("utf-8") == schema_text()
+    result = run("spec", "--schema", "-o", "a.json")
+    assert (result.exit_code, "--force" in result.output) == (2, True)
+    assert json.loads(run("spec", "--schema", "-o", "a.json", "--force", "--json").stdout) == {
+        "schema": "a.json"
+    }
+    result = run("spec", "-o", "b.json")
+    assert (result.exit_code, "add --schema" in result.output) == (2, True)
+    assert not Path("b.json").exists()

@@ -62,6 +62,7 @@ class ProfileSection(Section):
     """
 
     kind: Literal["profile"]
+    choices = (("rho", "f"), ("file",))
     rho: Annotated[
         list[Length] | None,
         says("either: distances from the axis, from 0", ["0 um", "200 um", "400 um", "600 um"]),
@@ -138,6 +139,7 @@ class TabulatedSection(Section):
     """
 
     kind: Literal["tabulated"]
+    choices = (("indentation", "load", "area"), ("file",))
     indentation: Annotated[list[Length] | None, says("either: d, increasing", ["5 um", "20 um", "90 um"])] = (
         None
     )

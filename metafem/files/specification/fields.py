@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
 from metafem.files.units import converted
+
+# Sets of keys of which one is given.
+Choices = tuple[tuple[str, ...], ...]
 
 
 class Section(BaseModel):
@@ -14,10 +19,34 @@ class Section(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
+    # Keys of which exactly one set must be given, and the least number of keys.
+    choices: ClassVar[Choices] = ()
+    fewest: ClassVar[int] = 0
+
+
+@dataclass(frozen=True)
+class Reader:
+    """Reads a text with a unit of one of several dimensions, and where `pairs` is true a list of two."""
+
+    read: Callable[[Any], Any]
+    units: tuple[str, ...]
+    pairs: bool = False
+
+    def __call__(self, given: Any) -> Any:
+        """Return the value of a text."""
+        return self.read(given)
+
+
+@dataclass(frozen=True)
+class OneOf:
+    """States the names that a text can have, for the JSON schema."""
+
+    names: tuple[str, ...]
+
 
 def measured(unit: str, example: str | None = None) -> BeforeValidator:
     """Read a text with a unit, such as "120 um"."""
-    return BeforeValidator(lambda given: converted(given, unit, example))
+    return BeforeValidator(Reader(lambda given: converted(given, unit, example), (unit,)))
 
 
 def says(meaning: str, example: Any = None) -> Any:

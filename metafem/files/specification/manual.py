@@ -89,6 +89,20 @@ def as_toml(value: Any) -> str:
     return json.dumps(value)
 
 
+def remark(meaning: str, optional: bool, default: Any) -> str:
+    """Return the meaning of a key or section, with its default if it is optional."""
+    told = "optional: " if optional and not meaning.startswith(CHOICES) else ""
+    if default is not None:
+        told = f"optional, default {f'{default:g}' if isinstance(default, float) else as_toml(default)}: "
+    return f"{told}{meaning}"
+
+
+def default_of(field: FieldInfo) -> Any:
+    """Return the default of an optional key as it is printed, None if there is none."""
+    default: Any = None if field.is_required() else field.default
+    return default.model_dump() if hasattr(default, "model_dump") else default  # of a section
+
+
 def example(field: FieldInfo) -> Any:
     """Return the valid value of a key that `says` states."""
     return (field.examples or [None])[0]
@@ -111,15 +125,9 @@ def _keys(section: str, model: type[BaseModel]) -> Iterator[Key]:
     kind = kind_of(model) or None
     for name, field in model.model_fields.items():
         if kind is None or name != "kind":
-            words, required = field.description or "", field.is_required()
-            default: Any = None if required else field.default
-            if hasattr(default, "model_dump"):  # a section
-                default = default.model_dump()
-            yield Key(section, kind, name, example(field), words, not required, default)
+            words, optional = field.description or "", not field.is_required()
+            yield Key(section, kind, name, example(field), words, optional, default_of(field))
 
 
 def _line(start: str, meaning: str, optional: bool, default: Any) -> str:
-    told = "optional: " if optional and not meaning.startswith(CHOICES) else ""
-    if default is not None:
-        told = f"optional, default {f'{default:g}' if isinstance(default, float) else as_toml(default)}: "
-    return f"{start:<{COLUMN - 1}} # {told}{meaning}"
+    return f"{start:<{COLUMN - 1}} # {remark(meaning, optional, default)}"

@@ -54,7 +54,7 @@ def with_tables(text: str, table: dict[str, Any], folder: Path) -> tuple[dict[st
         section: Any = table
         for key in place:
             section = section.get(key) if isinstance(section, dict) else None
-        if isinstance(section, dict) and section.get("kind") in COLUMNS and "file" in section:
+        if isinstance(section, dict) and section.get("kind") in tuple(COLUMNS) and "file" in section:
             filled, content = with_columns(".".join(place), section, folder)
             table = _replaced(table, place, filled)
             copy = _copy_name(section["file"], kept)

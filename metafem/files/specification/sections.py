@@ -8,8 +8,18 @@ from pydantic import Field, field_validator, model_validator
 
 from metafem._given import formatted, printable
 from metafem.errors import InvalidInput
-from metafem.files.part.plan import PartOptions
-from metafem.files.specification.fields import Angle, Length, Number, Section, Stress, Whether, measured, says
+from metafem.files.part.plan import FORMATS, PartOptions
+from metafem.files.specification.fields import (
+    Angle,
+    Length,
+    Number,
+    OneOf,
+    Section,
+    Stress,
+    Whether,
+    measured,
+    says,
+)
 from metafem.files.specification.models import MODELS, suggestion
 from metafem.inversion import Layout, RadiusRange
 from metafem.prediction import Tolerances
@@ -21,6 +31,8 @@ Radius = Annotated[Length, Field(gt=0.0)]
 
 class MaterialSection(Section):
     """``[material]``."""
+
+    choices = (("composite_modulus",), ("young_modulus",))
 
     composite_modulus: Annotated[Stress | None, says("either: E* = E/(1 - nu^2)", "1.36 MPa")] = None
     young_modulus: Annotated[Stress | None, says("or: E, Young's modulus", "1.02 MPa")] = None
@@ -60,6 +72,8 @@ class LatticeSection(Section):
 
 class RadiiSection(Section):
     """``[radii]``."""
+
+    choices = (("tools",), ("range",))
 
     tools: Annotated[
         Annotated[list[Radius], Field(min_length=1)] | None,
@@ -143,6 +157,8 @@ class LayoutSection(Section):
 class RobustSection(Section):
     """``[robust]``."""
 
+    fewest = 1
+
     height_sd: Annotated[Length, says("standard deviation of the heights", "3 um")] = 0.0
     angle: Annotated[Angle, says("largest tilt about either axis", "0.05 deg")] = 0.0
     radius_sd: Annotated[Length, says("standard deviation of the radii", "2 um")] = 0.0
@@ -162,7 +178,7 @@ class RobustSection(Section):
 class ModelSection(Section):
     """``[model]``."""
 
-    kind: Annotated[str, says(f"one of: {', '.join(MODELS)}", "layer")] = "independent"
+    kind: Annotated[str, OneOf(tuple(MODELS)), says(f"one of: {', '.join(MODELS)}", "layer")] = "independent"
 
     @field_validator("kind")
     @classmethod
@@ -187,7 +203,7 @@ class PartSection(Section):
         ),
     ] = None
     formats: Annotated[
-        tuple[Annotated[str, Field(strict=True)], ...],
+        tuple[Annotated[str, Field(strict=True), OneOf(FORMATS)], ...],
         says("of the part and its mould: stl, 3mf, obj", ["stl", "3mf"]),
     ] = ("stl",)
 

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, model_validator
 
 from metafem import _validate as check
 from metafem.errors import InvalidInput
-from metafem.files.loads import GivenLoad, given_load, rescaled_range
-from metafem.files.specification.fields import Area, Force, Number, Section, says
+from metafem.files.loads import LOAD, GivenLoad, given_load, rescaled_range
+from metafem.files.specification.fields import Area, Choices, Force, Number, Reader, Section, says
 from metafem.inversion import (
     BilinearLaw,
     LinearLaw,
@@ -32,17 +32,21 @@ LINES = "P/E* or P, smallest and largest: the target is two lines, the first thr
 
 def _crossover(given: Any) -> list[GivenLoad]:
     """Read a load, or a pair of them."""
+    if given == []:
+        raise InvalidInput(f'= [] must be a load or a pair of loads; write for example "{LOAD}"')
     return [given_load(load) for load in given] if isinstance(given, list) else [given_load(given)]
 
 
-Load = Annotated[Any, BeforeValidator(given_load)]
+Load = Annotated[Any, BeforeValidator(Reader(given_load, ("mm^2", "N")))]
 
 # Read as a whole, so that an error names the entry and not each alternative.
-Crossover = Annotated[Any, BeforeValidator(_crossover)]
+Crossover = Annotated[Any, BeforeValidator(Reader(_crossover, ("mm^2", "N"), pairs=True))]
 
 
 class CurveSection(Section):
     """Points of a law: rescaled values, or forces."""
+
+    choices: ClassVar[Choices] = (("rescaled_load", "rescaled_friction"), ("load", "friction_force"))
 
     rescaled_load: Annotated[list[Area] | None, says("either: P/E*, increasing", LOADS)] = None
     rescaled_friction: Annotated[
@@ -89,6 +93,7 @@ class SampledSection(CurveSection):
     """
 
     kind: Literal["sampled"]
+    choices = (*CurveSection.choices, ("file",))
     weight: Annotated[list[Number] | None, says("of each sample; default: equal weights", [1.0, 2.0])] = None
     file: Annotated[
         str | None,
@@ -143,6 +148,7 @@ class MultilinearSection(StraightSection):
     """Straight branches, slopes rising or falling, with a free intercept."""
 
     kind: Literal["multilinear"]
+    choices = (("slopes",), ("friction_coefficients",))
     slopes: Annotated[
         list[Number] | None, says("either: of F/(sigma B) over P/E*, one for each branch", [9.5, 8.0, 7.0])
     ] = None
@@ -183,6 +189,7 @@ class LinearSection(StraightSection):
     """A straight law: a slope or a friction coefficient."""
 
     kind: Literal["linear"]
+    choices = (("slope",), ("friction_coefficient",))
     slope: Annotated[Number | None, says("either: of F/(sigma B) over P/E*", 6.87)] = None
     friction_coefficient: Annotated[Number | None, says("or: mu; needs [friction]", 1.5)] = None
     load_range: Annotated[list[Load] | None, says(LINE, ["0.05 mm^2", "0.2 mm^2"])] = None
@@ -205,6 +212,7 @@ class BilinearSection(StraightSection):
     """Two straight branches that meet at a crossover load."""
 
     kind: Literal["bilinear"]
+    choices = (("slopes",), ("friction_coefficients",))
     slopes: Annotated[
         list[Number] | None, says("either: of F/(sigma B) over P/E*, below and above", [7.15, 12.52])
     ] = None

@@ -216,6 +216,7 @@ WRONG = {
     "unknown section": ("[lattice]", "[latice]", ["latice is an unknown section", "did you mean lattice?"]),
     "unknown kind": ('"linear"', '"linaer"', ["target.kind", "did you mean linear?", "bilinear"]),
     "no kind": ('kind = "linear"', "", ["target.kind is missing"]),
+    "list for a kind": ('kind = "linear"', "kind = []", ["target.kind"]),
     "no slope": ("slope = 6.87", "", ["target needs either slope or friction_coefficient"]),
     "foreign key": ("slope = 6.87", "slopes = [6, 7]", ["target.slopes is an unknown key", "slope?"]),
     "text for a number": ("slope = 6.87", 'slope = "6"', ["target.slope = '6'", "slope = 6.87"]),
@@ -255,6 +256,11 @@ WRONG = {
     "falling range": ("[block]", '[radii]\nrange = ["2 mm", "1 mm"]\n[block]', ["range = [2 mm, 1 mm] must"]),
     "short range": ("[block]", '[radii]\nrange = ["2 mm"]\n[block]', ["radii.range[1] is missing"]),
     "unknown radii": ("[block]", '[radii]\ntool = ["2 mm"]\n[block]', ["radii.tool", "did you mean tools?"]),
+    "no crossover": (
+        'kind = "linear"',
+        'kind = "multilinear"\ncrossover_loads = [[]]',
+        ["target.crossover_loads[0] = [] must be a load or a pair of loads"],
+    ),
     "truncated": ("shape = [8, 8]", "shape = [8,", ["not valid TOML", "line"]),
 }  # fmt: skip
 

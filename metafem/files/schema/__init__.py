@@ -1,0 +1,1 @@
+"""The JSON schema of specifications, by which editors complete keys and mark errors."""

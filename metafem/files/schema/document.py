@@ -1,0 +1,97 @@
+"""The JSON schema of a whole specification, and its file."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+from metafem.errors import InvalidInput
+from metafem.files.atomic.text import write_text
+from metafem.files.schema.keys import given, kinds, refused, section
+from metafem.files.specification.manual import kind_of, models_of, remark
+
+# The name by which the demos' specifications refer to the schema, in the folder of the specification.
+SCHEMA_FILE = "metafem.schema.json"
+
+# Draft 7 of JSON Schema is what the language servers of TOML read, and its first keys are those by which the
+# file is recognised.
+FIRST = {
+    "$schema": "http://json-schema.org/draft-07/schema#",
+    "title": "Specification of metafem",
+}
+
+MEANING = (
+    "Specification of a surface for `metafem design`. Quantities are texts with their unit. "
+    "The usual units are listed here; metafem reads others too."
+)
+
+# Radii are given once: that of the lattice, or those to choose from.
+ONE_RADIUS = {
+    "if": given("radii"),
+    "then": {"properties": {"lattice": refused(["radius"])}, "additionalProperties": True},
+    "else": {
+        "properties": {"lattice": given("radius")},
+        "additionalProperties": True,
+    },
+}
+
+
+def schema() -> dict[str, Any]:
+    """Return the JSON schema of a specification.
+
+    Examples
+    --------
+    >>> found = schema()["properties"]["limits"]
+    >>> found["required"], "max_hight" in found["properties"]
+    (['max_height'], False)
+    """
+    from metafem.files.specification.contents import Sections
+
+    sections = {}
+    for name, field in Sections.model_fields.items():
+        models: Any = models_of(field.annotation)
+        words = remark(field.description or "", not field.is_required(), None)
+        sections[name] = kinds(models, words) if kind_of(models[0]) else section(models[0], words)
+    return {
+        **FIRST,
+        "description": MEANING,
+        "type": "object",
+        "required": [name for name, field in Sections.model_fields.items() if field.is_required()],
+        "properties": sections,
+        "additionalProperties": False,
+        **ONE_RADIUS,
+    }
+
+
+def schema_text() -> str:
+    """Return the schema as the text of its file."""
+    return json.dumps(schema(), indent=2, ensure_ascii=False) + "\n"
+
+
+def is_schema(content: bytes) -> bool:
+    """Whether a file is a text of `schema_text`."""
+    return content.startswith(json.dumps(FIRST, indent=2).removesuffix("\n}").encode())
+
+
+def write_schema(path: Path, force: bool = False) -> None:
+    """Write the schema into a file; with `force` a schema of metafem is replaced."""
+    write_text(path, schema_text(), force=force, ours=is_schema)
+
+
+def place_schema(folder: Path) -> str | None:
+    """Write the schema beside a specification, and return a remark if another file is in its place."""
+    path, text = folder / SCHEMA_FILE, schema_text()
+    try:
+        write_text(path, text)
+    except InvalidInput:
+        if not os.path.lexists(path):
+            raise
+        if path.is_file() and path.read_bytes() == text.encode("utf-8"):
+            return None
+        return (
+            f"{path} exists and differs from the schema of this version; "
+            f"`metafem spec --schema -o {path} --force` renews it"
+        )
+    return None
