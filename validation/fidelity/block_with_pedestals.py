@@ -1,0 +1,248 @@
+"""The true block with the pedestals of its caps: what is left of the paper's laws, and redesigned heights.
+
+The block has free sides and a bonded base, and each cap stands on it as a pedestal that yields. The two
+corrections are of the same size and of opposite sign. The influence of the block takes half a minute for each
+set of sites and is then read from disk.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+
+import metafem as mf
+from metafem.contact import pedestal_compliance
+from metafem.drawing import QUIET, new_figure
+from validation.check import Check, Claim, Difference, Picture, Result, below, near, reported
+from validation.methods import contact_equations
+from validation.paper.surfaces import fig3, fig4, fig5, surfaces, template
+from validation.published import paper
+from validation.sources import known_input, printed, second_method
+
+# The tests of this claim carry the mark "slow".
+SLOW = True
+
+# Loads P/E* [mm²], from the lightest measured ones to loads beyond full contact of all surfaces.
+LOADS = 0.7 * np.arange(1, 21) / 20
+
+MODELS = {
+    "layer": mf.Interacting(substrate=mf.BondedLayer()),
+    "block": mf.Interacting(substrate=mf.fe.Block3D()),
+    "block with pedestals": mf.Interacting(substrate=mf.fe.Block3D(), pedestal=True),
+}
+WHOLE = "block with pedestals"
+
+# Solver and second method agree to rounding in sums of 64 terms.
+ROUNDING = 1e-10
+
+# Largest misfit of a redesigned law: a requirement of this check.
+REDESIGNED = 5e-3
+
+NOTE = printed("SM, note on elastic interactions: changes of A0(P) below 2.3 % rms")
+LINEAR = printed("main text, linear laws: measured and target slopes agree to better than 2.1 %")
+BILINEAR = printed("Fig. 5 caption: measured and target slopes agree to better than 5.2 %")
+NEWTON = second_method(
+    contact_equations.coupled,
+    "Newton's method with numpy, pedestals on the diagonal of the block's influence",
+)
+TARGET = known_input("the target of the design: its points, or the law of its height density")
+METHOD = "order 3 on the block with pedestals, mf.fe.Block3D"
+
+
+def designs() -> dict[str, mf.Design]:
+    """Return the five designs under independent asperities."""
+    found = {"Fig. 3": fig3()}
+    found |= {f"Fig. 4 {colour}": fig4(colour) for colour in ("blue", "red")}
+    return found | {f"Fig. 5 {colour}": fig5(colour) for colour in ("blue", "red")}
+
+
+@cache
+def law(name: str, model: str) -> mf.FrictionLaw:
+    """Return the law of a surface under a model, or of independent asperities, at the loads."""
+    surface = surfaces()[name]
+    load = surface.material.composite_modulus * LOADS
+    return mf.friction_law(surface, MODELS.get(model, mf.Independent()), load=load)
+
+
+def change(name: str, model: str) -> np.ndarray:
+    """Return the relative change of A0 by a model at the loads (k,)."""
+    return law(name, model).area / law(name, "independent").area - 1.0
+
+
+def claim() -> Claim:
+    """Evaluate the five surfaces on the block with pedestals, and design them again."""
+    rows: list[Check | Result | Difference] = []
+    for name in surfaces():
+        rows += [*_changes(name), *_second(name)]
+    for name, design in designs().items():
+        rows += [*_slopes(name, design), *_redesigned(name, design)]
+    rms = [100.0 * _rms(change(name, WHOLE)) for name in surfaces() if "3" not in name]
+    text = (
+        "The layer neglects the free sides of the block, and both neglect that a cap yields below its "
+        "contact. With all of it together "
+        f"the laws of Figs. 4 and 5 change by {min(rms):.1f} to {max(rms):.1f} % rms, which is less than by "
+        "the block alone, and their slopes by less than the paper's measurements resolve. The law of Fig. 3 "
+        "changes by more: its tall caps yield most, so that the third level comes into contact at a lower "
+        "load. The misfit is the rms relative difference from the target, or the largest one at operating "
+        "points. Heights that are designed under the complete model meet the points of Fig. 3 again, and "
+        "follow the laws of the height densities of Figs. 4 and 5 more closely than before."
+    )
+    return Claim(
+        "Block with pedestals: what is left of the paper's laws",
+        rows,
+        {
+            "change": Picture(
+                _change_figure,
+                "Change of A0(P) against independent asperities on the layer (dotted), on the block with "
+                "free sides (dashed), and on the block with pedestals (solid). The pedestals bring the "
+                "laws of Figs. 4 and 5 back towards zero.",
+            ),
+            "redesign": Picture(
+                _redesign_figure,
+                "Law of Fig. 3 on the block with pedestals: heights designed for independent asperities "
+                "miss the second and the third operating point (circles), heights designed for this "
+                "model pass through all three.",
+            ),
+        },
+        text,
+    )
+
+
+def _changes(name: str) -> list[Check | Result | Difference]:
+    limit = paper()["interaction"]["rms_area_difference_below"]
+    whole = change(name, WHOLE)
+    rms, label = _rms(whole), f"{name}: rms change of A0 by block and pedestals"
+    rows: list[Check | Result | Difference] = []
+    if "3" in name and rms > limit:
+        words = (
+            "At the sites of this design the change exceeds the bound. The paper does not print its sites "
+            "for Fig. 3, and neither the block nor the pedestals are in its model."
+        )
+        rows.append(Difference(label, rms, f"below {limit}", words, NOTE))
+    else:
+        rows.append(below(label, rms, limit, NOTE))
+    lower = 1e3 * (law(name, "independent").separation - law(name, WHOLE).separation)
+    return [
+        *rows,
+        reported(f"{name}: rms change of A0 by the block alone", _rms(change(name, "block")), METHOD),
+        reported(f"{name}: rms change of A0 by the layer alone", _rms(change(name, "layer")), METHOD),
+        reported(f"{name}: largest change of A0", whole[np.abs(whole).argmax()], METHOD),
+        reported(f"{name}: decrease of the separation at {LOADS[-1]:g} mm² [µm]", lower[-1], METHOD),
+    ]
+
+
+def _second(name: str) -> list[Check]:
+    """Compare order 1 at a light and a high load with Newton's method in numpy."""
+    surface = surfaces()[name]
+    influence = mf.fe.Block3D().influence_matrix(surface)
+    influence[np.diag_indices_from(influence)] += pedestal_compliance(surface.height, surface.radius) / np.pi
+    radius, modulus = float(surface.radius[0]), surface.material.composite_modulus
+    model = mf.Interacting(order=1, substrate=mf.fe.Block3D(), pedestal=True)
+    rows = []
+    for load in LOADS[[1, -1]]:
+        depth, _ = contact_equations.coupled(surface.height, radius, influence, float(load))
+        area = contact_equations.area(depth, radius)
+        found = mf.equilibrium(surface, model, load=modulus * load).area
+        rows.append(
+            near(f"{name}, order 1, P/E* = {load:g} mm²: A0 [mm²]", found, area, ROUNDING * area, NEWTON)
+        )
+    return rows
+
+
+def _slopes(name: str, design: mf.Design) -> list[Check | Result]:
+    """Return the change of the fitted slopes, and of the load at which two branches cross."""
+    lines = [_lines(name, design, model) for model in ("independent", WHOLE)]
+    source, limit = (LINEAR, 0.021) if "4" in name else (BILINEAR, paper()["fig5"]["measured_within"])
+    rows: list[Check | Result] = []
+    for i, (before, after) in enumerate(zip(*lines, strict=True)):
+        which = f"slope {i + 1}" if len(lines[0]) > 1 else "slope"
+        rows += [
+            below(f"{name}: relative change of the fitted {which}",
+                  abs(after[0] / before[0] - 1.0), limit, source),
+            reported(f"{name}: fitted {which} on the block with pedestals", after[0], METHOD),
+        ]  # fmt: skip
+    if len(lines[0]) > 1:
+        cross = [float((b[1] - a[1]) / (a[0] - b[0])) for a, b in lines]
+        rows += [
+            reported(f"{name}: load P/E* at which the branches cross, independent [mm²]", cross[0],
+                     "intersection of the fitted lines, independent asperities"),
+            reported(f"{name}: the same on the block with pedestals [mm²]", cross[1], METHOD),
+        ]  # fmt: skip
+    return rows
+
+
+def _lines(name: str, design: mf.Design, model: str) -> list[tuple[float, float]]:
+    """Return slope and intercept of the lines through a surface's law in the ranges of its branches."""
+    surface, found = surfaces()[name], []
+    for branch, _ in design.fits:
+        low, high = branch.load_range
+        load = surface.material.composite_modulus * np.linspace(low, high, 100)
+        fit = mf.friction_law(surface, MODELS.get(model, mf.Independent()), load=load).fit((low, high))
+        found.append((fit.slope, fit.intercept))
+    return found
+
+
+@cache
+def redesigned(name: str) -> mf.Design:
+    """Design a surface of the paper again, under the block with pedestals."""
+    first = designs()[name]
+    figure = name.lower().replace("fig. ", "fig").replace(" ", "_")
+    return mf.design(first.target, template(figure), MODELS[WHOLE], first.limits)
+
+
+def _redesigned(name: str, first: mf.Design) -> list[Check | Result]:
+    target, after = first.target_law, redesigned(name)
+    misfits = [
+        float(target.misfit(MODELS[WHOLE].curve(found.surface, target.load).area)) for found in (first, after)
+    ]
+    rows: list[Check | Result] = [
+        below(f"{name}, redesigned: misfit on the block with pedestals", misfits[1], REDESIGNED, TARGET),
+        reported(f"{name}, not redesigned: misfit on the block with pedestals", misfits[0], METHOD),
+        reported(
+            f"{name}, not redesigned: misfit of independent asperities",
+            float(target.misfit(first.target_area)),
+            "the design of the paper, independent asperities",
+        ),
+    ]
+    if after.surface.count == first.surface.count:
+        moved = 1e3 * (after.surface.height - first.surface.height)
+        label = f"{name}, redesigned: s.d. of the changes of the heights [µm]"
+        return [*rows, reported(label, moved.std(), METHOD)]
+    return [*rows, reported(f"{name}, redesigned: number of asperities", after.surface.count, METHOD)]
+
+
+def _rms(values: np.ndarray) -> float:
+    return float(np.sqrt((values**2).mean()))
+
+
+def _change_figure():
+    figure = new_figure(8.4, 3.8)
+    left, right = figure.subplots(1, 2)
+    for i, name in enumerate(surfaces()):
+        ax = left if "3" in name else right
+        for model, style in zip(MODELS, (":", "--", "-"), strict=True):
+            label = name if model == WHOLE else None
+            ax.plot(LOADS, 100.0 * change(name, model), style, color=f"C{i}", label=label)
+    for ax in (left, right):
+        ax.axhline(0.0, color=QUIET, lw=0.8)
+        ax.set_xlabel("rescaled load  P/E* [mm²]")
+        ax.legend(frameon=False, fontsize=8)
+    left.set_ylabel("change of A0 [%]")
+    return figure
+
+
+def _redesign_figure():
+    figure = new_figure(6.4, 4.0)
+    ax = figure.add_subplot()
+    target = designs()["Fig. 3"].target_law
+    load = np.linspace(0.005, LOADS[-1], 200)
+    for design, label, style in (
+        (designs()["Fig. 3"], "designed for independent asperities", "--"),
+        (redesigned("Fig. 3"), "designed for the block with pedestals", "-"),
+    ):
+        ax.plot(load, MODELS[WHOLE].curve(design.surface, load).area, style, label=label)
+    ax.plot(target.load, target.base, "o", ms=8, color="C3", label="operating points")
+    ax.set(xlabel="rescaled load  P/E* [mm²]", ylabel="rescaled friction  F/(σB) [mm²]")
+    ax.legend(frameon=False)
+    return figure
