@@ -1,46 +1,115 @@
 """Random surfaces, contact laws, models and loads.
 
-A scene depends on its seed alone: 2 to 64 asperities, on a lattice or scattered, of one or several radii; one
-of nine kinds of law with random parameters; independent asperities, the mean field, or order 1 or 3 on the
-half-space or on a bonded layer. Its loads end where the largest contact without interaction has a given part
-of the documented range: a/R = 0.5, contacts with a/L = 0.3 and as wide as 0.3 of the thickness of a layer.
+A scene depends on its seed alone: 1 to 64 asperities, on a lattice or scattered, of one or several radii, in
+one in ten scenes with lengths and moduli in other units; one of nine kinds of law with random parameters; one
+of nine kinds of model. Its loads end where the widest contact without interaction has a given part of the
+documented range: a/R = 0.5, a/r = 0.32 with the nearest neighbour, and a/t = 0.3 on a layer.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
 import metafem as mf
 from metafem.contact import Contact
 from metafem.models import Model
+from metafem.models.boundary_elements.model import resolvable
 
-MATERIAL = mf.Material(1.36)
-RANGE = 0.5, 0.3, 0.3  # a/R, a/L, a/t
+MODULUS = 1.36
+
+# Ends of the documented ranges: a/R of README and `Hertz`, a/r of README and `Interacting`, and a/t, up to
+# which the error of order 3 on a layer is 0.12 % (`metafem.models.truncation`).
+WIDTH, CROWDING, LAYER = 0.5, 0.32, 0.3
 
 # Contact radius over R that a sphere can have.
 LESS_THAN_A_SPHERE = 0.95
 
-# Loads of a curve.
-LOADS = 12
+# Tallest summit over its radius for which the compliance of caps is tabulated (`Interacting`), with a margin.
+TALLEST = 0.55
+
+# Least indentation of adhesive contacts at the largest load, over that without adhesion at the same radius.
+LEAST_DEPTH = 0.1
+
+# Part of the scenes whose lengths and moduli are multiplied by up to a million, or divided by it.
+OTHER_UNITS = 0.1
+
+# Part of the scenes at given approaches in place of loads, and of those with adhesion on the way back.
+BY_APPROACH, BACK = 0.2, 0.3
+
+# Loads of a curve, and of one whose contacts may be resolved.
+LOADS, FEW_LOADS = 6, 2
+
+# Largest numbers of asperities: in general, with adhesion, and where contacts may be resolved; and the part of
+# the scenes with adhesion that have as many as the others. The time of these grows with the cube of the number.
+MOST, ADHESIVE, FEW = 64, 9, 6
+CROWDED = 0.02
+
+# Poisson's ratios; the influence of a layer is tabulated for each.
+POISSON = (0.0, 0.2, 0.3, 0.4, 0.45, 0.5)
+
+KINDS = (
+    "independent", "mean field", "order 1", "order 1, layer", "order 3", "order 3, layer", "pedestals",
+    "automatic", "resolved",
+)  # fmt: skip
+
+# Parts of the scenes. Resolved contacts take a hundred times as long as the others.
+SHARES = (0.16, 0.1, 0.14, 0.14, 0.15, 0.15, 0.1, 0.04, 0.02)
+
+# The same of the laws, in the order of `_law`. The tables of a profile take a tenth of a second.
+LAWS = (0.16, 0.14, 0.15, 0.02, 0.08, 0.08, 0.13, 0.13, 0.11)
 
 
 @dataclass(frozen=True)
 class Scene:
-    """A surface, a model with its contact law, and increasing loads [N]."""
+    """A surface, a model with its contact law, and increasing rescaled loads [mm²] or approaches [mm]."""
 
+    kind: str
     surface: mf.Surface
     model: Model
     law: Contact
-    load: np.ndarray
+    control: np.ndarray
+    by_load: bool = True
+    unloading: bool = False
+
+
+@dataclass(frozen=True)
+class Units:
+    """Factors of lengths and of the modulus."""
+
+    length: float = 1.0
+    modulus: float = 1.0
 
 
 def random_scene(seed: int, inside: bool = True) -> Scene:
     """Return a scene whose loads end inside the documented range, or at up to twice its end."""
-    rng = np.random.default_rng(seed)
-    side = int(rng.integers(2, 9))
-    count = side**2 if rng.random() < 0.5 else int(rng.integers(2, 65))
+    rng = np.random.default_rng([seed, int(inside)])
+    units = Units(*10.0 ** rng.uniform(-6.0, 6.0, 2)) if rng.random() < OTHER_UNITS else Units()
+    kind = str(rng.choice(KINDS, p=SHARES))
+    law = _law(rng, units)
+    if kind == "resolved" and not resolvable(law):
+        kind = "automatic"
+    resolved = kind in ("automatic", "resolved")
+    few = law.adhesive and rng.random() >= CROWDED
+    most = FEW if resolved else ADHESIVE if few else MOST
+    surface = _surface(rng, units, most, inside and kind == "pedestals")
+    ends = _ends(surface)
+    part = rng.uniform(0.1, 1.0) if inside else rng.uniform(1.0, 2.0)
+    approach = _approach(surface, law, np.minimum(part * ends, LESS_THAN_A_SPHERE * surface.radius))
+    fractions = np.linspace(0.5, 1.0, FEW_LOADS) if resolved else np.geomspace(1e-3, 1.0, LOADS)
+    by_load = rng.random() >= BY_APPROACH
+    control = fractions * (_load(surface, law, approach) if by_load else approach)
+    model = _model(rng, kind, law, _widest(surface, law, approach))
+    unloading = law.adhesive and not resolved and rng.random() < BACK
+    return Scene(kind, surface, model, law, control, by_load, unloading)
+
+
+def _surface(rng: np.random.Generator, units: Units, most: int, low: bool) -> mf.Surface:
+    """Return up to `most` asperities; if `low`, not taller than the compliance of caps is tabulated for."""
+    side = int(rng.integers(2, int(np.sqrt(most)) + 1))
+    count = side**2 if rng.random() < 0.5 else int(rng.integers(1, most + 1))
     if count == side**2:
         pitch = rng.uniform(0.6, 2.0)
         grid = pitch * np.stack(np.meshgrid(np.arange(side), np.arange(side)), axis=-1).reshape(-1, 2)
@@ -49,22 +118,13 @@ def random_scene(seed: int, inside: bool = True) -> Scene:
         position = _scattered(rng, count, rng.uniform(0.4, 1.0))
     radius = rng.choice([0.3, 0.526, 0.8], count) if rng.random() < 0.3 else np.full(count, 0.526)
     depth = rng.exponential(rng.uniform(0.002, 0.05), count)
-    height = 0.2 - np.minimum(depth - depth.min(), 0.19)
-    thickness = rng.uniform(1.0, 8.0)
-    surface = mf.Surface(position, height, radius, MATERIAL, block=mf.Block(40.0, 40.0, thickness))
-    apart = np.linalg.norm(position[:, None] - position, axis=-1)[np.triu_indices(count, 1)].min()
-    law = _law(rng)
-    substrate = mf.HalfSpace() if rng.random() < 0.5 else mf.BondedLayer()
-    kind = int(rng.integers(0, 5))
-    models: list[Model] = [
-        mf.Independent(law),
-        mf.MeanField(contact=law),
-        *(mf.Interacting(min(order, law.largest_order), substrate, law) for order in (1, 3, 3)),
-    ]
-    limits = RANGE[0] * float(radius.min()), RANGE[1] * float(apart), RANGE[2] * thickness
-    part = rng.uniform(0.1, 0.9) if inside else rng.uniform(1.0, 2.0)
-    widest = min(part * min(limits), LESS_THAN_A_SPHERE * float(radius.min()))
-    return Scene(surface, models[kind], law, _loads(surface, law, widest))
+    top = min(0.2, TALLEST * float(radius.min())) if low else 0.2
+    height = top - np.minimum(depth - depth.min(), 0.95 * top)
+    length = units.length
+    width = length * (2.0 * float(np.abs(position).max()) + 1.0)
+    block = mf.Block(width, width, length * rng.uniform(1.0, 8.0))
+    material = mf.Material(MODULUS * units.modulus, float(rng.choice(POISSON)))
+    return mf.Surface(length * position, length * height, length * radius, material, block=block)
 
 
 def _scattered(rng: np.random.Generator, count: int, closest: float) -> np.ndarray:
@@ -80,42 +140,94 @@ def _scattered(rng: np.random.Generator, count: int, closest: float) -> np.ndarr
     return position
 
 
-def _law(rng: np.random.Generator) -> Contact:
+def _law(rng: np.random.Generator, units: Units) -> Contact:
     """Return a random law."""
+    stress, energy = units.modulus, units.length * units.modulus
     cap: Contact = (mf.Hertz(), mf.SphericalCap(), mf.PowerCap(rng.uniform(1.5, 4.0)))[int(rng.integers(3))]
-    d = np.linspace(0.005, 3.0, 60)
-    laws: list[Contact] = [
-        mf.Hertz(),
-        mf.SphericalCap(),
-        mf.PowerCap(rng.uniform(1.0, 8.0), rng.uniform(0.3, 1.0)),
-        mf.AxisymmetricCap(_Profile(*rng.uniform(0.8, 1.5, 2)), 1.2),
-        mf.JKR(float(np.exp(rng.uniform(np.log(1e-6), np.log(3e-5)))), cap),
-        mf.JKR(float(np.exp(rng.uniform(np.log(1e-6), np.log(3e-5))))),
-        mf.KogutEtsion(float(np.exp(rng.uniform(np.log(1.0), np.log(100.0))))),
-        mf.JacksonGreen(float(np.exp(rng.uniform(np.log(0.5), np.log(50.0))))),
-        mf.TabulatedContact(
-            d, MATERIAL.composite_modulus * d ** rng.uniform(1.2, 1.6), d ** rng.uniform(0.8, 1.2)
-        ),
-    ]
-    return laws[int(rng.integers(len(laws)))]
+    work = energy * float(np.exp(rng.uniform(np.log(1e-6), np.log(3e-5))))
+    kind = int(rng.choice(len(LAWS), p=LAWS))
+    if kind == 0:
+        return mf.Hertz()
+    if kind == 1:
+        return mf.SphericalCap()
+    if kind == 2:
+        return mf.PowerCap(rng.uniform(1.0, 8.0), rng.uniform(0.3, 1.0))
+    if kind == 3:
+        return _profile(int(rng.integers(PROFILES)), units)
+    if kind == 4:
+        return mf.JKR(work, cap)
+    if kind == 5:
+        return mf.JKR(work)
+    if kind == 6:
+        return mf.KogutEtsion(stress * float(np.exp(rng.uniform(np.log(1.0), np.log(100.0)))))
+    if kind == 7:
+        return mf.JacksonGreen(stress * float(np.exp(rng.uniform(np.log(0.5), np.log(50.0)))))
+    d = np.geomspace(1e-6, 3.0, 60)
+    load = MODULUS * stress * units.length**2 * d ** rng.uniform(1.2, 1.6)
+    return mf.TabulatedContact(units.length * d, load, units.length**2 * d ** rng.uniform(0.8, 1.2))
 
 
-class _Profile:
-    """rho^2/(2 b R) + c rho^4 [mm]."""
-
-    def __init__(self, b: float, c: float) -> None:
-        self.b, self.c = b, c
-
-    def __call__(self, rho: np.ndarray) -> np.ndarray:
-        return np.asarray(rho**2 / (1.05 * self.b) + self.c * rho**4)
+# Profiles from which one is drawn.
+PROFILES = 8
 
 
-def _loads(surface: mf.Surface, law: Contact, widest: float) -> np.ndarray:
-    """Return loads [N] up to that at which the tallest of independent contacts has a radius [mm]."""
+@cache
+def _profile(which: int, units: Units) -> mf.AxisymmetricCap:
+    """Return one of the caps rho²/(2 b R) + c rho⁴ with R = 0.526 mm."""
+    b, c = np.random.default_rng(which).uniform(0.8, 1.5, 2)
+    length = units.length
+
+    def depth(rho: np.ndarray) -> np.ndarray:
+        at = rho / length
+        return np.asarray(length * (at**2 / (1.052 * b) + c * at**4))
+
+    return mf.AxisymmetricCap(depth, 1.2 * length)
+
+
+def _ends(surface: mf.Surface) -> np.ndarray:
+    """Return the contact radii at the ends of the documented ranges, (n,) [mm]."""
+    found = np.minimum(WIDTH * surface.radius, LAYER * surface.block.thickness) + np.zeros(surface.count)
+    if surface.count > 1:
+        apart = np.linalg.norm(surface.position[:, None] - surface.position, axis=-1)
+        np.fill_diagonal(apart, np.inf)
+        found = np.minimum(found, CROWDING * apart.min(axis=1))
+    return found
+
+
+def _approach(surface: mf.Surface, law: Contact, widest: np.ndarray) -> float:
+    """Return the approach [mm] at which the first contact without interaction has its radius (n,) [mm].
+
+    Adhesive contacts that are wider without a load have a tenth of the indentation without adhesion.
+    """
     used = law.for_material(surface.material)
-    top = int(surface.height.argmax())
-    approach = float(used.indentation(widest, surface.radius[top]))
+    plain = used.without_adhesion.indentation(widest, surface.radius)
+    depth = np.maximum(used.indentation(widest, surface.radius), LEAST_DEPTH * plain)
+    return float((surface.gap + depth).min())
+
+
+def _widest(surface: mf.Surface, law: Contact, approach: float) -> float:
+    """Return the radius of the widest contact without interaction at an approach [mm]."""
+    used = law.for_material(surface.material)
+    return float(used.contact_radius(approach - surface.gap, surface.radius).max())
+
+
+def _load(surface: mf.Surface, law: Contact, approach: float) -> float:
+    """Return the load of contacts without interaction or adhesion at an approach, P/E* [mm²]."""
+    plain = law.for_material(surface.material).without_adhesion
     z = np.maximum(approach - surface.gap, 0.0)
-    plain = used.without_adhesion
-    load = float(plain.load(plain.contact_radius(z, surface.radius), surface.radius).sum())
-    return surface.material.composite_modulus * load * np.geomspace(1e-3, 1.0, LOADS)
+    return float(plain.load(plain.contact_radius(z, surface.radius), surface.radius).sum())
+
+
+def _model(rng: np.random.Generator, kind: str, law: Contact, contact_radius: float) -> Model:
+    """Return the model of a kind; cells are a part of a contact radius [mm]."""
+    substrate = mf.BondedLayer() if kind.endswith("layer") else mf.HalfSpace()
+    if kind in ("pedestals", "automatic", "resolved") and rng.random() < 0.5:
+        substrate = mf.BondedLayer()
+    order = 1 if kind.startswith("order 1") else law.largest_order
+    return {
+        "independent": lambda: mf.Independent(law),
+        "mean field": lambda: mf.MeanField(law),
+        "pedestals": lambda: mf.Interacting(order, substrate, law, pedestal=True),
+        "automatic": lambda: mf.Automatic(10.0 ** rng.uniform(-2.5, -1.5), substrate, law),
+        "resolved": lambda: mf.BoundaryElements(contact_radius / rng.uniform(8.0, 16.0), substrate, law),
+    }.get(kind, lambda: mf.Interacting(order, substrate, law))()
