@@ -23,9 +23,13 @@ if TYPE_CHECKING:
 # resolves the logarithm of a function: a digit above the rounding of the functions.
 DEGREE, RESOLVED = 7, 3e-14
 
-# A panel is at most this wide in a logarithm and is halved at most this often, which resolves a pole or the
-# noise of a profile's quadrature as well as numbers can.
+# A panel is at most this wide in a logarithm and is halved at most this often, which resolves the noise of a
+# profile's quadrature as well as numbers can.
 WIDEST, MOST_HALVINGS = 3.0, 7
+
+# Coefficients of the last two degrees that are not noise, and how often panels with larger ones are halved.
+# The load of a sphere grows without limit at its equator; its tables end a thousandth of R before it.
+POLE, HALVINGS_AT_A_POLE = 1e-11, 14
 
 # Smallest contact radius of a table over the scale: below it every smooth law is a power to rounding.
 SMALLEST = 1e-8
@@ -190,11 +194,12 @@ def _fitted(functions: Callable[[FloatArray], FloatArray], ends: FloatArray) -> 
         np.concatenate([low[i] + (high[i] - low[i]) * (np.arange(n) + j) / n for i, n in enumerate(pieces)])
         for j in (0, 1)
     )
-    for halvings in range(MOST_HALVINGS + 1):
+    for halvings in range(HALVINGS_AT_A_POLE + 1):
         half, middle = 0.5 * (high - low), 0.5 * (high + low)
         value = np.moveaxis(functions(middle[:, None] + half[:, None] * NODES) @ TO_CHEBYSHEV, 0, 1)
-        rough = np.abs(value[..., -2:]).max(axis=(1, 2)) > RESOLVED
-        rough &= halvings < MOST_HALVINGS
+        last = np.abs(value[..., -2:]).max(axis=(1, 2))
+        rough = last > (RESOLVED if halvings < MOST_HALVINGS else POLE)
+        rough &= halvings < HALVINGS_AT_A_POLE
         done.append((low[~rough], high[~rough], value[~rough]))
         if not rough.any():
             break

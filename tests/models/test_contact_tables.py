@@ -91,3 +91,18 @@ def test_a_law_of_each_asperity_is_for_these_alone():
     for first in (mf.Independent(mf.KogutEtsion(0.1)), mf.Interacting(1, contact=mf.KogutEtsion(0.1))):
         with pytest.raises(mf.InvalidInput, match="stay flattened"):
             first.curve(surface, load, unloading=True)
+
+
+def test_tables_of_a_sphere_reach_to_its_equator():
+    """Its load grows without limit there, so that polynomials need ever narrower panels."""
+    law = mf.SphericalCap()
+    table = tables(law, np.array([R]))
+    one_of = (table.data, table.which[0], R)
+    for a in R * np.array([0.9, 0.95, 0.97, 0.98, 0.99, 0.995, 0.998]):
+        p, _, square, widening = kernel.pressed(*one_of, float(law.indentation(a, R)))
+        for k in (0.0, 0.02 / R, 0.1 / R):
+            wide, d, _, _, moment, _ = kernel.bent(*one_of, p, square, widening, k)
+            radius = np.sqrt(wide)
+            assert law.load(radius, R, k) == pytest.approx(p, rel=1e-9)
+            assert law.indentation(radius, R, k) == pytest.approx(d, rel=1e-9)
+            assert law.second_moment(radius, R, k) == pytest.approx(4 * moment, rel=1e-9)
