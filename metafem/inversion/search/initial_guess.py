@@ -87,7 +87,11 @@ class _Earlier:
                     return carried + number * new_load - load, number  # eq. S1
 
                 low = shallowest * deepest
-                depth = _root(lambda d: missing(d)[0], low, deepest, low) if missing(low)[0] < 0.0 else low
+                if missing(low)[0] >= 0.0:
+                    return low, max(missing(low)[1], 0.0)
+                if missing(deepest)[0] <= 0.0:  # the earlier asperities have this load too, up to rounding
+                    return deepest, 0.0
+                depth = _root(lambda d: missing(d)[0], low, deepest, low)
                 return depth, max(missing(depth)[1], 0.0)
         if carried >= load:
             return 0.0, 0.0
