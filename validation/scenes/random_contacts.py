@@ -2,8 +2,10 @@
 
 A scene depends on its seed alone: 1 to 64 asperities, on a lattice or scattered, of one or several radii, in
 one in ten scenes with lengths and moduli in other units; one of nine kinds of law with random parameters; one
-of nine kinds of model. Its loads end where the widest contact without interaction has a given part of the
-documented range: a/R = 0.5, a/r = 0.32 with the nearest neighbour, and a/t = 0.3 on a layer.
+of nine kinds of model, or a design. Its loads end where the widest contact without interaction has a given
+part of the documented range: a/R = 0.5, a/r = 0.32 with the nearest neighbour, and a/t = 0.3 on a layer.
+Curves are those at loads or approaches, and of contacts that stay closed or flattened also on the way back.
+One kind of scene is a design whose target is the law of a random surface.
 """
 
 from __future__ import annotations
@@ -36,15 +38,15 @@ LEAST_DEPTH = 0.1
 # Part of the scenes whose lengths and moduli are multiplied by up to a million, or divided by it.
 OTHER_UNITS = 0.1
 
-# Part of the scenes at given approaches in place of loads, and of those with adhesion on the way back.
+# Part of the scenes at given approaches in place of loads, and of adhesive or plastic ones that unload.
 BY_APPROACH, BACK = 0.2, 0.3
 
 # Loads of a curve, and of one whose contacts may be resolved.
 LOADS, FEW_LOADS = 6, 2
 
-# Largest numbers of asperities: in general, with adhesion, and where contacts may be resolved; and the part of
-# the scenes with adhesion that have as many as the others. The time of these grows with the cube of the number.
-MOST, ADHESIVE, FEW = 64, 9, 6
+# Largest numbers of asperities: in general, with adhesion, where contacts may be resolved, of designs; and
+# the part of the scenes with adhesion that have as many as others. Their time grows with the number cubed.
+MOST, ADHESIVE, FEW, DESIGNED = 64, 9, 6, 16
 CROWDED = 0.02
 
 # Poisson's ratios; the influence of a layer is tabulated for each.
@@ -52,11 +54,11 @@ POISSON = (0.0, 0.2, 0.3, 0.4, 0.45, 0.5)
 
 KINDS = (
     "independent", "mean field", "order 1", "order 1, layer", "order 3", "order 3, layer", "pedestals",
-    "automatic", "resolved",
+    "automatic", "resolved", "design",
 )  # fmt: skip
 
 # Parts of the scenes. Resolved contacts take a hundred times as long as the others.
-SHARES = (0.16, 0.1, 0.14, 0.14, 0.15, 0.15, 0.1, 0.04, 0.02)
+SHARES = (0.15, 0.1, 0.13, 0.13, 0.14, 0.14, 0.1, 0.04, 0.02, 0.05)
 
 # The same of the laws, in the order of `_law`. The tables of a profile take a tenth of a second.
 LAWS = (0.16, 0.14, 0.15, 0.02, 0.08, 0.08, 0.13, 0.13, 0.11)
@@ -91,23 +93,25 @@ def random_scene(seed: int, inside: bool = True) -> Scene:
     law = _law(rng, units)
     if kind == "resolved" and not resolvable(law):
         kind = "automatic"
+    if kind == "design" and (law.adhesive or isinstance(law, mf.AxisymmetricCap)):
+        law = mf.Hertz()
     resolved = kind in ("automatic", "resolved")
     few = law.adhesive and rng.random() >= CROWDED
-    most = FEW if resolved else ADHESIVE if few else MOST
-    surface = _surface(rng, units, most, inside and kind == "pedestals")
+    most = FEW if resolved else DESIGNED if kind == "design" else ADHESIVE if few else MOST
+    surface = _surface(rng, units, most, kind, inside)
     ends = _ends(surface)
     part = rng.uniform(0.1, 1.0) if inside else rng.uniform(1.0, 2.0)
     approach = _approach(surface, law, np.minimum(part * ends, LESS_THAN_A_SPHERE * surface.radius))
     fractions = np.linspace(0.5, 1.0, FEW_LOADS) if resolved else np.geomspace(1e-3, 1.0, LOADS)
-    by_load = rng.random() >= BY_APPROACH
+    by_load = kind == "design" or rng.random() >= BY_APPROACH
     control = fractions * (_load(surface, law, approach) if by_load else approach)
     model = _model(rng, kind, law, _widest(surface, law, approach))
-    unloading = law.adhesive and not resolved and rng.random() < BACK
+    unloading = (law.adhesive or law.plastic) and not resolved and kind != "design" and rng.random() < BACK
     return Scene(kind, surface, model, law, control, by_load, unloading)
 
 
-def _surface(rng: np.random.Generator, units: Units, most: int, low: bool) -> mf.Surface:
-    """Return up to `most` asperities; if `low`, not taller than the compliance of caps is tabulated for."""
+def _surface(rng: np.random.Generator, units: Units, most: int, kind: str, inside: bool) -> mf.Surface:
+    """Return up to `most` asperities: of one radius for a design, of limited height for pedestals."""
     side = int(rng.integers(2, int(np.sqrt(most)) + 1))
     count = side**2 if rng.random() < 0.5 else int(rng.integers(1, most + 1))
     if count == side**2:
@@ -116,9 +120,10 @@ def _surface(rng: np.random.Generator, units: Units, most: int, low: bool) -> mf
         position = np.asarray(grid, dtype=np.float64)
     else:
         position = _scattered(rng, count, rng.uniform(0.4, 1.0))
-    radius = rng.choice([0.3, 0.526, 0.8], count) if rng.random() < 0.3 else np.full(count, 0.526)
+    several = rng.random() < 0.3 and kind != "design"
+    radius = rng.choice([0.3, 0.526, 0.8], count) if several else np.full(count, 0.526)
     depth = rng.exponential(rng.uniform(0.002, 0.05), count)
-    top = min(0.2, TALLEST * float(radius.min())) if low else 0.2
+    top = min(0.2, TALLEST * float(radius.min())) if inside and kind == "pedestals" else 0.2
     height = top - np.minimum(depth - depth.min(), 0.95 * top)
     length = units.length
     width = length * (2.0 * float(np.abs(position).max()) + 1.0)
@@ -220,6 +225,8 @@ def _load(surface: mf.Surface, law: Contact, approach: float) -> float:
 
 def _model(rng: np.random.Generator, kind: str, law: Contact, contact_radius: float) -> Model:
     """Return the model of a kind; cells are a part of a contact radius [mm]."""
+    if kind == "design":
+        kind = str(rng.choice(["independent", "order 1", "order 3"]))
     substrate = mf.BondedLayer() if kind.endswith("layer") else mf.HalfSpace()
     if kind in ("pedestals", "automatic", "resolved") and rng.random() < 0.5:
         substrate = mf.BondedLayer()

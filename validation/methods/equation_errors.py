@@ -20,6 +20,7 @@ from metafem.models.mean_field import MEAN_DISPLACEMENT, nominal_area
 # Newton's steps to a contact radius, to rounding.
 MOST_STEPS = 20
 
+
 def equation_error(surface: mf.Surface, model: Model, curve: Curve) -> float | None:
     """Return the largest error of the equations at the last load of a curve.
 
