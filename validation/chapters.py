@@ -31,7 +31,7 @@ CHAPTERS = (
         "Elastic interaction and the block",
         "Is elastic interaction below 2.3 %, and which substrate should be used?",
         (
-            "interaction_error", "order3_against_resolved", "block_or_layer", "pedestal_effect",
+            "interaction_error", "curves", "order3_against_resolved", "block_or_layer", "pedestal_effect",
             "block_with_pedestals",
         ),
     ),
