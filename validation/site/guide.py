@@ -9,6 +9,8 @@ from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from validation.pages import site_page
+
 if TYPE_CHECKING:
     from markdown_it.token import Token
 
@@ -56,6 +58,16 @@ class GuidePage:
 def guide() -> list[GuidePage]:
     """Return the pages in their order."""
     return [GuidePage(name) for name in ORDER]
+
+
+def write_guide(folder: Path) -> None:
+    """Write the pages into the folder `guide` of a folder."""
+    target = folder / "guide"
+    target.mkdir(parents=True, exist_ok=True)
+    for page in guide():
+        here = f"guide/{page.name}.html"
+        text = site_page("guide.html", here=here, page=page, pages=guide())
+        (folder / here).write_text(text, "utf-8")
 
 
 def anchor(words: str) -> str:
