@@ -1,0 +1,123 @@
+"""Seconds and errors of every model, and of the other codes that are installed, on the four scenes."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+
+import metafem as mf
+from metafem.models.model import Model
+from validation.cost.peers import Grid, installed
+from validation.cost.times import renewed, timed
+from validation.scenes.costs import RESOLVED, SCENES, reference, scattered
+
+# Relative error of A0 at which the grid of another code is not refined any further.
+PEER_ERROR = 5e-3
+
+# Time after which it is not refined any further, whatever the error [s].
+PATIENCE = 60.0
+
+# Loads of a curve; fewer above this number of asperities, where each load takes seconds.
+LOADS, FEW_LOADS, MANY = 100, 4, 2000
+
+# Models that take longer for one load [s] resolve the contacts: their curves are not timed.
+RESOLVING = 0.1
+
+
+@dataclass(frozen=True)
+class Point:
+    """A model or another code with one setting on a scene: three times [s] and two relative errors.
+
+    cold: one load of a new surface; at_separation: one given separation of a new surface; per_load: each load
+    of a curve, nan where it is not measured. The errors are those of A0 at the load of the scene, and of P at
+    the separation of the reference.
+    """
+
+    line: str
+    setting: str
+    cold: float
+    at_separation: float
+    per_load: float
+    area_error: float
+    load_error: float
+
+
+@cache
+def models(scene: str) -> tuple[Point, ...]:
+    """Measure every model on a scene."""
+    _compile(scene)
+    return tuple(
+        _measured(scene, line, setting, model)
+        for line, choices in SCENES[scene].lines.items()
+        for setting, model in choices.items()
+    )
+
+
+@cache
+def peers(scene: str) -> tuple[Point, ...]:
+    """Measure the other codes that are installed on finer and finer grids."""
+    return tuple(point for code in installed() for point in _refined(scene, code))
+
+
+def fastest_within(found: tuple[Point, ...], line: str, error: float) -> Point | None:
+    """Return the fastest point of a line with at most an error of A0, if there is one."""
+    chosen = [each for each in found if each.line == line and each.area_error <= error]
+    return min(chosen, key=lambda each: each.cold, default=None)
+
+
+def _compile(scene: str) -> None:
+    """Solve a scene of the same kind that is not timed, so that everything is compiled."""
+    surface = SCENES[scene].surface
+    other = scattered(MANY + 500) if surface.count > MANY else surface.replaced(height=surface.height + 1e-6)
+    load = SCENES[scene].newtons * other.count / surface.count
+    for choices in SCENES[scene].lines.values():
+        model = next(iter(choices.values()))
+        found = mf.equilibrium(other, model, load=load)
+        mf.equilibrium(other, model, separation=found.separation)
+        if not isinstance(model, mf.BoundaryElements):
+            mf.friction_law(other, model, load=load * np.array([0.5, 1.0]))
+
+
+def _measured(scene: str, line: str, setting: str, model: Model) -> Point:
+    known, exact = SCENES[scene], reference(scene)
+    surface, load = known.surface, known.newtons
+    cold, found = timed(lambda run: mf.equilibrium(renewed(surface, run), model, load=load))
+    at_separation, other = timed(
+        lambda run: mf.equilibrium(renewed(surface, run), model, separation=exact.separation)
+    )
+    per_load = math.nan
+    if surface.count > MANY or (line != RESOLVED and cold < RESOLVING):
+        count = FEW_LOADS if surface.count > MANY else LOADS
+        loads = load * np.arange(1, count + 1) / count
+        per_load = timed(lambda _: mf.friction_law(surface, model, load=loads))[0] / count
+    area_error, load_error = abs(found.area / exact.area - 1.0), abs(other.load / load - 1.0)
+    if not known.finest and isinstance(model, mf.Interacting) and model.order == 3:
+        # the reference is this state: its own estimates stand for the errors
+        area_error, load_error = exact.area_uncertainty, exact.load_uncertainty
+    return Point(line, setting, cold, at_separation, per_load, area_error, load_error)
+
+
+def _refined(scene: str, code: str) -> list[Point]:
+    """Measure a code until its own area is within the error, or for too long.
+
+    The error of the area by second moments, which this project computes from its pressures, is a line of its
+    own with the same times.
+    """
+    known, exact = SCENES[scene], reference(scene)
+    found: list[Point] = []
+    for cell in known.peer_cells:
+        grid = Grid(known.surface, cell)
+        _ = grid.caps  # outside the time
+        seconds, answer = timed(lambda _, grid=grid: installed()[code](grid, known.newtons))
+        # linear in the separation: the change is a few micrometres at most
+        load_error = abs(exact.stiffness * (answer.separation - exact.separation))
+        for line, area in ((code, answer.area), (f"{code}, second moments", answer.moments)):
+            error = abs(area / exact.area - 1.0)
+            point = Point(line, f"{1e3 * cell:g} µm", seconds, seconds, math.nan, error, load_error)
+            found.append(point)
+        if found[-2].area_error <= PEER_ERROR or seconds > PATIENCE:
+            break
+    return found

@@ -1,0 +1,64 @@
+"""How times are measured here: medians of repeated runs on surfaces for which nothing is kept."""
+
+from __future__ import annotations
+
+import statistics
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+import metafem as mf
+
+# Times are medians of this many runs, or of as many as take so long together [s], but at least of LEAST.
+REPEATS, ENOUGH, LEAST = 50, 0.3, 3
+
+# A run longer than this is not repeated [s].
+LONG = 2.0
+
+# Rows of the dense matrix that are in memory at a time: far more than a processor's cache holds.
+FLOOR_ROWS = 1000
+
+
+def timed(work: Callable[[int], Any], long: float = LONG) -> tuple[float, Any]:
+    """Median seconds of several runs, and the last answer; the work is told the number of the run."""
+    times: list[float] = []
+    while len(times) < LEAST or (len(times) < REPEATS and sum(times) < ENOUGH):
+        begin = time.perf_counter()
+        answer = work(len(times))
+        times.append(time.perf_counter() - begin)
+        if times[0] > long:
+            break
+    return statistics.median(times), answer
+
+
+def renewed(surface: mf.Surface, run: int) -> mf.Surface:
+    """Return the surface with sites moved by parts in 10⁹, for which nothing is kept from other calls."""
+    moved = surface.position * (1.0 + 1e-9 * (run + 1))
+    return mf.Surface(moved, surface.height, surface.radius, surface.material, surface.friction)
+
+
+def floor(count: int) -> float:
+    """Seconds in which numpy reads a dense matrix of all pairs once and sums its rows."""
+    rows = min(count, FLOOR_ROWS)
+    part, loads = np.ones((rows, count)), np.ones(count)
+    seconds, _ = timed(lambda _: part @ loads)
+    return seconds * count / rows
+
+
+def rounded(value: float, *, down: bool = False) -> float:
+    """Return a number rounded to 1, 2 or 5 times a power of ten, so that it seldom changes between runs."""
+    decade = 10.0 ** np.floor(np.log10(value))
+    steps = decade * np.array([1.0, 2.0, 5.0, 10.0])
+    if down:
+        return float(steps[steps <= value * (1.0 + 1e-12)][-1])
+    return float(steps[np.abs(np.log(steps / value)).argmin()])
+
+
+def in_words(seconds: float) -> str:
+    """Return a time rounded to 1, 2 or 5 with its unit."""
+    value = rounded(seconds)
+    units = ((1.0, "s"), (1e-3, "ms"), (1e-6, "µs"), (1e-9, "ns"))
+    scale, unit = next((each for each in units if value >= each[0] * (1.0 - 1e-12)), units[-1])
+    return f"{value / scale:.0f} {unit}"

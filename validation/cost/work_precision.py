@@ -1,0 +1,188 @@
+"""Seconds against error in A0(P) and P(δ), for every model on four surfaces, and for other public codes."""
+
+from __future__ import annotations
+
+import math
+
+import metafem as mf
+from metafem.drawing import new_figure
+from validation.check import Claim, Picture, Row, above, below, reported
+from validation.cost.measured import PEER_ERROR, Point, fastest_within, models, peers
+from validation.cost.peers import PEERS, installed, solve_with_tamaas
+from validation.cost.times import floor, rounded
+from validation.scenes.costs import RESOLVED, SCENES, TOLERANCES, reference
+from validation.sources import second_method
+
+# Relative error of A0 that is asked of order 3 beside the other codes.
+ERROR = 5e-4
+
+# Times of tamaas over those of order 3: for each load of a curve, and for one load of a new surface.
+PER_LOAD, COLD = 1e5, 1e4
+
+# Largest errors of order 3, of A0(P) and of P(δ), in the docstring of Interacting; and of the reference.
+AREA_ERROR, LOAD_ERROR, UNCERTAINTY = 8e-4, 2.5e-4, 2e-4
+
+ORDER_3 = "Interacting(order=3)"
+PEER = "tamaas"
+
+# The scene of the table of the models in the README.
+TABLE_SCENE = "paper"
+
+TIMES = "median of repeated runs, rounded to 1, 2 or 5"
+
+# Colour and marker of each line; all can be told apart in grey, on white and on black.
+STYLES = {
+    "Independent()": ("#8a8f98", "o"),
+    "MeanField()": ("#c9a227", "s"),
+    "Interacting(order=1)": ("#7fb069", "^"),
+    ORDER_3: ("#1b6f8a", "D"),
+    "Automatic(tolerance)": ("#8d6fc0", "*"),
+    RESOLVED: ("#c8553d", "v"),
+    PEER: ("#7a8699", "X"),
+    f"{PEER}, second moments": ("#7a8699", "x"),
+    "ContactMechanics": ("#b07a1e", "P"),
+    "ContactMechanics, second moments": ("#b07a1e", "+"),
+}
+
+
+def measure() -> Claim:
+    """Compare errors with those that the models state, and times with those of tamaas in the same run."""
+    rows: list[Row] = [row for scene in SCENES for row in _errors(scene)]
+    return Claim(
+        "Seconds against error",
+        [*rows, *_ratios()],
+        {
+            "A0(P)": Picture(lambda: _drawn("area_error"), _caption("A0 at a given load")),
+            "P(δ)": Picture(lambda: _drawn("load_error"), _caption("P at a given separation")),
+        },
+        _text(),
+    )
+
+
+def _errors(scene: str) -> list[Row]:
+    """Compare the errors on one scene with those that the models state, and report what they cost."""
+    known, exact, found = SCENES[scene], reference(scene), models(scene)
+    title = known.title
+    order_3 = next(each for each in found if each.line == ORDER_3)
+    rows: list[Row] = []
+    if known.finest:
+        resolved = second_method(mf.BoundaryElements, "resolved contacts extrapolated from three cells")
+        rows += [
+            below(f"{title}: uncertainty of A0 of the reference",
+                  exact.area_uncertainty, UNCERTAINTY, resolved),
+            below(f"{title}: error of order 3, A0(P)", order_3.area_error, AREA_ERROR, resolved),
+            below(f"{title}: error of order 3, P(δ)", order_3.load_error, LOAD_ERROR, resolved),
+        ]  # fmt: skip
+        rows += [
+            below(f"{title}: error of Automatic({value:g}), A0(P)", each.area_error, value, resolved)
+            for value in TOLERANCES
+            for each in found
+            if (each.line, each.setting) == ("Automatic(tolerance)", f"{value:g}")
+        ]
+    shown = found if scene == TABLE_SCENE else (order_3,)
+    for each in shown:
+        rows += results(title, each)
+    rows.append(
+        reported(f"{title}: one pass over all pairs [s]", rounded(floor(known.surface.count)), TIMES)
+    )
+    return rows
+
+
+def results(title: str, point: Point) -> list[Row]:
+    """Report times and errors of one model on a scene."""
+    name = f"{title}: {named(point)}"
+    method = "relative to the reference of this scene"
+    rows: list[Row] = [
+        reported(f"{name}, one load [s]", rounded(point.cold), TIMES),
+        reported(f"{name}, error of A0(P)", point.area_error, method),
+        reported(f"{name}, error of P(δ)", point.load_error, method),
+    ]
+    if math.isfinite(point.per_load):
+        rows.insert(1, reported(f"{name}, each load of a curve [s]", rounded(point.per_load), TIMES))
+    return rows
+
+
+def named(point: Point) -> str:
+    """Return the line of a point with its setting in place of the argument."""
+    return f"{point.line}, {point.setting}" if point.setting else point.line
+
+
+def _ratios() -> list[Row]:
+    """Compare the times of order 3 and of the other codes on the surface of the paper."""
+    scene = TABLE_SCENE
+    order_3 = next(each for each in models(scene) if each.line == ORDER_3)
+    found, title = peers(scene), SCENES[scene].title
+    rows: list[Row] = []
+    for code in installed():
+        for line in (code, f"{code}, second moments"):
+            point = fastest_within(found, line, PEER_ERROR)
+            if point is None:
+                continue
+            cold, per_load = (rounded(point.cold / own, down=True) for own in (order_3.cold, order_3.per_load))
+            name = f"{title}: time of {line} at {100 * PEER_ERROR:g} % over that of order 3"
+            if line == PEER:
+                source = second_method(solve_with_tamaas, "measured in the same run")
+                rows += [
+                    below(f"{title}: error of order 3 where times are compared",
+                          order_3.area_error, ERROR,
+                          second_method(mf.BoundaryElements, "resolved contacts extrapolated from three cells")),
+                    above(f"{name}, each load of a curve", per_load, PER_LOAD, source),
+                    above(f"{name}, one load of a new surface", cold, COLD, source),
+                ]  # fmt: skip
+            else:
+                rows += [
+                    reported(f"{name}, each load of a curve", per_load, "measured in the same run"),
+                    reported(f"{name}, one load of a new surface", cold, "measured in the same run"),
+                ]
+    return rows
+
+
+def _drawn(error: str):
+    """Draw one panel for each scene: seconds and one of the errors."""
+    figure = new_figure(9.0, 7.2)
+    panels = figure.subplots(2, 2).ravel()
+    for ax, (scene, known) in zip(panels, SCENES.items(), strict=True):
+        exact = reference(scene)
+        every = (*models(scene), *peers(scene))
+        for line, (colour, marker) in STYLES.items():
+            shown = [each for each in every if each.line == line]
+            if not shown or (error == "load_error" and line.endswith("moments")):
+                continue
+            value = [getattr(each, error) for each in shown]
+            cold = [each.cold if error == "area_error" else each.at_separation for each in shown]
+            ax.plot(cold, value, marker=marker, ms=6, lw=1, color=colour, label=line)
+            per_load = [each.per_load for each in shown]
+            ax.plot(per_load, value, marker=marker, ms=6, lw=0, color=colour, mfc="none")
+        uncertainty = exact.area_uncertainty if error == "area_error" else exact.load_uncertainty
+        ax.axhline(uncertainty, color="grey", lw=0.8, ls=":", label="uncertainty of the reference")
+        ax.axvline(floor(known.surface.count), color="grey", lw=0.8, ls="--", label="one pass over all pairs")
+        ax.set_title(known.title, fontsize=10)
+        ax.loglog()
+    for ax in panels[2:]:
+        ax.set_xlabel("seconds for one load")
+    for ax in panels[::2]:
+        ax.set_ylabel("relative error of A0" if error == "area_error" else "relative error of P")
+    figure.legend(*panels[0].get_legend_handles_labels(), frameon=False, fontsize=8, ncols=3,
+                  loc="outside lower center")  # fmt: skip
+    return figure
+
+
+def _caption(what: str) -> str:
+    return (
+        f"Error of {what} against the time for it. Filled symbols: one load of a new surface. Open symbols: each "
+        "load of a curve. Lines join finer cells or smaller tolerances. Errors below the dotted line cannot be "
+        "told from those of the reference. Dashed line: numpy reads and sums a dense matrix of all pairs once."
+    )
+
+
+def _text() -> str:
+    absent = [name for name in PEERS if name not in installed()]
+    missing = f" Not installed, and therefore absent: {', '.join(absent)}." if absent else ""
+    return (
+        "Errors are counted from resolved contacts on a half-space, extrapolated from three cells, and for "
+        "10,000 asperities from order 3, whose own error is an estimate. The area that tamaas reports is corrected for "
+        "the length of its edges, and that of ContactMechanics is the number of cells; a second line for each "
+        "shows the area that this project computes from the second moments of the same pressures. The time of "
+        "another code is that of its solver alone, at the loosest tolerance that leaves the area unchanged."
+        + missing
+    )

@@ -1,0 +1,167 @@
+"""The scenes on which models are timed, the models, and the state from which their errors are counted."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from itertools import pairwise
+
+import numpy as np
+
+import metafem as mf
+from metafem.models.model import Model
+from metafem.models.truncation import truncation
+from validation.paper.surfaces import fig4
+
+MATERIAL = mf.Material(1.36)
+TOLERANCES = (0.1, 1e-2, 1e-3, 1e-4)
+
+# Asperity models, and the rule that chooses between them and resolved contacts.
+MODELS: dict[str, dict[str, Model]] = {
+    "Independent()": {"": mf.Independent()},
+    "MeanField()": {"": mf.MeanField()},
+    "Interacting(order=1)": {"": mf.Interacting(order=1)},
+    "Interacting(order=3)": {"": mf.Interacting(order=3)},
+    "Automatic(tolerance)": {f"{value:g}": mf.Automatic(value) for value in TOLERANCES},
+}
+RESOLVED = "BoundaryElements(cell)"
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A surface under a rescaled load [mm²].
+
+    cells: of the resolved contacts that are timed [mm], coarsest first. finest: three cells, each half the
+    one before, of the reference; none if the contacts cannot be resolved. peer_cells: of the other codes.
+    """
+
+    title: str
+    build: Callable[[], mf.Surface]
+    load: float
+    cells: tuple[float, ...]
+    finest: tuple[float, ...]
+    peer_cells: tuple[float, ...]
+
+    @property
+    def surface(self) -> mf.Surface:
+        """The surface, built once."""
+        return self.build()
+
+    @property
+    def newtons(self) -> float:
+        """The load [N]."""
+        return self.load * self.surface.material.composite_modulus
+
+    @property
+    def lines(self) -> dict[str, dict[str, Model]]:
+        """Models by line and setting; what needs resolved contacts only where they can be resolved."""
+        if not self.finest:
+            return {name: models for name, models in MODELS.items() if not name.startswith("Automatic")}
+        return {**MODELS, RESOLVED: {f"{1e3 * cell:g} µm": mf.BoundaryElements(cell) for cell in self.cells}}
+
+
+@dataclass(frozen=True)
+class Reference:
+    """A0 [mm²], separation [mm], and the relative uncertainties of A0 at the load and of P at the separation.
+
+    stiffness: dP/dδ over P [1/mm], by order 3.
+    """
+
+    area: float
+    separation: float
+    area_uncertainty: float
+    load_uncertainty: float
+    stiffness: float
+
+
+def heights(count: int) -> np.ndarray:
+    """Return 0.12 mm minus random depths, exponential with scale 0.036 mm and at most 0.12 mm."""
+    return 0.12 - np.minimum(np.random.default_rng(0).exponential(0.036, count), 0.12)
+
+
+@cache
+def printed() -> mf.Surface:
+    """Return the design of Fig. 4, red."""
+    return fig4("red").surface
+
+
+@cache
+def dense() -> mf.Surface:
+    """Return 64 asperities on a lattice of pitch 0.8 mm."""
+    return mf.Surface.square_lattice(heights(64), (8, 8), 0.8, radius=0.526, material=MATERIAL)
+
+
+@cache
+def irregular() -> mf.Surface:
+    """Return 64 asperities at random sites at least 0.8 mm apart, with radii from 0.3 to 0.8 mm."""
+    rng = np.random.default_rng(2)
+    sites: list[np.ndarray] = []
+    while len(sites) < 64:
+        site = rng.uniform(0.0, 10.0, 2)
+        if all(np.hypot(*(site - other)) >= 0.8 for other in sites):
+            sites.append(site)
+    return mf.Surface(np.array(sites), heights(64), rng.uniform(0.3, 0.8, 64), MATERIAL)
+
+
+@cache
+def scattered(count: int = 10_000) -> mf.Surface:
+    """Return asperities at random sites within two thirds of each cell of a lattice of 1.5 mm."""
+    columns = round(np.sqrt(count))
+    corner = 1.5 * np.column_stack([np.arange(count) % columns, np.arange(count) // columns])
+    shift = np.random.default_rng(1).uniform(-0.5, 0.5, (count, 2))
+    return mf.Surface(corner + shift, heights(count), 0.526, MATERIAL)
+
+
+SCENES = {
+    "paper": Scene(
+        "Fig. 4 red, 64 asperities", printed, 0.6,
+        (0.04, 0.02, 0.01, 0.005), (0.01, 0.005, 0.0025), (0.04, 0.03, 0.02, 0.015, 0.0125, 0.01),
+    ),
+    "dense": Scene(
+        "lattice of 0.8 mm, 64 asperities", dense, 0.75, (0.02, 0.01), (0.02, 0.01, 0.005), (0.04, 0.02)
+    ),
+    "irregular": Scene(
+        "random sites and radii, 64 asperities", irregular, 0.5,
+        (0.02, 0.01), (0.02, 0.01, 0.005), (0.04, 0.02),
+    ),
+    "many": Scene("10,000 scattered asperities", scattered, 30.0, (), (), ()),
+}  # fmt: skip
+
+
+@cache
+def state(scene: str, model: Model) -> mf.ContactState:
+    """Return the equilibrium under the load of a scene."""
+    return mf.equilibrium(SCENES[scene].surface, model, load=SCENES[scene].newtons)
+
+
+@cache
+def reference(scene: str) -> Reference:
+    """Return the state from which errors are counted.
+
+    Where contacts can be resolved, it is extrapolated from the two finest cells, and its uncertainty is the
+    larger of the change from the extrapolation before and the change from the finest cells. For many
+    asperities it is order 3 with its own estimate of the error of A0.
+    """
+    known = SCENES[scene]
+    found = state(scene, mf.Interacting())
+    step = 1e-4 * float(np.ptp(known.surface.height))
+    lower, higher = (
+        mf.equilibrium(known.surface, mf.Interacting(), separation=found.separation + sign * step).load
+        for sign in (-1.0, 1.0)
+    )
+    stiffness = abs(higher - lower) / (2.0 * step * known.newtons)
+    if not known.finest:
+        error = truncation(known.surface, found.asperity_area, mf.HalfSpace())
+        # the load at a fixed separation has a third of the error of the area at a fixed load, or less
+        return Reference(found.area, found.separation, error, error, stiffness)
+    states = [state(scene, mf.BoundaryElements(cell)) for cell in known.finest]
+    area, area_change = extrapolated([each.area for each in states])
+    separation, change = extrapolated([each.separation for each in states])
+    return Reference(area, separation, area_change / area, stiffness * change, stiffness)
+
+
+def extrapolated(values: list[float]) -> tuple[float, float]:
+    """Return the limit of a sequence whose error falls to a quarter in each step, and its uncertainty."""
+    before, last = ((4.0 * fine - coarse) / 3.0 for coarse, fine in pairwise(values))
+    return last, max(abs(last - before), abs(last - values[-1]))
