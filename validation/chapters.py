@@ -63,6 +63,12 @@ CHAPTERS = (
         ),
     ),
     Chapter(
+        "cost",
+        "What it costs",
+        "What does a law cost, and how exact is it?",
+        ("work_precision",),
+    ),
+    Chapter(
         "stability",
         "Where it fails",
         "Where do the models fail, and do they say so?",

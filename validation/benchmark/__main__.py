@@ -4,10 +4,7 @@ from __future__ import annotations
 
 import click
 
-from validation.benchmark import work_precision
 from validation.discovery import Listed, chosen, module
-from validation.readme import renew
-from validation.scenes.model_table import MARKS
 
 # Functions of a benchmark; "long_rows" takes more than three minutes.
 KINDS = ("rows", "long_rows")
@@ -21,19 +18,13 @@ class ListedBenchmarks(Listed):
 
 @click.command(cls=ListedBenchmarks)
 @click.option("--long", is_flag=True, help="Also measure what takes more than three minutes.")
-@click.option("--readme", is_flag=True, help="Renew the table of the models in README.md, and its picture.")
 @click.argument("names", nargs=-1)
-def main(long: bool, readme: bool, names: tuple[str, ...]) -> None:
-    """Measure the benchmarks NAMES, or all; with --readme and no names, only the table of the models."""
+def main(long: bool, names: tuple[str, ...]) -> None:
+    """Measure the benchmarks NAMES, or all."""
     from rich.console import Console
     from rich.table import Table
     from rich.text import Text
 
-    if readme:
-        renew(MARKS, work_precision.readme_table())
-        work_precision.draw()
-        if not names:
-            return
     console = Console()
     for name in chosen(names, *KINDS):
         benchmark = module(name, *KINDS)

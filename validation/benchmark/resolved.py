@@ -10,14 +10,13 @@ from __future__ import annotations
 
 import importlib.util
 import math
-import time
 from dataclasses import dataclass
 
 import click
 import numpy as np
-from scipy.fft import next_fast_len
 
 import metafem as mf
+from validation.cost import peers
 from validation.timing import Row, best
 
 PITCH, RADIUS, MODULUS = 1.5, 0.526, 1.36
@@ -36,7 +35,7 @@ PEER_TOLERANCE = 1e-6
 
 @dataclass(frozen=True)
 class Answer:
-    """One solver's seconds, load [N], area by moments [mm^2] and error on its own measure."""
+    """One solver's seconds, load [N], area by moments [mm^2], and error or its bound."""
 
     seconds: float
     load: float
@@ -60,41 +59,10 @@ def solve(surface: mf.Surface, cell: float) -> Answer:
     return Answer(seconds, state.load, state.area, state.residual)
 
 
-def solve_with_tamaas(surface: mf.Surface, cell: float, load: float = LOAD) -> Answer:
-    """Answer of tamaas under a load [N], on a grid that reaches half a pitch beyond the lattice."""
-    import tamaas
-
-    tamaas.initialize(2)
-    side = next_fast_len(math.ceil(8.0 * PITCH / cell))
-    # the middle cell is at the centre of the surface, as in the grid of metafem
-    x = cell * (np.arange(side) - side // 2)
-    cells = [[np.flatnonzero(abs(x - c) <= 0.5 * PITCH) for c in centre] for centre in surface.position]
-    profile = np.full((side, side), -np.inf)
-    each = zip(cells, surface.position, surface.height, surface.radius, strict=True)
-    for (i, j), (cx, cy), height, radius in each:
-        rho2 = (x[i, None] - cx) ** 2 + (x[None, j] - cy) ** 2
-        profile[np.ix_(i, j)] = height - rho2 / (2.0 * radius)
-    profile[~np.isfinite(profile)] = profile[np.isfinite(profile)].min()
-    model = tamaas.Model(tamaas.model_type.basic_2d, [side * cell] * 2, [side] * 2)
-    model.E, model.nu = surface.material.composite_modulus, 0.0
-    tamaas.ModelFactory.registerNonPeriodic(model, "dcfft")
-    solver = tamaas.PolonskyKeerRey(model, profile, PEER_TOLERANCE)
-    solver.setIntegralOperator("dcfft")
-    begin = time.perf_counter()
-    error = solver.solve(load / (side * cell) ** 2)
-    seconds = time.perf_counter() - begin
-    area = math.fsum(ellipse(x[i], x[j], model.traction[np.ix_(i, j)]) for i, j in cells)
-    return Answer(seconds, float(model.traction.sum()) * cell**2, area, error)
-
-
-def ellipse(x: np.ndarray, y: np.ndarray, pressure: np.ndarray) -> float:
-    """Return 5 pi sqrt(<x^2><y^2> - <xy>^2) of one contact's pressure."""
-    total = pressure.sum()
-    if total == 0.0:
-        return 0.0
-    p = pressure / total
-    x, y = x - p.sum(axis=1) @ x, y - p.sum(axis=0) @ y
-    return 5.0 * math.pi * math.sqrt((p.sum(axis=1) @ x**2) * (p.sum(axis=0) @ y**2) - (x @ p @ y) ** 2)
+def solve_with_tamaas(surface: mf.Surface, cell: float) -> Answer:
+    """Answer of tamaas on its grid, with the area by second moments."""
+    peer = peers.solve_with_tamaas(peers.Grid(surface, cell), LOAD, tolerance=PEER_TOLERANCE)
+    return Answer(peer.seconds, peer.load, peer.moments, PEER_TOLERANCE)
 
 
 def rows() -> list[Row]:

@@ -33,7 +33,7 @@ class Point:
 
     cold: one load of a new surface; at_separation: one given separation of a new surface; per_load: each load
     of a curve, nan where it is not measured. The errors are those of A0 at the load of the scene, and of P at
-    the separation of the reference.
+    the separation of the reference. cell: of the grid of another code [mm].
     """
 
     line: str
@@ -43,6 +43,7 @@ class Point:
     per_load: float
     area_error: float
     load_error: float
+    cell: float = 0.0
 
 
 @cache
@@ -116,8 +117,8 @@ def _refined(scene: str, code: str) -> list[Point]:
         load_error = abs(exact.stiffness * (answer.separation - exact.separation))
         for line, area in ((code, answer.area), (f"{code}, second moments", answer.moments)):
             error = abs(area / exact.area - 1.0)
-            point = Point(line, f"{1e3 * cell:g} µm", seconds, seconds, math.nan, error, load_error)
-            found.append(point)
+            setting = f"{1e3 * cell:g} µm"
+            found.append(Point(line, setting, seconds, seconds, math.nan, error, load_error, cell))
         if found[-2].area_error <= PEER_ERROR or seconds > PATIENCE:
             break
     return found

@@ -1,6 +1,7 @@
 """Other public codes on the same surfaces: contact on a regular grid, solved by conjugate gradients.
 
-tamaas (extra ``[peers]``) and ContactMechanics are measured where they are installed; metafem imports neither.
+tamaas (extra ``[peers]``) and ContactMechanics are measured where they are installed; metafem imports
+neither.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -24,8 +26,8 @@ PENETRATION = 1e-6  # ContactMechanics [mm]
 # Width of the grid beyond the outermost summits, in radii of curvature: no contact here is that wide.
 MARGIN = 0.7
 
-# Correction of an area that is counted in cells by the length of its edges, of which tamaas takes the factor:
-# Yastrebov, Anciaux, Molinari, doi:10.1016/j.jmps.2017.04.006.
+# A load of a curve and the one before, for a code that begins with the pressures of the load before.
+BEFORE = 0.99
 
 
 @dataclass(frozen=True)
@@ -85,7 +87,7 @@ class Grid:
         return profile, owner
 
     def moments(self, force: np.ndarray) -> float:
-        """Return the sum of 5 pi sqrt(<x^2><y^2> - <xy>^2) over the contacts [mm²] for forces on the cells."""
+        """Return the sum of 5 pi sqrt(<x^2><y^2> - <xy>^2) over the contacts [mm²]."""
         i, j = np.nonzero(force > 0.0)
         k, p = self.caps[1][i, j], force[i, j]
         x, y = self.axes[0][i] - self.surface.position[k, 0], self.axes[1][j] - self.surface.position[k, 1]
@@ -94,12 +96,42 @@ class Grid:
         )
         touching = total > 0.0
         total, sx, sy, sxx, syy, sxy = (each[touching] for each in (total, sx, sy, sxx, syy, sxy))
-        xx, yy, xy = (s / total - a * b / total**2 for s, a, b in ((sxx, sx, sx), (syy, sy, sy), (sxy, sx, sy)))
+        xx, yy, xy = (
+            s / total - a * b / total**2 for s, a, b in ((sxx, sx, sx), (syy, sy, sy), (sxy, sx, sy))
+        )
         return float(5.0 * math.pi * np.sqrt(np.maximum(xx * yy - xy**2, 0.0)).sum())
 
 
 def solve_with_tamaas(grid: Grid, load: float, *, tolerance: float = TAMAAS_TOLERANCE) -> Answer:
-    """Answer of tamaas under a load [N], without periodic images."""
+    """Answer of tamaas under a load [N], without periodic images.
+
+    The area is that of its cells in contact, which it corrects by the length of their edges: Yastrebov,
+    Anciaux, Molinari, doi:10.1016/j.jmps.2017.04.006.
+    """
+    import tamaas
+
+    model = _tamaas_model(grid)
+    seconds = _solved_by_tamaas(grid, model, load, tolerance)
+    traction = model.traction
+    touching = traction > 0.0
+    edges = sum(int((each[1:] != each[:-1]).sum()) for each in (touching, touching.T))
+    area = float(tamaas.Statistics2D.contact(traction, edges)) * (grid.side * grid.cell) ** 2
+    # the solver adds a constant to the displacement that the model holds
+    displacement = np.zeros_like(traction)
+    model.operators["dcfft"](traction, displacement)
+    separation = float(np.median((grid.caps[0] - displacement)[touching]))
+    total = float(traction.sum()) * grid.cell**2
+    return Answer(seconds, total, area, grid.moments(traction), separation)
+
+
+def next_load_with_tamaas(grid: Grid, load: float) -> float:
+    """Seconds of tamaas for a load [N] of a curve, from the pressures of a load that is 1 % smaller."""
+    model = _tamaas_model(grid)
+    _solved_by_tamaas(grid, model, BEFORE * load, TAMAAS_TOLERANCE)
+    return _solved_by_tamaas(grid, model, load, TAMAAS_TOLERANCE)
+
+
+def _tamaas_model(grid: Grid) -> Any:
     import tamaas
 
     tamaas.set_log_level(tamaas.LogLevel.error)
@@ -108,22 +140,18 @@ def solve_with_tamaas(grid: Grid, load: float, *, tolerance: float = TAMAAS_TOLE
     model = tamaas.Model(tamaas.model_type.basic_2d, [width] * 2, [grid.side] * 2)
     model.E, model.nu = grid.surface.material.composite_modulus, 0.0
     tamaas.ModelFactory.registerNonPeriodic(model, "dcfft")
-    profile = grid.caps[0]
-    solver = tamaas.PolonskyKeerRey(model, profile, tolerance)
+    return model
+
+
+def _solved_by_tamaas(grid: Grid, model: Any, load: float, tolerance: float) -> float:
+    """Solve from the pressures that the model holds, and return the seconds of the solver."""
+    import tamaas
+
+    solver = tamaas.PolonskyKeerRey(model, grid.caps[0], tolerance)
     solver.setIntegralOperator("dcfft")
     begin = time.perf_counter()
-    solver.solve(load / width**2)
-    seconds = time.perf_counter() - begin
-    traction = model.traction
-    touching = traction > 0.0
-    edges = sum(int((each[1:] != each[:-1]).sum()) for each in (touching, touching.T))
-    area = float(tamaas.Statistics2D.contact(traction, edges)) * width**2
-    # the solver adds a constant to its displacement
-    displacement = np.zeros_like(traction)
-    model.operators["dcfft"](traction, displacement)
-    separation = float(np.median((profile - displacement)[touching]))
-    total = float(traction.sum()) * grid.cell**2
-    return Answer(seconds, total, area, grid.moments(traction), separation)
+    solver.solve(load / (grid.side * grid.cell) ** 2)
+    return time.perf_counter() - begin
 
 
 def solve_with_contact_mechanics(grid: Grid, load: float, *, tolerance: float = PENETRATION) -> Answer:

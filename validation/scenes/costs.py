@@ -116,7 +116,7 @@ def scattered(count: int = 10_000) -> mf.Surface:
 SCENES = {
     "paper": Scene(
         "Fig. 4 red, 64 asperities", printed, 0.6,
-        (0.04, 0.02, 0.01, 0.005), (0.01, 0.005, 0.0025), (0.04, 0.03, 0.02, 0.015, 0.0125, 0.01),
+        (0.04, 0.02, 0.01, 0.005), (0.01, 0.005, 0.0025), (0.04, 0.028, 0.02, 0.014, 0.01),
     ),
     "dense": Scene(
         "lattice of 0.8 mm, 64 asperities", dense, 0.75, (0.02, 0.01), (0.02, 0.01, 0.005), (0.04, 0.02)
@@ -159,6 +159,13 @@ def reference(scene: str) -> Reference:
     area, area_change = extrapolated([each.area for each in states])
     separation, change = extrapolated([each.separation for each in states])
     return Reference(area, separation, area_change / area, stiffness * change, stiffness)
+
+
+def errors(scene: str, model: Model) -> tuple[float, float]:
+    """Return the relative errors of a model: A0 at the load, and P at the separation of the reference."""
+    known, exact = SCENES[scene], reference(scene)
+    other = mf.equilibrium(known.surface, model, separation=exact.separation)
+    return abs(state(scene, model).area / exact.area - 1.0), abs(other.load / known.newtons - 1.0)
 
 
 def extrapolated(values: list[float]) -> tuple[float, float]:

@@ -1,0 +1,126 @@
+"""What the chapter on cost measures with: grids, times, references, and the README's table of the models."""
+
+import itertools
+import re
+from xml.dom import minidom
+
+import numpy as np
+import pytest
+
+import metafem as mf
+from validation.cost import model_table
+from validation.cost.measured import Point, fastest_within
+from validation.cost.peers import Grid
+from validation.cost.times import LEAST, floor, in_words, renewed, rounded, timed
+from validation.readme import README
+from validation.scenes import costs
+
+PAIR = mf.Surface(np.array([[0.0, 0.0], [1.1, 0.3]]), [0.1, 0.12], [0.5, 0.7], mf.Material(1.36))
+
+
+def shown():
+    """Rows of the README's table of models, as lists of cells."""
+    part = README.read_text("utf-8").split(model_table.MARKS[0])[1].split(model_table.MARKS[1])[0]
+    return [[cell.strip() for cell in line.split("|")[1:-1]] for line in part.strip().splitlines()[2:]]
+
+
+def test_grid_holds_the_highest_cap_at_each_cell():
+    grid = Grid(PAIR, 0.02)
+    profile, owner = grid.caps
+    x, y = (each.ravel() for each in np.meshgrid(*grid.axes, indexing="ij"))
+    rho2 = (x[:, None] - PAIR.position[:, 0]) ** 2 + (y[:, None] - PAIR.position[:, 1]) ** 2
+    caps = PAIR.height - rho2 / (2.0 * PAIR.radius)
+    near = (rho2 <= (0.9 * PAIR.radius) ** 2).any(axis=1)
+    np.testing.assert_allclose(profile.ravel()[near], caps.max(axis=1)[near])
+    assert (owner.ravel() == caps.argmax(axis=1))[near].all()
+
+
+def test_moments_of_hertz_pressures_are_their_areas():
+    grid, radii = Grid(PAIR, 0.005), (0.2, 0.3)
+    x, y = grid.axes
+    force = np.zeros((grid.side, grid.side))
+    for (cx, cy), a in zip(PAIR.position, radii, strict=True):
+        rho2 = (x[:, None] - cx) ** 2 + (y - cy) ** 2
+        force += np.sqrt(np.maximum(a**2 - rho2, 0.0))
+    assert grid.moments(force) == pytest.approx(np.pi * np.square(radii).sum(), rel=0.37 / 40**2)
+
+
+def test_a_time_is_the_median_of_several_runs():
+    runs = []
+    seconds, last = timed(lambda run: runs.append(run) or run, long=0.0)
+    assert (runs, last) == ([0], 0)
+    seconds, last = timed(lambda run: runs.append(run) or run)
+    assert seconds > 0.0
+    assert last + 1 >= LEAST
+
+
+def test_the_floor_is_a_time():
+    assert floor(64) > 0.0
+
+
+def test_a_renewed_surface_differs_in_its_sites_alone():
+    other = renewed(PAIR, 0)
+    assert (other.position != PAIR.position)[1].all()
+    np.testing.assert_allclose(other.position, PAIR.position, rtol=1e-8)
+    np.testing.assert_array_equal(other.height, PAIR.height)
+    np.testing.assert_array_equal(other.radius, PAIR.radius)
+
+
+def test_numbers_are_rounded_to_one_two_and_five():
+    assert [in_words(t) for t in (1.4e-6, 3.9e-5, 0.4, 2.4, 9.9e-4)] == [
+        "1 µs",
+        "50 µs",
+        "500 ms",
+        "2 s",
+        "1 ms",
+    ]
+    values = 10.0 ** np.linspace(-3.3, 4.1, 50)
+    for value in values:
+        assert rounded(value, down=True) <= value < 2.6 * rounded(value, down=True)
+        assert 0.63 < rounded(value) / value < 1.6
+    assert rounded(1e5, down=True) == pytest.approx(1e5)
+
+
+def test_the_limit_of_an_error_of_second_order_is_exact():
+    values = [3.0 + 0.2 * h**2 for h in (0.4, 0.2, 0.1)]
+    limit, uncertainty = costs.extrapolated(values)
+    assert limit == pytest.approx(3.0)
+    assert uncertainty == pytest.approx(0.002)
+
+
+def test_the_fastest_point_within_an_error():
+    found = tuple(Point("a", str(k), 1.0 + k, 1.0, 1.0, 0.1 / k, 0.1) for k in range(1, 5))
+    assert fastest_within(found, "a", 0.04).setting == "3"
+    assert fastest_within(found, "a", 0.01) is None
+
+
+def test_scenes_are_as_their_titles_say():
+    assert {name: scene.surface.count for name, scene in costs.SCENES.items()} == {
+        "paper": 64, "dense": 64, "irregular": 64, "many": 10_000
+    }  # fmt: skip
+    for scene in costs.SCENES.values():
+        assert all(coarse == 2.0 * fine for coarse, fine in itertools.pairwise(scene.finest))
+    sites = costs.irregular().position
+    distance = np.linalg.norm(sites[:, None] - sites, axis=-1)
+    assert distance[~np.eye(64, dtype=bool)].min() >= 0.8
+
+
+def test_readme_shows_every_model_with_its_assumption_and_range():
+    expected = [[f"`{name}`", assumes, span] for name, _, _, assumes, span in model_table.TABLE]
+    assert [[row[0], row[1], row[-1]] for row in shown()] == expected
+    for name, line, setting, *_ in model_table.TABLE:
+        assert eval(f"mf.{name}", {"mf": mf}) == costs.SCENES["paper"].lines[line][setting]
+
+
+def test_picture_is_drawn():
+    document = minidom.parse(str(model_table.PICTURE))
+    labels = re.findall(r"(Interacting|BoundaryElements|Independent)\(", document.toxml())
+    assert len(set(labels)) == 3
+
+
+@pytest.mark.slow
+def test_errors_in_the_readme_are_those_of_the_models():
+    exact = costs.reference("paper")
+    for (_, line, setting, *_), row in zip(model_table.TABLE, shown(), strict=True):
+        errors = costs.errors("paper", costs.SCENES["paper"].lines[line][setting])
+        assert tuple(row[4:6]) == model_table.shown_errors(errors, exact)
