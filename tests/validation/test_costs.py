@@ -42,7 +42,8 @@ def test_moments_of_hertz_pressures_are_their_areas():
     for (cx, cy), a in zip(PAIR.position, radii, strict=True):
         rho2 = (x[:, None] - cx) ** 2 + (y - cy) ** 2
         force += np.sqrt(np.maximum(a**2 - rho2, 0.0))
-    assert grid.moments(force) == pytest.approx(np.pi * np.square(radii).sum(), rel=0.37 / 40**2)
+    # sampled pressures: the error falls as the power 3/2 of the cells per radius
+    assert grid.moments(force) == pytest.approx(np.pi * np.square(radii).sum(), rel=0.1 / 40**1.5)
 
 
 def test_a_time_is_the_median_of_several_runs():
