@@ -32,7 +32,7 @@ CHAPTERS = (
         "Is elastic interaction below 2.3 %, and which substrate should be used?",
         (
             "interaction_error", "curves", "order3_against_resolved", "block_or_layer", "pedestal_effect",
-            "block_with_pedestals",
+            "block_with_pedestals", "arrangement_and_base",
         ),
     ),
     Chapter(
@@ -51,7 +51,7 @@ CHAPTERS = (
         "inversion",
         "Inverse design",
         "Which laws can be designed, and how exactly?",
-        ("targets", "any_law", "several_radii", "layout"),
+        ("targets", "any_law", "several_radii", "later_targets", "layout"),
     ),
     Chapter(
         "measurements",

@@ -16,12 +16,9 @@ NAMES = [pytest.param(name, marks=pytest.mark.slow) if is_slow(name) else name f
 
 # Claims whose sources are texts and whose figures have no captions yet.
 UNSORTED = {
-    "any_law", "block_or_layer", "calibration_bias", "contact_calibration", "contact_designs", "contact_laws",
-    "diagnosis", "elastic_plastic", "error_bars", "fe_cap", "fe_cell", "fe_finite_strain",
-    "fe_hertz", "fe_layer", "fe_pedestal", "fig_s2_misalignment",
-    "image_areas", "interaction_error", "layout", "pedestal_effect",
-    "segmented_regression", "several_radii", "shear_calibration", "site_matching", "targets", "topography",
-    "whole_circle",
+    "block_or_layer", "contact_designs", "contact_laws", "elastic_plastic", "error_bars", "fe_cap", "fe_cell",
+    "fe_finite_strain", "fe_hertz", "fe_layer", "fe_pedestal", "fig_s2_misalignment", "interaction_error",
+    "pedestal_effect",
 }  # fmt: skip
 
 # Words that name no source.

@@ -32,9 +32,9 @@ BOUND = second_method(smallest_errors, "generalised least squares of a cap of kn
 WORDS = "generalised least squares of a cap with known covariance of its roughness"
 
 CAPTION = (
-    "A synthetic part of 16 caps, measured on a height map. The pictures show what a report of a measured "
-    "part shows: the errors of the heights at their sites, the heights to order next, what is left of the "
-    "map, and the friction law of the part as made beside that of the design."
+    "A synthetic part of 16 caps, measured on a height map: the errors of the heights at their sites; what "
+    "is left of the map without plane and caps, which is roughness alone; the errors over the heights with "
+    "their systematic part; and the friction laws as designed and as made."
 )
 
 
