@@ -51,9 +51,9 @@ def test_scripts_are_short_and_say_what_one_learns(script):
     lines = script.source.splitlines()
     assert SHORTEST <= len(lines) <= LONGEST
     assert script.docstring.partition("\n")[0].endswith(".")
-    (paragraph,) = script.paragraphs
-    assert "You learn" in paragraph
-    assert len(paragraph.split()) <= MOST_WORDS
+    assert "\n\n" not in script.text
+    assert len(script.text.split()) <= MOST_WORDS
+    assert script.lesson.endswith(".")
     assert re.search(r"^ *assert ", script.code, re.MULTILINE)
     assert script.caption.endswith(".")
 

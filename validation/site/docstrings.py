@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from html import escape
 
 # Text in backticks, single or double, which Markdown leaves alone.
 CODE_SPAN = re.compile(r"(``.+?``|`[^`]+`)", re.DOTALL)
@@ -15,7 +16,7 @@ EMPHASIS = re.compile(r"(?<![\w*])\*(\w[^*\n]*\w|\w)\*(?![\w*])")
 SPECIAL = re.compile(r"([\\*_\[\]<])")
 
 HEADING = re.compile(r'<h6 id="[^"]*">(.*?)</h6>')
-PARAMETER = re.compile(r"<li><strong>(.*?)</strong>(?: \((.*)\))?:?\s*")
+PARAMETER = re.compile(r"<li>(?:<p>)?<strong>(.*?)</strong>(?: \((.*)\))?:?\s*(?:</p>\s*)?")
 WORD = re.compile(r"[A-Za-z_][\w.]*")
 LINK_CANDIDATE = re.compile(r"<code>([A-Za-z_][\w.]*)((?:\([^<]*\))?)</code>")
 DOI = re.compile(r"\bdoi:(10\.\d{4,}/[^\s,;)<]*[^\s,;)<.])")
@@ -29,8 +30,8 @@ def html(docstring: str, address: Address) -> str:
     from pdoc.render_helpers import to_html
 
     text = str(to_html(convert(_literal(docstring), "numpy", None)))
-    for sign in "\\*_[]":  # they have no meaning any more
-        text = text.replace(f"&#{ord(sign)};", sign)
+    for sign in "\\*_[]<":  # they have no meaning any more
+        text = text.replace(f"&#{ord(sign)};", escape(sign))
     text = HEADING.sub(r"<h4>\1</h4>", text)
     text = PARAMETER.sub(lambda found: _parameter(found, address), text)
     text = DOI.sub(r'<a href="https://doi.org/\1">doi:\1</a>', text)
@@ -78,7 +79,8 @@ def _parameter(found: re.Match[str], address: Address) -> str:
 def linked(text: str, address: Address) -> str:
     """Return a text in which public names are links."""
     return WORD.sub(
-        lambda found: f'<a href="{target}">{found[0]}</a>' if (target := address(found[0])) else found[0], text
+        lambda found: f'<a href="{target}">{found[0]}</a>' if (target := address(found[0])) else found[0],
+        text,
     )
 
 

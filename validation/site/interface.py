@@ -28,12 +28,9 @@ PAGES: dict[str, tuple[str, ...] | None] = {
     "metafem.reference": None,
 }
 
-# Short names of types in annotations, and the words that readers know.
-SHORT = {"FloatArray": "ndarray", "IntArray": "ndarray", "Values": "float | ndarray", "np.": "numpy."}
-
 # Names of types that are no part of metafem.
 KNOWN_TYPES = {
-    *("Any", "None", "Literal", "Self", "Callable", "Iterator", "Sequence", "Mapping", "Iterable", "True", "False"),
+    *("Any", "None", "Self", "Callable", "Iterator", "Sequence", "Mapping", "Iterable", "True", "False"),
     *("ArrayLike", "FloatArray", "IntArray", "Values", "Generator", "Path", "Axes", "DataFrame", "Dataset"),
 }  # fmt: skip
 
@@ -83,8 +80,15 @@ class Entry:
 
     @property
     def is_called(self) -> bool:
-        """Whether its signature is of use: that of a function, or of a class that is made by its users."""
-        return self.kind in ("function", "class") and not self.constants and not is_protocol(self.value)
+        """Whether users call it: a function, or a class whose parameters are explained or that has none."""
+        if self.kind == "function" or "\nParameters\n---" in self.docstring:
+            return True
+        return self.kind == "class" and not (self.is_abstract or inspect.signature(self.value).parameters)
+
+    @property
+    def is_abstract(self) -> bool:
+        """Whether it is a class that only states what others offer."""
+        return inspect.isabstract(self.value) or bool(getattr(self.value, "_is_protocol", False))
 
 
 @dataclass(frozen=True)
@@ -175,26 +179,41 @@ def addresses() -> dict[str, str]:
                 anchors += [f"{entry.name}.{member.name}" for member in members(entry.value)]
             for anchor in anchors:
                 target = f"{file}#{anchor}"
-                for form in (f"{page.name}.{anchor}", f"{page.name}.{anchor}".replace("metafem", "mf"), anchor):
+                for form in (
+                    f"{page.name}.{anchor}",
+                    f"{page.name}.{anchor}".replace("metafem", "mf"),
+                    anchor,
+                ):
                     found.setdefault(form, target)
     return found
 
 
-def is_protocol(value: Any) -> bool:
-    """Whether a class only says what others have to offer."""
-    return bool(getattr(value, "_is_protocol", False))
+@cache
+def value_names() -> frozenset[str]:
+    """Return the names of all parameters and members: in a text such a word is rarely a function."""
+    found: set[str] = set()
+    for page in pages().values():
+        for entry in page.entries:
+            functions = [entry.value] if entry.kind in ("class", "function") else []
+            if inspect.isclass(entry.value):
+                inner = [member for member, _ in _members(entry.value)]
+                found |= {member.name for member in inner}
+                functions += [member.function for member in inner if member.kind != "property"]
+            for function in functions:
+                found |= set(inspect.signature(function).parameters)
+    return frozenset(found)
 
 
 def members(cls: type) -> list[Member]:
     """Return the methods and properties of a class that are explained with it."""
-    return [member for member, base in _members(cls) if base is None or member.is_long]
+    return [member for member, base in _members(cls) if base is None]
 
 
 def inherited(cls: type) -> dict[str, list[str]]:
     """Return the names of members that another public class explains, by the name of that class."""
     found: dict[str, list[str]] = {}
     for member, base in _members(cls):
-        if base is not None and not member.is_long:
+        if base is not None:
             found.setdefault(base, []).append(member.name)
     return found
 
@@ -213,11 +232,15 @@ def _members(cls: type) -> Iterator[tuple[Member, str | None]]:
             if name.startswith("_") or name in seen or function is None:
                 continue
             seen.add(name)
-            docs = (inspect.getdoc(function) or "", *(inspect.getdoc(getattr(b, name, None)) or "" for b in bases))
+            docs = (
+                inspect.getdoc(function) or "",
+                *(inspect.getdoc(getattr(b, name, None)) or "" for b in bases),
+            )
             text = next(filter(None, docs), "")
             if text and _takes_public_types(function):
+                member = Member(name, kind, function, text)
                 base = next((each.__name__ for each in bases if name in vars(each)), None)
-                yield Member(name, kind, function, text), base
+                yield member, None if owner is cls and member.is_long else base
 
 
 def _function(value: Any) -> tuple[Callable[..., Any] | None, str]:
@@ -236,39 +259,7 @@ def _takes_public_types(function: Callable[..., Any]) -> bool:
     words = {
         word
         for each in inspect.signature(function).parameters.values()
-        for word in re.findall(r"\b[A-Z]\w*", str(each.annotation).replace("'", " "))
+        for word in re.findall(r"\b[A-Z]\w*", re.sub(r"Literal\[.*?\]", "", str(each.annotation)))
         if each.annotation is not each.empty
     }
     return words <= KNOWN_TYPES | public_types()
-
-
-def signature(function: Callable[..., Any]) -> list[str]:
-    """Return the parameters of a function, as written, and the type of its result."""
-    found = inspect.signature(function)
-    shown = []
-    for each in found.parameters.values():
-        if each.name in ("self", "cls"):
-            continue
-        if each.kind is each.KEYWORD_ONLY and "*" not in shown and not any(p[0] == "*" for p in shown):
-            shown.append("*")
-        text = {each.VAR_POSITIONAL: "*", each.VAR_KEYWORD: "**"}.get(each.kind, "") + each.name
-        if each.annotation is not each.empty:
-            text += f": {type_words(each.annotation)}"
-        if each.default is not each.empty:
-            text += f" = {_default(each.default)}"
-        shown.append(text)
-    return shown
-
-
-def type_words(annotation: Any) -> str:
-    """Return an annotation as it is written, with the usual names of arrays."""
-    text = annotation if isinstance(annotation, str) else inspect.formatannotation(annotation)
-    for long, short in SHORT.items():
-        text = re.sub(rf"\b{re.escape(long)}", short, text)
-    return text
-
-
-def _default(value: Any) -> str:
-    """Return a default value without addresses of memory."""
-    text = getattr(value, "__name__", None) if inspect.isroutine(value) or inspect.isclass(value) else repr(value)
-    return re.sub(r" at 0x[0-9a-f]+", "", text or repr(value))

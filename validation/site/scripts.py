@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import io
+import re
 import runpy
 from contextlib import redirect_stdout
 from dataclasses import dataclass
@@ -44,9 +45,15 @@ class Script:
         return self.docstring.partition("\n")[0].removesuffix(".")
 
     @property
-    def paragraphs(self) -> list[str]:
-        """Paragraphs of the docstring below its first line."""
-        return [" ".join(each.split()) for each in self.docstring.split("\n\n")[1:]]
+    def text(self) -> str:
+        """The docstring below its first line."""
+        return self.docstring.partition("\n\n")[2]
+
+    @property
+    def lesson(self) -> str:
+        """The sentence of the docstring that says what one learns."""
+        sentences = re.split(r"(?<=\.) (?=[A-Z])", " ".join(self.text.split()))
+        return next(each for each in sentences if each.startswith("You learn"))
 
     @property
     def code(self) -> str:
