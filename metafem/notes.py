@@ -12,8 +12,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from enum import Enum
-from functools import partial
 from typing import Any, cast
+
+# Largest number of asperities and loads of a result whose notes are estimated when it is printed: that takes
+# up to a few tenths of a second, and 17 s for the state of a million asperities.
+FEW = 1000
 
 
 class Level(Enum):
@@ -110,6 +113,36 @@ def late_notes() -> Any:
     return LateNotes()
 
 
-def when_read(function: Callable[..., tuple[Note, ...]], *arguments: Any) -> Any:
+@dataclass(frozen=True)
+class Later:
+    """A placeholder for notes of a result with a number `size` of asperities and loads."""
+
+    function: Callable[..., tuple[Note, ...]]
+    arguments: tuple[Any, ...]
+    size: int
+
+    def __call__(self) -> tuple[Note, ...]:
+        """Return the notes."""
+        return self.function(*self.arguments)
+
+
+def when_read(function: Callable[..., tuple[Note, ...]], *arguments: Any, size: int) -> Any:
     """Return a placeholder for a tuple of notes, computed when it is first read."""
-    return partial(function, *arguments)
+    return Later(function, arguments, size)
+
+
+def printed_count(*results: Any) -> str:
+    """Return `counted` of the notes of results, unless they would first have to be estimated at length.
+
+    Examples
+    --------
+    >>> import metafem as mf
+    >>> surface = mf.Surface.square_lattice(0.1, (40, 40), radius=0.526, material=mf.Material(1.36))
+    >>> printed_count(mf.equilibrium(surface, load=1.0))
+    'notes not estimated yet'
+    """
+    for result in results:
+        notes = result.__dict__["_notes"]
+        if isinstance(notes, Later) and notes.size > FEW:
+            return "notes not estimated yet"
+    return counted(dict.fromkeys(note for result in results for note in result.notes))

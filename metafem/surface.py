@@ -15,7 +15,8 @@ from metafem import drawing
 from metafem._calls import checked_call
 from metafem._given import formatted, label
 from metafem._validate import FloatArray
-from metafem._values import Value, span
+from metafem._values import MICROMETRES, Value, span
+from metafem.drawing import card
 from metafem.errors import InvalidInput
 from metafem.material import Block, Friction, Material
 
@@ -26,6 +27,9 @@ __all__ = ["Block", "Friction", "Material", "Surface"]
 
 # Largest tilt: for larger ones heights are not along the normal of the plane.
 STEEPEST = 0.25 * math.pi
+
+# Largest number of asperities that a notebook shows one by one.
+MOST_DRAWN = 4000
 
 # Largest number of sites: more need gigabytes.
 MOST_SITES = 10**8
@@ -61,7 +65,7 @@ class Surface(Value):
     >>> surface.count, surface.radius
     (2, array([0.526, 0.526]))
     >>> surface
-    <Surface: 2 asperities, heights 0.1 to 0.12 mm, radius 0.526 mm, Material(composite_modulus=1.36, ...)>
+    <Surface: 2 asperities, heights 0.1 to 0.12 mm, radius 0.526 mm, E* 1.36 MPa, Poisson's ratio 0.5>
     """
 
     position: FloatArray
@@ -163,11 +167,34 @@ class Surface(Value):
         return cls(position, height, radii, material, friction, block)
 
     def __repr__(self) -> str:
-        parts = [repr(part) for part in (self.material, self.friction, self.block) if part is not None]
-        return (
-            f"<Surface: {self.count} asperities, heights {span(self.height, 'mm')}, "
-            f"radius {span(self.radius, 'mm')}, {', '.join(parts)}>"
-        )
+        count, *rest = self._facts().items()
+        return f"<Surface: {count[1]} asperities, {', '.join(f'{name} {words}' for name, words in rest)}>"
+
+    def _repr_html_(self) -> str:
+        """Return what a notebook shows."""
+        few = self.count <= MOST_DRAWN
+
+        def distribution(ax: Axes) -> None:
+            card.distribution(ax, MICROMETRES * self.height, "summit height [µm]")
+
+        return card.card("Surface", self._facts(), self.plot if few else distribution)
+
+    def _facts(self) -> dict[str, str]:
+        """Return what is printed of the surface."""
+        facts = {
+            "asperities": f"{self.count:,}",
+            "heights": span(self.height, "mm"),
+            "radius": span(self.radius, "mm"),
+            "E*": f"{self.material.composite_modulus:.4g} MPa",
+            "Poisson's ratio": f"{self.material.poisson_ratio:.4g}",
+        }
+        if self.friction is not None:
+            facts["shear strength"] = f"{self.friction.shear_strength:.4g} MPa"
+            facts["area ratio"] = f"{self.friction.area_ratio:.4g}"
+        if self.block is not None:
+            size = (self.block.width, self.block.length, self.block.thickness)
+            facts["block"] = f"{' x '.join(f'{length:.4g}' for length in size)} mm"
+        return facts
 
     @property
     def count(self) -> int:

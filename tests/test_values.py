@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import metafem as mf
+from metafem.notes import counted
 
 LIMITS = mf.Limits(0.16, offset=0.084)
 TARGETS = (
@@ -85,6 +86,31 @@ def test_long_arrays_are_not_printed(rough):
         assert len(repr(value)) < 300
         assert "\n" not in repr(value)
     assert "<100 numbers, " in repr(sampled)
+
+
+@pytest.mark.slow
+def test_a_million_asperities_or_loads_print_their_ends(rough):
+    """Their notes would take seconds to estimate; the picture holds no mark for each."""
+    lattice = mf.Surface.square_lattice(0.1, (1000, 1000), radius=0.526, material=mf.Material(1.36))
+    heights = 0.1 + 0.02 * np.random.default_rng(0).random(lattice.count)
+    surface = lattice.replaced(height=heights)
+    state = mf.equilibrium(surface, load=100.0)
+    law = mf.friction_law(rough, load=np.linspace(1e-3, 0.5, 10**6))
+    for value in (surface, state, law):
+        assert "1,000,000 " in repr(value)
+        assert len(repr(value)) < 300
+        assert len(value._repr_html_()) < 40_000
+    assert callable(state.__dict__["_notes"])
+    assert callable(law.__dict__["_notes"])
+
+
+def test_notes_of_large_results_are_counted_once_they_are_read():
+    surface = mf.Surface.square_lattice(0.1, (34, 34), radius=0.526, material=mf.Material(1.36))
+    state, law = mf.equilibrium(surface, load=1.0), mf.friction_law(surface, load=[1.0])
+    for value in (state, law):
+        assert "notes not estimated yet" in repr(value)
+        value.notes  # noqa: B018 - estimated when it is read
+        assert repr(value).endswith(f", {counted(value.notes)}>")
 
 
 def test_parameters_and_sites_of_a_design_are_read_only(result):

@@ -186,7 +186,9 @@ def design(
         limits=problem.limits,
         fits=found.fits,
         density=candidate.density,
-        notes=when_read(lambda: tuple(dict.fromkeys((*notes, *found.law.notes)))),
+        notes=when_read(
+            lambda: tuple(dict.fromkeys((*notes, *found.law.notes))), size=surface.count + found.law.load.size
+        ),
         radii=None if radii is None else problem.radii.given_as,
         layout=layout,
         robust=robust,
@@ -240,7 +242,8 @@ def _with_common_radius(problem: Problem, rng: np.random.Generator) -> Design:
     if refused:
         which = ", ".join(f"{radius:.4g}" for radius in sorted(refused))
         notes = [information(f"radii that cannot reach the target [mm]: {which}; {refused[min(refused)]}")]
-    return replace(result, parameters=parameters, notes=when_read(lambda: (*result.notes, *notes)))
+    later = when_read(lambda: (*result.notes, *notes), size=result.surface.count)
+    return replace(result, parameters=parameters, notes=later)
 
 
 def _radii_in_use(problem: Problem, surface: Surface) -> dict[str, Parameter]:

@@ -138,7 +138,8 @@ def _noted(found: Design, hardness: float, note: Note) -> Design:
     parameters = {**found.parameters, "plasticity_index": index}
     if rough > 0.0:
         parameters["largest_modulus_ratio"] = ELASTIC_LIMIT / rough
-    return replace(found, parameters=parameters, notes=when_read(_all_notes, note, found))
+    later = when_read(_all_notes, note, found, size=found.surface.count)
+    return replace(found, parameters=parameters, notes=later)
 
 
 def _all_notes(first: Note, found: Design) -> tuple[Note, ...]:

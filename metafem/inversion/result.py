@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from functools import cached_property
+from functools import cached_property, partial
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
@@ -14,8 +14,9 @@ from metafem import drawing
 from metafem._validate import FloatArray, IntArray
 from metafem._values import Value, percent, span
 from metafem.contact import Contact
+from metafem.drawing.card import card
 from metafem.errors import InvalidInput
-from metafem.inversion.assessment import DesignStatus, misfit_meaning
+from metafem.inversion.assessment import EXACT, DesignStatus, misfit_meaning
 from metafem.inversion.candidate import Branch, Parameter
 from metafem.inversion.height_density import PiecewiseExponential
 from metafem.inversion.limits import Limits
@@ -27,7 +28,7 @@ from metafem.inversion.strategies.mixture import Mixture
 from metafem.inversion.targets.target import Target
 from metafem.inversion.targets.target_law import TargetLaw
 from metafem.models.model import contact_of
-from metafem.notes import Note, counted, late_notes
+from metafem.notes import Note, late_notes, printed_count
 from metafem.prediction import BranchFit, FrictionLaw
 from metafem.prediction.perturbation import Tolerances
 from metafem.surface import Surface
@@ -133,20 +134,28 @@ class Design(Value):
         return _restored, ({**members, "parameters": dict(self.parameters)},)
 
     def __repr__(self) -> str:
+        lines = [f"  {name:<11} {words}" for name, words in self._facts().items()]
+        return "\n".join([f"Design: {self.target.title}", *lines])
+
+    def _repr_html_(self) -> str:
+        """Return what a notebook shows."""
+        return card("Design: " + self.target.title, self._facts(), partial(draw_laws, self))
+
+    def _facts(self) -> dict[str, str]:
+        """Return what is printed of the design."""
         surface, law = self.surface, self.law
-        lines = [
-            f"Design: {self.target.title}",
-            f"  status      {self.status.value}",
-            f"  misfit      {percent(self.misfit)}, {self.misfit_meaning}",
-            f"  asperities  {surface.count} on {self.template.count} sites",
-            f"  heights     {span(surface.height, 'mm')}",
-            f"  radius      {span(surface.radius, 'mm')}",
-            f"  model       {law.model!r}",
-            f"  law         {len(law.load)} loads {span(law.load, 'N')}, area {span(law.area, 'mm^2')}",
-            f"  parameters  {', '.join(self.parameters)}",
-            f"  notes       {counted(dict.fromkeys((*self.notes, *law.notes)))}",
-        ]
-        return "\n".join(lines)
+        misfit = "below 1e-9" if self.misfit <= EXACT else percent(self.misfit)
+        return {
+            "status": self.status.value,
+            "misfit": f"{misfit}, {self.misfit_meaning}",
+            "asperities": f"{surface.count:,} on {self.template.count:,} sites",
+            "heights": span(surface.height, "mm"),
+            "radius": span(surface.radius, "mm"),
+            "model": repr(law.model),
+            "law": f"{len(law.load):,} loads {span(law.load, 'N')}, area {span(law.area, 'mm^2')}",
+            "parameters": ", ".join(self.parameters),
+            "notes": printed_count(self, law),
+        }
 
     @property
     def target_law(self) -> TargetLaw:

@@ -3,12 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
 
 from metafem._validate import FloatArray
 from metafem._values import Value
+from metafem.drawing import card
 from metafem.errors import InvalidInput
 from metafem.models import ContactField, Model, Status
-from metafem.notes import Note, counted, late_notes
+from metafem.notes import Note, late_notes, printed_count
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+# Millinewtons per newton.
+MILLINEWTONS = 1e3
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -88,10 +98,35 @@ class ContactState(Value):
         return self._field
 
     def __repr__(self) -> str:
-        closed = int((self.asperity_area > 0.0).sum())
+        facts = self._facts()
+        parts = [f"{name} {facts[name]}" for name in ("load", "area", "separation")]
         return (
-            f"<ContactState: load {self.load:.4g} N, area {self.area:.4g} mm^2, separation "
-            f"{self.separation:.4g} mm, {closed} of {len(self.asperity_area)} asperities in contact, "
-            f"{self.model!r}, {self.status.name.lower()}, residual {self.residual:.1e}, "
-            f"{counted(self.notes)}>"
+            f"<ContactState: {', '.join(parts)}, {facts['in contact']}, {self.model!r}, "
+            f"{self.status.name.lower()}, residual {facts['residual']}, {facts['notes']}>"
         )
+
+    def _repr_html_(self) -> str:
+        """Return what a notebook shows."""
+        loads = self.asperity_load[self.asperity_area > 0.0]
+
+        def distribution(ax: Axes) -> None:
+            card.distribution(ax, MILLINEWTONS * loads, "load of an asperity in contact [mN]")
+
+        draw = self._field.plot if self._field is not None else distribution
+        shown = self._field is not None or len(loads) >= card.FEWEST
+        return card.card("Contact state", self._facts(), draw if shown else None)
+
+    def _facts(self) -> dict[str, str]:
+        """Return what is printed of the state."""
+        closed = int(np.count_nonzero(self.asperity_area > 0.0))
+        return {
+            "load": f"{self.load:.4g} N",
+            "area": f"{self.area:.4g} mm^2",
+            "separation": f"{self.separation:.4g} mm",
+            "stiffness": f"{self.stiffness:.4g} N/mm",
+            "in contact": f"{closed:,} of {len(self.asperity_area):,} asperities in contact",
+            "model": repr(self.model),
+            "status": self.status.value,
+            "residual": f"{self.residual:.1e}",
+            "notes": printed_count(self),
+        }

@@ -90,7 +90,9 @@ def equilibrium(
         status=curve.status,
         model=last.model,
         base_gap=last.base_gap,
-        notes=when_read(left_out_notes, surface, solver, curve, notes) if curve.converged else notes,
+        notes=when_read(left_out_notes, surface, solver, curve, notes, size=surface.count)
+        if curve.converged
+        else notes,
         _field=None if last.field is None else replace(last.field, pressure=modulus * last.field.pressure),
     )
     if not curve.converged:

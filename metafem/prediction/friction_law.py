@@ -161,7 +161,10 @@ def law_of_curve(
         model=model,
         material=surface.material,
         friction=surface.friction,
-        notes=when_read(left_out_notes, surface, model, curve, curve.notes, unloading),
+        notes=when_read(
+            *(left_out_notes, surface, model, curve, curve.notes, unloading),
+            size=surface.count + curve.area.size,
+        ),
     )
     if not curve.converged:
         worst = curve.residual.max()

@@ -11,9 +11,10 @@ import numpy as np
 from metafem import drawing
 from metafem._validate import FloatArray
 from metafem._values import span
+from metafem.drawing import card
 from metafem.errors import InvalidInput
 from metafem.models import Model, Status
-from metafem.notes import Note, counted, late_notes, to_lines
+from metafem.notes import Note, late_notes, printed_count, to_lines
 from metafem.prediction import tables
 from metafem.prediction.base_law import BaseLaw
 from metafem.surface import Friction, Material
@@ -106,10 +107,32 @@ class FrictionLaw(BaseLaw):
             raise InvalidInput("the loads of a law must not decrease")
 
     def __repr__(self) -> str:
+        facts = self._facts()
+        force = f"friction force {facts['friction force']}, " if self.friction is not None else ""
         return (
-            f"<FrictionLaw: {len(self.load)} loads {span(self.load, 'N')}, area {span(self.area, 'mm^2')}, "
-            f"{self.model!r}, {self.status.name.lower()}, {counted(self.notes)}>"
+            f"<FrictionLaw: {facts['loads']}, area {facts['area']}, {force}{self.model!r}, "
+            f"{self.status.name.lower()}, {facts['notes']}>"
         )
+
+    def _repr_html_(self) -> str:
+        """Return what a notebook shows."""
+        forces = self.friction is not None
+        x, y = (
+            card.thinned(self.load, self.friction_force)
+            if forces
+            else card.thinned(self.rescaled_load, self.area)
+        )
+        return card.card("Friction law", self._facts(), lambda ax: drawing.law(ax, x, y, forces=forces))
+
+    def _facts(self) -> dict[str, str]:
+        """Return what is printed of the law."""
+        ends = self.material.composite_modulus * self.rescaled_load[[0, -1]]
+        facts = {"loads": f"{len(self.area):,} loads {span(ends, 'N')}", "area": span(self.area, "mm^2")}
+        if self.friction is not None:
+            stress = self.friction.shear_strength * self.friction.area_ratio
+            facts["friction force"] = span(stress * np.array([self.area.min(), self.area.max()]), "N")
+        facts |= {"model": repr(self.model), "status": self.status.value, "notes": printed_count(self)}
+        return facts
 
     @property
     def load(self) -> FloatArray:
