@@ -45,7 +45,7 @@ CHAPTERS = (
         "contact_laws",
         "Contact laws",
         "What do adhesion, the shape of the caps and plasticity change?",
-        ("contact_laws", "contact_designs", "elastic_plastic"),
+        ("contact_laws", "contact_designs", "elastic_plastic", "plasticity"),
     ),
     Chapter(
         "inversion",

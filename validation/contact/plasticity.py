@@ -1,0 +1,225 @@
+"""The plasticity index ψ = E*/H √(λ/R): its limit of 0.6 on the paper's surfaces, and the design steps."""
+
+from __future__ import annotations
+
+import warnings
+from functools import cache
+
+import numpy as np
+
+import metafem as mf
+from metafem.drawing import QUIET, new_figure
+from validation.check import Check, Claim, Picture, Result, above, below, near, reported
+from validation.paper.surfaces import fig4, surfaces, template
+from validation.published import paper
+from validation.sources import known_input, printed, publication
+
+# Limit of the index, and values at which the laws are compared.
+LIMIT = 0.6
+INDICES = (0.4, 0.5, 0.6, 0.7, 0.8, 1.0, 1.4, 2.0)
+
+# Loads P/E* [mm²], from the lightest measured ones to loads beyond full contact of all surfaces.
+LOADS = 0.7 * np.arange(1, 21) / 20
+
+# Moduli over hardness of other materials, by order of magnitude: assumptions of this claim, not measurements.
+# An elastomer that stays elastic up to strains of order one has about H = E*.
+MATERIALS = {"elastomer, E*/H = 1": 1.0, "glassy polymer, E*/H = 15": 15.0, "steel, E*/H = 100": 100.0}
+
+# Asperities, scale and radius [mm] of a surface of exponential heights, which stand at quantiles; separations
+# over the scale, at which all or a seventh of them are in contact.
+MANY, SCALE, RADIUS = 10_000, 0.02, 0.526
+PLANES = (0.0, 2.0)
+
+CRITERION = printed("SM, suitability of an elastic asperity model")
+NEGLIGIBLE = printed("SM, note on elastic interactions: changes of A0(P) up to 2.3 % rms are negligible")
+INDEX = publication("10.1098/rspa.1966.0242", "Greenwood and Williamson 1966, plasticity index")
+YIELD = publication("10.1115/1.1490373", "Kogut and Etsion 2002, w_c = (πKH/2E)²R with K = 0.454 + 0.41 ν")
+SHARE = publication(
+    "10.1098/rspa.1966.0242", "Greenwood and Williamson 1966, exponential heights: e^(-w_c/λ) at every load"
+)
+SAME = known_input("step 2 of the paper's scheme: the design of the elastic model itself")
+METHOD = "independent contacts by Kogut and Etsion's law against Hertz's, mf.KogutEtsion"
+
+
+def roughness(name: str) -> float:
+    """Return √(s/R) of a surface, with the standard deviation of its heights."""
+    surface = surfaces()[name]
+    return float(np.sqrt(surface.height.std() / surface.radius[0]))
+
+
+@cache
+def changed(name: str, index: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return the change of A0(P), and the share of A0 in contacts past yield, (k,), at a plasticity index."""
+    surface = surfaces()[name]
+    modulus, radius = surface.material.composite_modulus, float(surface.radius[0])
+    law = mf.KogutEtsion(modulus * roughness(name) / index).for_material(surface.material)
+    first = np.pi * radius * float(law.yield_indentation(radius))
+    share, area = [], []
+    for load in modulus * LOADS:
+        state = mf.equilibrium(surface, mf.Independent(law), load=load)
+        past = state.asperity_area > first
+        share.append(state.asperity_area[past].sum() / state.area)
+        area.append(state.area)
+    return np.array(area) / mf.friction_law(surface, load=modulus * LOADS).area - 1.0, np.array(share)
+
+
+def claim() -> Claim:
+    """Evaluate the index, compare the criterion with an elastic-plastic law, and follow the design steps."""
+    text = (
+        "The paper takes from Greenwood and Williamson that elastic contacts suit a surface whose plasticity "
+        "index is below 0.6. Kogut and Etsion's law, fitted to finite elements of an elastic-plastic sphere, "
+        "tests this: at ψ = 0.6 a contact yields at an indentation of three standard deviations of the "
+        "heights. A few contacts are that deep and carry part of the load, but A0(P) changes by less than "
+        "what the paper calls negligible. At ψ = 1 it changes "
+        "by more on every surface. An elastomer is far inside the limit; a glassy polymer or a metal of the "
+        "same shape is not, and needs a surface of smaller s/R or an elastic-plastic law. For a linear law "
+        "another radius does not help: its slope fixes λ/R, since m = √(πR/λ)."
+    )
+    return Claim(
+        "Plasticity index: where elastic contacts suffice",
+        [*_indices(), *_yield(), *_criterion(), *_steps()],
+        {
+            "criterion": Picture(
+                _criterion_figure,
+                "Rms change of A0(P) by plastic deformation over the plasticity index, on the five "
+                "surfaces. It begins near the paper's limit of 0.6 (vertical line), where it is below the "
+                "2.3 % that the paper calls negligible (horizontal line), and exceeds that at 1.",
+            ),
+            "share": Picture(
+                _share_figure,
+                "Share of A0 in contacts that are past yield, at ψ = 0.6. Few contacts are past yield but "
+                "they are the largest; their area still follows Hertz's law closely.",
+            ),
+        },
+        text,
+    )
+
+
+def _indices() -> list[Check | Result]:
+    rows: list[Check | Result] = []
+    for name, surface in surfaces().items():
+        modulus, spread, rough = surface.material.composite_modulus, surface.height.std(), roughness(name)
+        hard = 10.0 * modulus
+        expected = modulus / hard * np.sqrt(spread / surface.radius.mean())
+        rows += [
+            reported(f"{name}: standard deviation s of the heights [µm]", 1e3 * spread,
+                     "heights of the surface"),
+            near(f"{name}: index with H = 10 E*", mf.plasticity_index(surface, hard), expected, 1e-12,
+                 CRITERION),
+            reported(f"{name}: hardness at which the index is {LIMIT} [MPa]", modulus * rough / LIMIT,
+                     "H = E* √(s/R)/0.6, E* of the PDMS"),
+            reported(f"{name}: largest E*/H of a material for elastic contacts", LIMIT / rough, "0.6/√(s/R)"),
+        ]  # fmt: skip
+    surface = surfaces()["Fig. 4 red"]
+    hardness = surface.material.composite_modulus * roughness("Fig. 4 red") / LIMIT
+    warned = [_warns(surface, hardness * factor) for factor in (1.0 + 1e-9, 1.0 - 1e-9)]
+    roughest = max(roughness(name) for name in surfaces())
+    return [
+        *rows,
+        *(
+            reported(f"assumed {words}: largest index on the five surfaces", ratio * roughest, "E*/H √(s/R)")
+            for words, ratio in MATERIALS.items()
+        ),
+        near("Fig. 4 red: warnings just below the limit", warned[0], 0, 0, CRITERION),
+        near("Fig. 4 red: warnings just above the limit", warned[1], 1, 0, CRITERION),
+    ]
+
+
+def _warns(surface: mf.Surface, hardness: float) -> int:
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        mf.plasticity_index(surface, hardness)
+    return len(caught)
+
+
+def _yield() -> list[Check]:
+    """Compare indentation at yield, and the share of contacts past it, with closed forms."""
+    quantile = (np.arange(MANY) + 0.5) / MANY
+    height = -SCALE * np.log(quantile)
+    material = mf.Material(paper()["batch"]["1"]["composite_modulus_MPa"], 0.5)
+    position = np.column_stack([np.arange(MANY), np.zeros(MANY)])
+    surface = mf.Surface(position, height, RADIUS, material)
+    factor = 0.454 + 0.41 * material.poisson_ratio
+    rows = []
+    for index in (LIMIT, 1.0):
+        hardness = material.composite_modulus * np.sqrt(SCALE / RADIUS) / index
+        law = mf.KogutEtsion(hardness).for_material(material)
+        deep = float(law.yield_indentation(RADIUS)) / SCALE
+        expected = (0.5 * np.pi * factor / index) ** 2
+        rows.append(near(f"ψ = {index}: indentation at yield over λ", deep, expected, 1e-12, YIELD))
+        for plane in PLANES:
+            state = mf.equilibrium(surface, mf.Independent(law), separation=plane * SCALE)
+            past = np.count_nonzero(state.asperity_area > np.pi * RADIUS * deep * SCALE)
+            closed = np.count_nonzero(state.asperity_area)
+            name = f"ψ = {index}, {closed} of {MANY} exponential heights in contact: share past yield"
+            # quantiles are whole numbers: at most one contact too many or too few
+            rows.append(near(name, past / closed, float(np.exp(-expected)), 1.0 / closed, SHARE))
+    return rows
+
+
+def _criterion() -> list[Check | Result]:
+    limit = paper()["interaction"]["rms_area_difference_below"]
+    rows: list[Check | Result] = []
+    for name in surfaces():
+        at, beyond = changed(name, LIMIT), changed(name, 1.0)
+        rows += [
+            below(f"{name}, ψ = {LIMIT}: rms change of A0(P) by plasticity", _rms(at[0]), limit, NEGLIGIBLE),
+            above(f"{name}, ψ = 1: rms change of A0(P) by plasticity", _rms(beyond[0]), limit, NEGLIGIBLE),
+            reported(f"{name}, ψ = {LIMIT}: largest change of A0(P)", float(np.abs(at[0]).max()), METHOD),
+            reported(f"{name}, ψ = {LIMIT}: share of A0 past yield, median over the loads",
+                     float(np.median(at[1])), METHOD),
+        ]  # fmt: skip
+    return rows
+
+
+def _steps() -> list[Check | Result]:
+    """Design the red surface of Fig. 4 for a hard and for a soft material."""
+    first, sample = fig4("red"), template("fig4_red")
+    modulus = sample.material.composite_modulus
+    elastic = mf.design_for_hardness(first.target, sample, modulus, limits=first.limits)
+    plastic = mf.design_for_hardness(first.target, sample, 0.2 * modulus, limits=first.limits)
+    moved = np.abs(elastic.surface.height - first.surface.height).max()
+    rough = np.sqrt(plastic.surface.height.std() / plastic.surface.radius[0])
+    limit = float(plastic.parameters["largest_modulus_ratio"])
+    return [
+        below("design steps, H = E*, elastic: index", float(elastic.parameters["plasticity_index"]),
+              LIMIT, CRITERION),
+        near("design steps, H = E*: largest change of the heights of Fig. 4 red [µm]",
+             1e3 * moved, 0, 0, SAME),
+        above("design steps, H = 0.2 E*, plastic: index", float(plastic.parameters["plasticity_index"]),
+              LIMIT, CRITERION),
+        near("design steps, H = 0.2 E*: index at the stated largest E*/H",
+             limit * rough, LIMIT, 1e-12, INDEX),
+        reported("design steps, H = 0.2 E*: difference of the slope from the target", plastic.misfit,
+                 "design under Kogut and Etsion's law, mf.design_for_hardness"),
+    ]  # fmt: skip
+
+
+def _rms(values: np.ndarray) -> float:
+    return float(np.sqrt((values**2).mean()))
+
+
+def _criterion_figure():
+    figure = new_figure(6.4, 3.8)
+    ax = figure.add_subplot()
+    for name in surfaces():
+        values = np.array([100.0 * _rms(changed(name, index)[0]) for index in INDICES])
+        ax.plot(INDICES, np.where(values > 1e-3, values, np.nan), "o-", ms=4, label=name)
+    ax.axvline(LIMIT, color=QUIET, lw=0.8)
+    ax.axhline(100.0 * paper()["interaction"]["rms_area_difference_below"], color=QUIET, lw=0.8, ls="--")
+    ax.set(xscale="log", yscale="log", xlabel="plasticity index ψ", ylabel="rms change of A0(P) [%]")
+    ax.set_xticks(INDICES, [f"{index:g}" for index in INDICES])
+    ax.set_xticks([], minor=True)
+    ax.set_yticks((0.01, 0.1, 1, 10, 100), ("0.01", "0.1", "1", "10", "100"))
+    ax.legend(frameon=False)
+    return figure
+
+
+def _share_figure():
+    figure = new_figure(6.4, 3.4)
+    ax = figure.add_subplot()
+    for name in surfaces():
+        ax.plot(LOADS, 100.0 * changed(name, LIMIT)[1], label=name)
+    ax.set(xlabel="rescaled load  P/E* [mm²]", ylabel="share of A0 past yield [%]", ylim=(0.0, 100.0))
+    ax.legend(frameon=False)
+    return figure
