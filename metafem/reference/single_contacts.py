@@ -45,6 +45,17 @@ def sneddon_sphere(contact_radius: float, radius: float) -> tuple[float, float]:
     return (a**2 + radius**2) * half - a * radius, a * half
 
 
+def jkr_contact_radius(load: float, radius: float, adhesion_energy: float) -> float:
+    """Contact radius [mm] of an adhesive paraboloid under load P/E* [mm^2], w/E* [mm] its adhesion energy.
+
+    ``a^3 = 3 R/4 [P/E* + 3 pi R w/E* + sqrt(6 pi R w/E* P/E* + (3 pi R w/E*)^2)]``, Johnson, Kendall and
+    Roberts, Proc. R. Soc. A 324, 301 (1971), doi:10.1098/rspa.1971.0141.
+    """
+    pull = 3.0 * math.pi * radius * adhesion_energy
+    force = load + pull + math.sqrt(2.0 * pull * load + pull**2)
+    return math.cbrt(0.75 * radius * force)
+
+
 def power_law(contact_radius: float, coefficient: float, exponent: float) -> tuple[float, float]:
     """Load P/E* [mm^2] and indentation [mm] of the profile ``coefficient r^exponent``.
 

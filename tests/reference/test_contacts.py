@@ -19,6 +19,14 @@ def test_sphere_is_a_paraboloid_for_small_contacts():
     assert exact.sneddon_sphere(1e-3, 1.0) == pytest.approx(exact.hertz(1e-3, 1.0), rel=1e-6)
 
 
+def test_adhesive_contact_carries_its_load():
+    """P = 4 a^3/(3 R) - sqrt(8 pi w a^3) with E* = 1, and Hertz's radius without adhesion."""
+    a = exact.jkr_contact_radius(0.01, 0.5, 1e-5)
+    load = 4.0 / 3.0 * a**3 / 0.5 - math.sqrt(8.0 * math.pi * 1e-5 * a**3)
+    assert load == pytest.approx(0.01, rel=1e-12)
+    assert exact.hertz(exact.jkr_contact_radius(0.01, 0.5, 0.0), 0.5)[0] == pytest.approx(0.01, rel=1e-14)
+
+
 def test_hertz_field_meets_the_contact_and_decays_as_a_point_load():
     load, indentation = exact.hertz(0.2, 1.0)
     assert exact.hertz_displacement(np.array(0.2), 0.2, 1.0) == pytest.approx(indentation - 0.02, rel=1e-12)

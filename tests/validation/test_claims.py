@@ -16,9 +16,8 @@ NAMES = [pytest.param(name, marks=pytest.mark.slow) if is_slow(name) else name f
 
 # Claims whose sources are texts and whose figures have no captions yet.
 UNSORTED = {
-    "block_or_layer", "contact_designs", "contact_laws", "elastic_plastic", "error_bars", "fe_cap", "fe_cell",
-    "fe_finite_strain", "fe_hertz", "fe_layer", "fe_pedestal", "fig_s2_misalignment", "interaction_error",
-    "pedestal_effect",
+    "block_or_layer", "elastic_plastic", "error_bars", "fe_cap", "fe_cell", "fe_finite_strain", "fe_hertz",
+    "fe_layer", "fe_pedestal", "fig_s2_misalignment", "pedestal_effect",
 }  # fmt: skip
 
 # Words that name no source.

@@ -13,9 +13,11 @@ import numpy as np
 
 import metafem as mf
 from metafem.drawing import new_figure
-from validation.check import Check, Claim, reported
-from validation.paper.contact_laws import model
-from validation.paper.surfaces import fig3, fig4, fig5
+from validation.check import Claim, Picture, Row, below, reported
+from validation.methods import tabulated_contacts
+from validation.paper.contact_laws import ENERGY, LARGEST, model
+from validation.paper.surfaces import fig3, fig4, fig5, words
+from validation.sources import second_method
 
 # The tests of this claim carry the mark "slow".
 SLOW = True
@@ -25,7 +27,24 @@ NAMES = ("w = 9 mJ/m²", "w = 27 mJ/m²", "spheres", "soft caps")
 # The table of the soft cap ends below the indentations of Fig. 3.
 LEFT_OUT = {("Fig. 3", "soft caps")}
 
-THIS = "designs for independent asperities, this check"
+HEIGHTS = "design for this contact law against that for Hertz's, heights in the order of their size"
+MISFIT = "law of the designed surface against its target or the law of its density"
+MORE = "asperities of the design for this contact law minus those of the design for Hertz's"
+
+# Accuracy of the tables of the second method, with a margin.
+METHODS = 1e-6
+
+TEXT = """The surfaces of Figs. 3 to 5 are designed again for contacts with adhesion, for spheres, and for
+soft caps at large strain, as independent asperities with the targets and limits of the paper. The law of the
+new heights of Fig. 3 passes through the operating points, which a second method confirms; heights move by up
+to 70 µm. On the steps of Fig. 4 heights stay where the density for contacts without adhesion places them,
+and the law misses its target by up to 20 %; without steps and on Fig. 5 they are refined, and the misfit is
+at most 8 %."""
+
+CAPTION = """Heights [µm] of the designs for four contact laws, from the tallest asperity to the lowest, with
+the design for Hertz contacts (dashed). Left: the two lower levels of Fig. 3 shift, downwards with adhesion
+and upwards for spheres. Right: on the blue surface of Fig. 5 adhesion raises most heights; the other laws
+change little."""
 
 
 @cache
@@ -60,7 +79,7 @@ def change(figure: str, name: str) -> np.ndarray:
 
 def claim() -> Claim:
     """Compare the heights, and report how well the designs meet their targets."""
-    checks: list[Check] = []
+    rows: list[Row] = [_points(name) for name in ("w = 9 mJ/m²", "spheres")]
     for figure, before in designs().items():
         for name in NAMES:
             if (figure, name) in LEFT_OUT:
@@ -68,14 +87,32 @@ def claim() -> Claim:
             after, moved, label = again(figure, name), change(figure, name), f"{figure}, {name}"
             if figure == "Fig. 3":  # the others use all sites
                 more = after.surface.count - before.surface.count
-                checks.append(reported(f"{label}: additional asperities", more, THIS))
-            checks += [
-                reported(f"{label}: rms change of the heights [µm]", np.sqrt((moved**2).mean()), THIS),
-                reported(f"{label}: largest change of a height [µm]", np.abs(moved).max(), THIS),
-                reported(f"{label}: misfit [%]", 1e2 * after.misfit, THIS),
+                rows.append(reported(f"{label}: additional asperities", more, MORE))
+            rows += [
+                reported(f"{label}: largest change of a height [µm]", np.abs(moved).max(), HEIGHTS),
+                reported(f"{label}: misfit [%]", 1e2 * after.misfit, MISFIT),
             ]
-        checks.append(reported(f"{figure}, Hertz: misfit [%]", 1e2 * before.misfit, THIS))
-    return Claim("Adhesion and the shape of caps change the designed heights", checks, {"heights": _figure})
+        rows.append(reported(f"{figure}, Hertz: misfit [%]", 1e2 * before.misfit, MISFIT))
+    figures = {"Heights of the designs": Picture(_figure, CAPTION)}
+    return Claim("Adhesion and the shape of caps change the designed heights", rows, figures, TEXT)
+
+
+def _points(name: str) -> Row:
+    """Evaluate the heights of Fig. 3 for a contact law at the operating points by the second method."""
+    design = again("Fig. 3", name)
+    radius, modulus = float(design.surface.radius[0]), design.surface.material.composite_modulus
+    table = (
+        tabulated_contacts.sphere(radius, LARGEST)
+        if name == "spheres"
+        else tabulated_contacts.adhesive(ENERGY, modulus, radius, LARGEST)
+    )
+    load, wanted = design.target.rescaled_load, design.target.rescaled_friction
+    found = tabulated_contacts.areas(table, design.surface.height, load)
+    return below(
+        f"Fig. 3, {name}: largest relative error of the designed heights at the operating points",
+        np.abs(found / wanted - 1.0).max(), METHODS,
+        second_method(tabulated_contacts.areas, "sums of tables of one contact, against the printed points"),
+    )  # fmt: skip
 
 
 def _figure():
@@ -85,7 +122,7 @@ def _figure():
             if (name, law) not in LEFT_OUT:
                 ax.plot(np.sort(again(name, law).surface.height)[::-1] * 1e3, label=law)
         ax.plot(np.sort(designs()[name].surface.height)[::-1] * 1e3, "k--", label="Hertz")
-        ax.set(xlabel="asperity, from the tallest", title=name)
+        ax.set(xlabel="asperity, from the tallest", title=words(name))
     figure.axes[0].set_ylabel("height [µm]")
     figure.axes[0].legend(frameon=False)
     return figure

@@ -60,3 +60,9 @@ def surfaces() -> dict[str, mf.Surface]:
     for colour in ("blue", "red"):
         found[f"Fig. 5 {colour}"] = template(f"fig5_{colour}").replaced(height=printed[colour] / 1e3)
     return found
+
+
+def words(name: str) -> str:
+    """Return the name of a surface, such as "Fig. 4 blue", in words: "Fig. 4, blue surface"."""
+    figure, _, colour = name.partition(" ")[2].partition(" ")
+    return f"Fig. {figure}, {colour} surface" if colour else name
