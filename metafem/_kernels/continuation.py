@@ -48,6 +48,7 @@ class Results(NamedTuple):
     stiffness: np.ndarray  # dP/dx [mm]
     residual: np.ndarray
     radius: np.ndarray  # of the largest contact [mm]
+    steps: np.ndarray  # Newton steps, those from rejected starts included
 
 
 def empty_memory(count: int) -> Memory:
@@ -213,9 +214,10 @@ def curves(field, order, law, self_term, gap, control, by_load, results, state, 
                     if by_load:
                         ahead = (target - results.load[row, j - 1]) / results.stiffness[row, j - 1]
                     start = x + predict(memory, points, width, ahead, target, law_of_row, state.z)
-                new, count, load, residual = settle(
+                new, count, load, residual, steps = settle(
                     field, order, law_of_row, self_term[row], gap[row], start, target, state, scratch
                 )
+                results.steps[row, j] += steps
                 if residual <= TOLERANCE or alone:
                     break
                 alone = True  # predictions across new contacts can be wrong

@@ -91,10 +91,10 @@ def rates(state, count, shift, scratch, out):
 def newton(field, order, law, self_term, gap, approach, target, state, scratch):
     """Solve from state.z and the approach; a target load > 0 makes the approach an unknown.
 
-    Return the approach, the number of contacts, the load and the residual.
+    Return the approach, the number of contacts, the load, the residual and the number of steps.
     """
     free = target > 0.0
-    x = approach
+    x, steps = approach, 0
     count = respond(field, order, law, self_term, state)
     residual, load = measure(order, gap, x, target, state, count)
     always = True
@@ -108,6 +108,7 @@ def newton(field, order, law, self_term, gap, approach, target, state, scratch):
             residual, load = measure(order, gap, x, target, state, count)
             if count == 0:
                 break
+        steps += 1
         matrix = refresh(field, order, self_term, state, count, scratch, always)
         largest = 0.0
         for i in range(gap.size):
@@ -137,7 +138,7 @@ def newton(field, order, law, self_term, gap, approach, target, state, scratch):
         if state.z[i] <= 0.0:
             state.z[i] = min(x - gap[i] - state.displacement[i], 0.0)
             state.indentation[i] = state.z[i]
-    return x, count, load, residual
+    return x, count, load, residual, steps
 
 
 @inlined
@@ -208,8 +209,10 @@ def settle(field, order, law, self_term, gap, approach, target, state, scratch):
     low, high = 0.0, math.inf
     x = following = approach
     goal = target
+    steps = 0
     for _ in range(2 * MAX_BRACKET + 1):
-        end, count, load, residual = newton(field, order, law, self_term, gap, x, goal, state, scratch)
+        end, count, load, residual, more = newton(field, order, law, self_term, gap, x, goal, state, scratch)
+        steps += more
         if target == 0.0 or (goal > 0.0) == (residual <= TOLERANCE):
             break  # solved at the load, or not solved at the approach
         if goal > 0.0:
@@ -223,4 +226,4 @@ def settle(field, order, law, self_term, gap, approach, target, state, scratch):
             copy(state.z, scratch.safe)
             following = 2.0 * max(low, x) if high == math.inf else 0.5 * (low + high)
             goal = target
-    return end, count, load, residual
+    return end, count, load, residual, steps

@@ -90,6 +90,7 @@ class LargeScene:
         results.area[j] = math.pi * math.fsum(state.state.square)
         results.radius[j] = math.sqrt(float(state.state.square.max()))
         results.residual[j] = state.residual
+        results.steps[j] = state.steps
 
 
 def fast_sums(surface: Surface, substrate: Radial, order: int) -> LatticeSums | ScatteredSums:

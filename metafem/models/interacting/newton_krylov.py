@@ -45,6 +45,7 @@ class Iterate:
     state: State
     residual: float = math.inf
     error: FloatArray = field(default_factory=lambda: np.empty(0))
+    steps: int = 0  # of Newton's method
 
     @property
     def closed(self) -> NDArray[np.bool_]:
@@ -113,7 +114,7 @@ class ContactEquations:
         """Solve from z and an approach; a target load > 0 makes the approach an unknown."""
         state = self.respond(z, approach, target)
         forcing = LOOSEST
-        for _ in range(MAX_STEPS):
+        for taken in range(MAX_STEPS):
             if state.residual <= GOAL:
                 break
             if not state.closed.any():
@@ -136,6 +137,7 @@ class ContactEquations:
                 break
             forcing = min(LOOSEST, max(0.9 * (new.residual / state.residual) ** 2, 1e-3))
             state, approach = new, approach + length * shift
+            state.steps = taken + 1
         return state, approach
 
     def diagonal(self, state: Iterate) -> FloatArray:

@@ -169,7 +169,7 @@ def test_products_do_not_grow_with_the_layer_s_lattice():
             rough(side**2), (side, side), radius=0.526, material=mf.Material(1.0), block=mf.Block(20, 20, 7.2)
         )
         large_scene = interacting.LargeScene(surface, SUBSTRATES[1], 1)
-        results = [np.zeros(1) for _ in range(6)]
+        results = [np.zeros(1) for _ in Results._fields]
         large_scene.follow(
             tables(mf.Hertz(), surface.radius),
             np.zeros(side**2),

@@ -282,3 +282,14 @@ def test_an_influence_is_computed_once_for_all_heights_on_the_same_sites(monkeyp
     assert (len(calls), again) == (1, first)
     mf.equilibrium(surface.replaced(position=1.001 * surface.position), mf.Interacting(), load=0.1)
     assert len(calls) == 2
+
+
+@pytest.mark.parametrize("order", [1, 3])
+def test_newton_takes_few_steps(order):
+    """As many as stated: 3 to 8 from independent asperities, and about 2 along a curve."""
+    surface, load = lattice(0.12 - 0.002 * np.arange(16)), np.linspace(0.01, 0.1, 10)
+    solution = mf.Interacting(order)._solve(surface, surface.height[None], np.append(0.0, load), True)
+    steps = solution.results.steps[0]
+    assert steps[0] == 0
+    assert 3 <= steps[1] <= 8
+    assert steps[2:].mean() <= 3
