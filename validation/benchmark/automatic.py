@@ -6,12 +6,11 @@ from concurrent.futures import ProcessPoolExecutor
 
 import click
 import numpy as np
-from scipy.stats import linregress
-from scipy.stats import t as student
 
 import metafem as mf
 from metafem.contact import Contact
 from metafem.models.model import PARABOLOID
+from validation.methods.resolved_areas import extrapolated_area
 from validation.scenes.random_surfaces import random_surface
 from validation.timing import Row, best
 
@@ -19,11 +18,6 @@ TOLERANCE = 1e-3
 
 # Surfaces whose times are compared, and surfaces whose areas are compared with resolved contacts.
 TIMED, COMPARED = 200, 100
-
-# Cells of the reference: the largest contact radius over the first number, then smaller by the fourth root of
-# 2 each, at least and at most so many sizes; and the probability that the area is within its uncertainty.
-CELLS_PER_RADIUS, FEWEST, MOST = 24, 7, 13
-CONFIDENCE = 0.95
 
 # Loads of a law.
 LOADS = 30
@@ -72,7 +66,7 @@ def error_and_uncertainty(seed: int, law: Contact = PARABOLOID) -> tuple[float, 
         area = mf.equilibrium(surface, mf.Automatic(TOLERANCE, contact=law), load=load).area
     except mf.NotConverged:
         return np.nan, np.nan
-    exact, uncertainty = reference(surface, load, law)
+    exact, uncertainty = extrapolated_area(surface, load, TOLERANCE / 3.0, law)
     return abs(area / exact - 1.0), uncertainty
 
 
@@ -88,29 +82,6 @@ def time_ratios(seed: int) -> tuple[float, float] | None:
     one = [best(lambda m=m: mf.equilibrium(surface.replaced(), m, load=load), 5) for m in models]
     law = [best(lambda m=m: mf.friction_law(surface.replaced(), m, load=loads), 3) for m in models]
     return one[0] / one[1], law[0] / law[1]
-
-
-def reference(surface: mf.Surface, load: float, law: Contact) -> tuple[float, float]:
-    """Return A0 [mm²] extrapolated from resolved contacts to vanishing cells, and its relative uncertainty.
-
-    The mean error of the areas is proportional to the square of the cell. About it they scatter by some
-    cells, as each cell at the edge of a contact is either open or closed. So A0 is fitted over the square of
-    the cell by least squares, with errors proportional to that square. The cells become smaller until the
-    confidence interval of the fit is within a third of the tolerance.
-    """
-    largest = mf.equilibrium(surface, mf.Independent(law), load=load).asperity_area.max()
-    sizes = np.sqrt(largest / np.pi) / CELLS_PER_RADIUS * 2.0 ** (-0.25 * np.arange(MOST))
-    areas: list[float] = []
-    for cell in sizes:
-        areas.append(mf.equilibrium(surface, mf.BoundaryElements(cell, contact=law), load=load).area)
-        used = len(areas)
-        if used >= FEWEST:
-            # A0/cell² = slope/cell² + constant, with errors of one size
-            fit = linregress(sizes[:used] ** -2.0, areas * sizes[:used] ** -2.0)
-            half_width = student.ppf(0.5 + 0.5 * CONFIDENCE, used - 2) * fit.stderr
-            if half_width <= TOLERANCE / 3.0 * fit.slope:
-                break
-    return float(fit.slope), float(half_width / fit.slope)
 
 
 @click.command()
