@@ -103,8 +103,16 @@ def model_option(default: str, multiple: bool = False) -> Callable[[Callable[...
     law = default.replace("independent", "hertz")
     text = f"Law of one contact, a kind and its values: {', '.join(CONTACTS)}."
     text += f' For example --contact "jkr 9 mJ/m^2 sphere".{again} Default: {law}.'
-    contact = click.option("--contact", metavar="LAW", multiple=multiple, help=text)
+    contact = click.option(
+        "--contact", metavar="LAW", multiple=multiple, help=text, shell_complete=_contact_kinds
+    )
     return lambda command: model(contact(command))
+
+
+def _contact_kinds(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:
+    """Return the kinds of contact laws that a shell offers."""
+    kinds = (law.partition(" ")[0] for law in CONTACTS)
+    return [kind for kind in kinds if kind.startswith(incomplete)]
 
 
 json_option = click.option(
