@@ -14,6 +14,9 @@ from validation.paper.surfaces import template
 from validation.scenes.models import MODELS
 from validation.sources import Source, closed_form, printed
 
+# Longer than a few seconds: three designs of many sampled loads.
+SLOW = True
+
 SLOPE, RADIUS, COUNT = 7.0, 0.526, 64
 
 # Heights tall enough for all laws here [mm], and the paper's step of Fig. 4.

@@ -1,0 +1,233 @@
+"""Static and sliding friction: the same rescaled law with σ and B of their own.
+
+The paper states that peak and plateau of its records obey the same laws with slightly different σ and B, so
+that the rescaled law is unchanged, but prints neither these values nor a record. The records here are
+synthetic: the force rises to a peak of σB A0 and falls to a plateau of σ'B' A0, and the area falls from A0.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+
+import metafem as mf
+from metafem._validate import FloatArray
+from metafem.calibration import MeasuredLaw, ShearCalibration, ShearRecord, shear, shear_record
+from metafem.drawing import ACHIEVED, MEASURED, MEASURED_BESIDE, QUIET, TARGET, new_figure
+from validation.check import Claim, Picture, Row, near, reported
+from validation.methods import independent
+from validation.paper.surfaces import fig4
+from validation.published import paper
+from validation.scenes.compression_tests import RADII
+from validation.scenes.sheared_contacts import ERRORS
+from validation.sources import known_input, printed, second_method
+
+# σ [MPa] and B of the peak, those of Fig. 4, red; and of the plateau, put in as slightly smaller.
+STATIC, SLIDING = mf.Friction(0.358, 0.85), mf.Friction(0.335, 0.83)
+
+# Pull of 1 mm with a force every 0.01 mm (0.1 mm/s at 10 Hz); displacement at the peak, length of its decay
+# [mm].
+PULL, PEAK, DECAY = np.linspace(0.0, 1.0, 101), 0.15, 0.02
+
+# Noise of a force within one record, over its error bar: the latter is mostly common to a record.
+WHITE = 0.02
+
+LOADS = np.linspace(0.03, 0.6, 20)
+
+# Standard deviations within which a value counts as found; 99.7 % of correct ones are.
+WITHIN = 3.0
+
+TRUE = known_input("σ and B of the synthetic records, within three standard deviations")
+RANGE = printed(
+    "SM, applying the design strategy to the sliding friction force: 100 to 200 µm after the peak"
+)
+
+RECORD = (
+    "Left, a synthetic record of the tangential force: its peak is the static friction, its mean over the "
+    "grey range, 100 to 200 µm after the peak, the sliding friction. Right, the sum of the contact areas, "
+    "which falls as the force rises."
+)
+LAWS = (
+    "Left, friction force over load of the surface of Fig. 4, red: static and sliding friction differ. "
+    "Right, both rescaled by their own σB: the points must fall on one curve, which is that of the heights "
+    "(line)."
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Test:
+    """Records of a surface at several loads, and their areas before shear [mm²]."""
+
+    records: tuple[ShearRecord, ...]
+
+    def calibrated(self, sliding: bool) -> ShearCalibration:
+        """Return B and σ of peaks or plateaus."""
+        before = np.array([each.area_before for each in self.records])
+        kind = "sliding" if sliding else "static"
+        return shear(before, [getattr(each, f"{kind}_area") for each in self.records], self.force(sliding))
+
+    def force(self, sliding: bool) -> FloatArray:
+        """Return static or sliding friction forces [N]."""
+        return np.array([each.sliding_force if sliding else each.static_force for each in self.records])
+
+
+def pulled(area: FloatArray, rng: np.random.Generator) -> Test:
+    """Return records of contacts of areas before shear (k,) [mm²]."""
+    rising = np.minimum(PULL / PEAK, 1.0)
+    # from 0 at the peak to 1 on the plateau
+    fallen = np.where(PULL > PEAK, 1.0 - np.exp(-np.maximum(PULL - PEAK, 0.0) / DECAY), 0.0)
+    ratio = 1.0 - (1.0 - STATIC.area_ratio) * rising**2 - (STATIC.area_ratio - SLIDING.area_ratio) * fallen
+    peak, plateau = (each.shear_strength * each.area_ratio for each in (STATIC, SLIDING))
+    records = []
+    for each in area.tolist():
+        force = each * (peak * rising - (peak - plateau) * fallen)
+        error = ERRORS.of_friction_force(np.array(each * peak))
+        force = force + error * (rng.standard_normal() * rising + WHITE * rng.standard_normal(len(PULL)))
+        areas = each * ratio
+        areas = areas + ERRORS.of_area(areas) * rng.standard_normal(len(PULL))
+        records.append(shear_record(PULL, force, areas))
+    return Test(tuple(records))
+
+
+@cache
+def calibrations() -> tuple[ShearCalibration, ShearCalibration]:
+    """Return the calibrations of static and sliding friction by one contact at 20 loads, three times."""
+    test = pulled(np.pi * np.tile(RADII, 3) ** 2, np.random.default_rng(0))
+    return test.calibrated(False), test.calibrated(True)
+
+
+@cache
+def measured() -> tuple[Test, tuple[MeasuredLaw, MeasuredLaw]]:
+    """Return the records of the surface of Fig. 4, red, and its two laws, rescaled by the calibrations."""
+    surface, rng = fig4("red").surface, np.random.default_rng(1)
+    test = pulled(mf.friction_law(surface, load=LOADS).area, rng)
+    load = LOADS + ERRORS.of_load(LOADS) * rng.standard_normal(LOADS.shape)
+    static, sliding = (
+        MeasuredLaw(load, friction_force=test.force(kind), material=surface.material, friction=found.friction)
+        for kind, found in zip((False, True), calibrations(), strict=True)
+    )
+    return test, (static, sliding)
+
+
+def claim() -> Claim:
+    """Calibrate static and sliding friction, and compare the two laws of one surface."""
+    rows: list[Row] = []
+    for name, found, true in zip(("static", "sliding"), calibrations(), (STATIC, SLIDING), strict=True):
+        sd = WITHIN * np.sqrt(np.diag(found.covariance))
+        rows += [
+            near(f"{name} friction: B", found.area_ratio, true.area_ratio, sd[0], TRUE),
+            near(f"{name} friction: σ [MPa]", found.shear_strength, true.shear_strength, sd[1], TRUE),
+        ]
+    test, laws = measured()
+    low, high = test.records[0].sliding_range
+    rows += [
+        near("sliding range, beginning [mm]", low, 0.1, 0.0, RANGE),
+        near("sliding range, end [mm]", high, 0.2, 0.0, RANGE),
+    ]
+    height = fig4("red").surface.height
+    line = second_method(independent.areas, "slope of the line through A0 of the heights at the same loads")
+    slopes = {}
+    for name, law, found in zip(("static", "sliding"), laws, calibrations(), strict=True):
+        wanted = np.polyfit(law.rescaled_load, independent.areas(height, law.rescaled_load, 0.526), 1)[0]
+        slope, sd = slope_of(law, found)
+        slopes[name] = slope
+        rows.append(near(f"{name} friction, rescaled: slope", slope, wanted, WITHIN * sd, line))
+    # the forces of both have the errors of their own records, and share those of the load
+    both = np.hypot(*(slope_of(*each)[1] for each in zip(laws, calibrations(), strict=True)))
+    rows += [
+        near(
+            "rescaled slopes, sliding less static",
+            slopes["sliding"] - slopes["static"],
+            0.0,
+            WITHIN * both,
+            SAME,
+        ),
+        reported("sliding over static friction force", ratio(test), "mean over 20 loads"),
+        reported(
+            "sliding friction rescaled by σB of static friction: slope over that of static friction",
+            slopes["sliding"] / slopes["static"] * _stress(1) / _stress(0),
+            "straight lines through the points",
+        ),
+    ]
+    return Claim(
+        "Static and sliding friction",
+        rows,
+        {"one record": Picture(_record, RECORD), "laws of static and sliding friction": Picture(_laws, LAWS)},
+        "The paper designs for the static friction and states that sliding friction obeys the same laws "
+        "with slightly different σ and B. Synthetic records with a peak and a plateau are read by "
+        "`shear_record`; each of both kinds is calibrated on single contacts, and rescales the law of the "
+        "surface of Fig. 4, red. The forces differ, the rescaled laws do not: a design holds for either.",
+    )
+
+
+SAME = known_input("identity: both forces of the records are proportional to the same A0(P)")
+
+
+def slope_of(law: MeasuredLaw, found: ShearCalibration) -> tuple[float, float]:
+    """Return the slope of a line through rescaled points and its standard deviation, with that of σB."""
+    sd = np.hypot(law.rescaled_friction_sd, 7.0 * law.rescaled_load_sd)  # errors of the load by the slope
+    (slope, _), covariance = np.polyfit(
+        law.rescaled_load, law.rescaled_friction, 1, w=1.0 / sd, cov="unscaled"
+    )
+    inverse = np.array([1.0 / found.area_ratio, 1.0 / found.shear_strength])
+    of_stress = np.sqrt(inverse @ found.covariance @ inverse)  # relative, of σB
+    return float(slope), float(np.hypot(np.sqrt(covariance[0, 0]), slope * of_stress))
+
+
+def ratio(test: Test) -> float:
+    """Return the mean ratio of sliding to static friction forces."""
+    return float((test.force(True) / test.force(False)).mean())
+
+
+def _stress(index: int) -> float:
+    found = calibrations()[index]
+    return found.shear_strength * found.area_ratio
+
+
+def _record():
+    record = measured()[0].records[-1]
+    figure = new_figure(8.0, 3.0)
+    force, area = figure.subplots(1, 2)
+    force.plot(record.displacement, record.friction_force, color=MEASURED, lw=1.0)
+    force.plot(record.peak_displacement, record.static_force, "o", color=ACHIEVED, label="static friction")
+    low, high = (record.peak_displacement + end for end in record.sliding_range)
+    force.axvspan(low, high, color=QUIET, alpha=0.25, lw=0)
+    force.plot([low, high], 2 * [record.sliding_force], color=MEASURED_BESIDE, label="sliding friction")
+    force.set(xlabel="tangential displacement [mm]", ylabel="tangential force [N]")
+    force.legend(frameon=False, fontsize=8)
+    area.plot(record.displacement, record.area, ".", ms=3, color=MEASURED)
+    area.axvline(record.peak_displacement, color=ACHIEVED, lw=0.8)
+    area.axvspan(low, high, color=QUIET, alpha=0.25, lw=0)
+    area.set(xlabel="tangential displacement [mm]", ylabel="contact area [mm²]")
+    area.set_ylim(0.0)
+    return figure
+
+
+def _laws():
+    figure = new_figure(8.0, 3.4)
+    forces, rescaled = figure.subplots(1, 2)
+    for law, name, ink in zip(measured()[1], ("static", "sliding"), (ACHIEVED, MEASURED_BESIDE), strict=True):
+        forces.errorbar(
+            law.load,
+            law.friction_force,
+            law.friction_force_sd,
+            law.load_sd,
+            fmt="o",
+            ms=3,
+            color=ink,
+            label=name,
+        )
+        rescaled.errorbar(
+            law.rescaled_load, law.rescaled_friction, law.rescaled_friction_sd, law.rescaled_load_sd,
+            fmt="o", ms=3, color=ink, label=name,
+        )  # fmt: skip
+    load = np.linspace(0.005, 0.45, 100)
+    area = independent.areas(fig4("red").surface.height, load, paper()["sample"]["radius_um"] / 1e3)
+    rescaled.plot(load, area, color=TARGET, lw=1.0, label="law of the heights")
+    forces.set(xlabel="load P [N]", ylabel="friction force F [N]")
+    rescaled.set(xlabel="rescaled load  P/E* [mm²]", ylabel="rescaled friction  F/(σB) [mm²]")
+    for ax in (forces, rescaled):
+        ax.legend(frameon=False, fontsize=8)
+    return figure
