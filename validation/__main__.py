@@ -1,13 +1,9 @@
-"""Check all claims: print the table, write results.json and the page, exit 1 if any check failed."""
+"""Check all claims: write the report and results.json, exit 1 if any check failed."""
 
 from __future__ import annotations
 
-import json
 import sys
 import time
-import traceback
-from dataclasses import asdict
-from functools import cache
 from pathlib import Path
 
 import click
@@ -15,39 +11,22 @@ import click
 import metafem as mf
 from metafem.drawing import svg
 from metafem.report.figures import law_figure
-from validation.check import Check, Claim
-from validation.discovery import Listed, chosen, groups, module
-from validation.page import page, readme_table
+from validation.discovery import Listed
+from validation.numbers import computed, expected
+from validation.page import readme_table, write_report
 from validation.paper.surfaces import fig4
 from validation.published import REFERENCE
 from validation.readme import renew
+from validation.results import Evaluated, claims, collected, evaluate, is_slow, known, selected
+
+__all__ = ["MARKS", "claims", "evaluate", "is_slow", "main"]
 
 PICTURE = Path(__file__).parent / "first_minute.svg"
 
 MARKS = ("<!-- validation table: python -m validation --readme -->", "<!-- end of the validation table -->")
 
 
-def claims() -> list[str]:
-    """Names of the modules that make a claim, group by group."""
-    return [name for names in groups("claim").values() for name in names]
-
-
-def is_slow(name: str) -> bool:
-    """Whether a claim takes more than a few seconds: its module holds ``SLOW = True``."""
-    return bool(getattr(module(name, "claim"), "SLOW", False))
-
-
-@cache
-def evaluate(name: str) -> Claim:
-    """Evaluate one claim; an exception is a failed check."""
-    try:
-        return module(name, "claim").claim()
-    except Exception:
-        reason = traceback.format_exc(limit=-1).strip().splitlines()[-1]
-        return Claim(name, [Check(f"ran into: {reason}", float("inf"), "no error", False, "this run")])
-
-
-def renew_readme(results: dict[str, Claim]) -> None:
+def renew_readme(results: dict[str, Evaluated]) -> None:
     """Write the README's table and picture."""
     renew(MARKS, readme_table(results))
     PICTURE.write_text(svg(_first_minute(), "Target, achieved law and finite elements"), "utf-8")
@@ -69,53 +48,68 @@ def _first_minute():
 class ListedClaims(Listed):
     """The command, whose help lists the claims."""
 
-    attributes = ("claim",)
+    def listed(self) -> dict[str, list[str]]:
+        """Return the groups of claims."""
+        return known()
 
 
 @click.command(cls=ListedClaims)
 @click.option("-o", "--output", default="validation/results", show_default=True, help="Folder to write.")
-@click.option("--readme", is_flag=True, help="Also renew the table in README.md.")
+@click.option("--quick", is_flag=True, help="Leave out the claims that take long or measure times.")
+@click.option("--site", is_flag=True, help="Also write the guide, the examples and the reference.")
+@click.option("--readme", is_flag=True, help="Also renew the table of answers in README.md.")
 @click.argument("names", nargs=-1)
-def main(output: str, readme: bool, names: tuple[str, ...]) -> None:
-    """Check the claims NAMES, those of whole groups, or all. Prints computed and expected numbers."""
+def main(output: str, quick: bool, site: bool, readme: bool, names: tuple[str, ...]) -> None:
+    """Check the claims NAMES, those of whole groups, or all. Prints failed checks and writes the report."""
     from rich.console import Console
-    from rich.table import Table
-    from rich.text import Text
 
     console = Console()
-    results: dict[str, Claim] = {}
-    for name in chosen(names, "claim"):
-        start = time.perf_counter()
-        claim = results[name] = evaluate(name)
-        title = f"{name}: {claim.title}"
-        table = Table("check", "computed", "expected", "source", title=title, title_justify="left")
-        for check in claim.checks:
-            style = None if check.passed else "bold red"
-            row = (check.name, f"{check.computed:.6g}", check.expected, str(check.source))
-            table.add_row(*map(Text, row), style=style)  # texts: a unit in brackets is no markup
-        for each in claim.results:
-            table.add_row(*map(Text, (each.name, f"{each.value:.6g}", "", each.method)), style="dim")
-        console.print(table)
-        console.print(f"{time.perf_counter() - start:.1f} s\n")
+    wanted, left_out = selected(names, quick=quick)
+    if readme and (left_out or names):
+        raise click.UsageError("--readme needs all claims: give it without --quick and without names")
+    begin = time.perf_counter()
+    results = _evaluate_all(console, wanted)
     folder = Path(output)
-    folder.mkdir(parents=True, exist_ok=True)
-    data = {
-        name: {
-            "title": c.title,
-            "checks": [asdict(k) for k in c.checks],
-            "results": [asdict(k) for k in c.results],
-        }
-        for name, c in results.items()
-    }
-    (folder / "results.json").write_text(json.dumps(data, indent=1, ensure_ascii=False, default=str), "utf-8")
-    (folder / "index.html").write_text(page(results), "utf-8")
+    write_report(folder, results, left_out, whole=site)
+    if site:
+        from validation.site import write_site
+
+        write_site(folder)
     if readme:
         renew_readme(results)
-    checks = [check for claim in results.values() for check in claim.checks]
-    failed = sum(not check.passed for check in checks)
-    console.print(REFERENCE)
-    console.print(f"{len(checks) - failed} of {len(checks)} checks passed; {folder / 'index.html'}")
+    checks = [check for each in results.values() for check in each.checks]
+    failed = [(each, check) for each in results.values() for check in each.failed]
+    for each, check in failed:
+        console.print(
+            f"failed: {each.name}: {check.name}: computed {computed(check)}, expected {expected(check)}; "
+            f"{check.source}", style="bold red", markup=False, soft_wrap=True,
+        )  # fmt: skip
+    if left_out:
+        console.print(f"left out by --quick: {', '.join(left_out)}", soft_wrap=True)
+    console.print(REFERENCE, soft_wrap=True, highlight=False)
+    console.print(
+        f"{len(checks) - len(failed)} of {len(checks)} checks passed in {time.perf_counter() - begin:.0f} s; "
+        f"{folder / 'index.html'}", soft_wrap=True, highlight=False,
+    )  # fmt: skip
     sys.exit(1 if failed else 0)
+
+
+def _evaluate_all(console, wanted: list[str]) -> dict[str, Evaluated]:
+    """Evaluate claims with a bar of progress, and a line for each that is done."""
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    with Progress(*columns, console=console, transient=True) as progress:
+        task = progress.add_task("claims", total=len(wanted))
+
+        def done(each: Evaluated) -> None:
+            passed = len(each.checks) - len(each.failed)
+            style = "bold red" if each.failed else None
+            line = f"{each.name}: {passed} of {len(each.checks)} checks passed, {each.seconds:.1f} s"
+            console.print(line, style=style, highlight=False, markup=False)
+            progress.advance(task)
+
+        return collected(wanted, done=done)
 
 
 if __name__ == "__main__":

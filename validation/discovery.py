@@ -21,7 +21,7 @@ def groups(*attributes: str) -> dict[str, list[str]]:
         if package.ispkg:
             path = importlib.import_module(f"validation.{package.name}").__path__
             names = [each.name for each in pkgutil.iter_modules(path) if each.name != "__main__"]
-            kept = [name for name in names if set(attributes) & set(vars(_module(package.name, name)))]
+            kept = [name for name in names if set(attributes) & set(vars(named(package.name, name)))]
             if kept:
                 found[package.name] = kept
     return found
@@ -29,12 +29,16 @@ def groups(*attributes: str) -> dict[str, list[str]]:
 
 def module(name: str, *attributes: str) -> ModuleType:
     """Return the module of a short name, such as "fig4_linear"."""
-    return next(_module(group, name) for group, names in groups(*attributes).items() if name in names)
+    return next(named(group, name) for group, names in groups(*attributes).items() if name in names)
 
 
 def chosen(arguments: tuple[str, ...], *attributes: str) -> list[str]:
     """Return the named modules, those of the named groups, or all if nothing is named."""
-    known = groups(*attributes)
+    return picked(arguments, groups(*attributes))
+
+
+def picked(arguments: tuple[str, ...], known: dict[str, list[str]]) -> list[str]:
+    """Return the same among known groups and their modules."""
     every = [name for names in known.values() for name in names]
     for argument in arguments:
         if argument not in known and argument not in every:
@@ -52,13 +56,18 @@ class Listed(click.Command):
 
     attributes: tuple[str, ...] = ()
 
+    def listed(self) -> dict[str, list[str]]:
+        """Return the groups and their modules."""
+        return groups(*self.attributes)
+
     def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the names of each group with the first lines of their docstrings."""
-        for group, names in groups(*self.attributes).items():
+        for group, names in self.listed().items():
             title = first_line(importlib.import_module(f"validation.{group}")).rstrip(".")
             with formatter.section(f"{group}, {title[0].lower()}{title[1:]}"):
-                formatter.write_dl([(name, first_line(_module(group, name))) for name in names])
+                formatter.write_dl([(name, first_line(named(group, name))) for name in names])
 
 
-def _module(group: str, name: str) -> ModuleType:
+def named(group: str, name: str) -> ModuleType:
+    """Return a module of a group."""
     return importlib.import_module(f"validation.{group}.{name}")

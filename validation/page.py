@@ -1,84 +1,159 @@
-"""The validation report as one HTML page, and its summary for the README."""
+"""The pages of the report: the verdicts, and one page for each chapter; and their table in the README."""
 
 from __future__ import annotations
 
-from metafem.drawing import svg
-from validation.chapters import CHAPTERS
-from validation.check import Claim, Picture
-from validation.discovery import module
+import re
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from validation.chapters import CHAPTERS, Chapter
+from validation.check import Check, Difference, Result, Row
+from validation.discovery import first_line
+from validation.numbers import computed, expected, number, powers
+from validation.pages import site_page
 from validation.published import REFERENCE
+from validation.results import Evaluated, as_data, as_json, module_of
+from validation.sources import Kind, Source
+from validation.verdicts import verdicts
 
-TEMPLATE = """<!doctype html>
-<html lang="en"><head><meta charset="utf-8"><title>metafem: validation</title>
-<style>
-body { margin: 0 auto; max-width: 1060px; padding: 24px 20px 60px; color: #1f2933;
-  font: 15px/1.5 system-ui, "DejaVu Sans", sans-serif; }
-h2 { margin: 34px 0 8px; }
-table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nums; }
-th, td { text-align: left; padding: 4px 14px 4px 0; border-bottom: 1px solid #dfe3e8; vertical-align: top; }
-th { color: #667078; } .failed td { color: #b3261e; font-weight: 600; }
-.figures { display: flex; flex-wrap: wrap; gap: 16px; } svg { max-width: 100%; height: auto; }
-</style></head><body>
-<h1>Validation of metafem</h1>
-<p>{{ passed }} of {{ total }} checks passed. Every number is computed when this page is made.</p>
-<p>{{ reference }}.</p>
-{% for name, claim in results.items() %}
-<h2>{{ claim.title }}</h2>
-<p><code>{{ path(name) }}</code></p>
-{% if claim.text %}<p>{{ claim.text }}</p>{% endif %}
-<table><thead><tr><th>check</th><th>computed</th><th>expected</th><th>source</th></tr></thead><tbody>
-{% for check in claim.checks %}
-<tr{% if not check.passed %} class="failed"{% endif %}><td>{{ check.name }}</td>
-<td>{{ "%.6g"|format(check.computed) }}</td><td>{{ check.expected }}</td><td>{{ check.source }}</td></tr>
-{% endfor %}
-{% for row in claim.results %}
-<tr><td>{{ row.name }}</td><td>{{ "%.6g"|format(row.value) }}</td><td></td><td>{{ row.method }}</td></tr>
-{% endfor %}
-</tbody></table>
-<div class="figures">{% for figure in drawn[name] %}{{ figure|safe }}{% endfor %}</div>
-{% endfor %}
-</body></html>
-"""
+Results = Mapping[str, Evaluated]
+
+FORMATS = {"computed": computed, "expected": expected, "number": number, "powers": powers}
+
+# What the kinds of source mean to a reader.
+MEANINGS = {
+    Kind.PAPER: "The number stands in the paper or its Supplementary Materials.",
+    Kind.PUBLICATION: "The number or equation stands in another publication, which is linked.",
+    Kind.CLOSED_FORM: "A formula of metafem.reference gives the number; no solver uses these formulas.",
+    Kind.SECOND_METHOD: "Another method, which shares no solver with the first, computes it in the same run.",
+    Kind.KNOWN_INPUT: "The check knows the answer: true values of synthetic data, a target, an identity.",
+}
 
 
-def page(results: dict[str, Claim]) -> str:
-    """Return the page with all figures drawn."""
-    from jinja2 import Environment, StrictUndefined
-
-    checks = [check for claim in results.values() for check in claim.checks]
-    drawn = {
-        name: [
-            svg(each.draw() if isinstance(each, Picture) else each(), f"{claim.title}: {title}")
-            for title, each in claim.figures.items()
-        ]
-        for name, claim in results.items()
-    }
-    return (
-        Environment(autoescape=True, undefined=StrictUndefined)
-        .from_string(TEMPLATE)
-        .render(
-            results=results,
-            path=path,
-            drawn=drawn,
-            total=len(checks),
-            passed=sum(check.passed for check in checks),
-            reference=REFERENCE,
-        )
-    )
-
-
-def readme_table(results: dict[str, Claim]) -> str:
-    """Return the summary, one line for each chapter, in Markdown."""
-    rows = ["| chapter | question | checks passed |", "|---|---|---|"]
+def report(results: Results, left_out: Sequence[str] = (), *, whole: bool = False) -> dict[str, str]:
+    """Return names and texts of the pages and of results.json."""
+    pages = {"index.html": _index(results, left_out, whole)}
     for chapter in CHAPTERS:
-        checks = [check for name in chapter.claims if name in results for check in results[name].checks]
-        if not checks:
-            continue
-        passed = sum(check.passed for check in checks)
-        rows.append(f"| {chapter.title} | {chapter.question} | {passed} of {len(checks)} |")
+        pages[f"{chapter.name}.html"] = _chapter(chapter, results, left_out, whole)
+    data = {
+        "verdicts": [asdict(each) for each in verdicts(results)],
+        "left_out": list(left_out),
+        **as_data(dict(results)),
+    }
+    pages["results.json"] = as_json(data)
+    return pages
+
+
+def write_report(
+    folder: Path, results: Results, left_out: Sequence[str] = (), *, whole: bool = False
+) -> None:
+    """Write the pages and results.json into a folder."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, text in report(results, left_out, whole=whole).items():
+        (folder / name).write_text(text, "utf-8")
+
+
+def readme_table(results: Results) -> str:
+    """Return the verdicts in Markdown."""
+    rows = ["| question | answer |", "|---|---|"]
+    rows += [f"| {each.question} | **{each.headline}.** {each.sentence} |" for each in verdicts(results)]
     return "\n".join(rows)
 
 
-def path(name: str) -> str:
-    """Return the file of a claim, from the root of the repository."""
-    return f"{module(name, 'claim').__name__.replace('.', '/')}.py"
+def _index(results: Results, left_out: Sequence[str], whole: bool) -> str:
+    checks = [check for each in results.values() for check in each.checks]
+    chapters = [
+        (chapter, _of(chapter, results), [name for name in chapter.claims if name in left_out])
+        for chapter in CHAPTERS
+    ]
+    shown = [part for part in chapters if part[1] or part[2]]
+    differing = [
+        group
+        for chapter, found, _ in shown
+        for each in found
+        for group in _grouped(each, f"{chapter.name}.html#{each.name}")
+    ]
+    failed = [
+        (f"{chapter.name}.html#{anchor}", each, row)
+        for chapter, found, _ in shown
+        for each in found
+        for anchor, row in anchored(each, Check)
+        if isinstance(row, Check) and not row.passed
+    ]
+    kinds = Counter(check.source.kind for check in checks if isinstance(check.source, Source))
+    return site_page(
+        "index.html",
+        here="index.html",
+        whole=whole,
+        checks=checks,
+        total=len(results),
+        verdicts=verdicts(results),
+        chapters=shown,
+        differing=differing,
+        statements=sum(len(each.differences) for each in results.values()),
+        failed=failed,
+        kinds=[(kind.value, kinds[kind], words) for kind, words in MEANINGS.items()],
+        left_out=_described(left_out),
+        reference=REFERENCE,
+        formats=FORMATS,
+    )
+
+
+def _chapter(chapter: Chapter, results: Results, left_out: Sequence[str], whole: bool) -> str:
+    found = _of(chapter, results)
+    return site_page(
+        "chapter.html",
+        here=f"{chapter.name}.html",
+        whole=whole,
+        chapter=chapter,
+        results=found,
+        checks=[check for each in found for check in each.checks],
+        differing=sum(len(each.differences) for each in found),
+        left_out=_described([name for name in chapter.claims if name not in results]),
+        anchored=anchored,
+        grouped=_grouped,
+        row_types={"check": Check, "result": Result},
+        formats=FORMATS,
+    )
+
+
+def anchored(each: Evaluated, kind: type[Row]) -> list[tuple[str, Row]]:
+    """Return the rows of a kind with their anchors, which differ for rows of one name."""
+    seen: Counter[str] = Counter()
+    rows = []
+    for row in each.rows:
+        anchor = f"{each.name}-{re.sub(r'[^a-z0-9]+', '-', row.name.lower()).strip('-')}"
+        seen[anchor] += 1
+        number = seen[anchor]
+        if isinstance(row, kind):
+            rows.append((anchor if number == 1 else f"{anchor}-{number}", row))
+    return rows
+
+
+@dataclass(frozen=True)
+class Statements:
+    """Statements of the paper that do not hold for one reason, with anchors, and where they are shown."""
+
+    title: str
+    where: str
+    rows: list[tuple[str, Difference]]
+
+
+def _grouped(each: Evaluated, where: str = "") -> list[Statements]:
+    """Return the differences of a claim, those with the same words together."""
+    groups: dict[str, list[tuple[str, Difference]]] = {}
+    for anchor, row in anchored(each, Difference):
+        assert isinstance(row, Difference)
+        groups.setdefault(row.words, []).append((anchor, row))
+    return [Statements(each.title, where, rows) for rows in groups.values()]
+
+
+def _of(chapter: Chapter, results: Results) -> list[Evaluated]:
+    return [results[name] for name in chapter.claims if name in results]
+
+
+def _described(names: Sequence[str]) -> list[tuple[str, str]]:
+    """Return names of claims with the first lines of their documentation."""
+    return [(name, first_line(module_of(name))) for name in names]

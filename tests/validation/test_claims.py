@@ -8,9 +8,10 @@ import pytest
 from validation.__main__ import MARKS, claims, evaluate, is_slow
 from validation.chapters import CHAPTERS
 from validation.check import Picture
-from validation.discovery import groups
 from validation.page import readme_table
+from validation.results import costs, evaluated
 from validation.sources import Source
+from validation.verdicts import QUESTIONS
 
 NAMES = [pytest.param(name, marks=pytest.mark.slow) if is_slow(name) else name for name in claims()]
 
@@ -56,8 +57,12 @@ def test_each_figure_has_a_caption_and_each_claim_a_text(name):
 @pytest.mark.slow
 def test_the_table_of_the_readme_is_the_one_that_is_computed():
     readme = (Path(__file__).parents[2] / "README.md").read_text("utf-8")
-    results = {name: evaluate(name) for name in claims()}
-    assert f"{MARKS[0]}\n{readme_table(results)}\n{MARKS[1]}" in readme
+    shown = readme.partition(MARKS[0])[2].partition(MARKS[1])[0].splitlines()
+    results = {name: evaluated(name) for name in claims()}
+    # times are measured on their own; the answers from them are not compared
+    lines = [line for line in readme_table(results).splitlines() if "Not in this run" not in line]
+    assert len(lines) >= len(QUESTIONS) + 1
+    assert set(lines) <= set(shown)
 
 
 def test_a_claim_that_raises_is_a_failed_check(monkeypatch):
@@ -70,5 +75,4 @@ def test_a_claim_that_raises_is_a_failed_check(monkeypatch):
 
 
 def test_each_claim_is_in_one_chapter():
-    timed = groups("measure")["cost"]
-    assert sorted(name for chapter in CHAPTERS for name in chapter.claims) == sorted([*claims(), *timed])
+    assert sorted(name for chapter in CHAPTERS for name in chapter.claims) == sorted([*claims(), *costs()])

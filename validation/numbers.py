@@ -1,0 +1,64 @@
+"""Numbers in the words of the report: as many digits as mean something, and powers of ten written out."""
+
+from __future__ import annotations
+
+import math
+import re
+
+from validation.check import Check
+
+SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+# Digits of a result, of a number beside its bound, and of one beside its expected value.
+DIGITS, BESIDE_A_BOUND, MOST = 4, 3, 6
+
+# Powers of ten that are written without an exponent.
+PLAIN = range(-4, 6)
+
+POWER = re.compile(r"(\d+(?:\.\d+)?)e([+-]?)0*(\d+)")
+NEAR = re.compile(r"-?[\d.e+-]+ ± ([\d.e+-]+)$")
+
+
+def number(value: float, digits: int = DIGITS) -> str:
+    """Return a number with some significant digits; integers keep all of theirs."""
+    if not math.isfinite(value):
+        return "none"
+    if value == 0.0:
+        return "0"
+    power = math.floor(math.log10(abs(value)))
+    if value == round(value) and power < 15:
+        text = f"{round(value):,}"
+    elif power in PLAIN:
+        text = f"{float(f'{value:.{digits}g}'):,.{max(0, digits - 1 - power)}f}"
+        text = text.rstrip("0").rstrip(".") if "." in text else text
+    else:
+        text = powers(f"{value:.1e}")
+    return text.replace("-", "−")
+
+
+def powers(text: str) -> str:
+    """Return a text in which numbers such as 1e-06 are powers of ten."""
+
+    def written(found: re.Match[str]) -> str:
+        power = "10" + (found[2].replace("+", "") + found[3]).translate(SUPERSCRIPTS)
+        return power if found[1] == "1" else f"{found[1]} × {power}"
+
+    return POWER.sub(written, text)
+
+
+def computed(check: Check) -> str:
+    """Return the computed number of a check, to the digits that its expected number states."""
+    found = NEAR.match(check.expected)
+    if not found:
+        return number(check.computed, BESIDE_A_BOUND)
+    tolerance = float(found[1])
+    if tolerance == 0.0 or not math.isfinite(check.computed) or check.computed == 0.0:
+        return number(check.computed, MOST)
+    places = 1 - math.floor(math.log10(tolerance))
+    digits = places + 1 + math.floor(math.log10(abs(check.computed)))
+    return number(check.computed, min(max(digits, 2), MOST))
+
+
+def expected(check: Check) -> str:
+    """Return the expected number of a check."""
+    return powers(check.expected.removesuffix(" ± 0")).replace(" -", " −")

@@ -1,0 +1,210 @@
+"""Evaluates claims, in two processes, into values that can be shown, stored and compared."""
+
+from __future__ import annotations
+
+import json
+import math
+import time
+import traceback
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from functools import cache
+from types import ModuleType
+from typing import Any
+
+from metafem.drawing.inline import Drawn, drawn
+from validation.check import Check, Claim, Difference, Picture, Result, Row
+from validation.discovery import groups, named, picked
+from validation.sources import Source, known_input
+
+# The group whose modules measure times: they run after all others, alone.
+COST = "cost"
+
+# The check that a claim without an error would pass.
+COMPLETE = known_input("a claim is evaluated without an error")
+
+
+@dataclass(frozen=True)
+class Evaluated:
+    """What one claim showed: its rows, its figures with their data, and the seconds that it took."""
+
+    name: str
+    title: str
+    file: str
+    text: str
+    rows: tuple[Row, ...]
+    figures: tuple[Drawn, ...]
+    seconds: float = field(compare=False)
+
+    @property
+    def checks(self) -> list[Check]:
+        """The rows with an expected number."""
+        return [row for row in self.rows if isinstance(row, Check)]
+
+    @property
+    def results(self) -> list[Result]:
+        """The rows without one."""
+        return [row for row in self.rows if isinstance(row, Result)]
+
+    @property
+    def differences(self) -> list[Difference]:
+        """The statements of the paper that do not hold."""
+        return [row for row in self.rows if isinstance(row, Difference)]
+
+    @property
+    def failed(self) -> list[Check]:
+        """The checks that failed."""
+        return [check for check in self.checks if not check.passed]
+
+
+def claims() -> list[str]:
+    """Names of the modules that make a claim, group by group."""
+    return [name for names in groups("claim").values() for name in names]
+
+
+def costs() -> list[str]:
+    """Names of the modules that measure times."""
+    return groups("measure").get(COST, [])
+
+
+def known() -> dict[str, list[str]]:
+    """Groups of all modules that the report shows."""
+    return {**groups("claim"), **({COST: costs()} if costs() else {})}
+
+
+def is_slow(name: str) -> bool:
+    """Whether a claim takes long: it measures times, or its module holds ``SLOW = True``."""
+    return name in costs() or bool(getattr(module_of(name), "SLOW", False))
+
+
+@cache
+def evaluate(name: str) -> Claim:
+    """Evaluate one claim; an exception is a failed check."""
+    try:
+        module = module_of(name)
+        return module.measure() if name in costs() else module.claim()
+    except Exception as error:
+        return Claim(name, [_ran_into(error)])
+
+
+def evaluated(name: str) -> Evaluated:
+    """Evaluate one claim and draw its figures; an exception is a failed check."""
+    start = time.perf_counter()
+    claim = evaluate(name)
+    rows, figures = list(claim.rows), []
+    for title, picture in claim.figures.items():
+        draw, caption = (picture.draw, picture.caption) if isinstance(picture, Picture) else (picture, "")
+        try:
+            figures.append(drawn(draw(), f"{claim.title}: {title}", caption))
+        except Exception as error:
+            rows.append(_ran_into(error, f"figure {title!r} "))
+    file = f"{module_of(name).__name__.replace('.', '/')}.py"
+    seconds = time.perf_counter() - start
+    return Evaluated(name, claim.title, file, claim.text, tuple(rows), tuple(figures), seconds)
+
+
+def evaluated_in(names: Sequence[str], processes: int = 2) -> Iterator[Evaluated]:
+    """Evaluate claims in some processes, and then one by one those that measure times; yield each when done.
+
+    The numbers are those of one process: each claim is evaluated in one, on one thread.
+    """
+    timed = [name for name in names if name in costs()]
+    others = sorted((name for name in names if name not in timed), key=lambda name: not is_slow(name))
+    if processes == 1 or len(others) < 2:
+        yield from map(evaluated, others)
+    else:
+        from joblib import Parallel, delayed, parallel_config
+
+        with parallel_config(backend="loky", inner_max_num_threads=1):
+            work = Parallel(n_jobs=processes, return_as="generator_unordered")
+            yield from work(delayed(evaluated)(name) for name in others)
+    yield from map(evaluated, timed)
+
+
+def collected(
+    names: Iterable[str], processes: int = 2, done: Callable[[Evaluated], None] = lambda each: None
+) -> dict[str, Evaluated]:
+    """Evaluate claims and return them by name in the order of the names; `done` is told of each."""
+    wanted = list(names)
+    found = {}
+    for each in evaluated_in(wanted, processes):
+        found[each.name] = each
+        done(each)
+    return {name: found[name] for name in wanted}
+
+
+def selected(arguments: tuple[str, ...], *, quick: bool = False) -> tuple[list[str], list[str]]:
+    """Return the claims of some names and groups, or all, and those of them that `quick` leaves out."""
+    names = picked(arguments, known())
+    left_out = [name for name in names if quick and is_slow(name)]
+    return [name for name in names if name not in left_out], left_out
+
+
+def as_data(results: dict[str, Evaluated]) -> dict[str, Any]:
+    """Return everything but the pictures as plain data; the seconds stand apart."""
+    return {
+        "claims": {name: _claim_data(each) for name, each in results.items()},
+        "seconds": {name: round(each.seconds, 1) for name, each in results.items()},
+    }
+
+
+def as_json(data: dict[str, Any]) -> str:
+    """Return data as JSON text."""
+    return json.dumps(data, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def _claim_data(each: Evaluated) -> dict[str, Any]:
+    return {
+        "title": each.title,
+        "file": each.file,
+        "text": each.text,
+        "checks": [
+            {
+                "name": row.name,
+                "computed": _finite(row.computed),
+                "expected": row.expected,
+                "passed": row.passed,
+                "source": _source_data(row.source),
+            }
+            for row in each.checks
+        ],
+        "results": [
+            {"name": row.name, "value": _finite(row.value), "method": row.method} for row in each.results
+        ],
+        "differences": [
+            {
+                "name": row.name,
+                "computed": _finite(row.computed),
+                "printed": row.printed,
+                "words": row.words,
+                "source": _source_data(row.source),
+            }
+            for row in each.differences
+        ],
+        "figures": [
+            {"title": figure.title, "caption": figure.caption, "data": figure.file_name}
+            for figure in each.figures
+        ],
+    }
+
+
+def _source_data(source: Source | str) -> dict[str, str]:
+    if isinstance(source, str):
+        return {"kind": "", "text": source, "link": ""}
+    return {"kind": source.kind.value, "text": source.text, "link": source.link}
+
+
+def _finite(value: float) -> float | None:
+    """Return a number, or None for one that JSON cannot hold."""
+    return value if math.isfinite(value) else None
+
+
+def _ran_into(error: Exception, where: str = "") -> Check:
+    """Return the failed check of a claim that raised an error."""
+    reason = "".join(traceback.format_exception_only(error)).strip().splitlines()[-1]
+    return Check(f"{where}ran into: {reason}", float("inf"), "no error", False, COMPLETE)
+
+
+def module_of(name: str) -> ModuleType:
+    """Return the module of a claim."""
+    return named(next(group for group, names in known().items() if name in names), name)

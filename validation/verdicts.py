@@ -1,0 +1,227 @@
+"""The answers of the report's first screen: a sentence for each question, with numbers of the claims."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+from validation.chapters import CHAPTERS
+from validation.check import Result, Row
+from validation.numbers import number
+from validation.published import paper
+from validation.results import Evaluated
+from validation.scenes.compression_tests import MODULUS
+
+MISSING = "{claim} has no row {words} {name!r}; validation/verdicts.py reads it. Its rows: {rows}"
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """A question, the answer in a few words and in one sentence, where its evidence is, and how it went.
+
+    The states are "holds", "partly", "failed" (a check of the evidence failed) and "absent" (not evaluated).
+    """
+
+    question: str
+    headline: str
+    sentence: str
+    link: str
+    state: str
+
+
+class NotEvaluated(Exception):
+    """A claim that a verdict needs was not evaluated in this run."""
+
+
+@dataclass
+class Evidence:
+    """The evaluated claims, which remembers those that were read."""
+
+    results: Mapping[str, Evaluated]
+    read: list[str] = field(default_factory=list)
+    partly: bool = False
+
+    def claim(self, name: str) -> Evaluated:
+        """Return an evaluated claim."""
+        if name not in self.results:
+            raise NotEvaluated(name)
+        self.read.append(name)
+        return self.results[name]
+
+    def chapter(self, name: str) -> list[Evaluated | None]:
+        """Return all claims of a chapter; None for one that was not evaluated."""
+        names = [each for chapter in CHAPTERS if chapter.name == name for each in chapter.claims]
+        return [self.claim(each) if each in self.results else None for each in names]
+
+    def value(self, claim: str, name: str) -> float:
+        """Return the computed number of the row of a name."""
+        return self._values(claim, "named", name, lambda row: row.name == name)[0]
+
+    def largest(self, claim: str, *parts: str) -> float:
+        """Return the largest size of the numbers of the rows whose names contain all of some words."""
+        values = self._values(claim, "with", " … ".join(parts), lambda row: all(p in row.name for p in parts))
+        return max(map(abs, values))
+
+    def least(self, claim: str, *parts: str) -> float:
+        """Return the smallest size of the same numbers."""
+        values = self._values(claim, "with", " … ".join(parts), lambda row: all(p in row.name for p in parts))
+        return min(map(abs, values))
+
+    def _values(self, claim: str, words: str, name: str, wanted: Callable[[Row], bool]) -> list[float]:
+        rows = self.claim(claim).rows
+        found = [row.value if isinstance(row, Result) else row.computed for row in rows if wanted(row)]
+        if not found and not self.claim(claim).failed:
+            known = "; ".join(row.name for row in rows)
+            raise LookupError(MISSING.format(claim=claim, words=words, name=name, rows=known))
+        return found or [float("nan")]
+
+
+@dataclass(frozen=True)
+class Question:
+    """A question, its answer in a few words and in a sentence, and the address of the evidence."""
+
+    text: str
+    answer: Callable[[Evidence], tuple[str, str]]
+    link: str
+
+
+def verdicts(results: Mapping[str, Evaluated]) -> list[Verdict]:
+    """Return the answers; one whose claims were not evaluated says so."""
+    return [_verdict(question, Evidence(results)) for question in QUESTIONS]
+
+
+def _verdict(question: Question, evidence: Evidence) -> Verdict:
+    try:
+        headline, sentence = question.answer(evidence)
+    except NotEvaluated as absent:
+        words = f"The claim {absent} was left out of this run; python -m validation evaluates it."
+        return Verdict(question.text, "Not in this run", words, "", "absent")
+    failed = [check for name in dict.fromkeys(evidence.read) for check in evidence.results[name].failed]
+    if failed:
+        count = f"{len(failed)} check{'s' if len(failed) > 1 else ''} failed"
+        return Verdict(question.text, count, f"The first one: {failed[0].name}.", question.link, "failed")
+    return Verdict(question.text, headline, sentence, question.link, "partly" if evidence.partly else "holds")
+
+
+def _percent(value: float, digits: int = 2) -> str:
+    return f"{number(100.0 * value, digits)} %"
+
+
+def _reproduced(evidence: Evidence) -> tuple[str, str]:
+    heights = evidence.largest("table_s2", "largest difference of 64 heights [µm]")
+    chapter = evidence.chapter("paper")
+    found = [each for each in chapter if each is not None]
+    checks = sum(len(each.checks) for each in found)
+    differing = sum(len(each.differences) for each in found)
+    evidence.partly = differing > 0
+    absent = len(chapter) - len(found)
+    return (
+        f"Yes, except {differing} printed numbers or statements" if differing else "Yes",
+        f"{checks} numbers agree with its figures, tables and equations, or with a second method; the 128 "
+        f"heights of Table S2 within {number(heights, 2)} µm."
+        + (f" {absent} of {len(chapter)} claims were left out of this run." if absent else ""),
+    )
+
+
+def _interaction(evidence: Evidence) -> tuple[str, str]:
+    limit = paper()["interaction"]["rms_area_difference_below"]
+    name = "interaction_error"
+    printed = evidence.largest(name, "Fig. 5", "printed sites: rms")
+    linear = evidence.largest(name, "Fig. 4", "median rms")
+    points = evidence.value(name, "Fig. 3: median rms of random assignments")
+    holds = max(printed, linear, points) < limit
+    evidence.partly = not holds
+    return (
+        "Yes" if holds else f"On Figs. 4 and 5; on Fig. 3 it is {_percent(points)}",
+        f"At equal load it changes A0 by {_percent(printed)} rms at the printed sites of Fig. 5, by "
+        f"{_percent(linear)} on the heights of Fig. 4 and by {_percent(points)} on those of Fig. 3: medians "
+        "over 1,000 assignments of the heights to sites.",
+    )
+
+
+def _model(evidence: Evidence) -> tuple[str, str]:
+    name = "block_or_layer"
+    area = evidence.largest(name, "layer", "largest relative difference of A0 from the block")
+    lower = evidence.largest(name, "half-space", "largest difference of separation [µm]")
+    higher = evidence.largest(name, "layer", "largest difference of separation [µm]")
+    return (
+        "Order 3 on the bonded layer",
+        f"For A0(P) the substrate matters little: the layer is within {_percent(area)} of the true block. "
+        f"For the separation use the layer: it is {number(higher, 2)} µm from the block, the half-space "
+        f"{number(lower, 2)} µm. Take Automatic() where contacts may merge.",
+    )
+
+
+def _exact(evidence: Evidence) -> tuple[str, str]:
+    name = "order3_against_resolved"
+    third = evidence.largest(name, "order 3: error of A0")
+    first = evidence.largest(name, "order 1: error of A0 [%]")
+    load = evidence.largest(name, "order 3: error of the load")
+    return (
+        f"Order 3: A0 to {_percent(third)}",
+        f"Against resolved contacts, point loads (order 1) miss A0 by up to {number(first, 2)} %, order 3 by "
+        f"at most {_percent(third)} and the load at a given approach by at most {_percent(load)}.",
+    )
+
+
+def _cost(evidence: Evidence) -> tuple[str, str]:
+    name = "work_precision"
+    curve = evidence.least(name, "time of tamaas", "each load of a curve")
+    cold = evidence.least(name, "time of tamaas", "one load of a new surface")
+    return (
+        f"{number(curve, 2)} times less than resolved contacts",
+        f"For 64 asperities tamaas, on the grid that it needs for an error of 0.5 % in A0, takes at least "
+        f"{number(curve, 2)} times as long as order 3 for each load of a curve and {number(cold, 2)} times "
+        "for one load of a new surface.",
+    )
+
+
+def _fails(evidence: Evidence) -> tuple[str, str]:
+    name = "random_scenes"
+    failed, refused = (
+        evidence.value(name, row)
+        for row in ("scenes that fail", "inside the ranges: scenes that are refused")
+    )
+    outside = evidence.largest(name, "outside", "refused")
+    total = evidence.value(name, "scenes")
+    return (
+        f"{number(failed)} of {number(total)} random scenes",
+        f"Of {number(total)} random scenes {number(failed)} ended without a solution or a stated reason. "
+        f"Inside the documented ranges {number(refused)} were refused, outside them {_percent(outside)}.",
+    )
+
+
+def _measurements(evidence: Evidence) -> tuple[str, str]:
+    name = "contact_calibration"
+    own = evidence.largest(name, "mJ/m²: bias of E* over its uncertainty")
+    held = evidence.least(name, "mJ/m²: 68 % intervals of E* that hold it")
+    line = evidence.largest(name, "1 contact", "paper's line, mean E*") / MODULUS - 1.0
+    return (
+        f"E* is unbiased to {_percent(own, 1)} of its uncertainty",
+        f"In synthetic tests with the paper's errors, 68 % intervals of E* hold the true value in at least "
+        f"{_percent(held, 3)} of the tests. The paper's straight line gives an E* {_percent(line)} too large "
+        "if one contact has the load.",
+    )
+
+
+def _designs(evidence: Evidence) -> tuple[str, str]:
+    name = "any_law"
+    deviation = evidence.largest(name, "friction proportional to load", "largest deviation")
+    return (
+        f"Friction proportional to load to {_percent(deviation)}",
+        f"A surface with F proportional to P over a factor of "
+        f"{number(evidence.largest(name, 'largest over smallest load'), 2)} in load deviates by at most "
+        f"{_percent(deviation)}, with and without interaction.",
+    )
+
+
+QUESTIONS = (
+    Question("Is the paper reproduced?", _reproduced, "paper.html"),
+    Question("Is elastic interaction below 2.3 %?", _interaction, "interaction.html#interaction_error"),
+    Question("Which model should be used?", _model, "interaction.html#block_or_layer"),
+    Question("How exact are the models?", _exact, "interaction.html#order3_against_resolved"),
+    Question("Which laws can be designed?", _designs, "inversion.html#any_law"),
+    Question("What does it cost?", _cost, "cost.html#work_precision"),
+    Question("Where does it fail?", _fails, "stability.html#random_scenes"),
+    Question("Can measured parameters be trusted?", _measurements, "measurements.html#contact_calibration"),
+)
