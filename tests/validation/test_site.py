@@ -66,6 +66,8 @@ def test_members_are_those_for_users():
         ("``(<R>/<sqrt R>)^2``", "<p><code>(&lt;R&gt;/&lt;sqrt R&gt;)^2</code></p>"),
         ("See doi:10.1126/science.adk4234.", '<p>See <a href="https://doi.org/10.1126/science.adk4234">'
          "doi:10.1126/science.adk4234</a>.</p>"),
+        ("(doi:10.1016/0020-7225(65)90019-4)", '<p>(<a href="https://doi.org/10.1016/0020-7225(65)90019-4">'
+         "doi:10.1016/0020-7225(65)90019-4</a>)</p>"),
     ],
 )  # fmt: skip
 def test_docstrings_mean_what_they_say(text, expected):

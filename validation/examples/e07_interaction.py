@@ -38,7 +38,7 @@ for surface, model, words in (
     ax.plot(rescaled, difference, label=words)
 assert largest[3] < 1 < largest[2]
 
-ax.set(xlabel="P/E* [mm²]", ylabel="difference of A0 from the target [%]")
+ax.set(xlabel="P/E* [mm²]", ylabel="difference of A0 from the target [%]", ylim=(-3, 1))
 ax.legend(frameon=False)
 
 # Interaction changes the contact area by up to 2 %. With the refined heights the law is on the target again.

@@ -19,7 +19,7 @@ HEADING = re.compile(r'<h6 id="[^"]*">(.*?)</h6>')
 PARAMETER = re.compile(r"<li>(?:<p>)?<strong>(.*?)</strong>(?: \((.*)\))?:?\s*(?:</p>\s*)?")
 WORD = re.compile(r"[A-Za-z_][\w.]*")
 LINK_CANDIDATE = re.compile(r"<code>([A-Za-z_][\w.]*)((?:\([^<]*\))?)</code>")
-DOI = re.compile(r"\bdoi:(10\.\d{4,}/[^\s,;)<]*[^\s,;)<.])")
+DOI = re.compile(r"\bdoi:(10\.\d{4,}/(?:[^\s,;()<]|\([^\s()<]*\))*[^\s,;(<.])(?<!\))")
 
 Address = Callable[[str], str | None]
 
@@ -32,6 +32,7 @@ def html(docstring: str, address: Address) -> str:
     text = str(to_html(convert(_literal(docstring), "numpy", None)))
     for sign in "\\*_[]<":  # they have no meaning any more
         text = text.replace(f"&#{ord(sign)};", escape(sign))
+    text = text.replace('<div class="pdoc-code codehilite">', '<div class="code">')
     text = HEADING.sub(r"<h4>\1</h4>", text)
     text = PARAMETER.sub(lambda found: _parameter(found, address), text)
     text = DOI.sub(r'<a href="https://doi.org/\1">doi:\1</a>', text)
