@@ -21,9 +21,10 @@ CHAPTERS = (
         "The paper, figure by figure",
         "Is the paper reproduced?",
         (
-            "table_s1", "table_s2", "equations", "bounds", "fig2_calibration", "fig3_operating_points",
-            "fig3_branches", "fig_s1_topography", "fig4_linear", "fig5_bilinear", "static_and_sliding",
-            "contacts_at_loads", "error_bars", "fig_s2_misalignment", "fig_s3_manufacturing",
+            "fig1_flow", "table_s1", "table_s2", "equations", "bounds", "fig2_calibration",
+            "fig3_operating_points", "fig3_branches", "fig_s1_topography", "fig4_linear", "fig5_bilinear",
+            "static_and_sliding", "contacts_at_loads", "error_bars", "fig_s2_misalignment",
+            "fig_s3_manufacturing",
         ),
     ),
     Chapter(

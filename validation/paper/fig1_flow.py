@@ -1,0 +1,328 @@
+"""Fig. 1: the design strategy from a friction coefficient to the measured law of the made part, step by step.
+
+Each step starts from what the step before wrote: the specification, the result folder, the table of heights,
+the table of the mould, and the table of measured forces.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+import metafem as mf
+from metafem import files
+from metafem.drawing import ACHIEVED, MEASURED, QUIET, TARGET, circles, new_figure
+from metafem.reference import height_densities
+from validation.check import Check, Claim, Picture, Result, above, below, near, reported
+from validation.methods import independent
+from validation.published import paper
+from validation.sources import closed_form, known_input, printed, second_method
+
+# The friction coefficient to be designed, within the bounds of the paper and not one of its own.
+COEFFICIENT = 1.5
+
+# Loads of the measurement [N]: twelve points up to those of the paper's red law.
+FORCES = np.linspace(0.08, 0.95, 12)
+
+# Standard deviations that separate agreement from an error in a single draw.
+SIGMAS = 3.0
+
+# Tables are written with thirteen digits: 1e-13 of 200 µm.
+WRITTEN_UM = 1e-10
+
+# Rounding of lengths, loads and areas in sums of 64 terms.
+ROUNDING = 1e-10
+
+BOUNDS = printed("SM, bounds on achievable friction coefficients")
+RESCALED = printed("Fig. 4 caption, μ = (σB/E*) m")
+SAMPLE = printed("SM, sample preparation")
+LEVELS = printed("SM, building a quasi-linear friction law: levels of 6 µm")
+MADE = printed("SM, effect of manufacturing errors: s.d. of the slope below 0.5 % at 0.9 µm")
+DENSITY = closed_form(height_densities.slope, "eq. S3, slope of the exponential density")
+SUMS = second_method(independent.fitted_slope, "line through the law of the heights, eq. S1, with numpy")
+KEPT = known_input("the design as it was before saving")
+TRUE = known_input("true law of the made part, on which the errors of the forces are drawn")
+WITHIN = known_input("manufacturing limits of the specification")
+WANTED = known_input("target of this check")
+
+
+@dataclass(frozen=True)
+class Flow:
+    """What each step hands on."""
+
+    specification: files.Specification
+    design: mf.Design
+    loaded: mf.Design
+    table: mf.Surface  # read from heights.csv
+    mould: np.ndarray  # depths of the holes, by site [mm]
+    made: mf.Surface
+    measured: mf.calibration.MeasuredLaw  # read from its table
+    feature: mf.calibration.Feature  # slope of the measured law
+
+
+@cache
+def flow() -> Flow:
+    """Run all steps in a temporary folder."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        text = files.demo_text("linear").replace("slope = 6.87 ", f"friction_coefficient = {COEFFICIENT} ")
+        (folder / "wanted.toml").write_text(text, "utf-8")
+        specification = mf.read_spec(folder / "wanted.toml")
+        design = specification.design()
+        mf.save(design, folder / "result", specification=specification)
+        loaded = mf.load(folder / "result")
+        sample = loaded.template
+        table = files.read_surface(
+            folder / "result" / "heights.csv", sample.material, friction=sample.friction, block=sample.block
+        )
+        mould = _mould(folder / "result" / "mould.csv")
+        made = _made(table.replaced(height=mould))
+        measured = _measured(made, folder / "measured.csv")
+        (feature,) = mf.calibration.compare(measured, loaded).features
+    return Flow(specification, design, loaded, table, mould, made, measured, feature)
+
+
+def _mould(path: Path) -> np.ndarray:
+    """Return the depths of the holes for asperities [mm], in the order of their sites."""
+    rows = np.genfromtxt(path, delimiter=",", names=True, dtype=None, encoding="utf-8")
+    asperities = rows[rows["kind"] == "asperity"]
+    return np.asarray(asperities["depth_mm"][np.argsort(asperities["site"])])
+
+
+def _made(surface: mf.Surface) -> mf.Surface:
+    """Return a part with the paper's errors of heights, radii and alignment."""
+    sample, rng = paper()["sample"], np.random.default_rng(1)
+    angle = np.radians(sample["alignment_precision_deg"])
+    radius = surface.radius + 1e-3 * sample["radius_sd_um"] * rng.standard_normal(surface.count)
+    perturbed = surface.perturbed(1e-3 * sample["depth_precision_um"], rng)
+    return perturbed.replaced(radius=radius).tilted(angle, angle)
+
+
+def _measured(made: mf.Surface, path: Path) -> mf.calibration.MeasuredLaw:
+    """Write a table of forces with the paper's errors, and read it."""
+    error, rng = paper()["force_error"], np.random.default_rng(2)
+    true = mf.friction_law(made, load=FORCES).friction_force
+    sd = np.hypot(error["friction_N"], error["friction_relative"] * true)
+    load = FORCES + error["normal_N"] * rng.standard_normal(len(FORCES))
+    force = true + sd * rng.standard_normal(len(FORCES))
+    rows = [f"{x!r},{y!r}" for x, y in zip(load.tolist(), force.tolist(), strict=True)]
+    path.write_text("\n".join(["load_N,friction_force_N", *rows]), "utf-8")
+    assert made.friction is not None
+    return files.read_measured_law(path, made.material, made.friction)
+
+
+def claim() -> Claim:
+    """Follow the steps, and check that each starts from what the one before wrote."""
+    found = flow()
+    text = (
+        "Fig. 1 of the paper is a flowchart: a target friction law, an inversion that uses a friction model "
+        "and calibrated contacts, a list of heights, a manufactured sample, and a measured law that closes "
+        f"the circle. Here it is run for a friction coefficient of {COEFFICIENT}, with the paper's material "
+        "parameters, through the files that a user gets. The part and its measurement are simulated with the "
+        "errors that the paper states: 0.9 µm in height, 5 µm in radius, 0.005° in alignment, 5 mN in load, "
+        "and 1 mN and 1 % in friction force."
+    )
+    caption = (
+        "1: target law. 2: density of the heights that has its slope, and 64 heights at levels of 6 µm. "
+        "3: heights at their sites. 4: predicted law and target slope. 5: error of each height of the made "
+        "part. 6: measured points of the made part, and the line of the target slope; the points follow "
+        "the slope, with the intercept that the paper explains."
+    )
+    return Claim(
+        f"Fig. 1: the flow for a friction coefficient of {COEFFICIENT}",
+        [*_target(found), *_heights(found), *_files(found), *_part(found)],
+        {"flow": Picture(_figure, caption)},
+        text,
+    )
+
+
+def _factor(surface: mf.Surface) -> float:
+    """Return σB/E*, friction coefficient over slope."""
+    friction = surface.friction
+    assert friction is not None
+    return friction.shear_strength * friction.area_ratio / surface.material.composite_modulus
+
+
+def _slope(design: mf.Design) -> float:
+    ((branch, _),) = design.fits
+    return branch.slope
+
+
+def _target(found: Flow) -> list[Check | Result]:
+    limits, template = paper()["bounds"], found.specification.template
+    slope = COEFFICIENT / _factor(template)
+    scale, radius = float(found.design.parameters["scale"]), float(template.radius[0])
+    height = found.specification.limits.max_height
+    return [
+        above("1 target: friction coefficient", COEFFICIENT, limits["smallest_friction_coefficient"], BOUNDS),
+        below("1 target: friction coefficient, bound above", COEFFICIENT,
+              limits["largest_friction_coefficient"], BOUNDS),
+        near("1 target: slope m of the rescaled law", _slope(found.design), slope, ROUNDING, RESCALED),
+        near("2 inversion: slope of the density with the scale λ",
+             height_densities.slope(scale, radius, height), slope, ROUNDING, DENSITY),
+        reported("2 inversion: scale λ [µm]", 1e3 * scale, "mf.design"),
+    ]  # fmt: skip
+
+
+def _heights(found: Flow) -> list[Check]:
+    limits, height = found.specification.limits, found.design.surface.height
+    step = paper()["fig4"]["level_step_um"]
+    # levels stand at the middle of the steps above the offset
+    off = (1e3 * (height - limits.offset) / step - 0.5) % 1.0
+    top = 1e3 * (limits.offset + limits.max_height)
+    return [
+        near("3 heights: number of asperities", len(height), paper()["fig4"]["asperities"], 0, SAMPLE),
+        below("3 heights: tallest [µm]", 1e3 * float(height.max()), top, WITHIN),
+        above("3 heights: lowest [µm]", 1e3 * float(height.min()), 1e3 * limits.offset, WITHIN),
+        near("3 heights: largest distance from a level [µm]",
+             step * float(np.minimum(off, 1.0 - off).max()), 0.0, 1e-9, LEVELS),
+    ]  # fmt: skip
+
+
+def _files(found: Flow) -> list[Check]:
+    design, ((branch, fit),) = found.design, found.design.fits
+    low, high = branch.load_range
+    modulus = design.surface.material.composite_modulus
+    again = mf.friction_law(found.table, load=design.law.load)
+    loads = np.linspace(low, high, 100)
+    slope = mf.friction_law(found.table, load=modulus * loads).fit((low, high)).slope
+    second = float(independent.fitted_slope(design.surface.height, loads, float(design.surface.radius[0])))
+    worst = np.abs(again.area / design.law.area - 1.0).max()
+    return [
+        near("files: designs that differ after saving and loading", found.loaded != design, 0, 0, KEPT),
+        below("files: largest difference of the heights in heights.csv [µm]",
+              1e3 * np.abs(found.table.height - design.surface.height).max(), WRITTEN_UM, KEPT),
+        below("files: largest difference of depths in mould.csv from the heights [µm]",
+              1e3 * np.abs(found.mould - design.surface.height).max(), WRITTEN_UM, KEPT),
+        below("4 predicted law of heights.csv: largest difference from the design's law",
+              worst, ROUNDING, KEPT),
+        near("4 predicted law: fitted slope", slope, second, ROUNDING * second, SUMS),
+        near("4 predicted law: fitted slope in the design", fit.slope, second, 0.005 * second, SUMS),
+    ]  # fmt: skip
+
+
+def _part(found: Flow) -> list[Check | Result]:
+    ((branch, _),) = found.design.fits
+    low, high = branch.load_range
+    loads = found.made.material.composite_modulus * np.linspace(low, high, 100)
+    designed, made = (
+        mf.friction_law(surface, load=loads).fit((low, high)).slope for surface in (found.table, found.made)
+    )
+    feature, factor = found.feature, _factor(found.made)
+    truth = _line(found.made, found.measured, branch.load_range)
+    scatter = paper()["manufacturing"]["slope_sd_below_at_0p9um"]
+    moved = 1e3 * (found.made.height - found.table.height)
+    return [
+        reported("5 made part: s.d. of the errors of the heights [µm]", float(moved.std()),
+                 "draw with 0.9 µm, and a tilt of 0.005° about both axes"),
+        below(f"5 made part: change of the slope, {SIGMAS:g} s.d.", abs(made / designed - 1.0),
+              SIGMAS * scatter, MADE),
+        near(f"6 measured law: slope, {SIGMAS:g} s.d.", feature.value, truth, SIGMAS * feature.sd, TRUE),
+        near(f"6 measured law: friction coefficient, {SIGMAS:g} s.d.", feature.value * factor, COEFFICIENT,
+             SIGMAS * feature.sd * factor, WANTED),
+        reported("6 measured law: standard deviation of the friction coefficient", feature.sd * factor,
+                 "mf.calibration.compare"),
+    ]  # fmt: skip
+
+
+def _line(made: mf.Surface, measured: mf.calibration.MeasuredLaw, load_range: tuple[float, float]) -> float:
+    """Return the slope of least squares of the made part's true law at the measured loads of a branch."""
+    low, high = load_range
+    x = measured.rescaled_load
+    x = x[(x >= low) & (x <= high)]
+    area = mf.friction_law(made, load=made.material.composite_modulus * x).area
+    return float(np.polyfit(x, area, 1)[0])
+
+
+def _figure():
+    found = flow()
+    figure = new_figure(10.5, 6.0)
+    grid = figure.subplots(2, 5, gridspec_kw={"width_ratios": (1, 0.32, 1, 0.32, 1)})
+    for (i, j), words in {
+        (0, 1): "inversion",
+        (0, 3): "sites",
+        (1, 1): "mould,\nmade part",
+        (1, 3): "measured",
+    }.items():
+        _arrow(grid[i, j], words)
+    _draw_target(grid[0, 0], found)
+    _draw_density(grid[0, 2], found)
+    _draw_sites(grid[0, 4], found.table, 1e3 * found.table.height, "viridis")
+    grid[0, 4].set_title("3 heights at their sites [µm]", fontsize=9)
+    _draw_law(grid[1, 0], found)
+    moved = 1e3 * (found.made.height - found.table.height)
+    _draw_sites(grid[1, 2], found.table, moved, "coolwarm")
+    grid[1, 2].set_title("5 errors of the made part [µm]", fontsize=9)
+    _draw_measured(grid[1, 4], found)
+    return figure
+
+
+def _arrow(ax, words: str) -> None:
+    ax.set_axis_off()
+    ax.annotate("", xy=(1.0, 0.5), xytext=(0.0, 0.5), xycoords="axes fraction",
+                arrowprops={"arrowstyle": "-|>", "lw": 2.0, "color": QUIET})  # fmt: skip
+    ax.annotate(words, (0.5, 0.54), xycoords="axes fraction", ha="center", fontsize=8)
+
+
+def _forces(ax, title: str) -> None:
+    ax.set(xlabel="load  P [N]", ylabel="friction force  F [N]", xlim=(0.0, 1.0), ylim=(0.0, 1.8))
+    ax.set_title(title, fontsize=9)
+
+
+def _draw_target(ax, found: Flow) -> None:
+    load = np.array([0.0, 1.0])
+    ax.plot(load, COEFFICIENT * load, color=TARGET)
+    _forces(ax, f"1 target: μ = {COEFFICIENT}")
+
+
+def _draw_density(ax, found: Flow) -> None:
+    limits, scale = found.specification.limits, float(found.design.parameters["scale"])
+    levels, counts = (found.design.parameters[name] for name in ("levels", "counts"))
+    step = 1e-3 * paper()["fig4"]["level_step_um"]
+    h = np.linspace(0.0, limits.max_height, 200)
+    density = np.exp(-h / scale) / (scale * -np.expm1(-limits.max_height / scale))
+    ax.bar(1e3 * levels, counts, 900.0 * step, color=ACHIEVED, alpha=0.5, label="64 heights")
+    ax.plot(1e3 * (limits.offset + h), np.sum(counts) * step * density, color=TARGET, label="density")
+    ax.set(xlabel="height [µm]", ylabel="asperities per level")
+    ax.legend(frameon=False, fontsize=8)
+    ax.set_title("2 heights", fontsize=9)
+
+
+def _draw_sites(ax, surface: mf.Surface, value: np.ndarray, colours: str) -> None:
+    dots = circles(ax, surface.position, np.full(surface.count, 1.1), value)
+    dots.set_cmap(colours)
+    if value.min() < 0.0:
+        dots.set_clim(-np.abs(value).max(), np.abs(value).max())
+    ax.figure.colorbar(dots, ax=ax, shrink=0.8)
+    ax.set(xlim=(-6.2, 6.2), ylim=(-6.2, 6.2), xticks=[], yticks=[], aspect="equal")
+
+
+def _draw_law(ax, found: Flow) -> None:
+    law = found.design.law
+    ax.plot(law.load, law.friction_force, color=ACHIEVED, label="predicted")
+    _draw_slope(ax, law.load, law.friction_force)
+    _forces(ax, "4 predicted law")
+    ax.legend(frameon=False, fontsize=8)
+
+
+def _draw_measured(ax, found: Flow) -> None:
+    measured = found.measured
+    ax.errorbar(
+        measured.load, measured.friction_force, measured.friction_force_sd, measured.load_sd,
+        fmt="o", ms=3.5, lw=0.8, color=MEASURED, label="measured",
+    )  # fmt: skip
+    law = mf.friction_law(found.made)
+    _draw_slope(ax, law.load, law.friction_force)
+    _forces(ax, "6 law of the made part")
+    ax.legend(frameon=False, fontsize=8)
+
+
+def _draw_slope(ax, load: np.ndarray, force: np.ndarray) -> None:
+    """Draw a line of the target slope through the middle of a law."""
+    middle = float(np.interp(0.45, load, force))
+    ends = np.array([0.1, 0.9])
+    ax.plot(ends, middle + COEFFICIENT * (ends - 0.45), color=TARGET, label=f"slope {COEFFICIENT}")
