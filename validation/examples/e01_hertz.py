@@ -1,8 +1,9 @@
 """One contact, and Hertz's law.
 
 A rigid plane is pressed onto one spherical summit of an elastomer. You learn how to state a
-material and a surface, how to ask for the equilibrium under a load, and in which units the results
-are. The contact radius and the indentation are compared with Hertz's closed form.
+material and a surface, how to compute the equilibrium under a load, and in which units the results
+are. The contact radius and the indentation are compared with Hertz's closed form. The picture shows
+rescaled quantities: P/E* and F/(σB), which is the contact area A0, both in mm².
 """
 
 import numpy as np

@@ -12,6 +12,7 @@ import metafem as mf
 
 material = mf.Material(composite_modulus=1.36, poisson_ratio=0.5)  # E* [MPa]
 friction = mf.Friction(shear_strength=0.358, area_ratio=0.85)  # σ [MPa], B [-]
+# the sites and the radius of the summits; the design replaces the heights
 template = mf.Surface.square_lattice(
     0.12, shape=(8, 8), pitch=1.5, radius=0.526, material=material, friction=friction
 )

@@ -15,6 +15,7 @@ material = mf.Material(composite_modulus=1.36, poisson_ratio=0.5)  # E* [MPa]
 friction = mf.Friction(shear_strength=0.358, area_ratio=0.85)  # σ [MPa], B [-]
 template = mf.Surface.square_lattice(0.12, shape=(8, 8), pitch=1.5, radius=0.526, material=material)
 limits = mf.Limits(max_height=0.27, offset=0.05)  # [mm]
+
 # `np.loadtxt` reads a file in the same way.
 table = io.StringIO("load_N,force_N\n0.05,0.08\n0.1,0.155\n0.2,0.32\n0.3,0.47\n0.4,0.60\n")
 load, force = np.loadtxt(table, delimiter=",", skiprows=1, unpack=True)
@@ -31,10 +32,9 @@ try:  # summits of one height have the exponent 2/3, by Hertz's law; no surface 
     mf.design(mf.PowerLaw(0.5, load_range=(0.1, 0.4)), template, limits=limits)
 except mf.Infeasible as error:
     print(f"exponent 0.5: {error}")
-    target = error.nearest
-nearest = mf.design(target, template, limits=limits)
-print(f"exponent {target.exponent:.4f}: misfit {nearest.misfit:.2%}")
-assert target.exponent == 2 / 3
+    nearest = mf.design(error.nearest, template, limits=limits)
+print(f"exponent {nearest.target.exponent:.4f}: misfit {nearest.misfit:.2%}")
+assert nearest.target.exponent == 2 / 3
 
 ax = nearest.law.plot(label="exponent 2/3")
 ax.plot(sampled.law.rescaled_load, sampled.law.area, color="tab:orange", label="table")

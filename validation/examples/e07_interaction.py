@@ -1,8 +1,8 @@
 """Summits that interact through the elastic block.
 
-Each contact deforms the block and lowers its neighbours. You learn how to predict a law for
-independent summits, on a half-space, and on a layer bonded to a rigid base, which is the nearest
-to the block. Then the heights are refined until the law on the layer meets the target.
+Each contact deforms the block and lowers its neighbours. You learn how to predict the law of
+independent summits, and of summits that interact through a half-space or through a bonded layer,
+which is close to the true block. Then the heights are refined until the law on the layer is right.
 """
 
 import numpy as np
@@ -41,5 +41,5 @@ assert largest[3] < 1 < largest[2]
 ax.set(xlabel="P/E* [mm²]", ylabel="difference of A0 from the target [%]", ylim=(-3, 1))
 ax.legend(frameon=False)
 
-# Interaction changes the contact area by up to 2 %. With the refined heights the law is on the target again.
+# Interaction changes the contact area by up to 2 %. The refined heights bring it back to the target.
 figure = ax.figure

@@ -2,7 +2,7 @@
 
 No surface is made as designed, and no plane is exactly parallel to it. You learn how errors of the
 heights and a tilt scatter the slope of the law, which is proportional to the friction coefficient.
-The surface is that of the red law in the paper's Fig. 4, which was milled within 0.9 µm.
+The surface is that of the red law in the paper's Fig. 4, which was made with a precision of 0.9 µm.
 """
 
 import numpy as np

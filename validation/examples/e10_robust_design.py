@@ -18,15 +18,15 @@ block = mf.Block(width=10.0, length=10.0, thickness=7.2)  # [mm]
 template = mf.Surface.square_lattice(
     0.12, shape=(5, 5), pitch=1.5, radius=0.526, material=material, block=block
 )
-rescaled, area = np.array([0.06, 0.15, 0.3]), np.array([0.35, 0.75, 1.7])  # P/E* and F/(σB) [mm²]
-target, limits = mf.OperatingPoints(rescaled, area), mf.Limits(max_height=0.27)  # [mm]
+load, area = np.array([0.06, 0.15, 0.3]), np.array([0.35, 0.75, 1.7])  # P/E* and F/(σB) [mm²]
+target, limits = mf.OperatingPoints(load, area), mf.Limits(max_height=0.27)  # [mm]
 
 plain = mf.design(target, template, limits=limits)
 robust = mf.design(target, template, limits=limits, robust=mf.Tolerances(height_sd=0.003))  # [mm]
 ax = pyplot.figure(figsize=(5.0, 3.6), layout="constrained").add_subplot()
 for words, design, key in (("plain", plain, "plain_expected_misfit"), ("robust", robust, "expected_misfit")):
     made = [design.surface.perturbed(0.003, rng=i) for i in range(300)]
-    errors = [mf.friction_law(each, load=rescaled * 1.36).area / area - 1 for each in made]
+    errors = [mf.friction_law(each, load=material.composite_modulus * load).area / area - 1 for each in made]
     misfits, expected = np.sqrt(np.mean(np.square(errors), axis=1)), robust.parameters[key]
     rms = np.sqrt(np.mean(misfits**2))
     print(f"{words}: misfit as designed {design.misfit:.2%}, as made {rms:.2%}, expected {expected:.2%}")

@@ -18,6 +18,9 @@ SHORT = {
     r"\bProfile\b": "Callable",
 }
 
+# Largest number of digits of a default value.
+DIGITS = 6
+
 
 def signature(value: Callable[..., Any]) -> list[str]:
     """Return the parameters of a function or a class as they are written; of a class, those it explains."""
@@ -62,5 +65,5 @@ def _default(value: Any, parameter: inspect.Parameter) -> str:
     if isinstance(default, Enum):
         return str(default)
     if isinstance(default, float):
-        return min(repr(default), f"{default:.6g}", key=len) if default else "0.0"
+        return repr(default) if len(repr(default)) <= DIGITS else f"{default:.{DIGITS}g}"
     return re.sub(r" at 0x[0-9a-f]+", "", repr(default))
