@@ -2,37 +2,76 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 import metafem as mf
+from metafem.contact import pedestal_compliance
 from metafem.drawing import new_figure
-from validation.check import Claim, below, reported
+from validation.check import Claim, Picture, Row, near, reported
+from validation.methods import contact_equations
 from validation.paper.interaction_error import LOADS
 from validation.paper.surfaces import surfaces
+from validation.sources import second_method
 
-MODELS = "order 3 on the bonded layer, with and without pedestals, this check"
-# A0 grows as the sum of P_i^(2/3), which is largest for equal loads.
-SIGN = "sign: compliance of each cap evens out the loads, and A0 ~ Σ P_i^(2/3) grows"
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+MODELS = "order 3 on the bonded layer, 20 loads P/E* to 0.7 mm², with and without pedestals"
+NEWTON = second_method(
+    contact_equations.coupled, "point loads with numpy, pedestals on the diagonal of the layer's influence"
+)
+
+# Accuracy of both solvers and of the quadrature of the layer's influence, with a margin.
+METHODS = 1e-7
+
+TEXT = """A cap stands on the block as a pedestal that yields below its contact, by an amount that finite
+elements of one cap give. Laws on the bonded layer are predicted with and without this compliance. It evens
+out the loads and raises A0, opposite to interaction on the layer, so that with both A0(P) of Figs. 4 and 5
+changes by less than 0.6 % rms, and that of Fig. 3 by 2.5 %. At order 1 the laws with pedestals are solved a
+second time with numpy."""
+
+CAPTION = """Relative change of A0 [%] over the rescaled load P/E* [mm²] against independent asperities, by
+the layer and the pedestals together. On Figs. 4 and 5 it stays within 1.5 % at every load and within 1 %
+above 0.2 mm². On Fig. 3, whose caps are the tallest, A0 rises by 7 % where the third level comes into
+contact earlier."""
 
 
 def claim() -> Claim:
-    """Compare the layer with and without pedestals, at order 3."""
-    checks = []
+    """Compare the layer with and without pedestals at order 3, and check order 1 by a second method."""
+    rows: list[Row] = []
     for name in surfaces():
         independent, layer, pedestals = laws(name)
         added = pedestals.area / layer.area - 1.0
         coupled = layer.area / independent.area - 1.0
         lower = 1e3 * (layer.separation - pedestals.separation)
-        checks += [
+        rows += [
+            _second(name),
             reported(f"{name}: rms change of A0 by the pedestals", _rms(added), MODELS),
             reported(f"{name}: rms change of A0 by the layer alone", _rms(coupled), MODELS),
             reported(
                 f"{name}: rms change of A0 by both", _rms(pedestals.area / independent.area - 1.0), MODELS
             ),
             reported(f"{name}: decrease of separation at the last load [µm]", lower[-1], MODELS),
-            below(f"{name}: largest loss of A0 by the pedestals", float(-added.min()), 0.0, SIGN),
         ]
-    return Claim("The pedestals' effect on the law", checks, {"change": _figure})
+    figures = {"Layer and pedestals": Picture(_figure, CAPTION)}
+    return Claim("The pedestals' effect on the law", rows, figures, TEXT)
+
+
+def _second(name: str) -> Row:
+    """Solve order 1 with pedestals a second time, at the last load."""
+    surface, load = surfaces()[name], float(LOADS[-1])
+    radius, modulus = float(surface.radius[0]), surface.material.composite_modulus
+    influence = contact_equations.layer_influence(
+        surface.position, surface.block.thickness, surface.material.poisson_ratio
+    )
+    influence[np.diag_indices_from(influence)] += pedestal_compliance(surface.height, surface.radius) / np.pi
+    depth, _ = contact_equations.coupled(surface.height, radius, influence, load)
+    model = mf.Interacting(order=1, substrate=mf.BondedLayer(), pedestal=True)
+    found = mf.equilibrium(surface, model, load=modulus * load).area
+    label = f"{name}, layer with pedestals, order 1: A0 at P/E* = {load:g} mm² [mm²]"
+    return near(label, found, contact_equations.area(depth, radius), METHODS, NEWTON)
 
 
 def laws(name: str) -> tuple[mf.FrictionLaw, mf.FrictionLaw, mf.FrictionLaw]:
@@ -53,7 +92,7 @@ def _rms(change: np.ndarray) -> float:
     return float(np.sqrt((change**2).mean()))
 
 
-def _figure():
+def _figure() -> Figure:
     figure = new_figure(8.0, 3.2)
     ax = figure.add_subplot()
     for name in surfaces():
