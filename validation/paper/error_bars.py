@@ -14,9 +14,11 @@ import numpy as np
 
 import metafem as mf
 from metafem.drawing import ACHIEVED, TARGET, new_figure
-from validation.check import Check, Claim, near, reported
-from validation.paper.surfaces import surfaces
-from validation.published import PAPER, paper
+from validation.check import Claim, Picture, Row, near, reported
+from validation.methods.small_errors import drawn_deviation, relative_error
+from validation.paper.surfaces import surfaces, words
+from validation.published import paper
+from validation.sources import second_method
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -39,6 +41,18 @@ WIDE = 3.0
 SECOND_ORDER = 0.01
 
 BATCH_2 = "Fig. 5 red"
+
+STUDY = f"mf.studies.uncertainty with {DRAWS} draws; the paper prints no bars"
+
+TEXT = """The paper draws error bars that are standard deviations over 10,000 draws of forces and parameters,
+and prints the errors of the parameters but no bar. The bars are computed here from those errors: of the
+predicted A0 by draws of R, E* and P, compared with as many plain draws in numpy, and of measured pairs of
+forces, compared with the propagation of small errors. At the largest loads E* causes most of the
+variance."""
+
+CAPTION = """Predicted laws of Fig. 4 (lines), and points on them with the error bars of measured pairs: one
+standard deviation of the rescaled load P/E* and of the rescaled friction F/(σB), both in mm². The bars grow
+with the load, because the errors of E*, σ and B are relative; those of friction are the shorter ones."""
 
 
 def errors(name: str) -> dict[str, float]:
@@ -75,50 +89,52 @@ def measured(name: str, load: np.ndarray) -> Dataset:
 
 
 def plain_deviation(name: str) -> np.ndarray:
-    """Return the standard deviation of A0 [mm²] over plain draws of R, E* and P, each load by load."""
+    """Return the standard deviation of A0 [mm²] over plain draws of R, E* and P."""
     surface, sd = surfaces()[name], errors(name)
-    model, modulus, load = mf.Independent(), surface.material.composite_modulus, largest(name) * SHARES
-    areas = []
-    for r, e, p in np.random.default_rng(1).standard_normal((DRAWS, 3)):
-        drawn = np.maximum(load + p * sd["load"], 0.0) / (modulus + e * sd["composite_modulus"])
-        areas.append(model.curve_of(surface.height, surface.radius + r * sd["radius"], drawn).area)
-    return np.std(areas, axis=0, ddof=1)
+    radius = float(surface.radius[0]), sd["radius"]
+    modulus = surface.material.composite_modulus, sd["composite_modulus"]
+    return drawn_deviation(surface.height, radius, modulus, largest(name) * SHARES, sd["load"], DRAWS)
 
 
 def claim() -> Claim:
     """Compare the bars of the five laws."""
-    checks: list[Check] = []
+    rows: list[Row] = []
+    plain = second_method(drawn_deviation, f"{DRAWS} plain draws of R, E* and P with the errors in the SM")
     for name in surfaces():
         found = predicted(name)
         ratio = found.area_sd.values / plain_deviation(name)
         worst = float(ratio[np.abs(ratio - 1.0).argmax()])
         last = found.isel(rescaled_load=-1)
-        checks += [
+        rows += [
             near(f"{name}: deviation of A0 over that of plain draws, worst of three loads", worst, 1.0,
-                 WIDE * PLAIN, f"{DRAWS} plain draws of R, E* and P, {PAPER}, SM, uncertainties"),
+                 WIDE * PLAIN, plain),
             reported(f"{name}: error bar of A0 at the largest load, relative",
-                     float(last.area_sd / last.area_mean), "the paper prints no bars"),
+                     float(last.area_sd / last.area_mean), STUDY),
             reported(f"{name}: share of E* in its variance",
-                     float(last.area_first_order.sel(parameter="composite_modulus")), "this check"),
+                     float(last.area_first_order.sel(parameter="composite_modulus")), STUDY),
         ]  # fmt: skip
-        checks += measured_checks(name)
-    return Claim("Figs. 3 to 5: error bars", checks, {"Fig. 4": figure})
+        rows += measured_checks(name)
+    figures = {"Fig. 4 with error bars": Picture(figure, CAPTION)}
+    return Claim("Figs. 3 to 5: error bars", rows, figures, TEXT)
 
 
-def measured_checks(name: str) -> list[Check]:
+def measured_checks(name: str) -> list[Row]:
     """Compare the bars of a measured pair with the propagation of small relative errors."""
     load, sd, surface = largest(name) * SHARES[1:2], errors(name), surfaces()[name]
     found = measured(name, load).isel(rescaled_load=0)
-    force, printed = float(mf.friction_law(surface, load=load).friction_force[0]), paper()["force_error"]
+    force, numbers = float(mf.friction_law(surface, load=load).friction_force[0]), paper()["force_error"]
     modulus, friction = surface.material.composite_modulus, surface.friction
-    of_load = np.hypot(sd["load"] / load[0], sd["composite_modulus"] / modulus)
-    of_force = (printed["friction_N"] + printed["friction_relative"] * force) / force
+    of_load = relative_error(sd["load"] / load[0], sd["composite_modulus"] / modulus)
+    of_force = (numbers["friction_N"] + numbers["friction_relative"] * force) / force
     strength, ratio = sd["shear_strength"] / friction.shear_strength, sd["area_ratio"] / friction.area_ratio
-    of_friction = float(np.sqrt(of_force**2 + strength**2 + ratio**2))
-    source = "propagation of small errors, with the errors of the parameters in the paper's SM"
+    source = second_method(relative_error, "propagation of small errors, with the errors in the SM")
     bars = (
         ("P/E*", found.rescaled_load_sd / found["rescaled_load"], of_load),
-        ("F/(σB)", found.rescaled_friction_sd / found.nominal_rescaled_friction, of_friction),
+        (
+            "F/(σB)",
+            found.rescaled_friction_sd / found.nominal_rescaled_friction,
+            relative_error(of_force, strength, ratio),
+        ),
     )
     return [
         near(f"{name}, measured pair: relative error of {what}", float(bar), expected,
@@ -137,7 +153,7 @@ def figure() -> Figure:
         law = mf.friction_law(surfaces()[name])
         ax.plot(law.rescaled_load, law.area, color=mark, lw=0.8)
         ax.errorbar(found["rescaled_load"], found.nominal_rescaled_friction, found.rescaled_friction_sd,
-                    found.rescaled_load_sd, fmt="o", ms=3, lw=1.2, color=mark, label=name)  # fmt: skip
+                    found.rescaled_load_sd, fmt="o", ms=3, lw=1.2, color=mark, label=words(name))  # fmt: skip
     ax.set(xlabel="rescaled load  P/E* [mm²]", ylabel="rescaled friction  F/(σB) [mm²]")
     ax.spines[["top", "right"]].set_visible(False)
     ax.legend(frameon=False)
