@@ -60,7 +60,7 @@ CHAPTERS = (
         "Are the quantities fitted to measurements unbiased, and are their errors right?",
         (
             "contact_calibration", "calibration_bias", "shear_calibration", "image_areas", "site_matching",
-            "topography", "segmented_regression", "diagnosis", "whole_circle",
+            "topography", "segmented_regression", "diagnosis", "whole_circle", "misuse",
         ),
     ),
     Chapter(
