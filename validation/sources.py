@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Any
 
+import metafem as mf
+
 PAPER_DOI = "10.1126/science.adk4234"
 
 # What a place in the paper begins with; SM is a section of its Supplementary Materials.
@@ -70,4 +72,9 @@ def known_input(words: str) -> Source:
 
 
 def _named(function: Callable[..., Any]) -> str:
-    return f"{function.__module__}.{function.__qualname__}"
+    """Return the public name of a function or class, or else its module and name."""
+    name = function.__qualname__
+    for package in (mf, mf.fe):
+        if getattr(package, name, None) is function:
+            return f"{package.__name__}.{name}"
+    return f"{function.__module__}.{name}"

@@ -1,0 +1,36 @@
+"""Sources name what computed an expected number, and refuse what is none."""
+
+import pytest
+
+import metafem as mf
+from metafem.reference import single_contacts
+from validation.methods import independent
+from validation.sources import closed_form, printed, publication, second_method
+
+
+@pytest.mark.parametrize(
+    ("method", "name"),
+    [
+        (mf.BoundaryElements, "metafem.BoundaryElements"),
+        (mf.fe.Block3D, "metafem.fe.Block3D"),
+        (independent.areas, "validation.methods.independent.areas"),
+    ],
+)
+def test_a_second_method_has_its_public_name(method, name):
+    assert second_method(method, "cells").text == f"cells, {name}"
+
+
+def test_a_closed_form_is_a_function_of_the_reference():
+    assert (
+        closed_form(single_contacts.hertz, "Hertz").text == "Hertz, metafem.reference.single_contacts.hertz"
+    )
+    with pytest.raises(ValueError, match=r"independent\.areas must be a function of metafem\.reference"):
+        closed_form(independent.areas, "sums")
+
+
+def test_places_and_addresses_are_those_of_a_publication():
+    assert printed("Fig. 3 caption").link.endswith("science.adk4234")
+    with pytest.raises(ValueError, match="must begin with"):
+        printed("somewhere")
+    with pytest.raises(ValueError, match="must be a DOI"):
+        publication("arXiv:2604.08195", "abstract")
