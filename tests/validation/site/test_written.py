@@ -1,0 +1,72 @@
+"""The written pages: equal bytes, no machine, links that lead somewhere, whole examples."""
+
+import re
+from functools import cache
+from urllib.parse import unquote
+
+import pytest
+
+from validation.site import write_site
+
+# Largest page that still opens at once, in bytes.
+LARGEST = 3_000_000
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory):
+    """Folder of the pages, and their addresses."""
+    folder = tmp_path_factory.mktemp("site")
+    return folder, write_site(folder)
+
+
+@pytest.mark.slow
+def test_pages_are_equal_to_the_byte_and_name_no_machine(site, tmp_path):
+    folder, names = site
+    assert write_site(tmp_path) == names
+    files = sorted(path.relative_to(folder) for path in folder.rglob("*.*"))
+    assert files == sorted(path.relative_to(tmp_path) for path in tmp_path.rglob("*.*"))
+    assert {str(path) for path in files if path.suffix == ".html"} == set(names)
+    for name in files:
+        data = (folder / name).read_bytes()
+        assert data == (tmp_path / name).read_bytes(), name
+        assert len(data) < LARGEST
+        assert not re.search(rb"/tmp/|/home/|/root/|0x[0-9a-f]{7,}", data), name
+
+
+@pytest.mark.slow
+def test_links_lead_somewhere(site):
+    folder, names = site
+
+    @cache
+    def anchors(path):
+        return set(re.findall(r' id="([^"]+)"', path.read_text("utf-8")))
+
+    for name in names:
+        path = folder / name
+        for link in re.findall(r' href="([^"]+)"', path.read_text("utf-8")):
+            if link.startswith(("https://doi.org/", "data:")):
+                continue
+            file, _, anchor = link.partition("#")
+            target = (path.parent / file).resolve() if file else path
+            if target.is_relative_to(folder / "api") or target.is_relative_to(folder / "examples"):
+                assert target.exists(), f"{name}: {link}"
+                assert not anchor or unquote(anchor) in anchors(target), f"{name}: {link}"
+            else:  # pages that the report writes
+                assert target.parent in (folder, folder / "guide"), f"{name}: {link}"
+
+
+@pytest.mark.slow
+def test_pages_show_examples_whole(site):
+    folder, _ = site
+    text = (folder / "examples" / "e01_hertz.html").read_text("utf-8")
+    for part in (
+        "Hertz's law",
+        "contact radius 179.69 µm",
+        "<svg",
+        "Data (CSV)",
+        'href="e01_hertz.py" download',
+    ):
+        assert part in text.replace("&#39;", "'"), part
+    assert '<a href="../api/metafem.html#equilibrium">' in text
+    index = (folder / "examples" / "index.html").read_text("utf-8")
+    assert index.count("<svg") == len(list((folder / "examples").glob("*.py")))
