@@ -58,8 +58,8 @@ def test_each_figure_has_a_caption_and_each_claim_a_text(name):
 def test_the_table_of_the_readme_is_the_one_that_is_computed():
     readme = (Path(__file__).parents[2] / "README.md").read_text("utf-8")
     shown = readme.partition(MARKS[0])[2].partition(MARKS[1])[0].splitlines()
-    results = {name: evaluated(name) for name in claims()}
-    # times are measured on their own; the answers from them are not compared
+    # times are measured on their own, and the tests draw fewer random scenes: those answers are not compared
+    results = {name: evaluated(name) for name in claims() if name != "random_scenes"}
     lines = [line for line in readme_table(results).splitlines() if "Not in this run" not in line]
     assert len(lines) >= len(QUESTIONS) + 1
     assert set(lines) <= set(shown)

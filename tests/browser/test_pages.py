@@ -1,0 +1,77 @@
+"""Pages in a browser, wide, narrow and dark: no error, no request, no overflow, links lead somewhere."""
+
+import pytest
+from click.testing import CliRunner
+
+import metafem as mf
+from metafem.report import page
+from validation.__main__ import main
+from validation.page import write_report
+from validation.results import collected
+from validation.scenes.browser import browser_path, opened, problems
+
+pytestmark = pytest.mark.skipif(browser_path() is None, reason="no chromium is installed")
+
+
+@pytest.fixture(scope="module")
+def browser():
+    """The browser, closed after the tests of this file: its event loop would disturb those of others."""
+    with opened() as started:
+        yield started
+
+
+@pytest.fixture(scope="module")
+def look(browser):
+    """A function that opens a file in each view, and asserts that nothing is wrong."""
+
+    def call(*paths):
+        assert [each for path in paths for each in problems(browser, path)] == []
+
+    return call
+
+
+def test_the_report_of_a_design_is_in_order(look, template, tmp_path):
+    design = mf.design(mf.LinearLaw(6.87), template, limits=mf.Limits(0.12, offset=0.084))
+    (tmp_path / "report.html").write_text(page(design), "utf-8")
+    look(tmp_path / "report.html")
+
+
+def test_what_is_wrong_with_a_page_is_found(browser, tmp_path):
+    text = (
+        '<!doctype html><p id="a">a</p><p id="a">b</p><div style="width: 500px">wide</div>'
+        '<img src="x.png"><a href="#b">c</a><a href="y.html">d</a><script>undefined.x</script>'
+    )
+    (tmp_path / "bad.html").write_text(text, "utf-8")
+    found = "\n".join(problems(browser, tmp_path / "bad.html"))
+    for words in (
+        "wider than its window of 390 px", "the anchor a stands twice", "x.png", "1 are broken", "error: ",
+        "it has no title", "text of tone", "link to #b, whose anchor does not exist", "link to y.html, which does not exist",
+    ):  # fmt: skip
+        assert words in found
+
+
+def test_the_pages_of_the_validation_are_in_order(look, tmp_path):
+    write_report(tmp_path, collected(["bounds"], 1), ["fe_hertz"])
+    look(tmp_path / "index.html", tmp_path / "paper.html")
+
+
+@pytest.mark.slow
+def test_a_report_with_studies_and_finite_elements_is_in_order(look, template, tmp_path):
+    design = mf.design(mf.LinearLaw(6.87), template, limits=mf.Limits(0.12, offset=0.084))
+    studies = {
+        "manufacturing": mf.studies.manufacturing(design.surface, (0.001, 0.003), draws=20),
+        "misalignment": mf.studies.misalignment(design.surface, shuffles=2),
+        "uncertainty": mf.studies.uncertainty(design.surface, {"composite_modulus": 0.04, "radius": 0.002}),
+    }
+    (tmp_path / "report.html").write_text(page(design, checks=True, studies=studies), "utf-8")
+    look(tmp_path / "report.html")
+
+
+@pytest.mark.slow
+def test_the_whole_site_is_in_order(look, tmp_path):
+    done = CliRunner().invoke(main, ["--site", "-o", str(tmp_path), "bounds", "table_s1", "fig4_linear"])
+    assert done.exit_code == 0, done.output
+    pages = sorted(tmp_path.rglob("*.html"))
+    assert len(pages) > 20
+    assert [path.name for path in pages if path.stat().st_size > 3e6] == []
+    look(*pages)

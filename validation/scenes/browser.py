@@ -1,0 +1,135 @@
+"""Pages opened in a browser without a window: what is wrong with them, and how long they take to open."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+from urllib.parse import unquote, urlsplit
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
+
+# The browser of the system, by its names on Linux; playwright brings none of its own.
+NAMES = ("chromium", "chromium-browser", "google-chrome")
+
+# What a page may link to outside its folder.
+OUTSIDE = ("https:", "data:", "mailto:")
+
+# Overflow of the page, pictures without a size, anchors that stand twice, and colours of text and ground.
+MEASURE = """() => {
+  const seen = each => each.checkVisibility();
+  const size = each => { const box = each.getBoundingClientRect(); return Math.min(box.width, box.height); };
+  const ids = [...document.querySelectorAll('[id]')].map(each => each.id);
+  const tone = text => text.match(/[\\d.]+/g).slice(0, 3).reduce((sum, each) => sum + Number(each), 0) / 765;
+  const style = getComputedStyle(document.body);
+  return {
+    overflow: document.documentElement.scrollWidth - document.documentElement.clientWidth,
+    empty: [...document.querySelectorAll('img, svg')].filter(seen).filter(each => size(each) < 5).length,
+    broken: [...document.images].filter(each => !each.complete || each.naturalWidth === 0).length,
+    repeated: ids.filter((each, i) => ids.indexOf(each) !== i),
+    ink: tone(style.color), ground: tone(style.backgroundColor),
+  };
+}"""
+
+LINKS = "() => [...new Set([...document.querySelectorAll('a[href]')].map(each => each.getAttribute('href')))]"
+
+
+@dataclass(frozen=True)
+class View:
+    """How a page is looked at."""
+
+    name: str
+    width: int
+    dark: bool = False
+
+
+VIEWS = (View("wide", 1280), View("narrow", 390), View("dark", 1280, dark=True))
+
+
+def browser_path() -> str | None:
+    """Return the path of the system's browser, or None."""
+    return next(filter(None, map(shutil.which, NAMES)), None)
+
+
+@contextmanager
+def opened() -> Iterator[Browser]:
+    """Start the system's browser."""
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=browser_path(), args=["--no-sandbox"])
+        try:
+            yield browser
+        finally:
+            browser.close()
+
+
+def problems(browser: Browser, path: Path, views: tuple[View, ...] = VIEWS) -> list[str]:
+    """Open a file once, look at it in each view, and return what is wrong; nothing if all is in order."""
+    found: list[str] = []
+    page = browser.new_page()
+    own = path.resolve().as_uri()
+    page.on("console", lambda said: found.append(f"console: {said.text}") if said.type == "error" else None)
+    page.on("pageerror", lambda error: found.append(f"error: {error}"))
+    page.on("request", lambda asked: found.extend(_foreign(asked.url, own)))
+    try:
+        page.goto(own)
+        links = page.evaluate(LINKS)
+        for view in views:
+            page.set_viewport_size({"width": view.width, "height": 900})
+            page.emulate_media(color_scheme="dark" if view.dark else "light")
+            found += [f"{view.name}: {each}" for each in _shown(page.evaluate(MEASURE), view)]
+        found += [] if page.title() else ["it has no title"]
+    finally:
+        page.close()
+    found += [each for link in links for each in _broken(link, path)]
+    return [f"{path.name}: {each}" for each in found]
+
+
+def seconds(browser: Browser, path: Path) -> float:
+    """Return the seconds until a file is loaded and drawn."""
+    page = browser.new_page(viewport={"width": 1280, "height": 900})
+    try:
+        start = time.perf_counter()
+        page.goto(path.resolve().as_uri(), wait_until="load")
+        page.evaluate("() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
+        return time.perf_counter() - start
+    finally:
+        page.close()
+
+
+def _shown(shown: dict[str, Any], view: View) -> list[str]:
+    """Return what is wrong with what a view shows."""
+    found = [f"the anchor {each} stands twice" for each in sorted(set(shown["repeated"]))]
+    if shown["overflow"] > 0:
+        found.append(f"the page is {shown['overflow']} px wider than its window of {view.width} px")
+    if shown["empty"] or shown["broken"]:
+        found.append(f"{shown['empty']} pictures have no size, {shown['broken']} are broken")
+    if shown["ground"] == shown["ink"] or (shown["ground"] < shown["ink"]) != view.dark:
+        found.append(f"ground of tone {shown['ground']:.2f} and text of tone {shown['ink']:.2f}")
+    return found
+
+
+def _foreign(address: str, own: str) -> list[str]:
+    """Return a request that is neither for the page itself nor for data that it holds."""
+    return [] if address.partition("#")[0] == own or address.startswith("data:") else [f"request: {address}"]
+
+
+def _broken(link: str, path: Path) -> list[str]:
+    """Return what is wrong with a link of a page."""
+    if link.startswith(OUTSIDE):
+        return []
+    parts = urlsplit(link)
+    target = (path.parent / unquote(parts.path)).resolve() if parts.path else path
+    if parts.scheme or not target.is_file():
+        return [f"link to {link}, which does not exist"]
+    anchor = unquote(parts.fragment)
+    if anchor and not re.search(rf'\bid="{re.escape(anchor)}"', target.read_text("utf-8")):
+        return [f"link to {link}, whose anchor does not exist"]
+    return []
