@@ -30,6 +30,7 @@ def look(browser):
     return call
 
 
+@pytest.mark.slow
 def test_the_report_of_a_design_is_in_order(look, template, tmp_path):
     design = mf.design(mf.LinearLaw(6.87), template, limits=mf.Limits(0.12, offset=0.084))
     (tmp_path / "report.html").write_text(page(design), "utf-8")
@@ -45,7 +46,8 @@ def test_what_is_wrong_with_a_page_is_found(browser, tmp_path):
     found = "\n".join(problems(browser, tmp_path / "bad.html"))
     for words in (
         "wider than its window of 390 px", "the anchor a stands twice", "x.png", "1 are broken", "error: ",
-        "it has no title", "text of tone", "link to #b, whose anchor does not exist", "link to y.html, which does not exist",
+        "it has no title", "text of tone", "link to #b, whose anchor does not exist",
+        "link to y.html, which does not exist",
     ):  # fmt: skip
         assert words in found
 
