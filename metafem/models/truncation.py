@@ -19,9 +19,10 @@ from metafem.surface import Surface
 # 0.20 of the mean sum (0.066 % at 0.0034, 0.01 % at 0.0006); a quarter is added for safety.
 PAIRS = 0.25
 
-# The same per (a/t)^5 of a contact on a layer: resolved contacts differ by 0.12, 0.5 and 1.5 % at a/t = 0.3,
-# 0.4 and 0.5 with nu = 0.5 (0.9 % at 0.5 with nu = 0.3).
-LAYER = 0.5
+# The same per (a/t)^5 of a contact on a layer: resolved contacts differ by 0.12, 0.17, 0.63 and 1.7 % at
+# a/t = 0.28, 0.3, 0.39 and 0.48 with nu = 0.5, up to 0.75 of the power, and by two thirds of that with
+# nu = 0.3; a quarter is added for safety.
+LAYER = 0.95
 
 # The effect of the slopes of the neighbours' fields on the area is known to second order. With that of the
 # pairs it is 0.8 to 1.3 of the difference from resolved contacts of powers 3 and 4 and of spheres, on 3 x 3

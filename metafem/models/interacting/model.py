@@ -72,7 +72,7 @@ class Interacting:
     Both orders include the regular self terms of the substrate.
 
     Against resolved contacts on a half-space, up to a/pitch = 0.32, the error of order 3 is at most 0.025 %
-    in the total load at fixed approach and 0.08 % in A0 at fixed load; that of order 1 is 0.08 % and 0.9 %.
+    in the total load at fixed approach and 0.12 % in A0 at fixed load; that of order 1 is 0.08 % and 0.9 %.
 
     Parameters
     ----------
