@@ -2,12 +2,16 @@
 
 import pytest
 
+from validation.scenes import stability_points
 from validation.stability import random_scenes
 
 
 @pytest.fixture(scope="session", autouse=True)
 def few_scenes():
-    """Evaluate the claim of random scenes with some hundreds of them; the report takes ten thousand."""
+    """Evaluate the claims of the stability with fewer scenes than the report takes."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(random_scenes, "SCENES", 500)
+        patch.setattr(random_scenes, "SCENES", 300)
+        patch.setattr(stability_points, "WIDTHS", (0.3, 0.44))
+        patch.setattr(stability_points, "SPREADS", (0.5,))
+        patch.setattr(stability_points, "LAYERS", (0.3, 1.5))
         yield

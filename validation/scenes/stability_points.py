@@ -1,0 +1,138 @@
+"""Scenes at which the maps of stability compare order 3 and Automatic with resolved contacts."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+
+import metafem as mf
+from metafem._kernels.continuation import Results
+from metafem.models.truncation import truncation
+from metafem.notes import Level
+from metafem.substrate import Radial
+from validation.methods.resolved_areas import extrapolated_area
+
+# The pitch is the unit of length. The contacts are paraboloids, for which R only scales the heights.
+PITCH, RADIUS = 1.0, 10.0
+
+# Contact radius of the tallest summit without interaction over the pitch; from 0.5 on contacts merge. The
+# tests take fewer.
+WIDTHS = (0.1, 0.2, 0.3, 0.36, 0.44, 0.54)
+
+# Spread of the heights over the indentation of the tallest, and the rank of each height on the lattice.
+SPREADS = (0.0, 0.5, 2.0)
+RANKS = np.array([0, 5, 2, 7, 4, 1, 8, 3, 6]) / 8.0
+
+# Contact radius over the thickness of a layer, and Poisson's ratios.
+LAYERS = (0.1, 0.3, 0.5, 0.8, 1.5)
+RATIOS = (0.0, 0.3, 0.5)
+
+# Ratios of the radii of two summits.
+RADII = (1.0, 2.0, 5.0, 10.0)
+
+# Asperities of a lattice.
+COUNTS = (1, 9, 100, 400, 2500, 10_000)
+
+# Tolerance of `Automatic` and of the reference [-]; cells per contact radius and their number in the latter.
+TOLERANCE = 1e-3
+CELLS, SIZES = 32, (5, 7)
+
+
+@dataclass(frozen=True)
+class Point:
+    """One scene: relative errors of A0, nan where there is no solution, and what Automatic chose."""
+
+    third: float  # error of order 3
+    automatic: float
+    uncertainty: float
+    estimate: float  # that of the error of order 3, infinite where contacts overlap
+    ratio: float  # contact radius over the distance of neighbours, or over the thickness of the layer
+    steps: int  # Newton steps of order 3; 0 if it has no solution
+    residual: float
+    warned: bool  # whether order 3 has a warning
+    resolved: bool  # whether Automatic chose resolved contacts
+    refusal: str  # the words with which order 3 refuses
+
+
+def solve(surface: mf.Surface, load: float, substrate: Radial, apart: float) -> Point:
+    """Solve a scene by order 3 and by Automatic and compare both with resolved contacts."""
+    rescaled = load / surface.material.composite_modulus
+    third, estimate, steps, residual, warned, refusal = math.nan, math.inf, 0, 0.0, False, ""
+    model = mf.Interacting(3, substrate)
+    try:
+        point = mf.equilibrium(surface, model, load=load)
+        third, estimate = point.area, truncation(surface, point.asperity_area, substrate)
+        warned = any(note.level is Level.WARNING for note in point.notes)
+        found = newton(surface, model, rescaled)
+        steps, residual = int(found.steps[0, -1]), float(found.residual[0, -1])
+    except mf.MetafemError as error:
+        refusal = str(error)
+    state = mf.equilibrium(surface, mf.Automatic(TOLERANCE, substrate), load=load)
+    exact, uncertainty = extrapolated_area(
+        surface, load, TOLERANCE / 3.0, substrate=substrate, first=CELLS, sizes=SIZES
+    )
+    return Point(
+        third=third / exact - 1.0,
+        automatic=state.area / exact - 1.0,
+        uncertainty=uncertainty,
+        estimate=estimate,
+        ratio=float(np.sqrt(state.asperity_area.max() / math.pi)) / apart,
+        steps=steps,
+        residual=residual,
+        warned=warned,
+        resolved=isinstance(state.model, mf.BoundaryElements),
+        refusal=refusal,
+    )
+
+
+def newton(surface: mf.Surface, model: mf.Interacting, rescaled_load: float) -> Results:
+    """Return the results of the kernels at one load, with the number of their steps."""
+    return model._solve(surface, surface.height[None], np.array([rescaled_load]), True).results
+
+
+def alone(surface: mf.Surface, approach: float) -> float:
+    """Return the load [N] of contacts without interaction at an approach."""
+    return mf.equilibrium(surface, approach=approach).load
+
+
+@cache
+def crowded(width: float, spread: float) -> Point:
+    """Nine asperities whose tallest has a contact of a given width without interaction."""
+    depth = (width * PITCH) ** 2 / RADIUS
+    height = 2.0 * RADIUS - spread * depth * RANKS
+    surface = mf.Surface.square_lattice(height, (3, 3), PITCH, radius=RADIUS, material=mf.Material(1.0))
+    return solve(surface, alone(surface, depth), mf.HalfSpace(), PITCH)
+
+
+@cache
+def on_layer(width: float, poisson_ratio: float) -> Point:
+    """One contact of a given width on a layer of thickness 1."""
+    surface = mf.Surface(
+        [[0.0, 0.0]],
+        [1.0],
+        RADIUS,
+        mf.Material(1.0, poisson_ratio),
+        block=mf.Block(50.0, 50.0, 1.0),
+    )
+    return solve(surface, alone(surface, width**2 / RADIUS), mf.BondedLayer(), 1.0)
+
+
+@cache
+def unequal(ratio: float) -> Point:
+    """A large and a small summit with equal indentations."""
+    depth = 0.2**2 / RADIUS
+    surface = mf.Surface([[0.0, 0.0], [1.0, 0.0]], [1.0, 1.0], [RADIUS, RADIUS / ratio], mf.Material(1.0))
+    return solve(surface, alone(surface, depth), mf.HalfSpace(), 1.0)
+
+
+@cache
+def numerous(count: int) -> tuple[int, float]:
+    """Steps and residual of order 3 on a lattice with scattered heights."""
+    side = math.isqrt(count)
+    height = 1.0 - 1e-3 * np.random.default_rng(count).random(count)
+    surface = mf.Surface.square_lattice(height, (side, side), PITCH, radius=RADIUS, material=mf.Material(1.0))
+    found = newton(surface, mf.Interacting(), alone(surface, 2e-3))
+    return int(found.steps[0, 0]), float(found.residual[0, 0])
