@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import re
+import sys
 from collections.abc import Callable
 from html import escape
 from pathlib import Path
@@ -44,6 +45,7 @@ def write_api(folder: Path) -> list[str]:
             here=f"api/{page.name}.html",
             page=page,
             text=html(page.docstring, address),
+            elsewhere=", ".join(linked(name, address) for name in page.elsewhere),
             groups=[
                 (title or ALL, [_shown(e, address) for e in entries])
                 for title, entries in page.groups.items()
@@ -106,7 +108,8 @@ def _shown(entry: Entry, address: Address) -> dict[str, Any]:
 def _member(member: Member, address: Address) -> dict[str, str]:
     """Return what the page shows of a method or a property."""
     text = (html if member.is_long else summary)(member.docstring, address)
-    shown = "" if member.kind == "property" else call(member.function, address)
+    widest = WIDEST if member.is_long else sys.maxsize
+    shown = "" if member.kind == "property" else call(member.function, address, widest)
     return {"name": member.name, "kind": member.kind, "call": shown, "text": text}
 
 
@@ -116,12 +119,12 @@ def _of(base: str, name: str, address: Address) -> str:
     return name if target is None else f'<a href="{target}">{name}</a>'
 
 
-def call(value: Callable[..., Any], address: Address) -> str:
-    """Return the parameters in parentheses and the type of the result, on one line or one a line."""
+def call(value: Callable[..., Any], address: Address, widest: int = WIDEST) -> str:
+    """Return the parameters in parentheses and the type of the result; beyond a width, one a line."""
     parts, returned = signature(value), result(value)
     arrow = f" → {returned}" if returned and returned != "None" else ""
     line = f"({', '.join(parts)}){arrow}"
-    if len(line) > WIDEST:
+    if len(line) > widest:
         line = "(\n" + "".join(f"    {part},\n" for part in parts) + f"){arrow}"
     # types alone are links: a word behind a colon, a bar, a bracket or the arrow
     return re.sub(

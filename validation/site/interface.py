@@ -109,6 +109,17 @@ class Page:
         return inspect.getdoc(self.module) or ""
 
     @property
+    def elsewhere(self) -> list[str]:
+        """Names of the module that stand on a page before."""
+        own = {entry.name for entry in self.entries}
+        listed = PAGES[self.name] is None and getattr(self.module, "__all__", ())
+        return [
+            name
+            for name in listed or ()
+            if name not in own and not inspect.ismodule(getattr(self.module, name))
+        ]
+
+    @property
     def entries(self) -> list[Entry]:
         """All names."""
         return [entry for group in self.groups.values() for entry in group]
@@ -135,10 +146,9 @@ def _grouped(module: ModuleType, wanted: tuple[str, ...] | None) -> Iterator[tup
     if module.__name__ == "metafem.reference":
         for part in ("single_contacts", "bonded_layer", "height_densities"):
             inner = importlib.import_module(f"metafem.reference.{part}")
-            title = f"{part}: {_first(inner.__doc__)}"
             for name, value in vars(inner).items():
                 if inspect.isfunction(value) and value.__module__ == inner.__name__ and name[0] != "_":
-                    yield title, Entry(f"{part}.{name}", value)
+                    yield inner.__name__, Entry(f"{part}.{name}", value)
         return
     names = module.__all__ if wanted is None else wanted
     entries = [Entry(name, value) for name in names if not inspect.ismodule(value := getattr(module, name))]

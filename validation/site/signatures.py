@@ -15,6 +15,7 @@ SHORT = {
     r"\bNDArray\[[^\]]*\]": "ndarray",
     r"\bValues\b": "float | ndarray",
     r"\bnp\.": "numpy.",
+    r"\bxr\.": "xarray.",
     r"\bProfile\b": "Callable",
 }
 
