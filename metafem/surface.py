@@ -248,7 +248,11 @@ class Surface(Value):
 
         `rng` is a seed or a numpy Generator; default: 0.
         """
-        order = check.generator(rng).permutation(self.count)
+        generator = check.generator(rng)
+        # the first permutation of a seed is the one by which `design` assigns heights to sites; the same one
+        # again would put the heights back into their order
+        generator.permutation(self.count)
+        order = generator.permutation(self.count)
         return self.replaced(height=self.height[order], radius=self.radius[order])
 
     def plot(self, ax: Axes | None = None) -> Axes:

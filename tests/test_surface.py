@@ -84,6 +84,19 @@ def test_shuffling_keeps_each_height_with_its_radius():
     assert not (surface.height == np.arange(9.0)).all()
 
 
+def test_shuffling_does_not_undo_the_sites_of_a_design_of_the_same_seed():
+    lattice = mf.Surface.square_lattice(0.0, (4, 4), radius=0.526, material=MATERIAL)
+    target = mf.LinearLaw(9.0)
+    for seed in (0, 1):
+        height = (
+            mf.design(target, lattice, limits=mf.Limits(0.12, offset=0.05), rng=seed)
+            .surface.shuffled(seed)
+            .height
+        )
+        assert (np.diff(height) > 0.0).any()
+        assert (np.diff(height) < 0.0).any()
+
+
 @pytest.mark.parametrize("ratio", [0.0, 0.3, 0.5])
 def test_a_material_of_a_youngs_modulus(ratio):
     material = mf.Material.from_young(1.02, ratio)

@@ -71,7 +71,9 @@ def interaction(design: Design, *, placements: int = 1000, rng: Any = 0) -> xr.D
     check.instance("design", design, Design, "a metafem.Design")
     count = check.integer("placements", placements, at_least=1)
     seed = entropy(rng)
-    random = np.random.default_rng(seed)
+    # not the stream by which `design` assigns heights to sites: its first permutation would undo that of a
+    # design of the same seed, and the heights would stand in their order
+    random = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(0,)))
     surface = design.surface
     rescaled = design.law.rescaled_load
     few = np.arange(len(rescaled))[:: -max(1, len(rescaled) // RANDOM_LOADS)][::-1]

@@ -61,6 +61,18 @@ def test_random_placements_repeat_and_differ(design, interaction):
     assert not other.placement_rms.equals(interaction.placement_rms)
 
 
+def test_random_placements_do_not_undo_the_sites_of_the_design():
+    from dataclasses import replace
+
+    template = mf.Surface.square_lattice(0.12, (4, 4), radius=0.526, material=mf.Material(1.36))
+    placed = mf.design(mf.LinearLaw(9.0), template, limits=mf.Limits(0.12, offset=0.05))
+    sorted_heights = placed.surface.replaced(height=np.sort(placed.surface.height)[::-1])
+    ordered = mf.studies.interaction(replace(placed, surface=sorted_heights), placements=1)
+    change = ordered.area_change.sel(substrate="half-space", order=3).values[4::5]  # every fifth load
+    first = mf.studies.interaction(placed, placements=1).placement_rms.values[0, 0]
+    assert first != pytest.approx(np.sqrt((change**2).mean()), rel=1e-6)
+
+
 def test_unequal_radii_are_placed_with_their_heights(design, interaction):
     from dataclasses import replace
 
