@@ -11,6 +11,7 @@ import click
 import metafem as mf
 from metafem.drawing import svg
 from metafem.report.figures import law_figure
+from validation import printed_numbers
 from validation.discovery import Listed
 from validation.numbers import computed, expected
 from validation.page import readme_table, write_report
@@ -27,8 +28,9 @@ MARKS = ("<!-- validation table: python -m validation --readme -->", "<!-- end o
 
 
 def renew_readme(results: dict[str, Evaluated]) -> None:
-    """Write the README's table and picture."""
+    """Write the README's tables of claims and its picture."""
     renew(MARKS, readme_table(results))
+    renew(printed_numbers.MARKS, printed_numbers.printed_table(results))
     PICTURE.write_text(svg(_first_minute(), "Target, achieved law and finite elements"), "utf-8")
 
 
