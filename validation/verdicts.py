@@ -199,9 +199,9 @@ def _fails(evidence: Evidence) -> tuple[str, str]:
     outside = evidence.largest(name, "outside", "refused")
     total = evidence.value(name, "scenes")
     return (
-        f"{number(failed)} of {number(total)} random scenes",
-        f"Of {number(total)} random scenes {number(failed)} ended without a solution or a stated reason. "
-        f"Inside the documented ranges {number(refused)} were refused, outside them {_percent(outside)}.",
+        f"{number(failed)} of {number(total)} random scenes failed",
+        "A failed scene ends without a solution and without a stated reason. Inside the documented ranges "
+        f"{number(refused)} scenes were refused with a reason, outside them {_percent(outside)}.",
     )
 
 
