@@ -73,6 +73,6 @@ CHAPTERS = (
         "stability",
         "Where it fails",
         "Where do the models fail, and do they say so?",
-        ("random_scenes", "stability_map"),
+        ("random_scenes", "stability_map", "extreme_inputs"),
     ),
 )  # fmt: skip
