@@ -67,7 +67,7 @@ CHAPTERS = (
         "cost",
         "What it costs",
         "What does a law cost, and how exact is it?",
-        ("work_precision",),
+        ("work_precision", "scaling"),
     ),
     Chapter(
         "stability",

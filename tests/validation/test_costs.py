@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from validation.cost import model_table
+from validation.cost import model_table, scaling
 from validation.cost.measured import Point, fastest_within
 from validation.cost.peers import Grid
-from validation.cost.times import LEAST, floor, in_words, renewed, rounded, timed
+from validation.cost.times import LEAST, exponent, floor, in_words, renewed, rounded, timed
 from validation.readme import README
 from validation.scenes import costs
 
@@ -87,6 +87,24 @@ def test_the_limit_of_an_error_of_second_order_is_exact():
     limit, uncertainty = costs.extrapolated(values)
     assert limit == pytest.approx(3.0)
     assert uncertainty == pytest.approx(0.002)
+
+
+def test_the_exponent_of_a_power_is_found_and_its_error_is_that_of_the_scatter():
+    counts = np.array([1e3, 1e4, 1e5])
+    slope, error, factor = exponent(counts, 3e-6 * counts**1.2)
+    assert (slope, error, factor) == pytest.approx((1.2, 0.0, 3e-6), abs=1e-10)
+    # ln 2 more at the middle moves no slope: the residuals are 1, -2 and 1 thirds of it
+    slope, error, _ = exponent(counts, 3e-6 * counts**1.2 * [1.0, 2.0, 1.0])
+    assert slope == pytest.approx(1.2)
+    assert error == pytest.approx(np.log(2.0) * np.sqrt(2.0 / 3.0) / np.log(10.0) / np.sqrt(2.0))
+
+
+def test_a_series_is_fitted_above_the_dense_limit_alone():
+    counts = (64, 4096, 16384)
+    seconds = tuple((1.0, 1.0) if n == 64 else (2e-6 * n, 2e-6 * n) for n in counts)
+    measured = scaling.Series(counts, seconds)
+    assert measured.fit()[0] == pytest.approx(1.0)
+    assert measured.median(4096) == pytest.approx(2e-6 * 4096)
 
 
 def test_the_fastest_point_within_an_error():

@@ -21,7 +21,7 @@ PEER_ERROR = 5e-3
 PATIENCE = 60.0
 
 # Loads of a curve; fewer above this number of asperities, where each load takes seconds.
-LOADS, FEW_LOADS, MANY = 100, 4, 2000
+LOADS, FEW_LOADS, MANY = 100, 3, 2000
 
 # Models that take longer for one load [s] resolve the contacts: their curves are not timed.
 RESOLVING = 0.1

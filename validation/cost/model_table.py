@@ -10,7 +10,7 @@ from validation.cost.measured import LOADS, models
 from validation.cost.times import in_words
 from validation.cost.work_precision import ORDER_3, TABLE_SCENE, one_panel
 from validation.readme import renew
-from validation.scenes.costs import RESOLVED, SCENES, Reference, reference
+from validation.scenes.costs import AUTOMATIC, RESOLVED, SCENES, Reference, reference
 
 MARKS = ("<!-- models: python -m validation --readme -->", "<!-- end of the models -->")
 PICTURE = Path(__file__).parents[1] / "work_precision.svg"
@@ -43,7 +43,7 @@ TABLE = (
         "any contacts, also merged ones; at least four cells per radius of the largest contact",
     ),
     (
-        "Automatic(1e-3)", "Automatic(tolerance)", "0.001",
+        "Automatic(1e-3)", AUTOMATIC, "0.001",
         "order 3, or resolved contacts where its estimated error of A0(P) exceeds the tolerance",
         "that of the chosen model; `state.notes` gives the reason",
     ),

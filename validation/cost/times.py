@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import statistics
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -15,14 +15,20 @@ import metafem as mf
 REPEATS, ENOUGH, LEAST = 50, 0.3, 3
 
 # A run longer than this is not repeated [s].
-LONG = 2.0
+LONG = 1.0
 
-# Rows of the dense matrix that are in memory at a time: far more than a processor's cache holds.
-FLOOR_ROWS = 1000
+# Entries of the dense matrix that are in memory at a time [80 MB]: far more than a processor's cache holds.
+FLOOR_ENTRIES = 10_000_000
 
 
 def timed(work: Callable[[int], Any], long: float = LONG) -> tuple[float, Any]:
     """Median seconds of several runs, and the last answer; the work is told the number of the run."""
+    times, answer = repeated(work, long)
+    return statistics.median(times), answer
+
+
+def repeated(work: Callable[[int], Any], long: float = LONG) -> tuple[list[float], Any]:
+    """Seconds of several runs, one if it is longer than `long`, and the last answer."""
     times: list[float] = []
     while len(times) < LEAST or (len(times) < REPEATS and sum(times) < ENOUGH):
         begin = time.perf_counter()
@@ -30,7 +36,7 @@ def timed(work: Callable[[int], Any], long: float = LONG) -> tuple[float, Any]:
         times.append(time.perf_counter() - begin)
         if times[0] > long:
             break
-    return statistics.median(times), answer
+    return times, answer
 
 
 def renewed(surface: mf.Surface, run: int) -> mf.Surface:
@@ -41,10 +47,20 @@ def renewed(surface: mf.Surface, run: int) -> mf.Surface:
 
 def floor(count: int) -> float:
     """Seconds in which numpy reads a dense matrix of all pairs once and sums its rows."""
-    rows = min(count, FLOOR_ROWS)
+    rows = min(count, FLOOR_ENTRIES // count)
     part, loads = np.ones((rows, count)), np.ones(count)
     seconds, _ = timed(lambda _: part @ loads)
     return seconds * count / rows
+
+
+def exponent(counts: Sequence[float], seconds: Sequence[float]) -> tuple[float, float, float]:
+    """Fit seconds = c countᵇ by least squares of the logarithms: b, its standard error, and c."""
+    x, y = np.log(counts), np.log(seconds)
+    design = np.column_stack([x, np.ones_like(x)])
+    (slope, constant), *_ = np.linalg.lstsq(design, y, rcond=None)
+    scatter = float(((y - design @ [slope, constant]) ** 2).sum()) / (len(x) - 2)
+    error = float(np.sqrt(scatter / ((x - x.mean()) ** 2).sum()))
+    return float(slope), error, float(np.exp(constant))
 
 
 def rounded(value: float, *, down: bool = False) -> float:

@@ -10,7 +10,7 @@ from validation.check import Claim, Picture, Row, above, below, reported
 from validation.cost.measured import PEER_ERROR, Point, fastest_within, models, peers
 from validation.cost.peers import PEERS, Grid, installed, next_load_with_tamaas, solve_with_tamaas
 from validation.cost.times import floor, rounded
-from validation.scenes.costs import RESOLVED, SCENES, TOLERANCES, reference
+from validation.scenes.costs import AUTOMATIC, RESOLVED, SCENES, reference
 from validation.sources import second_method
 
 # Relative error of A0 that is asked of order 3 beside the other codes.
@@ -41,7 +41,7 @@ STYLES = {
     "MeanField()": ("#c9a227", "s"),
     "Interacting(order=1)": ("#7fb069", "^"),
     ORDER_3: ("#1b6f8a", "D"),
-    "Automatic(tolerance)": ("#8d6fc0", "*"),
+    AUTOMATIC: ("#8d6fc0", "*"),
     RESOLVED: ("#c8553d", "v"),
     PEER: ("#7a8699", "X"),
     f"{PEER}, second moments": ("#7a8699", "x"),
@@ -80,9 +80,9 @@ def _errors(scene: str) -> list[Row]:
         ]  # fmt: skip
         rows += [
             below(f"{title}: error of Automatic({value:g}), A0(P)", each.area_error, value, resolved)
-            for value in TOLERANCES
+            for value in known.tolerances
             for each in found
-            if (each.line, each.setting) == ("Automatic(tolerance)", f"{value:g}")
+            if (each.line, each.setting) == (AUTOMATIC, f"{value:g}")
         ]
     for each in found:
         if each is order_3 or (scene == TABLE_SCENE and each.setting in SHOWN):
