@@ -12,6 +12,7 @@ import metafem as mf
 from metafem.drawing import svg
 from metafem.report.figures import law_figure
 from validation import printed_numbers
+from validation.cost import model_table
 from validation.discovery import Listed
 from validation.numbers import computed, expected
 from validation.page import readme_table, write_report
@@ -28,9 +29,10 @@ MARKS = ("<!-- validation table: python -m validation --readme -->", "<!-- end o
 
 
 def renew_readme(results: dict[str, Evaluated]) -> None:
-    """Write the README's tables of claims and its picture."""
+    """Write the README's tables and pictures."""
     renew(MARKS, readme_table(results))
     renew(printed_numbers.MARKS, printed_numbers.printed_table(results))
+    model_table.renew_readme()
     PICTURE.write_text(svg(_first_minute(), "Target, achieved law and finite elements"), "utf-8")
 
 
@@ -59,7 +61,7 @@ class ListedClaims(Listed):
 @click.option("-o", "--output", default="validation/results", show_default=True, help="Folder to write.")
 @click.option("--quick", is_flag=True, help="Leave out the claims that take long or measure times.")
 @click.option("--site", is_flag=True, help="Also write the guide, the examples and the reference.")
-@click.option("--readme", is_flag=True, help="Also renew the table of answers in README.md.")
+@click.option("--readme", is_flag=True, help="Also renew the tables of README.md.")
 @click.argument("names", nargs=-1)
 def main(output: str, quick: bool, site: bool, readme: bool, names: tuple[str, ...]) -> None:
     """Check the claims NAMES, those of whole groups, or all. Prints failed checks and writes the report."""

@@ -31,9 +31,9 @@ STYLES = {"lattice": (ACHIEVED, "s"), "scattered": (TARGET, "o")}
 
 METHOD = "one load by order 1, median of three or more runs, rounded to 1, 2 or 5"
 CAPTION = (
-    "Medians of three or more runs, with bars from the fastest to the slowest, and fitted powers. Dotted line: "
-    "to its left all pairs are in dense matrices. Dashed line: numpy reads a dense matrix of all pairs once and "
-    "sums its rows. Open symbol: the lattice of 1,000,000 asperities, one run."
+    "Medians of three or more runs, with bars from the fastest to the slowest, and fitted powers. Left of the "
+    "dotted line all pairs are in dense matrices. Dashed line: numpy reads a dense matrix of all pairs once "
+    "and sums its rows. Open symbol: the lattice of 1,000,000 asperities, one run."
 )
 FIT = f"fitted to the times of all runs above {DENSE_LIMIT} asperities"
 
