@@ -31,9 +31,9 @@ STYLES = {"lattice": (ACHIEVED, "s"), "scattered": (TARGET, "o")}
 
 METHOD = "one load by order 1, median of three or more runs, rounded to 1, 2 or 5"
 CAPTION = (
-    "Medians of three or more runs, with bars from the fastest to the slowest, and fitted powers. Left of the "
-    "dotted line all pairs are in dense matrices. Dashed line: numpy reads a dense matrix of all pairs once "
-    "and sums its rows. Open symbol: the lattice of 1,000,000 asperities, one run."
+    "Medians of three or more runs, with bars from the fastest to the slowest, and fitted powers. Left of "
+    "the dotted line all pairs are in dense matrices. Dashed line: numpy reads a dense matrix of all pairs "
+    "once and sums its rows. Open symbol: the lattice of 1,000,000 asperities, one run."
 )
 FIT = f"fitted to the times of all runs above {DENSE_LIMIT} asperities"
 
@@ -116,8 +116,8 @@ def measure() -> Claim:
         rows,
         {"growth": Picture(_growth, CAPTION)},
         "One load of a new surface by order 1, two thirds of whose asperities touch. Up to "
-        f"{DENSE_LIMIT:,} asperities all pairs are in dense matrices. Above, the sums are made by fast Fourier "
-        "transforms, on lattices directly and at scattered sites by Ewald's method. "
+        f"{DENSE_LIMIT:,} asperities all pairs are in dense matrices. Above, the sums are made by fast "
+        "Fourier transforms, on lattices directly and at scattered sites by Ewald's method. "
         "`python -m validation.benchmark interaction --long` measures 1,000,000 scattered asperities.",
     )
 
