@@ -62,7 +62,7 @@ def test_a_report_with_studies_and_finite_elements_is_in_order(look, template, t
     design = mf.design(mf.LinearLaw(6.87), template, limits=mf.Limits(0.12, offset=0.084))
     studies = {
         "manufacturing": mf.studies.manufacturing(design.surface, (0.001, 0.003), draws=20),
-        "misalignment": mf.studies.misalignment(design.surface, shuffles=2),
+        "misalignment": mf.studies.misalignment(design.surface, [0.0005, 0.001], shuffles=2),
         "uncertainty": mf.studies.uncertainty(design.surface, {"composite_modulus": 0.04, "radius": 0.002}),
     }
     (tmp_path / "report.html").write_text(page(design, checks=True, studies=studies), "utf-8")
