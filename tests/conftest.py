@@ -1,5 +1,6 @@
 """Settings, scenes and results that tests share."""
 
+import gc
 import json
 from collections import Counter
 from functools import cache
@@ -13,6 +14,9 @@ from hypothesis import settings
 import metafem as mf
 from metafem import cli
 
+# While tests are collected almost nothing becomes garbage, and a search for it takes a quarter of the time.
+gc.disable()
+
 # Property tests draw the same cases on every run and are never timed.
 settings.register_profile("metafem", deadline=None, derandomize=True, max_examples=40)
 settings.load_profile("metafem")
@@ -24,6 +28,7 @@ FIRST = ("models/test_contract.py", "fe/block3d/test_block3d.py")
 SLOW_EXAMPLES = (
     *("hertz_check", "cap_check", "cell_check", "layer_check"),
     *("FiniteContact", "press_finite", "tabulated_contact"),
+    *("search_contact", "ActiveSetContact", "measure_pedestal"),
 )
 
 
@@ -36,6 +41,12 @@ def pytest_collection_modifyitems(items):
     count = Counter(item.path for item in items)
     first = [Path(__file__).parent / name for name in FIRST]
     items.sort(key=lambda i: (first.index(i.path) if i.path in first else len(first), -count[i.path]))
+
+
+def pytest_collection_finish():
+    """Search for garbage again, but not among the tests."""
+    gc.freeze()
+    gc.enable()
 
 
 MATERIAL = mf.Material(composite_modulus=1.36, poisson_ratio=0.5)

@@ -1,11 +1,13 @@
 """The command in an empty folder."""
 
 import shutil
+from importlib import import_module
 
 import pytest
 from click.testing import CliRunner
 
 from metafem import cli
+from metafem.drawing.inline import Drawn
 
 
 @pytest.fixture
@@ -19,6 +21,14 @@ def run(tmp_path, monkeypatch):
         return result
 
     return call
+
+
+@pytest.fixture
+def plain_reports(monkeypatch):
+    """Leave the pictures, which take most of the time of a design, out of reports other than the demos'."""
+    monkeypatch.setattr(
+        import_module("metafem.report.page"), "drawn", lambda figure, title: Drawn(title, "", "", "")
+    )
 
 
 @pytest.fixture

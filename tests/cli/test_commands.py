@@ -76,6 +76,7 @@ def test_every_command_has_help(run, command):
         assert "Example: metafem study " in result.output
 
 
+@pytest.mark.usefixtures("plain_reports")
 @pytest.mark.parametrize(
     "model",
     [
@@ -121,6 +122,7 @@ def test_existing_files_are_kept_without_force(run, demo):
     assert "force=True" not in result.output
 
 
+@pytest.mark.usefixtures("plain_reports")
 def test_a_friction_coefficient_is_printed_at_the_terminal_and_as_json(run):
     target = 'friction_coefficient = 1.5\nload_range = ["0.2 N", "0.5 N"]'
     Path("mu.toml").write_text(demo_text("linear").replace("slope = 6.87", target), "utf-8")
@@ -131,6 +133,7 @@ def test_a_friction_coefficient_is_printed_at_the_terminal_and_as_json(run):
     assert "target friction coefficient" in run("design", "mu.toml", "-o", "again").output
 
 
+@pytest.mark.usefixtures("plain_reports")
 def test_an_edited_specification_gives_another_design(run):
     text = demo_text("linear").replace("slope = 6.87", "slope = 7.5")
     Path("mine.toml").write_text(text, "utf-8")
@@ -158,6 +161,7 @@ def test_bad_specifications_end_with_a_reason_and_no_folder(run, old, new, code,
     assert [path.name for path in Path().iterdir()] == ["bad.toml"]
 
 
+@pytest.mark.usefixtures("plain_reports")
 def test_a_missed_target_exits_with_one(run):
     text = demo_text("bilinear").replace("12.52", "60.0")
     Path("steep.toml").write_text(text, "utf-8")
@@ -304,6 +308,7 @@ def test_a_model_without_its_block_names_the_section(run, model):
     assert (result.exit_code, "add [block]" in result.output) == (2, True), result.output
 
 
+@pytest.mark.usefixtures("plain_reports")
 @pytest.mark.parametrize(
     ("changes", "words"),
     [

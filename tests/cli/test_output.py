@@ -53,7 +53,7 @@ def test_replacements_of_characters_are_ascii():
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no /dev/full")
-@pytest.mark.parametrize("arguments", [("spec",), ("--help",), ("spec", "--json")])
+@pytest.mark.parametrize("arguments", [("--help",), pytest.param(("spec", "--json"), marks=pytest.mark.slow)])
 def test_a_full_output_is_reported(arguments):
     with open("/dev/full", "w") as full:
         done = started(*arguments, stdout=full)

@@ -67,6 +67,7 @@ def test_a_signal_in_the_callback_of_a_weak_reference_is_not_lost(capsys):
     assert capsys.readouterr().err == ""
 
 
+@pytest.mark.usefixtures("plain_reports")
 def test_files_of_the_user_are_never_replaced(run):
     assert run("design", "small.toml", "-o", "out").exit_code == 0
     assert run("predict", "out", "-o", "law.csv").exit_code == 0

@@ -21,9 +21,21 @@ MODELS = [
 ]
 
 
-@pytest.mark.parametrize("model", MODELS, ids=["alone", "half-space", "layer"])
-@pytest.mark.parametrize("radii", [TOOLS, RANGE], ids=["tools", "range"])
-@pytest.mark.parametrize("exponent", [0.645, 1.55])
+# The others of the twelve cases run with the slow tests.
+QUICK = {(0.645, "range", "layer"), (0.645, "tools", "alone"), (1.55, "tools", "half-space")}
+CASES = [
+    pytest.param(
+        *(exponent, radii, model),
+        id=f"{exponent}-{given}-{place}",
+        marks=[pytest.mark.slow] * ((exponent, given, place) not in QUICK),
+    )
+    for exponent in (0.645, 1.55)
+    for given, radii in (("tools", TOOLS), ("range", RANGE))
+    for place, model in zip(("alone", "half-space", "layer"), MODELS, strict=True)
+]
+
+
+@pytest.mark.parametrize(("exponent", "radii", "model"), CASES)
 def test_powers_beyond_one_radius(template, exponent, radii, model):
     """One radius has at least 2/3, and reaches 1.51 within 1 % over this range."""
     result = mf.design(mf.PowerLaw(exponent, (0.1, 0.4)), template, model, LIMITS, radii=radii)
@@ -60,7 +72,9 @@ def test_one_tool_that_reaches_the_law_is_preferred(template):
     [MODELS[0], *(pytest.param(model, marks=pytest.mark.slow) for model in MODELS[1:])],
     ids=["alone", "half-space", "layer"],
 )
-@pytest.mark.parametrize("radii", [TOOLS, RANGE], ids=["tools", "range"])
+@pytest.mark.parametrize(
+    "radii", [TOOLS, pytest.param(RANGE, marks=pytest.mark.slow)], ids=["tools", "range"]
+)
 def test_points_below_those_of_one_radius_are_met(template, radii, model):
     """F grows by less than P^(2/3)."""
     target = mf.OperatingPoints([0.144, 0.336], [0.84, 0.84 * (0.336 / 0.144) ** 0.65])

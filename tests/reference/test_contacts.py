@@ -69,6 +69,7 @@ def test_contacts_on_a_thin_layer_do_not_interact():
     assert cell == pytest.approx(float(layer.regular_influence(0.0, 1.0, 0.5)), rel=1e-3)
 
 
+@pytest.mark.slow
 def test_lattice_sum_does_not_depend_on_where_it_ends(monkeypatch):
     total, laplacian = layer.lattice_sums(1.5, 7.2, 0.5)
     monkeypatch.setattr(layer, "LATTICE_EXTENT", 20.0)

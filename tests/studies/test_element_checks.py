@@ -1,5 +1,7 @@
 """Checks of the finite elements: that they fail where an expectation is wrong, and the orders they fit."""
 
+import pytest
+
 from metafem.studies import element_checks
 
 
@@ -11,6 +13,7 @@ def test_a_wrong_expectation_fails(monkeypatch):
     assert load.expected == "1.03 ± 0.002 relative"
 
 
+@pytest.mark.slow
 def test_the_layer_is_checked_in_units_of_the_half_space(monkeypatch):
     monkeypatch.setattr(element_checks.bonded_layer, "regular_influence", lambda *_: 0.0)
     assert not any(check.passed for check in element_checks.layer_check())

@@ -13,7 +13,12 @@ from validation.results import costs, evaluated
 from validation.sources import Source
 from validation.verdicts import QUESTIONS
 
-NAMES = [pytest.param(name, marks=pytest.mark.slow) if is_slow(name) else name for name in claims()]
+# Quick claims whose pictures still take seconds.
+LONG = ("any_law", "fig_s3_manufacturing")
+
+NAMES = [
+    pytest.param(name, marks=pytest.mark.slow) if is_slow(name) or name in LONG else name for name in claims()
+]
 
 # Claims whose sources are texts and whose figures have no captions yet.
 UNSORTED = {

@@ -77,7 +77,7 @@ def test_spherical_profile_is_sneddons():
 # Load and indentation over Hertz's at the same a, of an independent small-strain computation to .2 %.
 @pytest.mark.parametrize(
     ("height", "contact_radius", "load", "indentation"),
-    [(0.12, 0.10, 1.016, 1.015), (0.20, 0.26, 1.112, 1.121)],
+    [pytest.param(0.12, 0.10, 1.016, 1.015, marks=pytest.mark.slow), (0.20, 0.26, 1.112, 1.121)],
 )
 def test_cap_on_the_bonded_block(height, contact_radius, load, indentation):
     contact = block(height, contact_radius)
@@ -106,14 +106,14 @@ def test_graded_mesh_gives_hertz_on_a_deep_block():
 
 
 def test_lengths_scale():
-    big = mf.fe.press(1e3 * 0.1, 1e3 * R, height=1e3 * 0.12, thickness=7.2e3, block_radius=1e4)
-    small = block(0.12, 0.10)
+    big = mf.fe.press(1e3 * 0.26, 1e3 * R, height=1e3 * 0.2, thickness=7.2e3, block_radius=1e4)
+    small = block(0.20, 0.26)
     assert big.rescaled_load == pytest.approx(1e6 * small.rescaled_load, rel=1e-9)
     assert big.indentation == pytest.approx(1e3 * small.indentation, rel=1e-9)
 
 
 @pytest.mark.parametrize(
-    "angle", [*(pytest.param(angle, marks=pytest.mark.slow) for angle in (5.0, 45.0)), 89.0, 90.0]
+    "angle", [*(pytest.param(angle, marks=pytest.mark.slow) for angle in (5.0, 45.0, 89.0)), 90.0]
 )
 def test_any_cap_meshes(angle):
     height = R * (1.0 - math.cos(math.radians(angle)))

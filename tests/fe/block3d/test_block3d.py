@@ -196,7 +196,8 @@ def test_block_lies_between_layer_and_half_space(coarse):
     assert bonded_layer.influence(r, 7.2, 0.5) < coarse.matrix[0, 1] < 1.0 / (math.pi * r)
 
 
-@pytest.mark.parametrize("poisson_ratio", [pytest.param(0.0, marks=pytest.mark.slow), 0.49])
+@pytest.mark.slow
+@pytest.mark.parametrize("poisson_ratio", [0.0, 0.49])
 def test_wide_block_is_the_layer(poisson_ratio):
     position = np.array([[0.5, 0.0], [-1.0, 0.0]])
     surface = scene(position, mf.Block(60.0, 60.0, 5.0), poisson_ratio)

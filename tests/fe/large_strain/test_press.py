@@ -53,6 +53,7 @@ def test_small_strain_limit():
     assert contact.residual <= soft_body.RESIDUAL
 
 
+@pytest.mark.slow
 def test_lengths_of_any_unit():
     big, one = (
         press.press_sequence(

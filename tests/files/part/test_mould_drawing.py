@@ -55,6 +55,7 @@ def test_each_tool_has_its_line():
     assert "2 holes, tool radius R 0.5" in text
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rows", [100])
 def test_ten_thousand_holes_stay_below_a_megabyte(rows):
     _, text = drawn(rows)
