@@ -82,7 +82,7 @@ def claim() -> Claim:
         for energy in ENERGIES:
             checks += _checks(contacts, energy)
     one, five = (
-        [f"{1 + results(n, ENERGY)[1][f'line, {name}'].error.mean() / true:.3g}" for name, true in TRUE]
+        [f"{1 + results(n, ENERGY)[1][f'line, {name}'].error.mean() / true:.3f}" for name, true in TRUE]
         for n in CONTACTS
     )
     return Claim(

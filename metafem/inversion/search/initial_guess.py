@@ -16,7 +16,7 @@ from scipy.optimize import brentq
 
 from metafem._validate import FloatArray
 from metafem.contact import Contact
-from metafem.inversion.bounds import depth_at_pressure, relative_depth
+from metafem.inversion.bounds import at_load, depth_at_pressure, relative_depth
 from metafem.inversion.radii import Radii
 from metafem.inversion.search.options import DEFAULTS, SearchOptions
 from metafem.models.contact_sums import contacts
@@ -33,7 +33,11 @@ def initial_heights(
 
     Asperities that enter at sample k have the k-th radius.
     """
-    depth = depth_at_pressure(law, load[0] / friction[0], radius[0])
+    if law.power == 1.0:
+        # cones have the same load over area at any depth: as many as there may be have the first load
+        depth = float(at_load(law, load[:1] / count, radius[0])[0][0])
+    else:
+        depth = depth_at_pressure(law, load[0] / friction[0], radius[0])
     first = float(contacts(law, np.array(depth), radius[:1]).area[0])
     levels, numbers, kinds = [0.0], [friction[0] / first], [radius[0]]
     plane, widest, single = -depth, float(radius.max()), _Single(law, radius)
