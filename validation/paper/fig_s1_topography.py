@@ -41,8 +41,8 @@ def claim() -> Claim:
     )
     caption = (
         "Side view of the 58 asperities, sorted by height and magnified vertically, in the colours of Fig. "
-        "S1. The darker asperity of each colour is the adjustment asperity. Dashed lines: planes at the "
-        "operating points; each touches the summits of the next level."
+        "S1. The last asperity of each colour is the adjustment asperity. Dashed lines: planes at the "
+        "operating points; the first two touch the summits of the next level."
     )
     return Claim(
         "Fig. S1: topography for three operating points",
@@ -78,7 +78,7 @@ def _heights() -> list[Check | Difference]:
     design, points, second = fig3(), paper()["fig3"], solved()
     levels, added = (1e3 * design.parameters[name] for name in ("levels", "adjustment_heights"))
     words = (
-        "The printed targets have three digits. Others that round to the same digits give the printed "
+        "The targets are printed with two and three decimals. Others that round to them give the printed "
         "height, as the checks of this claim show."
     )
     rows: list[Check | Difference] = []
