@@ -22,7 +22,7 @@ NAMES = [
 
 # Claims whose sources are texts and whose figures have no captions yet.
 UNSORTED = {
-    "elastic_plastic", "fe_cap", "fe_cell", "fe_finite_strain", "fe_hertz",
+    "fe_cap", "fe_cell", "fe_finite_strain", "fe_hertz",
     "fe_layer", "fe_pedestal",
 }  # fmt: skip
 

@@ -1,0 +1,32 @@
+"""The published formulas of elastic-plastic contacts: limits, and the jumps that they have."""
+
+import pytest
+
+from metafem.reference.elastic_plastic import jackson_green, kogut_etsion
+
+EPS = 1e-12
+
+
+@pytest.mark.parametrize("law", [lambda w: kogut_etsion(w, 0.3), lambda w: jackson_green(w, 0.3, 2e-3)])
+def test_below_yield_the_contact_is_hertz(law):
+    assert law(0.5) == pytest.approx((0.5**1.5, 0.5), rel=1e-15)
+
+
+def test_fully_plastic_pressure_is_the_hardness():
+    """P/A = H means P/P_c over A/A_c = H A_c/P_c = 3/(2 K)."""
+    load, area = kogut_etsion(200.0, 0.3)
+    assert load / area == pytest.approx(1.5 / (0.454 + 0.41 * 0.3), rel=1e-14)
+
+
+def test_pressure_of_a_deep_contact_tends_to_the_hardness_of_jackson_and_green():
+    """At w* = 1e6 and vanishing S_y/E* the load is 4 H/(C S_y) w* with H = 2.84 S_y."""
+    factor = 1.295 * 2.718281828459045 ** (0.736 * 0.3)
+    load, area = jackson_green(1e6, 0.3, 1e-9)
+    mean = load / area * (1e6 / 1.9) ** 0.14  # the formula multiplies H by w*, not by A/A_c
+    assert mean == pytest.approx(4.0 * 2.84 / factor, rel=1e-6)
+
+
+@pytest.mark.parametrize("at", [1.0, 6.0, 110.0])
+def test_formulas_of_kogut_and_etsion_jump(at):
+    before, after = kogut_etsion(at * (1.0 - EPS), 0.3), kogut_etsion(at * (1.0 + EPS), 0.3)
+    assert 0.01 < max(abs(b / a - 1.0) for a, b in zip(before, after, strict=True)) < 0.08
