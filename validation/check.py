@@ -7,7 +7,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from metafem import studies
 from validation.sources import Source, known_input
 
 # Sources of the misfit of designs, whose expected value is 0.
@@ -108,8 +107,3 @@ def reported(name: str, value: float, method: str) -> Result:
     if not math.isfinite(value):
         raise ValueError(f"{name}: {value} must be a finite number")
     return Result(name, float(value), method)
-
-
-def of_elements(checks: Sequence[studies.Check]) -> list[Check]:
-    """Return checks of the finite elements as rows."""
-    return [Check(each.name, each.computed, each.expected, each.passed, each.source) for each in checks]

@@ -20,12 +20,6 @@ NAMES = [
     pytest.param(name, marks=pytest.mark.slow) if is_slow(name) or name in LONG else name for name in claims()
 ]
 
-# Claims whose sources are texts and whose figures have no captions yet.
-UNSORTED = {
-    "fe_cap", "fe_cell", "fe_finite_strain", "fe_hertz",
-    "fe_layer", "fe_pedestal",
-}  # fmt: skip
-
 # Words that name no source.
 VAGUE = re.compile(
     r"promise|recomputed|independent(ly)? comput|another (code|implementation)|^solved|^exact$|^target$", re.I
@@ -40,17 +34,14 @@ def test_claim_holds(name):
 
 @pytest.mark.parametrize("name", NAMES)
 def test_each_check_names_its_source(name):
-    """A source is one of five kinds; sources that are texts are those of claims not yet converted."""
     for check in evaluate(name).checks:
-        assert isinstance(check.source, Source) or name in UNSORTED, check
+        assert isinstance(check.source, Source), check
         assert str(check.source).strip(), check.name
         assert not VAGUE.search(str(check.source)), check
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_each_figure_has_a_caption_and_each_claim_a_text(name):
-    if name in UNSORTED:
-        return
     claim = evaluate(name)
     assert claim.text.count(".") >= 2
     for title, picture in claim.figures.items():

@@ -9,8 +9,9 @@ import numpy as np
 from metafem import fe
 from metafem.contact.cap_compliance import pedestal_compliance
 from metafem.drawing import new_figure
-from validation.check import Claim, below
+from validation.check import Claim, Picture, below
 from validation.scenes.pedestals import FOOT_RATIOS, TABLE
+from validation.sources import second_method
 
 # h/R and contact radius over foot radius, between the nodes of the table.
 BETWEEN = ((0.06, 0.3), (0.23, 0.5), (0.38, 0.1), (0.57, 0.3))
@@ -18,7 +19,15 @@ BETWEEN = ((0.06, 0.3), (0.23, 0.5), (0.38, 0.1), (0.57, 0.3))
 # Several seconds of finite elements.
 SLOW = True
 
-SOURCE = "metafem.fe.measure_pedestal at a shape between the nodes of the table, which it computed"
+SOURCE = second_method(fe.measure_pedestal, "finite elements of a shape between the nodes of the table")
+
+TEXT = """Below its contact a cap yields as a pedestal on the block. The models interpolate this compliance
+in a table over the shape of the cap and the size of the contact. Here it is computed by finite elements at
+four shapes between the nodes of the table."""
+
+CAPTION = """Compliance of the pedestal, times R, over the height of the cap relative to R: nodes of the
+table (dots) and their interpolation (lines), for contacts of 0.05, 0.2, 0.4 and 0.6 of the foot's radius,
+which lie close together. High caps yield more, and nearly independently of the size of the contact."""
 
 
 def claim() -> Claim:
@@ -28,7 +37,8 @@ def claim() -> Claim:
         a = fraction * math.sqrt(ratio * (2.0 - ratio))
         error = abs(float(pedestal_compliance(ratio, 1.0, a)) / fe.measure_pedestal(ratio, a) - 1.0)
         checks.append(below(f"h/R = {ratio}, a/R = {a:.3f}: error of the table", error, 1e-3, SOURCE))
-    return Claim("The pedestal's compliance", checks, {"compliance": _figure})
+    figures = {"Compliance of the pedestal": Picture(_figure, CAPTION)}
+    return Claim("The pedestal's compliance", checks, figures, TEXT)
 
 
 def _figure():

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -12,12 +12,17 @@ from skfem import Basis, BilinearForm, ElementQuad1, ElementQuad2, ElementVector
 
 from metafem import _validate as check
 from metafem._validate import FloatArray, IntArray
-from metafem.errors import NotConverged
-from metafem.fe.axisymmetric.mesh import uniform_mesh
+from metafem.contact.cap_geometry import sphere_profile
+from metafem.errors import InvalidInput, NotConverged
+from metafem.fe.axisymmetric.geometry import Cap, checked_cap
+from metafem.fe.axisymmetric.mesh import named, uniform_mesh
 from metafem.fe.linear_solve import THRESHOLD, LinearStatus, solve
 
 # Radius up to which the cells are equal, and radius of the half-space, in contact radii.
 REACH, EXTENT = 1.1, 1e5
+
+# Ratio of neighbouring cells of a cap on a block beyond the contact.
+GROWTH = 1.4
 
 # Largest number of changes of the active set; a few are enough.
 STEPS = 50
@@ -32,7 +37,8 @@ class ActiveSetContact:
     rescaled_load : float
         P/E* [mm^2].
     contact_radius : float
-        a [mm], from the second moment of the pressure: ``sqrt(5/2 <r^2>)``, exact for Hertz's pressure.
+        a [mm], from the second moment of the pressure: ``sqrt(5/2 <r^2>)``, exact for Hertz's pressure,
+        which that of a cap differs from.
     last_radius : float
         Radius of the last closed node [mm].
     steps : int
@@ -51,9 +57,16 @@ class ActiveSetContact:
 
 
 def search_contact(
-    indentation: float, radius: float, poisson_ratio: float = 0.5, *, cell: float
+    indentation: float,
+    radius: float,
+    poisson_ratio: float = 0.5,
+    *,
+    cell: float,
+    height: float | None = None,
+    thickness: float | None = None,
+    block_radius: float | None = None,
 ) -> ActiveSetContact:
-    """Find the contact of a paraboloid on a half-space by an active set on a uniform mesh.
+    """Find the contact of a paraboloid on a half-space, or of a cap on a block, by an active set.
 
     Nodal forces and nodal gaps are not negative, and one of the two is zero. The elements and the treatment
     of the edge differ from those of `press`, so that the two computations are independent. The error is of
@@ -69,6 +82,9 @@ def search_contact(
         nu [-], from 0 to 0.5; default: 0.5.
     cell : float
         Size of the elements along the surface [mm], at most a quarter of the contact radius.
+    height, thickness, block_radius : float, optional
+        Height of a spherical cap, and thickness and radius of the block below it [mm], bonded at its base
+        with a free side; all or none.
 
     Returns
     -------
@@ -77,7 +93,8 @@ def search_contact(
     Raises
     ------
     InvalidInput
-        If a value is outside its range, or the cell does not resolve the contact.
+        If a value is outside its range, the cell does not resolve the contact, or only some of the lengths
+        of a cap on a block are given.
     NotConverged
         If the active set does not settle.
 
@@ -92,16 +109,45 @@ def search_contact(
     nu = check.number("poisson_ratio", poisson_ratio, **check.POISSON)
     size = math.sqrt(depth * big)
     width = check.number("cell", cell, above=0.0, at_most=0.25 * size)
+    if height is not None and thickness is not None and block_radius is not None:
+        cap = checked_cap(REACH * size, big, height, thickness, "block_radius", block_radius)
+        r, flexibility = _flexibility(_cap_mesh(cap, width, REACH * size), nu)
+        force, steps = _active_set(flexibility, depth - sphere_profile(r, big))
+        return _of_forces(force, r, steps)
+    if not height is thickness is block_radius is None:
+        raise InvalidInput("height, thickness and block_radius of a cap on a block must be given together")
     # in units of Hertz's contact radius, a^2 = R d
     r, flexibility = _flexibility(uniform_mesh(width / size, REACH, EXTENT), nu)
     force, steps = _active_set(flexibility, 1.0 - 0.5 * r**2)
-    closed = force > 0.0
+    return _of_forces(depth * size * force, size * r, steps)
+
+
+def _of_forces(force: FloatArray, r: FloatArray, steps: int) -> ActiveSetContact:
+    """Return the contact of the forces on the nodes at r."""
     return ActiveSetContact(
-        rescaled_load=depth * size * math.fsum(force),
-        contact_radius=size * math.sqrt(2.5 * math.fsum(force * r**2) / math.fsum(force)),
-        last_radius=size * float(r[closed].max()),
+        rescaled_load=math.fsum(force),
+        contact_radius=math.sqrt(2.5 * math.fsum(force * r**2) / math.fsum(force)),
+        last_radius=float(r[force > 0.0].max()),
         steps=steps,
     )
+
+
+def _cap_mesh(cap: Cap, cell: float, reach: float) -> MeshQuad:
+    """Return a cap on a block: equal cells up to a radius, then growing ones to the foot and to the side."""
+    near = cell * np.arange(round(reach / cell) + 1)
+    slope = _growing(near[-1], cap.foot, cell)
+    flat = _growing(cap.foot, cap.outer, slope[-1] - slope[-2])
+    s = np.concatenate([near, slope[1:], flat[1:]])
+    depth = _growing(0.0, cap.thickness, cell)
+    plane = named(MeshQuad.init_tensor(s, depth), near[-1], cap.outer, cap.thickness)
+    return replace(plane, doflocs=cap.point(plane.p))
+
+
+def _growing(start: float, end: float, first: float) -> FloatArray:
+    """Return positions from start to end at distances that grow by at most `GROWTH` from the first on."""
+    count = max(1, math.ceil(math.log1p((end - start) / first * (GROWTH - 1.0)) / math.log(GROWTH)))
+    sums = np.cumsum(GROWTH ** np.arange(count))
+    return np.concatenate([[start], start + (end - start) * sums[:-1] / sums[-1], [end]])
 
 
 def _active_set(flexibility: FloatArray, depth: FloatArray) -> tuple[FloatArray, int]:
