@@ -22,7 +22,7 @@ class Check:
     computed: float
     expected: str
     passed: bool
-    source: Source | str
+    source: Source
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ class Claim:
 
     title: str
     rows: Sequence[Row]
-    figures: dict[str, Picture | Callable[[], Any]] = field(default_factory=dict)
+    figures: dict[str, Picture] = field(default_factory=dict)
     text: str = ""
 
     @property
@@ -86,18 +86,18 @@ class Claim:
         return row.value if isinstance(row, Result) else row.computed
 
 
-def near(name: str, computed: float, expected: float, tolerance: float, source: Source | str) -> Check:
+def near(name: str, computed: float, expected: float, tolerance: float, source: Source) -> Check:
     """Check that a number agrees with another within an absolute tolerance."""
     passed = bool(abs(computed - expected) <= tolerance)
     return Check(name, float(computed), f"{expected:.6g} ± {tolerance:.2g}", passed, source)
 
 
-def below(name: str, computed: float, limit: float, source: Source | str) -> Check:
+def below(name: str, computed: float, limit: float, source: Source) -> Check:
     """Check that a number, usually an error, does not exceed a limit."""
     return Check(name, float(computed), f"at most {limit:.3g}", bool(computed <= limit), source)
 
 
-def above(name: str, computed: float, limit: float, source: Source | str) -> Check:
+def above(name: str, computed: float, limit: float, source: Source) -> Check:
     """Check that a number is not less than a limit."""
     return Check(name, float(computed), f"at least {limit:.3g}", bool(computed >= limit), source)
 

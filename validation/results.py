@@ -13,7 +13,7 @@ from types import ModuleType
 from typing import Any
 
 from metafem.drawing.inline import Drawn, drawn
-from validation.check import Check, Claim, Difference, Picture, Result, Row
+from validation.check import Check, Claim, Difference, Result, Row
 from validation.discovery import groups, named, picked
 from validation.sources import Source, known_input
 
@@ -93,7 +93,7 @@ def evaluated(name: str) -> Evaluated:
     claim = evaluate(name)
     rows, figures = list(claim.rows), []
     for title, picture in claim.figures.items():
-        draw, caption = (picture.draw, picture.caption) if isinstance(picture, Picture) else (picture, "")
+        draw, caption = picture.draw, picture.caption
         try:
             figures.append(drawn(draw(), f"{claim.title}: {title}", caption))
         except Exception as error:
@@ -188,9 +188,7 @@ def _claim_data(each: Evaluated) -> dict[str, Any]:
     }
 
 
-def _source_data(source: Source | str) -> dict[str, str]:
-    if isinstance(source, str):
-        return {"kind": "", "text": source, "link": ""}
+def _source_data(source: Source) -> dict[str, str]:
     return {"kind": source.kind.value, "text": source.text, "link": source.link}
 
 

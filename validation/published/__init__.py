@@ -13,9 +13,6 @@ FOLDER = Path(__file__).parent
 PAPER = "Aymard et al. 2024"
 REFERENCE = f"{PAPER}: Science 383, 200-204, doi:10.1126/science.adk4234; SM: its Supplementary Materials"
 
-# Results of a program outside this package that shares no code with it. They are not published.
-SEPARATE = "a separate program that shares no code with metafem, unpublished"
-
 
 @cache
 def paper() -> dict[str, Any]:
