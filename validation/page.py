@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from validation.chapters import CHAPTERS, Chapter
-from validation.check import Check, Difference, Result, Row
+from validation.check import Check, Difference, Result
 from validation.discovery import first_line
 from validation.numbers import computed, expected, number, powers
 from validation.pages import site_page
@@ -79,7 +78,7 @@ def _index(results: Results, left_out: Sequence[str], whole: bool) -> str:
         (f"{chapter.name}.html#{anchor}", each, row)
         for chapter, found, _ in shown
         for each in found
-        for anchor, row in anchored(each, Check)
+        for anchor, row in each.anchored(Check)
         if isinstance(row, Check) and not row.passed
     ]
     kinds = Counter(check.source.kind for check in checks if isinstance(check.source, Source))
@@ -112,24 +111,10 @@ def _chapter(chapter: Chapter, results: Results, left_out: Sequence[str], whole:
         checks=[check for each in found for check in each.checks],
         differing=sum(len(each.differences) for each in found),
         left_out=_described([name for name in chapter.claims if name not in results]),
-        anchored=anchored,
         grouped=_grouped,
         row_types={"check": Check, "result": Result},
         formats=FORMATS,
     )
-
-
-def anchored(each: Evaluated, kind: type[Row]) -> list[tuple[str, Row]]:
-    """Return the rows of a kind with their anchors, which differ for rows of one name."""
-    seen: Counter[str] = Counter()
-    rows = []
-    for row in each.rows:
-        anchor = f"{each.name}-{re.sub(r'[^a-z0-9]+', '-', row.name.lower()).strip('-')}"
-        seen[anchor] += 1
-        number = seen[anchor]
-        if isinstance(row, kind):
-            rows.append((anchor if number == 1 else f"{anchor}-{number}", row))
-    return rows
 
 
 @dataclass(frozen=True)
@@ -144,7 +129,7 @@ class Statements:
 def _grouped(each: Evaluated, where: str = "") -> list[Statements]:
     """Return the differences of a claim, those with the same words together."""
     groups: dict[str, list[tuple[str, Difference]]] = {}
-    for anchor, row in anchored(each, Difference):
+    for anchor, row in each.anchored(Difference):
         assert isinstance(row, Difference)
         groups.setdefault(row.words, []).append((anchor, row))
     return [Statements(each.title, where, rows) for rows in groups.values()]

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import time
 import traceback
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cache
@@ -50,6 +52,17 @@ class Evaluated:
     def differences(self) -> list[Difference]:
         """The statements of the paper that do not hold."""
         return [row for row in self.rows if isinstance(row, Difference)]
+
+    def anchored(self, kind: type[Row]) -> list[tuple[str, Row]]:
+        """Return the rows of a kind with their anchors, which differ for rows of one name."""
+        seen: Counter[str] = Counter()
+        rows = []
+        for row in self.rows:
+            anchor = f"{self.name}-{re.sub(r'[^a-z0-9]+', '-', row.name.lower()).strip('-')}"
+            seen[anchor] += 1
+            if isinstance(row, kind):
+                rows.append((anchor if seen[anchor] == 1 else f"{anchor}-{seen[anchor]}", row))
+        return rows
 
     @property
     def failed(self) -> list[Check]:

@@ -40,6 +40,7 @@ class Evidence:
 
     results: Mapping[str, Evaluated]
     read: list[str] = field(default_factory=list)
+    first: Row | None = None
     partly: bool = False
 
     def claim(self, name: str) -> Evaluated:
@@ -72,9 +73,16 @@ class Evidence:
         """Whether the name of a row contains some words."""
         return any(words in row.name for row in self.claim(claim).rows)
 
+    def link(self, page: str) -> str:
+        """Return a page with the anchor of the first row that was read; the page alone without a row."""
+        rows = [pair for name in self.read for pair in self.results[name].anchored(Row)]
+        return next((f"{page}#{anchor}" for anchor, row in rows if row is self.first), page)
+
     def _values(self, claim: str, words: str, name: str, wanted: Callable[[Row], bool]) -> list[float]:
         rows = self.claim(claim).rows
-        found = [row.value if isinstance(row, Result) else row.computed for row in rows if wanted(row)]
+        read = [row for row in rows if wanted(row)]
+        self.first = self.first or next(iter(read), None)
+        found = [row.value if isinstance(row, Result) else row.computed for row in read]
         if not found and not self.claim(claim).failed:
             known = "; ".join(row.name for row in rows)
             raise LookupError(MISSING.format(claim=claim, words=words, name=name, rows=known))
@@ -83,7 +91,7 @@ class Evidence:
 
 @dataclass(frozen=True)
 class Question:
-    """A question, its answer in a few words and in a sentence, and the address of the evidence."""
+    """A question, its answer in a few words and in a sentence, and the page of the evidence."""
 
     text: str
     answer: Callable[[Evidence], tuple[str, str]]
@@ -101,11 +109,12 @@ def _verdict(question: Question, evidence: Evidence) -> Verdict:
     except NotEvaluated as absent:
         words = f"The claim {absent} was left out of this run; python -m validation evaluates it."
         return Verdict(question.text, "Not in this run", words, "", "absent")
+    link = evidence.link(question.link)
     failed = [check for name in dict.fromkeys(evidence.read) for check in evidence.results[name].failed]
     if failed:
         count = f"{len(failed)} check{'s' if len(failed) > 1 else ''} failed"
-        return Verdict(question.text, count, f"The first one: {failed[0].name}.", question.link, "failed")
-    return Verdict(question.text, headline, sentence, question.link, "partly" if evidence.partly else "holds")
+        return Verdict(question.text, count, f"The first one: {failed[0].name}.", link, "failed")
+    return Verdict(question.text, headline, sentence, link, "partly" if evidence.partly else "holds")
 
 
 def _percent(value: float, digits: int = 2) -> str:
@@ -120,6 +129,7 @@ def _reproduced(evidence: Evidence) -> tuple[str, str]:
     differing = sum(len(each.differences) for each in found)
     evidence.partly = differing > 0
     absent = len(chapter) - len(found)
+    evidence.first = None  # the evidence is the whole page
     return (
         f"Yes, except {differing} printed numbers or statements" if differing else "Yes",
         f"{checks} numbers agree with its figures, tables and equations, or with a second method; the 128 "
@@ -131,9 +141,9 @@ def _reproduced(evidence: Evidence) -> tuple[str, str]:
 def _interaction(evidence: Evidence) -> tuple[str, str]:
     limit = paper()["interaction"]["rms_area_difference_below"]
     name = "interaction_error"
+    points = evidence.value(name, "Fig. 3: median rms of random assignments")
     printed = evidence.largest(name, "Fig. 5", "printed sites: rms")
     linear = evidence.largest(name, "Fig. 4", "median rms")
-    points = evidence.value(name, "Fig. 3: median rms of random assignments")
     holds = max(printed, linear, points) < limit
     evidence.partly = not holds
     return (
@@ -146,10 +156,10 @@ def _interaction(evidence: Evidence) -> tuple[str, str]:
 
 def _model(evidence: Evidence) -> tuple[str, str]:
     name = "block_or_layer"
-    alone = evidence.value("interaction_error", "Fig. 3: median rms of random assignments")
     area = evidence.largest(name, "layer", "largest relative difference of A0 from the block")
     half_space = evidence.largest(name, "half-space", "largest difference of separation [µm]")
     layer = evidence.largest(name, "layer", "largest difference of separation [µm]")
+    alone = evidence.value("interaction_error", "Fig. 3: median rms of random assignments")
     return (
         "Order 3, on the bonded layer for P(δ)",
         f"Independent() where {_percent(alone, 1)} of A0 is enough; Interacting() for more. The substrate "
@@ -231,11 +241,11 @@ def _designs(evidence: Evidence) -> tuple[str, str]:
 
 QUESTIONS = (
     Question("Is the paper reproduced?", _reproduced, "paper.html"),
-    Question("Is elastic interaction below 2.3 %?", _interaction, "interaction.html#interaction_error"),
-    Question("Which model should be used?", _model, "interaction.html#block_or_layer"),
-    Question("How exact are the models?", _exact, "interaction.html#order3_against_resolved"),
-    Question("Which laws can be designed?", _designs, "inversion.html#any_law"),
-    Question("What does it cost?", _cost, "cost.html#work_precision"),
-    Question("Where does it fail?", _fails, "stability.html#random_scenes"),
-    Question("Can measured parameters be trusted?", _measurements, "measurements.html#contact_calibration"),
+    Question("Is elastic interaction below 2.3 %?", _interaction, "interaction.html"),
+    Question("Which model should be used?", _model, "interaction.html"),
+    Question("How exact are the models?", _exact, "interaction.html"),
+    Question("Which laws can be designed?", _designs, "inversion.html"),
+    Question("What does it cost?", _cost, "cost.html"),
+    Question("Where does it fail?", _fails, "stability.html"),
+    Question("Can measured parameters be trusted?", _measurements, "measurements.html"),
 )
