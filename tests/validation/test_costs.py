@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from validation.cost import model_table, scaling
+from validation.cost import model_table, peers, scaling
 from validation.cost.measured import Point, fastest_within
 from validation.cost.peers import Grid
 from validation.cost.times import LEAST, exponent, floor, in_words, renewed, rounded, timed
@@ -143,3 +143,17 @@ def test_errors_in_the_readme_are_those_of_the_models():
     for (_, line, setting, *_), row in zip(model_table.TABLE, shown(), strict=True):
         errors = costs.errors("paper", costs.SCENES["paper"].lines[line][setting])
         assert tuple(row[4:6]) == model_table.shown_errors(errors, exact)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("code", list(peers.PEERS))
+def test_other_codes_agree_with_resolved_contacts_on_the_same_cells(code):
+    pytest.importorskip(code)
+    grid, load = Grid(PAIR, 0.04), 0.1
+    found = peers.installed()[code](grid, load)
+    state = mf.equilibrium(PAIR, mf.BoundaryElements(0.04), load=load)
+    assert found.load == pytest.approx(load)
+    # the centres of the cells differ, whose effect is that of the side squared
+    assert found.moments == pytest.approx(state.area, rel=0.01)
+    assert found.separation == pytest.approx(state.separation, abs=1e-3)
+    assert found.area == pytest.approx(state.area, rel=0.2)
