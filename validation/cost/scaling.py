@@ -133,7 +133,7 @@ def _load(surface: mf.Surface, model: mf.Interacting) -> float:
 def _growth():
     """Draw seconds against the number of asperities, one panel for each substrate."""
     figure = new_figure(9.0, 4.2)
-    panels = figure.subplots(1, 2, sharey=True)
+    panels = figure.subplots(1, 2, sharex=True, sharey=True)
     for ax, substrate in zip(panels, SUBSTRATES, strict=True):
         for sites, (colour, marker) in STYLES.items():
             measured = series(sites, substrate)
