@@ -84,7 +84,7 @@ def test_measured_pairs_are_compared_with_the_law(run, demo):
     studies = stored_studies("linear")
     assert studies["uncertainty"].rescaled_friction_mean.values == pytest.approx([0.3615, 1.610], rel=0.005)
     (answer,) = exactness_section(studies)["answers"]
-    assert "measured" in answer["figure"]
+    assert "measured" in answer["figure"].svg
     Path("measured.csv").write_text("rescaled_load_mm2,rescaled_friction_mm2\n0.1,0.9\n", "utf-8")
     refused = run("study", "uncertainty", "linear", *options, "--force")
     assert (refused.exit_code, "must hold forces" in refused.output) == (2, True)
