@@ -16,6 +16,7 @@ HEAD = """\
 # not a file to read: a specification has one kind of target, and one of the keys marked either and or.
 # Sections and keys are required unless they are marked optional. Lengths, areas, forces, stresses and
 # angles are written with their unit. `metafem demo linear` writes a whole example file.
+# `metafem spec --schema` prints the JSON schema, by which an editor completes keys and marks errors.
 # The misfit of a design is the rms of the relative difference between the law and the target or, if larger,
 # the largest relative error of a fitted slope. For operating points, and for linear and bilinear laws with a
 # load_range, it is the largest relative error. Above 1 % the target is missed. Linear and bilinear laws
