@@ -21,8 +21,12 @@ gc.disable()
 settings.register_profile("metafem", deadline=None, derandomize=True, max_examples=40)
 settings.load_profile("metafem")
 
-# One process compiles the kernels of interacting asperities in the first file. The second needs none of them.
-FIRST = ("models/test_contract.py", "fe/block3d/test_block3d.py")
+# One process compiles the kernels of interacting asperities in the first file, which takes 20 s. The second
+# runs the next files, which need none of them.
+FIRST = (
+    *("models/test_contract.py", "fe/block3d/test_block3d.py", "fe/axisymmetric/test_press.py"),
+    *("validation/test_benchmarks.py", "studies/test_element_checks.py"),
+)
 
 # Examples that solve finite elements for longer than a few seconds.
 SLOW_EXAMPLES = (
