@@ -14,9 +14,6 @@ from hypothesis import settings
 import metafem as mf
 from metafem import cli
 
-# While tests are collected almost nothing becomes garbage, and a search for it takes a quarter of the time.
-gc.disable()
-
 # Property tests draw the same cases on every run and are never timed.
 settings.register_profile("metafem", deadline=None, derandomize=True, max_examples=40)
 settings.load_profile("metafem")
@@ -47,10 +44,15 @@ def pytest_collection_modifyitems(items):
     items.sort(key=lambda i: (first.index(i.path) if i.path in first else len(first), -count[i.path]))
 
 
-def pytest_collection_finish():
-    """Search for garbage again, but not among the tests."""
-    gc.freeze()
-    gc.enable()
+@pytest.hookimpl(wrapper=True)
+def pytest_collection():
+    """Search for no garbage while tests are collected, a quarter of that time, nor among the tests later."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.freeze()
+        gc.enable()
 
 
 MATERIAL = mf.Material(composite_modulus=1.36, poisson_ratio=0.5)
