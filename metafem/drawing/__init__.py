@@ -24,6 +24,9 @@ FloatArray = NDArray[np.float64]
 TARGET, ACHIEVED, QUIET = "#c8553d", "#1b6f8a", "#8a8f98"
 MEASURED, MEASURED_BESIDE = "#2b2d33", "#b07a1e"
 
+# Colours of words on coloured cells, which stay what they are where a page is dark, unlike black and white.
+DARK, BRIGHT = "#010101", "#fefefe"
+
 # Diameter of the largest marker over the mean distance of summits; the same in a legend [points]; the largest
 # number of radii in a legend.
 LARGEST_DOT, LEGEND_DOT, MOST_DOTS = 0.8, 11.0, 3

@@ -35,7 +35,7 @@ BATCH = second_method(distance_fit, "the same data among 5,000 that are fitted a
 
 DENSITIES = (
     "Errors of 5,000 calibrations with one contact under the load, in units of the uncertainty that each "
-    "states. The fit with errors on both axes follows the black curve, as it must; the paper's straight line "
+    "states. The fit with errors on both axes follows the curve, as it must; the paper's straight line "
     "finds too large an E* and too much adhesion, with uncertainties that do not cover it."
 )
 BIASES = (

@@ -39,7 +39,7 @@ BATCH = second_method(parameters, "the same data among 5,000 that are fitted at 
 
 DENSITIES = (
     "Errors of 5,000 calibrations in units of the uncertainty that each states, by shear tests of one "
-    "contact and by a surface that is in contact everywhere. All must follow the black curve."
+    "contact and by a surface that is in contact everywhere. All must follow the curve."
 )
 BIASES = (
     "Left, the mean error in units of the stated uncertainty. Right, the share of 68 % intervals that hold "

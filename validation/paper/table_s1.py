@@ -27,7 +27,7 @@ h_m and the step of 6 µm that the paper prints. The scale λ of the density sol
 level receives the whole number of asperities nearest to its expectation, changed by one on one level if the
 sum is not 64. All 40 printed numbers are reproduced."""
 
-CAPTION = """Numbers of asperities on each height level [µm]: bars are the designs, black marks the numbers
+CAPTION = """Numbers of asperities on each height level [µm]: bars are the designs, short marks the numbers
 of Table S1, and the thin line is the expectation of the continuous density at each level. Every mark lies on
 the end of its bar."""
 

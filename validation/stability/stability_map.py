@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from metafem.drawing import QUIET, new_figure
+from metafem.drawing import BRIGHT, DARK, QUIET, new_figure
 from metafem.models.interacting.model import DENSE_LIMIT
 from metafem.models.interacting.model import TOLERANCE as RESIDUAL
 from metafem.models.interacting.newton_krylov import TOLERANCE as LARGE_RESIDUAL
@@ -137,7 +137,7 @@ def _crowded_figure():
     for i, row in enumerate(rows):
         for j, point in enumerate(row):
             mark = f"{error[i, j]:.2g} %\n{'R' if point.resolved else '3'}"
-            colour = "black" if error[i, j] > 0.1 else "white"
+            colour = DARK if error[i, j] > 0.1 else BRIGHT
             left.text(j + 0.5, i + 0.5, mark, ha="center", va="center", fontsize=7, color=colour)
     left.set_xticks(np.arange(len(points.WIDTHS)) + 0.5, [f"{width:g}" for width in points.WIDTHS])
     left.set_yticks(np.arange(len(points.SPREADS)) + 0.5, [f"{spread:g}" for spread in points.SPREADS])
