@@ -194,7 +194,7 @@ def _order1() -> list[Row]:
         area, plane = (np.abs(np.concatenate(part)) for part in parts)
         label = f"Table S2, {substrate}"
         rows += [
-            reported(f"{label}: largest difference of A0 from the block [%]", 1e2 * area.max(), ORDER1),
+            reported(f"{label}: largest relative difference of A0 from the block", area.max(), ORDER1),
             reported(f"{label}: least difference of separation [µm]", plane.min(), ORDER1),
             reported(f"{label}: largest difference of separation [µm]", plane.max(), ORDER1),
         ]
@@ -213,8 +213,8 @@ def _order3() -> list[Row]:
             area, plane = difference(name, substrate, 3)
             label = f"{name}, {substrate}"
             rows += [
-                reported(f"{label}: largest difference of A0 from the block [%]",
-                         1e2 * np.abs(area).max(), ORDER3),
+                reported(f"{label}: largest relative difference of A0 from the block",
+                         np.abs(area).max(), ORDER3),
                 reported(f"{label}: largest difference of separation [µm]", np.abs(plane).max(), ORDER3),
             ]  # fmt: skip
     return rows
