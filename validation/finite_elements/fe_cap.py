@@ -15,13 +15,12 @@ indentation, and the same sphere on a half-space with Sneddon's closed form. At 
 cap is 1.6 to 11 % above that of Hertz's law at the same contact radius; large strain takes this back, see
 the claim on the soft cap."""
 
-MESH = """Elements of the cap and the block below it, in the undeformed shape, coloured by the computed
-field. They become small at the edge of the contact, where the pressure falls as a square root, and at the
-foot of the cap."""
+MESH = """Left: elements of the cap and the block below it, height over radius [mm]. Right: the elements at
+the edge of the contact, where they become small because the pressure falls there as a square root."""
 
 PRESSURE = """Contact pressure over E* below two caps, over the radius relative to the contact radius, with
-Hertz's pressure at the same contact radius. The pressure of the higher cap exceeds that of Hertz most at its
-edge."""
+Hertz's pressure at the same contact radius (dashed). The small contact on the low cap is close to Hertz's;
+at half the radius of the sphere the pressure of small strain exceeds it by 6 % in the centre."""
 
 # Several seconds of finite elements.
 SLOW = True
