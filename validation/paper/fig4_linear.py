@@ -34,11 +34,11 @@ target; the slope of 64 asperities is fitted to the predicted law between 25 and
 the plane reaches the foot of the density. Both predicted slopes lie within the errors of the measured
 ones."""
 
-SEEN = """Left: predicted rescaled friction F/(σB) over rescaled load P/E* [mm²], with the law of the
-continuous density and a straight line of the target slope. Right: slopes of both laws over the load. The
-slope of 64 asperities jumps whenever a level comes into contact; its fit (thick line) over the shaded range
-lies close to the target {target} (dashed line), and inside the band of the measured slope, {measured} ±
-{error}."""
+SEEN = """{surface} surface. Left: predicted rescaled friction F/(σB) over rescaled load P/E* [mm²], with the
+law of the continuous density and a straight line of the target slope. Right: slopes of both laws over the
+load. The slope of 64 asperities jumps whenever a level comes into contact; its fit (thick line) over the
+shaded range lies close to the target {target} (dashed line), and inside the band of the measured slope,
+{measured} ± {error}."""
 
 
 def claim() -> Claim:
@@ -100,7 +100,9 @@ def table_slope(colour: str, points: int) -> float:
 def _seen(colour: str) -> str:
     numbers = paper()["fig4"][colour]
     measured, error = numbers["measured_slope"]
-    return SEEN.format(target=numbers["target_slope"], measured=measured, error=error)
+    return SEEN.format(
+        surface=colour.capitalize(), target=numbers["target_slope"], measured=measured, error=error
+    )
 
 
 def _figure(colour: str) -> Figure:

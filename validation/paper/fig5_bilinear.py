@@ -32,8 +32,8 @@ exponential density of heights, eq. S6. The densities meet the targets exactly; 
 meet the slopes to about 6 %. Slopes are fitted between 25 and 100 % of each branch; the paper does not print
 its ranges, and states that its measured slopes agree with the targets to 5.2 %."""
 
-SEEN = """Left: predicted rescaled friction F/(σB) over rescaled load P/E* [mm²] with the law of the
-continuous density, lines of the target slopes, and the target crossover load (dotted). The band is the
+SEEN = """{} surface. Left: predicted rescaled friction F/(σB) over rescaled load P/E* [mm²] with the law of
+the continuous density, lines of the target slopes, and the target crossover load (dotted). The band is the
 measured crossover load, {:g} ± {:g} mm². Right: slopes of both laws over the load; the target slopes
 (dashed) lie in bands of 5.2 %, within which the measured slopes agree with them. The slope of the density
 changes at the crossover, that of 64 asperities jumps at each new contact; its fits (thick lines) lie close
@@ -73,7 +73,7 @@ def claim() -> Claim:
     figures = {
         f"{colour.capitalize()} surface": Picture(
             partial(_figure, colour),
-            SEEN.format(*numbers[colour]["measured_crossover_mm2"]),
+            SEEN.format(colour.capitalize(), *numbers[colour]["measured_crossover_mm2"]),
         )
         for colour in COLOURS
     }
@@ -123,7 +123,8 @@ def _asperities(colour: str) -> list[Row]:
             f"{colour}: load of 64 asperities at the crossover height [mm²]", load, expected, METHODS,
             second_method(sums, f"sum of Hertz's loads; {HEIGHTS}"),
         ),
-        reported(f"{colour}: its deviation from the target [%]", 1e2 * (load / target - 1.0),
+        reported(f"{colour}: load at the crossover height, deviation from the target [%]",
+                 1e2 * (load / target - 1.0),
                  "independent Hertz contacts with the plane at the crossover height"),
         reported(f"{colour}: intersection of the fitted lines over the target load",
                  _intersection(colour) / target, PREDICTED),
