@@ -24,7 +24,8 @@ MOST_STEPS = 20
 def equation_error(surface: mf.Surface, model: Model, curve: Curve) -> float | None:
     """Return the largest error of the equations at the last load of a curve.
 
-    Errors of loads are relative to the sum of all loads, those of lengths to the largest indentation. None
+    Errors of loads are relative to the sum of all loads, with adhesion to that of the contact radii times the
+    indentations of the caps; those of lengths to the largest indentation. None
     for resolved contacts, whose equations are those of the cells, and for order 3 of caps that are flat at
     their summits, for which `Interacting` limits the tilt.
     """
@@ -45,6 +46,7 @@ def equation_error(surface: mf.Surface, model: Model, curve: Curve) -> float | N
         errors += list((law.load(a, surface.radius, curvature) - p)[closed])
         cap = law.without_adhesion.indentation(a, surface.radius, curvature)
         depth = law.indentation(a, surface.radius, curvature)
+        total = (a * cap)[closed].sum() if law.adhesive else total
         lengths = np.where(closed, depth - free, np.maximum(free, 0.0)) / cap.max()
     else:  # also for laws whose contact radius is not that of their area
         errors += list(law.load(law.contact_radius(free, surface.radius), surface.radius) - p)

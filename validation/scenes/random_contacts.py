@@ -42,7 +42,7 @@ OTHER_UNITS = 0.1
 BY_APPROACH, BACK = 0.2, 0.3
 
 # Loads of a curve, and of one whose contacts may be resolved.
-LOADS, FEW_LOADS = 6, 2
+LOADS, FEW_LOADS = 4, 2
 
 # Largest numbers of asperities: in general, with adhesion, where contacts may be resolved, of designs; and
 # the part of the scenes with adhesion that have as many as others. Their time grows with the number cubed.

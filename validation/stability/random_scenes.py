@@ -30,8 +30,9 @@ SCENES = 10_000
 # Largest part of the scenes outside the ranges that may be refused.
 REFUSED = 0.1
 
-# Largest error of the equations, recomputed by other operations: ten times the tolerance of the models.
-EQUATIONS = 1e-11
+# Largest error of the equations, recomputed by other operations, whose rounding differs between machines: a
+# hundred times the tolerance of the models.
+EQUATIONS = 1e-10
 
 # Misfit above which a design misses its target.
 MISSED = 0.01
@@ -177,23 +178,26 @@ def _count(found: list[Outcome], end: str) -> int:
 
 
 def _text(found: list[Outcome]) -> str:
-    """List the scenes that are not solved, by their reason without its numbers."""
+    """List the seeds of the scenes that are not solved, by their reason without its numbers."""
     lists = defaultdict(list)
     for each in found:
         if each.end != "converged":
             reason = re.sub(r"-?\d[\d.e+-]*", "…", each.reason)
-            lists[each.end, reason].append(f"{'inside' if each.inside else 'outside'} {each.seed}")
-    lines = [f"{end}, “{reason}”: {', '.join(seeds)}." for (end, reason), seeds in lists.items()]
+            lists[each.end, each.inside, reason].append(str(each.seed))
+    lines = [
+        f"{len(seeds)} {'inside' if inside else 'outside'} the ranges {end}, “{reason}”: {', '.join(seeds)}."
+        for (end, inside, reason), seeds in lists.items()
+    ]
     start = (
-        "Each scene follows from its seed; python -m validation.stability.random_scenes SEED --outside "
-        "repeats one. Scenes that are not solved, with their seeds:"
+        "Each scene follows from its seed: python -m validation.stability.random_scenes 8 --outside repeats "
+        "that of seed 8 outside the ranges. Those that are not solved, with the reason and their seeds:"
     )
     return " ".join([start, *(lines or ["none."])])
 
 
 CAPTION = (
-    "Each bar is one kind of model or one contact law. Where it does not reach 100 %, the other scenes are "
-    "refused with a reason; all of these are outside the documented ranges. No scene fails."
+    "Each bar is one kind of model or one contact law, with the scenes inside and outside the documented "
+    "ranges. Designs are refused where the plane would reach the base plane below their largest load."
 )
 
 
@@ -207,7 +211,7 @@ def _ends(found: list[Outcome]):
             width = np.array([100.0 * counts[name][end] / len(groups[name]) for name in groups])
             ax.barh(list(groups), width, left=left, color=colour, label=end)
             left += width
-        ax.set(xlabel="part of the scenes [%]", xlim=(80, 100), title=f"by {kind}")
+        ax.set(xlabel="part of the scenes [%]", xlim=(60, 100), title=f"by {kind}")
     figure.legend(*ax.get_legend_handles_labels(), frameon=False, loc="outside lower center", ncols=3)
     return figure
 
