@@ -7,7 +7,7 @@ from metafem.report.elements import cap_pressure_figure, mesh_figure
 from metafem.studies.element_checks import BLOCK_RADIUS, CAP_ROWS, RADIUS, THICKNESS
 from validation.check import Claim, Picture
 from validation.finite_elements.frozen_meshes import CAP_CONTACT, FOLDER, cap
-from validation.finite_elements.rows import rows
+from validation.finite_elements.rows import as_rows
 
 TEXT = """The true spherical cap on the bonded block is computed at small strain with the contact radius
 prescribed. Its load is compared with that of an active set with other elements, on another mesh, at the same
@@ -30,7 +30,7 @@ def claim() -> Claim:
     """Compare loads with an active set on another mesh, and a sphere with Sneddon's closed form."""
     return Claim(
         "Finite elements: the spherical cap on the bonded block",
-        rows(studies.cap_check()),
+        as_rows(studies.cap_check()),
         {"Mesh of the cap": Picture(_mesh, MESH), "Pressure below the cap": Picture(_pressure, PRESSURE)},
         TEXT,
     )

@@ -12,7 +12,7 @@ from metafem.reference import bonded_layer
 from metafem.reference import single_contacts as exact
 from metafem.studies.element_checks import PITCH, RADIUS, THICKNESS
 from validation.check import Claim, Picture
-from validation.finite_elements.rows import rows
+from validation.finite_elements.rows import as_rows
 
 TEXT = """An infinite lattice of equal contacts, 1.5 mm apart on the bonded layer, is computed by finite
 elements of one cell, a cylinder without radial displacement at its wall. Its load is compared with Hertz's
@@ -31,7 +31,7 @@ def claim() -> Claim:
     """Compare load and indentation at three contact radii."""
     return Claim(
         "Finite elements: interaction in an infinite lattice",
-        rows(studies.cell_check()),
+        as_rows(studies.cell_check()),
         {"Stiffening by the neighbours": Picture(_figure, CAPTION)},
         TEXT,
     )

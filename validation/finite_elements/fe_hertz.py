@@ -7,7 +7,7 @@ from metafem.drawing import new_figure
 from metafem.report.elements import hertz_figure
 from metafem.studies.element_checks import search_convergence, spectral_convergence
 from validation.check import Claim, Picture
-from validation.finite_elements.rows import rows
+from validation.finite_elements.rows import as_rows
 
 A, R = 0.2, 0.526
 
@@ -31,7 +31,7 @@ def claim() -> Claim:
     """Compare load, indentation and field, and fit the rates."""
     return Claim(
         "Finite elements: Hertz's contact on a half-space",
-        rows(studies.hertz_check()),
+        as_rows(studies.hertz_check()),
         {"Pressure and displacement": Picture(_fields, FIELDS), "Convergence": Picture(_rates, RATES)},
         TEXT,
     )

@@ -9,7 +9,7 @@ from metafem.drawing import new_figure
 from metafem.reference import bonded_layer
 from metafem.studies.element_checks import RADIUS, THICKNESS
 from validation.check import Claim, Picture
-from validation.finite_elements.rows import rows
+from validation.finite_elements.rows import as_rows
 
 TEXT = """The models use the influence of a bonded layer of 7.2 mm, a Hankel integral: the displacement of
 the surface at a distance r from a load. Here it is computed by finite elements of a small contact, and
@@ -25,7 +25,7 @@ SLOW = True
 
 def claim() -> Claim:
     """Compare at distances up to the block's half-width, for three Poisson ratios."""
-    checks = [row for nu in (0.5, 0.49, 0.3) for row in rows(studies.layer_check(nu))]
+    checks = [row for nu in (0.5, 0.49, 0.3) for row in as_rows(studies.layer_check(nu))]
     figures = {"Influence of the layer": Picture(_figure, CAPTION)}
     return Claim("Finite elements: the bonded layer's influence", checks, figures, TEXT)
 

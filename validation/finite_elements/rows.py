@@ -27,7 +27,7 @@ SOURCES = {
 }
 
 
-def rows(checks: Sequence[studies.Check]) -> list[Check]:
+def as_rows(checks: Sequence[studies.Check]) -> list[Check]:
     """Return checks of the finite elements as rows of a claim."""
     return [
         Check(each.name, each.computed, each.expected, each.passed, SOURCES[each.source]) for each in checks

@@ -25,9 +25,9 @@ def equation_error(surface: mf.Surface, model: Model, curve: Curve) -> float | N
     """Return the largest error of the equations at the last load of a curve.
 
     Errors of loads are relative to the sum of all loads, with adhesion to that of the contact radii times the
-    indentations of the caps; those of lengths to the largest indentation. None
-    for resolved contacts, whose equations are those of the cells, and for order 3 of caps that are flat at
-    their summits, for which `Interacting` limits the tilt.
+    indentations of the caps; those of lengths to the largest indentation. None for resolved contacts, whose
+    equations are those of the cells, and for order 3 of caps that are flat at their summits, for which
+    `Interacting` limits the tilt.
     """
     if not isinstance(model, mf.Independent | mf.MeanField | mf.Interacting):
         return None
