@@ -7,6 +7,7 @@ import math
 import re
 import time
 import traceback
+import warnings
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
@@ -128,7 +129,9 @@ def evaluated_in(names: Sequence[str], processes: int = 2) -> Iterator[Evaluated
     else:
         from joblib import Parallel, delayed, parallel_config
 
-        with parallel_config(backend="loky", inner_max_num_threads=1):
+        with parallel_config(backend="loky", inner_max_num_threads=1), warnings.catch_warnings():
+            # joblib replaces a process whose memory has grown, here by what claims keep for their figures
+            warnings.filterwarnings("ignore", "A worker stopped", UserWarning)
             work = Parallel(n_jobs=processes, return_as="generator_unordered")
             yield from work(delayed(evaluated)(name) for name in others)
     yield from map(evaluated, timed)
