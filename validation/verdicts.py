@@ -126,7 +126,8 @@ def _reproduced(evidence: Evidence) -> tuple[str, str]:
     chapter = evidence.chapter("paper")
     found = [each for each in chapter if each is not None]
     checks = sum(len(each.checks) for each in found)
-    differing = sum(len(each.differences) for each in found)
+    # the differences of all chapters, as the list on the first page counts them
+    differing = sum(len(each.differences) for each in evidence.results.values())
     evidence.partly = differing > 0
     absent = len(chapter) - len(found)
     evidence.first = None  # the evidence is the whole page
