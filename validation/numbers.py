@@ -16,7 +16,7 @@ DIGITS, BESIDE_A_BOUND, MOST = 4, 3, 6
 PLAIN = range(-4, 6)
 
 POWER = re.compile(r"(\d+(?:\.\d+)?)e([+-]?)0*(\d+)")
-NEAR = re.compile(r"-?[\d.e+-]+ ± ([\d.e+-]+)$")
+NEAR = re.compile(r"(-?[\d.e+-]+) ± ([\d.e+-]+)( relative)?$")
 
 
 def number(value: float, digits: int = DIGITS) -> str:
@@ -49,16 +49,22 @@ def powers(text: str) -> str:
 def computed(check: Check) -> str:
     """Return the computed number of a check, to the digits that its expected number states."""
     found = NEAR.match(check.expected)
-    if not found:
-        return number(check.computed, BESIDE_A_BOUND)
-    tolerance = float(found[1])
-    if tolerance == 0.0 or not math.isfinite(check.computed) or check.computed == 0.0:
-        return number(check.computed, MOST)
-    places = 1 - math.floor(math.log10(tolerance))
-    digits = places + 1 + math.floor(math.log10(abs(check.computed)))
-    return number(check.computed, min(max(digits, 2), MOST))
+    return number(check.computed, _digits(check.computed, found) if found else BESIDE_A_BOUND)
 
 
 def expected(check: Check) -> str:
-    """Return the expected number of a check."""
+    """Return the expected number of a check; one with a relative tolerance to the digits that it allows."""
+    found = NEAR.match(check.expected)
+    if found and found[3]:
+        value = float(found[1])
+        return f"{number(value, _digits(value, found))} ± {powers(found[2])}{found[3]}"
     return powers(check.expected.removesuffix(" ± 0")).replace(" -", " −")
+
+
+def _digits(value: float, near: re.Match[str]) -> int:
+    """Return the significant digits of a number that an expected one with a tolerance allows."""
+    tolerance = float(near[2]) * (abs(float(near[1])) if near[3] else 1.0)
+    if tolerance == 0.0 or not math.isfinite(value) or value == 0.0:
+        return MOST
+    places = 1 - math.floor(math.log10(tolerance))
+    return min(max(places + 1 + math.floor(math.log10(abs(value))), 2), MOST)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from validation.check import below, near
+from validation.check import Check, below, near
 from validation.numbers import computed, expected, number, powers
 from validation.sources import known_input
 
@@ -40,6 +40,11 @@ def test_powers_of_ten_are_written_out():
         (near("a", 240.8179, 243.6, 20.0, HERE), "241 | 243.6 ± 20"),
         (near("a", 5.0, 5.0, 0.0, HERE), "5 | 5"),
         (near("a", -2.8e-14, 0.0, 1e-6, HERE), "−2.8 × 10⁻¹⁴ | 0 ± 10⁻⁶"),
+        (
+            Check("a", 0.020278812, "0.0202788 ± 1e-08 relative", True, HERE),
+            "0.0202788 | 0.0202788 ± 10⁻⁸ relative",
+        ),
+        (Check("a", 1.0034567, "1.01235 ± 0.02 relative", True, HERE), "1.003 | 1.012 ± 0.02 relative"),
         (below("a", 1.6e-15, 1e-9, HERE), "1.6 × 10⁻¹⁵ | at most 10⁻⁹"),
         (below("a", 0.0188529, 0.2, HERE), "0.0189 | at most 0.2"),
     ],
