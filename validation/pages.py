@@ -21,8 +21,9 @@ def site_page(template: str, *, here: str, whole: bool = True, **values: Any) ->
     says whether the site has the guide, the examples and the reference, or the report alone.
     """
     chapters = [(f"{chapter.name}.html", short(chapter.name)) for chapter in CHAPTERS]
+    root = "../" * here.count("/")
     bar = [*(BESIDE if whole else ()), *chapters]
-    return render(template, TEMPLATES, here=here, root="../" * here.count("/"), bar=bar, **values)
+    return render(template, TEMPLATES, here=here, root=root, bar=bar, whole=whole, **values)
 
 
 def short(name: str) -> str:

@@ -25,7 +25,7 @@ class Kind(Enum):
     PUBLICATION = "another publication"
     CLOSED_FORM = "closed form"
     SECOND_METHOD = "second method in the same run"
-    KNOWN_INPUT = "value put in"
+    KNOWN_INPUT = "known by construction"
 
 
 @dataclass(frozen=True)
