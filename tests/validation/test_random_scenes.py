@@ -49,3 +49,17 @@ def test_each_end_is_counted_as_what_it_is(monkeypatch, end, expected):
 def test_a_seed_is_repeated_on_the_command_line():
     told = CliRunner().invoke(random_scenes.main, ["8", "--outside"]).output
     assert "Outcome(seed=8, inside=False" in told
+
+
+def test_scenes_without_a_solution_are_rows_with_the_reason_in_its_own_words():
+    words = "load {} mm^2 is beyond {} mm^2; raise offset"
+    found = [
+        random_scenes.Outcome(seed, False, "design", "Hertz", "refused", words.format(3.4 + seed, "1e-05"))
+        for seed in range(5)
+    ]
+    found += [random_scenes.Outcome(9, True, "order 3", "Hertz", "converged")]
+    (row,) = (row for row in random_scenes._results(found) if row.name.startswith("not solved"))
+    assert row.name == "not solved: load … mm^2 is beyond … mm^2"
+    assert row.value == 5
+    assert row.method.startswith("outside the ranges: seeds 0, 1, 2, and 2 more. Seed 0: “load 3.4 mm^2 is")
+    assert "Of 5 designs 5 were refused, of 1 other scenes 0." in random_scenes._text(found)

@@ -37,6 +37,10 @@ EQUATIONS = 1e-10
 # Misfit above which a design misses its target.
 MISSED = 0.01
 
+# Seeds that are named for each reason, and the numbers in a reason, without the exponents of units.
+EXAMPLES = 3
+NUMBERS = re.compile(r"(?<![\^\w])-?\d[\d.e+-]*")
+
 ENDS = ("converged", "refused", "failed")
 
 STATED = known_input("largest residual of a converged equilibrium, stated by the model in Curve.tolerance")
@@ -162,6 +166,15 @@ def _results(found: list[Outcome]) -> list[Row]:
             outside = _count(group, "refused") - inside
             words = f"of {len(group)} scenes; refused: {inside} inside the ranges, {outside} outside"
             rows.append(reported(f"{kind} {name}: scenes that converge", _count(group, "converged"), words))
+    designs = [each for each in found if each.model == "design"]
+    others = [each for each in found if each.model != "design"]
+    rows += [
+        reported("designs that are refused", _count(designs, "refused"), f"of {len(designs):,} designs"),
+        reported(
+            "other scenes that are refused", _count(others, "refused"), f"of {len(others):,} other scenes"
+        ),
+        *_unsolved(found),
+    ]
     return rows
 
 
@@ -178,26 +191,52 @@ def _count(found: list[Outcome], end: str) -> int:
 
 
 def _text(found: list[Outcome]) -> str:
-    """List the seeds of the scenes that are not solved, by their reason without its numbers."""
-    lists = defaultdict(list)
+    """State the ranges, which scenes are refused most, and how one is repeated."""
+    designs = [each for each in found if each.model == "design"]
+    others = [each for each in found if each.model != "design"]
+    return (
+        f"Documented ranges: a/R ≤ {WIDTH:g}, a/r ≤ {CROWDING:g}, a/t ≤ {LAYER:g} on a layer, with the "
+        "contact radius a, the radius of curvature R, the distance r of the nearest neighbour and the "
+        "thickness t. The loads of half of the scenes end inside them, those of the others at one to two "
+        f"times their ends. Of {len(designs):,} designs {_count(designs, 'refused'):,} were "
+        f"refused, of {len(others):,} other scenes {_count(others, 'refused'):,}. "
+        "A design is refused with a message where its target needs loads at which the plane reaches the base plane. The rows “not solved” list all reasons. "
+        "Each scene follows from its seed: python -m validation.stability.random_scenes 8 --outside repeats "
+        "that of seed 8 outside the ranges."
+    )
+
+
+def _unsolved(found: list[Outcome]) -> list[Row]:
+    """Return a row for each reason of the scenes without a solution, with some seeds and a message."""
+    groups = defaultdict(list)
     for each in found:
         if each.end != "converged":
-            reason = re.sub(r"-?\d[\d.e+-]*", "…", each.reason)
-            lists[each.end, each.inside, reason].append(str(each.seed))
-    lines = [
-        f"{len(seeds)} {'inside' if inside else 'outside'} the ranges {end}, “{reason}”: {', '.join(seeds)}."
-        for (end, inside, reason), seeds in lists.items()
+            short = re.split(r"[:;](?= )", each.reason)[0]
+            groups[each.end, NUMBERS.sub("…", short)].append(each)
+    # no name holds "refused" and "outside" together: validation/verdicts.py reads such names
+    words = {"refused": "not solved", "failed": "failed"}
+    return [
+        reported(f"{words[end]}: {reason}", len(group), _examples(group))
+        for (end, reason), group in sorted(groups.items(), key=lambda item: -len(item[1]))
     ]
-    start = (
-        "Each scene follows from its seed: python -m validation.stability.random_scenes 8 --outside repeats "
-        "that of seed 8 outside the ranges. Those that are not solved, with the reason and their seeds:"
-    )
-    return " ".join([start, *(lines or ["none."])])
+
+
+def _examples(group: list[Outcome]) -> str:
+    """Return seeds of scenes that end for one reason, and the message of the first."""
+    parts = []
+    for inside, side in ((True, "inside"), (False, "outside")):
+        seeds = [str(each.seed) for each in group if each.inside == inside]
+        if seeds:
+            more = f", and {len(seeds) - EXAMPLES:,} more" if len(seeds) > EXAMPLES else ""
+            plural = "s" if len(seeds) > 1 else ""
+            parts.append(f"{side} the ranges: seed{plural} {', '.join(seeds[:EXAMPLES])}{more}")
+    return f"{'; '.join(parts)}. Seed {group[0].seed}: “{group[0].reason}”"
 
 
 CAPTION = (
-    "Each bar is one kind of model or one contact law, with the scenes inside and outside the documented "
-    "ranges. Designs are refused where the plane would reach the base plane below their largest load."
+    "How the scenes of each kind of model, and of each contact law, end: those inside and outside the "
+    "documented ranges together. Designs are refused where the plane would reach the base plane below their "
+    "largest load."
 )
 
 
@@ -211,7 +250,7 @@ def _ends(found: list[Outcome]):
             width = np.array([100.0 * counts[name][end] / len(groups[name]) for name in groups])
             ax.barh(list(groups), width, left=left, color=colour, label=end)
             left += width
-        ax.set(xlabel="part of the scenes [%]", xlim=(60, 100), title=f"by {kind}")
+        ax.set(xlabel="part of the scenes [%]", xlim=(0, 100), title=f"by {kind}")
     figure.legend(*ax.get_legend_handles_labels(), frameon=False, loc="outside lower center", ncols=3)
     return figure
 

@@ -29,6 +29,13 @@ CERTAIN = 0.2
 # Error of order 3 in A0 that the docstring of `Interacting` states up to a/r = 0.32.
 STATED = 1.2e-3
 
+# Beginnings of the two warnings of `metafem.prediction.validity`.
+OVERLAP = "contacts overlap: …"
+TOO_WIDE = "the contacts are too wide for their distances or their layer: …"
+
+# Ticks of a colour bar [%].
+PERCENTS = (0.001, 0.01, 0.1, 1.0)
+
 RESOLVED = second_method(extrapolated_area, "resolved contacts, extrapolated to vanishing cells")
 SOLVED = known_input("largest residual of a converged equilibrium, stated by the model")
 ANNOUNCED = known_input(f"requirement: an error above {100 * BOUND:g} % is announced by a warning")
@@ -103,27 +110,33 @@ def _results(every: list[points.Point]) -> list[Row]:
 
 
 def _text(every: list[points.Point]) -> str:
-    """Explain the maps, and quote the refusals."""
+    """Explain the maps, and quote a refusal and the warnings of order 3."""
     text = (
         "Order 3 holds while contacts are narrow compared with their distances and with the thickness of a "
         "layer. Automatic solves it first, estimates its error from the contacts, and resolves the contacts "
         "by cells where the estimate exceeds the tolerance, where contacts overlap, and where order 3 "
-        "refuses. Errors are those of A0 at a given load."
+        "refuses. Errors are those of A0 at a given load. Order 3 warns where contacts overlap "
+        f"(“{OVERLAP}”) and where its estimated error exceeds {100.0 * BOUND:g} % (“{TOO_WIDE}”); it "
+        f"notes where a/r, the contact radius over the distance of a neighbour, exceeds {COMPARED:g}. "
+        "For a smaller tolerance use Automatic."
     )
-    words = dict.fromkeys(point.refusal for point in every if point.refusal)
-    return " ".join([text, *(f"Order 3 refuses with these words: “{each}”." for each in words)])
+    refusal = next((point.refusal for point in every if point.refusal), "")
+    return f"{text} On a layer thinner than the contacts order 3 refuses: “{refusal}”." if refusal else text
 
 
 CROWDED = (
-    "Left: error of A0 by order 3 for nine contacts on a half-space; a is the radius of the tallest contact "
-    "without interaction, L the pitch, and the spread of the heights is that over the indentation of the "
-    "tallest. 3: Automatic keeps order 3; R: it resolves the contacts. Right: the error of what Automatic "
-    "chose stays below its tolerance (line), also where contacts merge (a/L above 0.5)."
+    "Left: error of A0 by order 3 for nine contacts on a half-space; a/L is the radius of the tallest "
+    "contact without interaction over the pitch of the lattice, and the spread of the heights is that over "
+    "the indentation of the tallest. Errors below 0.001 % are shown as 0.001 %. 3: Automatic keeps order "
+    "3; R: it resolves the contacts. Right: the error of what Automatic chose stays below its tolerance "
+    "(line), also where contacts merge (a/L above 0.5). In the text above, a/r is the radius of a contact in "
+    "equilibrium over the distance r of a neighbour."
 )
 ON_LAYERS = (
     "Error of A0 by order 3 for one contact on a bonded layer of thickness t (lines) and of Automatic (open "
-    "circles). The error of order 3 grows as (a/t)⁵, most for an incompressible layer. Lines end where order "
-    "3 refuses, because the contact is wider than the layer is thick."
+    "circles). The error of order 3 grows as (a/t)⁵, most for an incompressible layer. Errors below 0.001 % "
+    "are shown as 0.001 %. Lines end where order 3 refuses, because the contact is wider than the layer is "
+    "thick."
 )
 NUMEROUS = "Newton steps and residual of order 3 under one load, over the number of asperities of a lattice."
 
@@ -133,7 +146,10 @@ def _crowded_figure():
     left, right = figure.subplots(1, 2)
     rows = [[points.crowded(width, spread) for width in points.WIDTHS] for spread in points.SPREADS]
     error = np.array([[max(1e2 * abs(point.third), 1e-3) for point in row] for row in rows])
-    drawn = left.pcolormesh(np.log10(error), cmap="viridis", vmin=-3.0, vmax=0.0, edgecolors="white")
+    drawn = left.pcolormesh(
+        error, cmap="viridis", norm="log", vmin=PERCENTS[0], vmax=PERCENTS[-1], edgecolors="white",
+        label="error of order 3 [%]",
+    )  # fmt: skip
     for i, row in enumerate(rows):
         for j, point in enumerate(row):
             mark = f"{error[i, j]:.2g} %\n{'R' if point.resolved else '3'}"
@@ -142,7 +158,9 @@ def _crowded_figure():
     left.set_xticks(np.arange(len(points.WIDTHS)) + 0.5, [f"{width:g}" for width in points.WIDTHS])
     left.set_yticks(np.arange(len(points.SPREADS)) + 0.5, [f"{spread:g}" for spread in points.SPREADS])
     left.set(xlabel="a/L", ylabel="spread of the heights over the indentation")
-    figure.colorbar(drawn, ax=left, label="log10 of the error of order 3 [%]")
+    bar = figure.colorbar(drawn, ax=left, label="error of order 3 [%]", extend="max")
+    bar.set_ticks(PERCENTS, labels=[f"{each:g}" for each in PERCENTS])
+    bar.minorticks_off()
     for row, spread, mark in zip(rows, points.SPREADS, "os^", strict=True):
         size = [1e2 * max(abs(point.automatic), 1e-5) for point in row]
         right.semilogy(points.WIDTHS, size, mark, ls="-", ms=5, label=f"spread {spread:g}")
