@@ -45,7 +45,9 @@ class Automatic(WithoutGradients):
     used: their errors are known only from order 3. Above 2000 asperities, and on substrates other than
     half-space and layer, contacts cannot be resolved; a warning then states the estimated error of order 3.
     Contacts of laws with adhesion or plasticity cannot be resolved either: the asperity model of the largest
-    order that the law has is used, and a note says that nothing checks the tolerance.
+    order that the law has is used. For adhesive contacts that is order 3, whose estimated error alone is
+    compared with the tolerance: a note states it, as a warning above the tolerance. For plastic contacts it
+    is order 1, whose error is not estimated, and a warning says that the tolerance is not checked.
 
     Parameters
     ----------

@@ -200,7 +200,8 @@ def _text(found: list[Outcome]) -> str:
         "thickness t. The loads of half of the scenes end inside them, those of the others at one to two "
         f"times their ends. Of {len(designs):,} designs {_count(designs, 'refused'):,} were "
         f"refused, of {len(others):,} other scenes {_count(others, 'refused'):,}. "
-        "A design is refused with a message where its target needs loads at which the plane reaches the base plane. The rows “not solved” list all reasons. "
+        "A design is refused with a message where its target needs loads at which the plane reaches the "
+        "base plane. The rows “not solved” list all reasons. "
         "Each scene follows from its seed: python -m validation.stability.random_scenes 8 --outside repeats "
         "that of seed 8 outside the ranges."
     )

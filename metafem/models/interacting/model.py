@@ -73,6 +73,10 @@ class Interacting:
 
     Against resolved contacts on a half-space, up to a/pitch = 0.32, the error of order 3 is at most 0.025 %
     in the total load at fixed approach and 0.12 % in A0 at fixed load; that of order 1 is 0.08 % and 0.9 %.
+    On a bonded layer the error of order 3 in A0 is at most 0.2 % up to a/t = 0.3 with nu = 0.5, and less for
+    smaller Poisson's ratios; it grows as (a/t)^5. The notes of a state or law warn where contacts overlap and
+    where the estimated error of order 3 exceeds 4 % in A0, and tell where a/r exceeds 0.32. Lengths are in
+    mm, loads in N, moduli in MPa.
 
     Parameters
     ----------
@@ -87,15 +91,19 @@ class Interacting:
     Raises
     ------
     InvalidInput
-        For an order that does not exist, or a substrate or contact that cannot be used.
+        For an order that does not exist, or a substrate or contact that cannot be used. When solving: on a
+        layer thinner than the contact radius.
+    NotConverged
+        When solving with `equilibrium`, `friction_law` and `Curve.checked`, if an equilibrium is not found to
+        the tolerance.
 
     Examples
     --------
     >>> from metafem import Material, equilibrium
     >>> surface = Surface.square_lattice(0.1, (8, 8), radius=0.526, material=Material(1.36))
-    >>> state = equilibrium(surface, Interacting(), load=1.28)
+    >>> state = equilibrium(surface, Interacting(), load=0.5)
     >>> round(state.area, 3), round(state.separation, 4)
-    (6.462, -0.0227)
+    (3.461, 0.0431)
     """
 
     couples: ClassVar[bool] = True
