@@ -54,7 +54,11 @@ def fig5(colour: str) -> mf.Design:
 
 @cache
 def surfaces() -> dict[str, mf.Surface]:
-    """Return the five surfaces; those of Fig. 5 with the printed heights at their printed sites."""
+    """Return the five surfaces; those of Fig. 5 with the heights of Table S2.
+
+    Table S2 numbers the asperities from 1 to 64 and gives no site. Here Table S2 is numbered row by row, an
+    assumption of this check, on which independent asperities do not depend.
+    """
     printed = table("table_s2")
     found = {"Fig. 3": fig3().surface, "Fig. 4 blue": fig4("blue").surface, "Fig. 4 red": fig4("red").surface}
     for colour in ("blue", "red"):
