@@ -9,6 +9,7 @@ from pathlib import Path
 
 from validation.chapters import CHAPTERS, Chapter
 from validation.check import Check, Difference, Result
+from validation.cited import cited
 from validation.discovery import first_line
 from validation.numbers import computed, expected, number, powers
 from validation.pages import site_page
@@ -19,7 +20,7 @@ from validation.verdicts import verdicts
 
 Results = Mapping[str, Evaluated]
 
-FORMATS = {"computed": computed, "expected": expected, "number": number, "powers": powers}
+FORMATS = {"cited": cited, "computed": computed, "expected": expected, "number": number, "powers": powers}
 
 # What the kinds of source mean to a reader.
 MEANINGS = {

@@ -9,6 +9,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from validation.cited import IN_CODE, breaking
 from validation.pages import site_page
 
 if TYPE_CHECKING:
@@ -18,6 +19,10 @@ FOLDER = Path(__file__).parents[1] / "guide"
 
 # The pages in the order in which a newcomer reads them.
 ORDER = ("start", "design", "models", "tolerances", "measurements", "commands", "words", "modules")
+
+# The cells of tables, and the code in them.
+CELL = re.compile(r"<td.*?</td>", re.DOTALL)
+CODE = re.compile(r"(?<=<code>)[^<]*(?=</code>)")
 
 # Files of the repository that the site shows elsewhere.
 ELSEWHERE = {"../../README.md": "../index.html"}
@@ -52,6 +57,7 @@ class GuidePage:
         for token in tokens:
             token.children = _relinked(token.children or [])
         html = parser.renderer.render(tokens, parser.options, {})
+        html = CELL.sub(lambda cell: CODE.sub(lambda code: breaking(code[0], IN_CODE), cell[0]), html)
         return html.replace("<table>", '<div class="scroll"><table>').replace("</table>", "</table></div>")
 
 
