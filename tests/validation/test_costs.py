@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from validation.cost import model_table, peers, scaling
+from validation.cost import model_table, peers, scaling, work_precision
 from validation.cost.measured import Point, fastest_within
 from validation.cost.peers import Grid
-from validation.cost.times import LEAST, exponent, floor, in_words, renewed, rounded, timed
+from validation.cost.times import LEAST, exponent, floor, in_words, machine, renewed, rounded, timed
 from validation.readme import README
 from validation.scenes import costs
 
@@ -122,6 +122,26 @@ def test_scenes_are_as_their_titles_say():
     sites = costs.irregular().position
     distance = np.linalg.norm(sites[:, None] - sites, axis=-1)
     assert distance[~np.eye(64, dtype=bool)].min() >= 0.8
+
+
+def test_errors_have_two_digits_and_none_is_below_that_of_the_reference():
+    exact = costs.Reference(4.2, 0.04, 5.36e-5, 6.31e-6, 13.6)
+    assert model_table.shown_errors((3.576e-3, 1.4708), exact) == ("0.36 %", "150 %")
+    assert model_table.shown_errors((1e-5, 1e-6), exact) == ("below 0.0054 %", "below 0.00063 %")
+
+
+def test_the_machine_is_stated_without_its_name():
+    assert re.fullmatch(r"Measured on \d+ processor cores? with Python [\d.]+\w*, numpy \S+, .+\.", machine())
+
+
+@pytest.mark.parametrize(("scene", "name"), [("paper", "error of A0(P): below"), ("many", "error of A0(P)")])
+def test_rows_state_what_is_known_of_an_error(monkeypatch, scene, name):
+    exact = costs.Reference(4.2, 0.04, 5e-5, 6e-6, 13.6)
+    monkeypatch.setattr(work_precision, "reference", lambda _: exact)
+    point = Point(work_precision.ORDER_3, "", 1e-3, 1e-3, 1e-5, 1e-5, 1e-6)
+    rows = {row.name.split(", ")[-1]: row for row in work_precision._results(scene, point)}
+    assert rows[name].value == (5e-5 if scene == "paper" else 1e-5)
+    assert ("nothing independent" in rows[name].method) == (scene == "many")
 
 
 def test_readme_shows_every_model_with_its_assumption_and_range():

@@ -18,8 +18,8 @@ import numpy as np
 
 import metafem as mf
 
-# The tolerances of their solvers, on their own measures, loose in their favour: with a hundredth of them the
-# areas on the surface of Fig. 4, red, change by less than 0.2 %.
+# The tolerances of their solvers, on their own measures, with which they are fast: with a hundredth of them
+# the areas on the surface of Fig. 4, red, change by less than 0.2 %.
 TAMAAS_TOLERANCE = 1e-4
 PENETRATION = 1e-6  # ContactMechanics [mm]
 

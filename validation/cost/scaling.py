@@ -15,7 +15,7 @@ import metafem.substrate
 from metafem.drawing import ACHIEVED, TARGET, new_figure
 from metafem.models.interacting.model import DENSE_LIMIT
 from validation.check import Claim, Picture, Row, reported
-from validation.cost.times import exponent, floor, renewed, repeated, rounded
+from validation.cost.times import exponent, floor, machine, renewed, repeated, rounded
 from validation.scenes.costs import MATERIAL, heights, scattered
 
 # Rows of the lattices; scattered sites are as many. The last lattice is solved once.
@@ -33,7 +33,8 @@ METHOD = "one load by order 1, median of three or more runs, rounded to 1, 2 or 
 CAPTION = (
     "Medians of three or more runs, with bars from the fastest to the slowest, and fitted powers. Left of "
     "the dotted line all pairs are in dense matrices. Dashed line: numpy reads a dense matrix of all pairs "
-    "once and sums its rows. Open symbol: the lattice of 1,000,000 asperities, one run."
+    "once and sums its rows (time to read all pairs once). Open symbol: the lattice of "
+    "1,000,000 asperities, one run."
 )
 FIT = f"fitted to the times of all runs above {DENSE_LIMIT} asperities"
 
@@ -118,7 +119,8 @@ def measure() -> Claim:
         "One load of a new surface by order 1, two thirds of whose asperities touch. Up to "
         f"{DENSE_LIMIT:,} asperities all pairs are in dense matrices. Above, the sums are made by fast "
         "Fourier transforms, on lattices directly and at scattered sites by Ewald's method. "
-        "`python -m validation.benchmark interaction --long` measures 1,000,000 scattered asperities.",
+        "`python -m validation.benchmark interaction --long` measures 1,000,000 scattered asperities. "
+        + machine(),
     )
 
 
@@ -132,8 +134,9 @@ def _load(surface: mf.Surface, model: mf.Interacting) -> float:
 
 def _growth():
     """Draw seconds against the number of asperities, one panel for each substrate."""
-    figure = new_figure(9.0, 4.2)
-    panels = figure.subplots(1, 2, sharex=True, sharey=True)
+    # one column: readable on a narrow screen
+    figure = new_figure(6.0, 8.0)
+    panels = figure.subplots(2, 1, sharex=True, sharey=True)
     for ax, substrate in zip(panels, SUBSTRATES, strict=True):
         for sites, (colour, marker) in STYLES.items():
             measured = series(sites, substrate)
@@ -149,13 +152,15 @@ def _growth():
                         label=f"{sites}: N to the power {growth:.2f} ± {error:.2f}")  # fmt: skip
             ax.plot(large, factor * large**growth, lw=1, color=colour)
         if substrate == "half-space":
-            ax.plot(LARGEST**2, largest(), "s", ms=6, mfc="none", color=STYLES["lattice"][0])
+            colour, marker = STYLES["lattice"]
+            ax.plot(LARGEST**2, largest(), marker, lw=0, ms=6, mfc="none", color=colour,
+                    label=f"lattice of {LARGEST**2:,}, one run")  # fmt: skip
         pairs = [floor(count) for count in series("lattice", substrate).counts]
-        ax.plot(counts, pairs, "--", lw=0.8, color="grey", label="one pass over all pairs")
+        ax.plot(counts, pairs, "--", lw=0.8, color="grey", label="time to read all pairs once")
         ax.axvline(DENSE_LIMIT, lw=0.8, ls=":", color="grey")
         ax.set_title(substrate, fontsize=10)
         ax.set_xlabel("number of asperities N")
+        ax.set_ylabel("seconds for one load, order 1")
         ax.loglog()
         ax.legend(frameon=False, fontsize=8, loc="upper left")
-    panels[0].set_ylabel("seconds for one load, order 1")
     return figure

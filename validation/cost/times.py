@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import os
+import platform
 import statistics
 import time
 from collections.abc import Callable, Sequence
+from importlib.metadata import version
 from typing import Any
 
 import numpy as np
@@ -51,6 +54,16 @@ def floor(count: int) -> float:
     part = np.ones((rows, count))
     seconds, _ = timed(lambda _: part.sum(axis=1))
     return seconds * count / rows
+
+
+def machine(*packages: str) -> str:
+    """State the number of cores, and the versions of Python and of packages."""
+    versions = [f"{name} {version(name)}" for name in ("numpy", "scipy", "numba", *packages)]
+    cores = os.cpu_count()
+    return (
+        f"Measured on {cores} processor core{'' if cores == 1 else 's'} with Python "
+        f"{platform.python_version()}, {', '.join(versions)}."
+    )
 
 
 def exponent(counts: Sequence[float], seconds: Sequence[float]) -> tuple[float, float, float]:
