@@ -25,7 +25,7 @@ CELL = re.compile(r"<td.*?</td>", re.DOTALL)
 CODE = re.compile(r"(?<=<code>)[^<]*(?=</code>)")
 
 # Files of the repository that the site shows elsewhere.
-ELSEWHERE = {"../../README.md": "../index.html"}
+ELSEWHERE = {"../../README.md": "../cost.html"}
 
 
 @dataclass(frozen=True)
