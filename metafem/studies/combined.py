@@ -242,8 +242,8 @@ def _notes(found: Mapping[str, Largest], wanted: float, allowed: float) -> Itera
     meets = f"a probability of {percent(wanted, '.3g')} of a misfit of at most {percent(allowed, '.3g')}"
     for name, value in found.items():
         if math.isnan(value.factor):
-            without = "errors of the surface" if name == ALL else f"{name} with the others as given"
-            yield Note(f"{meets} is not reached, even without {without}")
+            without = "errors of the surface" if name == ALL else f"{name}, with the other errors as given"
+            yield Note(f"{meets} is not reached even without {without}")
         elif math.isinf(value.factor):
             what = "all tolerances" if name == ALL else name
             yield information(f"{meets} is exceeded up to the largest multiple of {what} that was tried")

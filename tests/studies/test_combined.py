@@ -100,7 +100,7 @@ def test_parameters_of_a_single_contact_have_a_closed_form(contact, name, sd, po
     assert abs(found.probability - expected) <= 3.0 * found.probability_error
     # the height does not change the law of one contact
     assert np.isnan(found.factor).all()
-    assert "is not reached, even without errors of the surface" in found.notes
+    assert "is not reached even without errors of the surface" in found.notes
 
 
 def test_tolerances_without_effect_have_no_limit(contact):

@@ -76,7 +76,9 @@ def is_schema(content: bytes) -> bool:
 
 
 def write_schema(path: Path, force: bool = False) -> None:
-    """Write the schema into a file; with `force` a schema of metafem is replaced."""
+    """Write the schema into a file that does not hold it; with `force` a schema of metafem is replaced."""
+    if path.is_file() and path.read_bytes() == schema_text().encode("utf-8"):
+        return
     write_text(path, schema_text(), force=force, ours=is_schema)
 
 

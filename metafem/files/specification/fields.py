@@ -8,6 +8,7 @@ from typing import Annotated, Any, ClassVar
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
+from metafem.errors import InvalidInput
 from metafem.files.units import converted
 
 # Sets of keys of which one is given.
@@ -61,3 +62,12 @@ Stress = Annotated[float, measured("MPa")]
 Angle = Annotated[float, measured("rad")]
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Whether = Annotated[bool, Field(strict=True)]
+
+
+def one_of_two(section: Section, first: str, second: str) -> None:
+    """Refuse both and neither of two keys."""
+    given = [getattr(section, key) is not None for key in (first, second)]
+    if all(given):
+        raise InvalidInput(f"has both {first} and {second}; keep one of them")
+    if not any(given):
+        raise InvalidInput(f"needs either {first} or {second}")

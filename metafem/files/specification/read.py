@@ -36,6 +36,9 @@ from metafem.surface import Surface
 
 __all__ = ["Specification", "read_spec"]
 
+# What beginners most often write.
+REMEDY = 'a value with a unit stands in quotes, such as "1.5 mm", and decimals have a point'
+
 # The parser's time grows with the square of the parts of a dotted key; a specification needs two parts.
 NESTED = re.compile(r"""(?:(?:(?<![\w-])[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){32}""")
 
@@ -203,7 +206,7 @@ def _table(name: str, text: str) -> dict[str, Any]:
     except ValueError as error:  # among them numbers of thousands of digits
         end = f"at line {len(text.splitlines())}, the end of the file"
         cause = printable(str(error).replace("at end of document", end))
-        raise InvalidInput(f"{name}: not valid TOML: {cause}") from None
+        raise InvalidInput(f"{name}: not valid TOML: {cause}; {REMEDY}") from None
     if _holds_too_large(table):
         raise InvalidInput(f"{name}: holds a whole number beyond 64 bits, which is not valid TOML")
     return table

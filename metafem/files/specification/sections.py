@@ -18,6 +18,7 @@ from metafem.files.specification.fields import (
     Stress,
     Whether,
     measured,
+    one_of_two,
     says,
 )
 from metafem.files.specification.models import MODELS, suggestion
@@ -40,8 +41,7 @@ class MaterialSection(Section):
 
     @model_validator(mode="after")
     def _one_of_two(self) -> MaterialSection:
-        if (self.composite_modulus is None) == (self.young_modulus is None):
-            raise InvalidInput("needs either composite_modulus or young_modulus")
+        one_of_two(self, "composite_modulus", "young_modulus")
         return self
 
     def material(self) -> Material:
@@ -94,8 +94,7 @@ class RadiiSection(Section):
 
     @model_validator(mode="after")
     def _one_of_two(self) -> RadiiSection:
-        if (self.tools is None) == (self.range is None):
-            raise InvalidInput("needs either tools or range")
+        one_of_two(self, "tools", "range")
         return self
 
     def radii(self) -> RadiusRange | tuple[float, ...]:

@@ -9,7 +9,7 @@ from pydantic import BeforeValidator, model_validator
 from metafem import _validate as check
 from metafem.errors import InvalidInput
 from metafem.files.loads import LOAD, GivenLoad, given_load, rescaled_range
-from metafem.files.specification.fields import Area, Choices, Force, Number, Reader, Section, says
+from metafem.files.specification.fields import Area, Choices, Force, Number, Reader, Section, one_of_two, says
 from metafem.inversion import (
     BilinearLaw,
     LinearLaw,
@@ -138,12 +138,6 @@ class StraightSection(Section):
         return material, friction
 
 
-def _either(section: Section, slope: str, coefficient: str) -> None:
-    """Refuse both and neither of two keys."""
-    if (getattr(section, slope) is None) == (getattr(section, coefficient) is None):
-        raise InvalidInput(f"needs either {slope} or {coefficient}")
-
-
 class MultilinearSection(StraightSection):
     """Straight branches, slopes rising or falling, with a free intercept."""
 
@@ -166,7 +160,7 @@ class MultilinearSection(StraightSection):
 
     @model_validator(mode="after")
     def _one_of_two(self) -> MultilinearSection:
-        _either(self, "slopes", "friction_coefficients")
+        one_of_two(self, "slopes", "friction_coefficients")
         return self
 
     def target(self, material: Material, friction: Friction | None) -> Target:
@@ -196,7 +190,7 @@ class LinearSection(StraightSection):
 
     @model_validator(mode="after")
     def _one_of_two(self) -> LinearSection:
-        _either(self, "slope", "friction_coefficient")
+        one_of_two(self, "slope", "friction_coefficient")
         return self
 
     def target(self, material: Material, friction: Friction | None) -> Target:
@@ -224,7 +218,7 @@ class BilinearSection(StraightSection):
 
     @model_validator(mode="after")
     def _one_of_two(self) -> BilinearSection:
-        _either(self, "slopes", "friction_coefficients")
+        one_of_two(self, "slopes", "friction_coefficients")
         return self
 
     def target(self, material: Material, friction: Friction | None) -> Target:

@@ -173,8 +173,8 @@ def _scale(slope: float, mixture: Mixture, limits: Limits, nearest: LinearLaw | 
         form = "3 pi/4 sqrt(R/h_m)" if mixture.law == PARABOLOID else "A(h_m)/P(h_m)"
         raise Infeasible(
             f"{given} is not above the bound {form}{pair} = {wording.coefficient(bound):.6g} of "
-            f"asperities of radius {mixture.radius:g} mm within {limits.span:g} mm of height; raise the "
-            f"{name} or max_height, or use a smaller radius",
+            f"asperities of radius R = {mixture.radius:g} mm within h_m = {limits.span:g} mm of height; "
+            f"raise the {name} or max_height, or use a smaller radius",
             nearest,
         )
     return scale_from_slope(slope, mixture.radius, limits.span, mixture.law)
