@@ -68,12 +68,12 @@ def _rows() -> list[tuple[str, str, Callable[[Evidence], str]]]:
             _of_both("fig_s3_manufacturing", "{}: scatter of the slope at 0.9 µm", "{:.2%} and {:.2%}"),
         ),
         (
-            "change of A0 by elastic interaction, Fig. 5, blue and red, rms",
+            "change of A0 by elastic interaction, Fig. 5, blue and red, relative rms",
             limit,
             _of_both("interaction_error", "Fig. 5 {}, printed sites: rms", "{:.2%} and {:.2%}"),
         ),
         (
-            "the same, Fig. 3, median of 1,000 assignments of the heights to sites",
+            "the same, Fig. 3, median of 1,000 assignments of the heights to sites; by other norms 1 to 4 %",
             limit,
             _values("interaction_error", ("Fig. 3: median rms of random assignments",), "{:.2%}"),
         ),
