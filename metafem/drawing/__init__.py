@@ -38,6 +38,13 @@ MANY, RESOLUTION = 1000, 200
 SALT = "metafem"
 
 
+def rgba(colour: Any) -> tuple[float, ...]:
+    """Return red, green, blue and opacity of a colour by any of its names."""
+    from matplotlib.colors import to_rgba
+
+    return to_rgba(colour)
+
+
 def new_figure(
     width: float, height: float, margins: tuple[float, float, float, float] | None = None
 ) -> Figure:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from metafem.drawing import FloatArray
+from metafem.drawing import FloatArray, rgba
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -48,8 +48,7 @@ def figure_table(figure: Figure) -> str:
     shown = [ax for ax in figure.axes if ax.get_label() != "<colorbar>"]
     for number, ax in enumerate(shown, 1):
         title = " ".join(ax.get_title().split())
-        axes = ", ".join(f"{x} = {' '.join(axis.get_label_text().split()) or 'not named'}"
-                         for x, axis in (("x", ax.xaxis), ("y", ax.yaxis)))  # fmt: skip
+        axes = f"x = {_axis_name(ax, 'x')}, y = {_axis_name(ax, 'y')}"
         heads.append(f"# panel {number}{f' ({title})' if title else ''}: {axes}")
         for series in _series(ax):
             count = len(series.columns["x"])
@@ -66,6 +65,26 @@ def figure_table(figure: Figure) -> str:
     writer.writeheader()
     writer.writerows(rows)
     return text.getvalue()
+
+
+def _axis_name(ax: Axes, along: str) -> str:
+    """Return the label of an axis, or that of the panel with which it shares this axis."""
+    sharing = (ax.get_shared_x_axes() if along == "x" else ax.get_shared_y_axes()).get_siblings(ax)
+    others = [each for each in ax.figure.axes if each in sharing and each is not ax]
+    labels = (getattr(each, f"{along}axis").get_label_text() for each in (ax, *others))
+    return next((" ".join(label.split()) for label in labels if label.strip()), "not named")
+
+
+def _by_colour(ax: Axes) -> dict[tuple[float, ...], str]:
+    """Return the labels of the lines of each colour, of the panel or else of the figure, if there is one."""
+    found: dict[tuple[float, ...], str] = {}
+    for panels in (ax.figure.axes, [ax]):
+        labels: dict[tuple[float, ...], set[str]] = {}
+        for line in (line for panel in panels for line in panel.lines):
+            if name := _named(line, ""):
+                labels.setdefault(rgba(line.get_color()), set()).add(name)
+        found |= {colour: names.pop() for colour, names in labels.items() if len(names) == 1}
+    return found
 
 
 def _rows(ax: Axes, number: int, series: Series, step: int) -> Iterator[dict[str, str]]:
@@ -131,7 +150,7 @@ def _flat(parts: Any) -> Iterator[Any]:
 
 def _named(artist: Any, otherwise: str) -> str:
     """Return the label of an artist, or another name."""
-    label = " ".join(str(artist.get_label()).split())
+    label = " ".join(str(artist.get_label() or "").split())
     return otherwise if not label or label.startswith("_") else label
 
 
@@ -145,6 +164,7 @@ def _points(x: ArrayLike, y: ArrayLike, **more: ArrayLike) -> dict[str, FloatArr
 
 def _lines(ax: Axes, lines: list[Any]) -> Iterator[Series]:
     """Return lines and markers; the lines of a box as its five numbers."""
+    labels = _by_colour(ax)
     i = number = boxes = 0
     while i < len(lines):
         box = _box(lines[i : i + BOX_LINES])
@@ -159,11 +179,14 @@ def _lines(ax: Axes, lines: list[Any]) -> Iterator[Series]:
         number += 1
         # a line across the axes, such as that of a bound, has a place along one of them alone
         known = line.get_transform().contains_branch_seperately(ax.transData)
-        if not all(known):
+        name = f"line {number}"
+        if all(known):
+            name = labels.get(rgba(line.get_color()), name)
+        else:
             x, y = (
                 each[:1] if inside else np.array([np.nan]) for each, inside in zip((x, y), known, strict=True)
             )
-        yield Series(_named(line, f"line {number}"), _points(x, y))
+        yield Series(_named(line, name), _points(x, y))
 
 
 def _box(lines: list[Any]) -> list[tuple[str, float, float]] | None:

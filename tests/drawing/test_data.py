@@ -99,3 +99,29 @@ def test_long_series_and_large_images_are_thinned_and_the_table_says_so(ax):
     assert heads[1] == "# panel 1, long: one of 3 of its 5000 points"
     images = [row for row in rows if row["series"].startswith("image 1 (one of 3 rows")]
     assert 0 < len(images) <= MOST_VALUES
+
+
+def test_a_panel_without_names_takes_those_of_the_axis_that_it_shares():
+    left, right = new_figure(5.0, 4.0).subplots(1, 2, sharey=True)
+    left.set(xlabel="load P [N]", ylabel="area A0 [mm²]")
+    twin = right.twinx()
+    right.set_xlabel("load P [mN]")
+    twin.set_ylabel("slope")
+    left.plot([1.0], [1.0])
+    heads, _ = table(left)
+    assert [head.partition(": ")[2] for head in heads] == [
+        "x = load P [N], y = area A0 [mm²]",
+        "x = load P [mN], y = area A0 [mm²]",
+        "x = load P [mN], y = slope",
+    ]
+
+
+def test_a_line_without_label_takes_that_of_the_lines_of_its_colour():
+    left, right = new_figure(5.0, 4.0).subplots(1, 2)
+    left.plot([1.0], [1.0], "C1", label="order 3")
+    left.plot([1.0], [1.0], "C2", label="order 1")
+    left.plot([1.0], [2.0], "C2", label="its fit")
+    for colour in ("C1", "C2", "C3"):
+        right.plot([1.0], [2.0], colour)
+    _, rows = table(left)
+    assert [row["series"] for row in rows[3:]] == ["order 3", "line 2", "line 3"]
