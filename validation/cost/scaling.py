@@ -119,7 +119,7 @@ def measure() -> Claim:
         "One load of a new surface by order 1, two thirds of whose asperities touch. Up to "
         f"{DENSE_LIMIT:,} asperities all pairs are in dense matrices. Above, the sums are made by fast "
         "Fourier transforms, on lattices directly and at scattered sites by Ewald's method. "
-        "`python -m validation.benchmark interaction --long` measures 1,000,000 scattered asperities. "
+        "python -m validation.benchmark interaction --long measures 1,000,000 scattered asperities. "
         + machine(),
     )
 

@@ -175,16 +175,17 @@ def _results(ends: dict[str, tuple[str, str]]) -> list[Row]:
 
 
 def _text(ends: dict[str, tuple[str, str]]) -> str:
-    """Say how the thin layers end."""
-    parts = [f"{name}: {first}." for name, (first, _) in ends.items() if first.startswith("refused")]
-    return " ".join(
-        [
-            "All models give the same areas in other units, with heights that are equal or differ by less "
-            "than can be made, with one asperity and over twelve decades of load. On layers thinner than the "
-            "contacts order 3 refuses and says what to use; Automatic resolves these contacts.",
-            *parts,
-        ]
+    """Say how the thin layers end, with the words of one refusal."""
+    refused = {name: first for name, (first, _) in ends.items() if first.startswith("refused")}
+    text = (
+        "All models give the same areas in other units, with heights that are equal or differ by less "
+        "than can be made, with one asperity and over twelve decades of load. On layers thinner than the "
+        "contacts order 3 refuses and says what to use; Automatic resolves these contacts."
     )
+    if not refused:
+        return text
+    words = next(iter(refused.values())).removeprefix("refused: ")
+    return f"{text} Refused are those with {'; '.join(refused)}. The words for the first: “{words}”."
 
 
 DECADES = (
