@@ -56,7 +56,7 @@ layer or the block for P(δ)."""
 
 CAPTION = """Left: A0 on the half-space (dashed) and on the layer (solid) relative to the block [%], over the
 rescaled load P/E* [mm²], at order 3 on the five surfaces. Right: separation on the block minus that on the
-other substrate [µm]. The half-space is off by 2 to 24 µm and the layer stays close to zero."""
+other substrate [µm]. The half-space is off by up to 25 µm and the layer by up to 3 µm."""
 
 
 @dataclass(frozen=True)
