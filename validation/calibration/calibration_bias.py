@@ -18,7 +18,7 @@ from metafem.studies.element_checks import BLOCK_RADIUS, THICKNESS
 from validation.check import Claim, Picture, Row, below, near, reported
 from validation.finite_elements.frozen_meshes import FOLDER, SOFT_HEIGHT, deep_caps
 from validation.scenes.compression_tests import ENERGY, ERRORS, MODULUS, RADII, RADIUS
-from validation.sources import closed_form, known_input, printed, second_method
+from validation.sources import closed_form, known_input, second_method
 
 SLOW = True
 
@@ -43,7 +43,7 @@ MODELS = {
 SOFT = np.array([0.095, 0.19, 0.35, 0.43])
 
 FITTED = "data of the named model without noise, fitted by Hertz's law of contacts far apart"
-STATED = printed("SM, calibration of individual microcontacts: E* = 1.36 ± 0.04 MPa")
+STATED = "bias over ±0.04 MPa, which the paper states for batch 1"
 SAME = known_input("E* and w of the synthetic data, which are fitted by the model that made them")
 DIAGONAL = known_input("identity: a compliance that is equal for all caps changes the approach alone")
 
@@ -127,9 +127,7 @@ def _interaction() -> list[Row]:
         own = contact(*data(model), RADIUS, contacts=5, model=model, surface=SAMPLE)
         checks += [
             reported(f"{name}: bias of E*", shifts[name], FITTED),
-            below(
-                f"{name}: bias over the published uncertainty", abs(shifts[name]) / PUBLISHED, 0.02, STATED
-            ),
+            reported(f"{name}: bias over the published uncertainty", abs(shifts[name]) / PUBLISHED, STATED),
             near(f"{name}: E* by the same model [MPa]", own.composite_modulus, MODULUS, 1e-6, SAME),
         ]
     half, layer, pedestals, block = shifts.values()
@@ -207,10 +205,10 @@ def _large_strain() -> list[Row]:
             # the loads of either have errors of 0.1 %, which the two fitted numbers double
             *(found, anew, 3e-3, second_method(press_sequence, "finite elements at four contact radii")),
         ),
-        below(
+        reported(
             "large strain: largest bias of E*, a/R up to 0.5, over the published uncertainty",
             max(abs(shift(of_cap(soft_cap(height), half))) for height in deep_caps()) / PUBLISHED,
-            *(2.0, STATED),
+            STATED,
         ),
     ]
 

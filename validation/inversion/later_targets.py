@@ -15,7 +15,7 @@ import metafem as mf
 from metafem._validate import FloatArray
 from metafem.drawing import ACHIEVED, QUIET, TARGET, new_figure
 from metafem.reference.single_contacts import hertz, power_law
-from validation.check import REQUIRED, Claim, Picture, Row, above, below, near
+from validation.check import REQUIRED, Claim, Picture, Row, above, below, near, reported
 from validation.methods import independent, power_caps
 from validation.paper.surfaces import template
 from validation.sources import closed_form, known_input, publication
@@ -41,9 +41,7 @@ CAPS = ((4.0, 0.5), (3.0, 0.6), (1.5, 0.9))
 REACHED, HALVINGS = 0.01, 6
 
 FU = publication("10.48550/arXiv.2605.19555", "abstract: exponents from 2/3 to 1.35")
-NETWORK = publication(
-    "10.48550/arXiv.2511.03735", "abstract: mean error of about 38 % by a generative network"
-)
+NETWORK = "misfits of all designs of this claim; doi:10.48550/arXiv.2511.03735 has a mean error of about 38 %"
 ENDS = closed_form(hertz, "2/3 + ln(N^(1/3))/ln(P2/P1): one contact at the first load, N equal at the last")
 LAST = closed_form(hertz, "3/2 β (P2/P1)^(3β−2) = N: no law is steeper than N equal contacts (Hölder)")
 PUT_IN = known_input("exponent of the target")
@@ -181,7 +179,7 @@ def _network() -> list[Row]:
         *(bent(each) for each in SLOPES),
         *(capped(*each) for each in CAPS),
     ]
-    return [below("largest misfit of these designs", max(each.misfit for each in designs), 0.38, NETWORK)]
+    return [reported("largest misfit of these designs", max(each.misfit for each in designs), NETWORK)]
 
 
 LAWS = (
