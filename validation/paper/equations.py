@@ -40,7 +40,7 @@ to S5, and both lines of eq. S8. The largest relative errors over all cases are 
 
 CAPTION = """Relative error of k(x) of eq. S5 as it is printed, in double precision, over x = h_m/λ, against
 the incomplete gamma function γ(3/2, x), to which it is equal. The printed form loses digits below x = 1 and
-all of them below 1e-15, where the density is nearly uniform. The designs use γ(3/2, x); the dots are the
+all of them below 10⁻¹⁵, where the density is nearly uniform. The designs use γ(3/2, x); the dots are the
 arguments at which the equations are compared here."""
 
 

@@ -69,7 +69,8 @@ FIG3 = """The statement cannot be confirmed for Fig. 3, nor refuted. The paper p
 heights nor the norm and the loads of the rms. Over 1,000 random assignments of the heights to sites the
 median on a half-space is {least:.1f} to {most:.1f} % by the norm and the loads, and {fewest:.0f} to
 {share:.0f} % of the assignments stay below 2.3 %. On Figs. 4 and 5 more than 99 % do by the rms of the
-relative change at 20 loads. With the tallest asperities in the centre it is larger, up to {centre:.0f} %."""
+relative change at 20 loads. With the tallest asperities in the centre it is {inner:.0f} % (Fig. 5 red) to
+{centre:.0f} % (Fig. 3)."""
 
 
 @cache
@@ -144,7 +145,8 @@ def claim() -> Claim:
         "most": max(row.value for row in medians),
         "fewest": min(row.value for row in shares),
         "share": max(row.value for row in shares),
-        "centre": max(rms(changes(each, HALF_SPACE)["centred"]) for each in surfaces()),
+        "inner": rms(changes("Fig. 5 red", HALF_SPACE)["centred"]),
+        "centre": rms(changes("Fig. 3", HALF_SPACE)["centred"]),
     }
     percent = {key: 1e2 * value for key, value in numbers.items()}
     label, statement = "Fig. 3: median rms of random assignments [%]", "less than 2.3 % rms, over all cases"

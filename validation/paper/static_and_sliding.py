@@ -22,7 +22,7 @@ from validation.paper.surfaces import fig4
 from validation.published import paper
 from validation.scenes.compression_tests import RADII
 from validation.scenes.sheared_contacts import ERRORS
-from validation.sources import known_input, printed, second_method
+from validation.sources import known_input, second_method
 
 # σ [MPa] and B of the peak, those of Fig. 4, red; and of the plateau, put in as slightly smaller.
 STATIC, SLIDING = mf.Friction(0.358, 0.85), mf.Friction(0.335, 0.83)
@@ -40,9 +40,7 @@ LOADS = np.linspace(0.03, 0.6, 20)
 WITHIN = 3.0
 
 TRUE = known_input("σ and B of the synthetic records, within three standard deviations")
-RANGE = printed(
-    "SM, applying the design strategy to the sliding friction force: 100 to 200 µm after the peak"
-)
+RANGE = known_input("range of the evaluation, 100 to 200 µm after the peak as in the paper's SM")
 
 RECORD = (
     "Left, a synthetic record of the tangential force: its peak is the static friction, its mean over the "
