@@ -84,8 +84,8 @@ def claim() -> Claim:
         f"part, A0(P) is unchanged exactly. On the block A0(P) changes by {min(area):.1f} to "
         f"{max(area):.1f} % rms, P(δ) by {min(load):.0f} to {max(load):.0f} %. To predict P(δ), use the "
         "true block or the layer: the half-space has no rigid base 7.2 mm below the contacts, the array "
-        f"sinks several times too far on it, and P(δ) errs by {min(wrong):.0f} to {max(wrong):.0f} % rms; on the "
-        f"layer it errs by {min(flat):.0f} to {max(flat):.0f} %."
+        f"sinks several times too far on it, and P(δ) errs by {min(wrong):.0f} to {max(wrong):.0f} % rms, "
+        f"on the layer by {min(flat):.0f} to {max(flat):.0f} %."
     )
     return Claim(
         "A0(P), P(δ) and A0(δ) under five models",

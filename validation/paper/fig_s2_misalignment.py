@@ -66,8 +66,8 @@ itself."""
 
 SHARE = """The paper states them for its two samples, whose sites it does not print. Of the random
 assignments of the same heights to sites, {first:.0f} % (blue) and {second:.0f} % (red) stay below 2.1 % at
-0.1°, and {third:.0f} % and {fourth:.0f} % below 0.2 % at 0.005°; 5 % of the blue ones exceed {high:.1f} % at 0.1°. The bounds describe
-the arrangement that was made, not the list of heights alone."""
+0.1°, and {third:.0f} % and {fourth:.0f} % below 0.2 % at 0.005°; 5 % of the blue ones exceed {high:.1f} %
+at 0.1°. The bounds describe the arrangement that was made, not the list of heights alone."""
 
 TWICE = """With Δh_i as it is printed, h_i + Δh_i contains h_i twice, and at φ = 0 all heights would be
 doubled. The contribution of the tilt is x tan φ + y tan φ alone, which is used here; with it the largest
