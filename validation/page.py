@@ -27,7 +27,7 @@ MEANINGS = {
     Kind.PAPER: "The number stands in the paper or its Supplementary Materials.",
     Kind.PUBLICATION: "The number or equation stands in another publication, which is linked.",
     Kind.CLOSED_FORM: "A formula of metafem.reference gives the number; no solver uses these formulas.",
-    Kind.SECOND_METHOD: "Another method, which shares no solver with the first, computes it in the same run.",
+    Kind.SECOND_METHOD: "Another method, or the same with other elements, computes it in the same run.",
     Kind.KNOWN_INPUT: "No computation is needed: the true value of synthetic data, a target, an identity.",
 }
 

@@ -44,7 +44,9 @@ BETTI = known_input("identity: displacement at i by a load on j is that at j by 
 EXACT = known_input("identity: at fixed load a constant c in the influence lowers the plane by c P/E*")
 MESHES = second_method(mf.fe.Block3D, "the same with cells that are 1.6 times as large")
 NEWTON = second_method(contact_equations.coupled, "point loads with numpy, Newton's method in all unknowns")
-ORDER1 = "Fig. 5, printed sites, order 1, 19 loads P/E* from 0.05 to 0.5 mm²; block by 3D finite elements"
+ORDER1 = (
+    "Fig. 5, Table S2 row by row, order 1, 19 loads P/E* from 0.05 to 0.5 mm²; block by 3D finite elements"
+)
 ORDER3 = "order 3, 19 loads P/E* from 0.05 to 0.5 mm²; block by 3D finite elements"
 
 TEXT = """The law and the separation are predicted on a half-space, on a bonded layer and on the true block

@@ -61,9 +61,9 @@ def claim() -> Claim:
     text = (
         "The paper shows photographs of the contacts at these loads: 0.92 N (Fig. 3), 0.39 N (Fig. 4, blue), "
         "0.93 N (Fig. 4, red), 0.34 N (Fig. 5, blue) and 0.23 N (Fig. 5, red). The models predict that on "
-        "the surfaces of Figs. 4 and 5 all 64 asperities are then in contact, down to the lowest. The sites "
-        "of the heights are printed for Fig. 5 only; on the other surfaces they are those of the design, "
-        "which interaction depends on and independent asperities do not."
+        "the surfaces of Figs. 4 and 5 all 64 asperities are then in contact, down to the lowest. The paper "
+        "prints no sites: here those of Fig. 5 are Table S2 numbered row by row, the others those of the "
+        "design. Interaction depends on them, independent asperities do not."
     )
     caption = (
         "Contacts at the loads of the paper's photographs, to scale, on the bonded layer at order 3. "

@@ -64,7 +64,7 @@ sites. Dotted lines are the bounds that the paper states, 0.2 % at 0.005° and 2
 0.005°. Most dashed lines stay below 2.1 %, and the spread between assignments is as large as the scatter
 itself."""
 
-SHARE = """The paper states them for its two samples, whose sites it does not print. Of the random
+SHARE = """The paper states them for its two samples. Of the random
 assignments of the same heights to sites, {first:.0f} % (blue) and {second:.0f} % (red) stay below 2.1 % at
 0.1°, and {third:.0f} % and {fourth:.0f} % below 0.2 % at 0.005°; 5 % of the blue ones exceed {high:.1f} %
 at 0.1°. The bounds describe the arrangement that was made, not the list of heights alone."""
