@@ -75,6 +75,15 @@ def test_checks_results_and_differences_stand_apart(results):
     assert '<a href="https://doi.org/10.1098/rspa.1971.0141">' in checks
     assert "The line is the law." in rest
     assert 'download="fig_4_law.csv"' in rest
+    assert text.count("as above") == 1  # the method of the second result
+
+
+def test_the_answer_on_the_paper_counts_the_differences_that_the_page_lists(results):
+    row = reported("largest difference of 64 heights [µm]", 0.1, "a method")
+    found = {**results, "table_s2": replace(results["fig4_linear"], name="table_s2", rows=(row,))}
+    headline, _ = verdicts._reproduced(Evidence(found))
+    assert headline == "Yes, except 2 printed numbers or statements"
+    assert "2 numbers or statements printed in the paper differ" in report(found)["index.html"]
 
 
 def test_equal_results_give_equal_bytes_and_times_show_in_one_place(results):
