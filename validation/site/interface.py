@@ -144,7 +144,7 @@ def pages() -> dict[str, Page]:
 def _grouped(module: ModuleType, wanted: tuple[str, ...] | None) -> Iterator[tuple[str, Entry]]:
     """Yield the names of a module with the titles of their groups, in the order of the import layers."""
     if module.__name__ == "metafem.reference":
-        for part in ("single_contacts", "bonded_layer", "height_densities"):
+        for part in ("single_contacts", "elastic_plastic", "bonded_layer", "height_densities"):
             inner = importlib.import_module(f"metafem.reference.{part}")
             for name, value in vars(inner).items():
                 if inspect.isfunction(value) and value.__module__ == inner.__name__ and name[0] != "_":
