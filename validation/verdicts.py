@@ -176,7 +176,7 @@ def _model(evidence: Evidence) -> tuple[str, str]:
         f"Interacting(substrate=BondedLayer()) is within {_percent(layer[0])} of the true block in "
         "A0 and within "
         f"{number(layer[1], 2)} µm in the separation; the half-space is {_percent(half_space[0])} and "
-        f"{number(half_space[1], 2)} µm off. Independent() leaves out up to {_percent(usual, 1)} of A0, and "
+        f"{number(half_space[1], 2)} µm off. Independent() is typically up to {_percent(usual, 1)} off, and "
         f"{_percent(worst)} with the tallest asperities in the centre. Automatic() where contacts may merge.",
     )
 
