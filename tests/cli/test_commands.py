@@ -400,6 +400,8 @@ def test_the_schema_is_printed_and_written(run):
     assert run("spec", "--schema").stdout == schema_text()
     assert run("spec", "--schema", "-o", "a.json").stdout == "wrote a.json\n"
     assert Path("a.json").read_text("utf-8") == schema_text()
+    assert run("spec", "--schema", "-o", "a.json").exit_code == 0  # it holds the schema already
+    Path("a.json").write_text(schema_text().replace("false", "true"), "utf-8")
     result = run("spec", "--schema", "-o", "a.json")
     assert (result.exit_code, "--force" in result.output) == (2, True)
     assert json.loads(run("spec", "--schema", "-o", "a.json", "--force", "--json").stdout) == {
