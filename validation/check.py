@@ -56,14 +56,10 @@ class Picture:
 Row = Check | Result | Difference
 
 
-@dataclass(frozen=True)
-class Claim:
-    """What one file shows: checks, results, differences from the paper, titled figures, and a text."""
+class Rows:
+    """What has rows of three kinds."""
 
-    title: str
     rows: Sequence[Row]
-    figures: dict[str, Picture] = field(default_factory=dict)
-    text: str = ""
 
     @property
     def checks(self) -> list[Check]:
@@ -79,6 +75,16 @@ class Claim:
     def differences(self) -> list[Difference]:
         """The statements of the paper that do not hold."""
         return [row for row in self.rows if isinstance(row, Difference)]
+
+
+@dataclass(frozen=True)
+class Claim(Rows):
+    """What one file shows: checks, results, differences from the paper, titled figures, and a text."""
+
+    title: str
+    rows: Sequence[Row]
+    figures: dict[str, Picture] = field(default_factory=dict)
+    text: str = ""
 
     def value(self, name: str) -> float:
         """Return the computed number of the row of a name."""

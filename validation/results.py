@@ -16,7 +16,7 @@ from types import ModuleType
 from typing import Any
 
 from metafem.drawing.inline import Drawn, drawn
-from validation.check import Check, Claim, Difference, Result, Row
+from validation.check import Check, Claim, Row, Rows
 from validation.discovery import groups, named, picked
 from validation.sources import Source, known_input
 
@@ -28,7 +28,7 @@ COMPLETE = known_input("a claim is evaluated without an error")
 
 
 @dataclass(frozen=True)
-class Evaluated:
+class Evaluated(Rows):
     """What one claim showed: its rows, its figures with their data, and the seconds that it took."""
 
     name: str
@@ -38,21 +38,6 @@ class Evaluated:
     rows: tuple[Row, ...]
     figures: tuple[Drawn, ...]
     seconds: float = field(compare=False)
-
-    @property
-    def checks(self) -> list[Check]:
-        """The rows with an expected number."""
-        return [row for row in self.rows if isinstance(row, Check)]
-
-    @property
-    def results(self) -> list[Result]:
-        """The rows without one."""
-        return [row for row in self.rows if isinstance(row, Result)]
-
-    @property
-    def differences(self) -> list[Difference]:
-        """The statements of the paper that do not hold."""
-        return [row for row in self.rows if isinstance(row, Difference)]
 
     def anchored(self, kind: type[Row]) -> list[tuple[str, Row]]:
         """Return the rows of a kind with their anchors, which differ for rows of one name."""
