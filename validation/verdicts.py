@@ -152,12 +152,10 @@ def _interaction(evidence: Evidence) -> tuple[str, str]:
     evidence.partly = not holds
     return (
         "Yes" if holds else "On Figs. 4 and 5; on Fig. 3 it depends on the norm",
-        f"At equal load it changes A0 by {_percent(printed)} on Fig. 5, by {_percent(linear)} on "
-        "Fig. 4 and by "
-        f"{_percent(points)} on Fig. 3 (rms of the relative change). The paper states neither the "
-        "norm nor the "
-        f"loads: others give {_percent(light)} to {_percent(over_rms)} on Fig. 3, all in the median of 1,000 "
-        "assignments of the heights to sites.",
+        f"At equal load it changes A0 by {_percent(printed)} on Fig. 5, by {_percent(linear)} on Fig. 4 and "
+        f"by {_percent(points)} on Fig. 3 (rms of the relative change). The paper states neither the norm "
+        f"nor the loads: others give {_percent(light)} to {_percent(over_rms)} on Fig. 3, all in the median "
+        "of 1,000 assignments of the heights to sites.",
     )
 
 
@@ -173,9 +171,8 @@ def _model(evidence: Evidence) -> tuple[str, str]:
     worst = evidence.largest("interaction_error", "rms with the tallest in the centre")
     return (
         "Order 3 on the bonded layer",
-        f"Interacting(substrate=BondedLayer()) is within {_percent(layer[0])} of the true block in "
-        "A0 and within "
-        f"{number(layer[1], 2)} µm in the separation; the half-space is {_percent(half_space[0])} and "
+        f"Interacting(substrate=BondedLayer()) is within {_percent(layer[0])} of the true block in A0 and "
+        f"within {number(layer[1], 2)} µm in the separation; the half-space is {_percent(half_space[0])} and "
         f"{number(half_space[1], 2)} µm off. Independent() is typically up to {_percent(usual, 1)} off, and "
         f"{_percent(worst)} with the tallest asperities in the centre. Automatic() where contacts may merge.",
     )
@@ -189,10 +186,9 @@ def _exact(evidence: Evidence) -> tuple[str, str]:
     most = _percent(max(third, wide))
     return (
         f"Order 3: A0 to {most}",
-        f"Against resolved contacts, order 3 misses A0 by at most {most} where contact radii are up "
-        "to 0.32 of "
-        f"the distances, and point loads (order 1) by up to {number(first, 2)} %. This is the error of the "
-        "interaction alone.",
+        f"Against resolved contacts, order 3 misses A0 by at most {most} where contact radii are up to 0.32 "
+        f"of the distances, and point loads (order 1) by up to {number(first, 2)} %. This is the error of "
+        "the interaction alone.",
     )
 
 
@@ -234,9 +230,9 @@ def _cost(evidence: Evidence) -> tuple[str, str]:
     return (
         headline,
         f"{sentence} The general solver tamaas, which also handles merged contacts, takes {cold} and {curve} "
-        f"times as long on the grid whose reported area is exact to 0.5 %, or {cold_moments} and "
-        f"{curve_moments} "
-        "times if its area is read from the second moments of its pressures.",
+        "times as long on the grid whose reported area is exact to 0.5 %, or "
+        f"{cold_moments} and {curve_moments} times if its area is read from the second moments of "
+        "its pressures.",
     )
 
 
@@ -252,8 +248,7 @@ def _fails(evidence: Evidence) -> tuple[str, str]:
         f"{number(failed)} of {number(total)} random scenes failed",
         "A failed scene ends without a solution and without a stated reason. Inside the documented ranges "
         f"{number(refused)} scenes were refused with a reason, outside them {_percent(outside)}, "
-        "mostly designs "
-        "that would reach the base plane.",
+        "mostly designs that would reach the base plane.",
     )
 
 

@@ -9,6 +9,7 @@ from enum import Enum
 import numpy as np
 
 from metafem._validate import FloatArray, IntArray
+from metafem._values import percent
 from metafem.inversion.candidate import Branch, Candidate, Parameter
 from metafem.inversion.problem import Problem
 from metafem.inversion.targets.target_law import TargetLaw
@@ -129,6 +130,11 @@ def _misfit(candidate: Candidate, area: FloatArray, slopes: list[float]) -> floa
     """Return the misfit of a candidate whose law is A0 (k,), with the slopes of its branches."""
     law, branches = candidate.target_law, candidate.branches
     return float(misfits(law, branches, law.difference(area)[None], np.array([slopes]))[0])
+
+
+def misfit_text(misfit: float) -> str:
+    """Return a misfit in percent, or that it is within the tolerance of exact designs."""
+    return "below 1e-9" if misfit <= EXACT else percent(misfit)
 
 
 def misfit_meaning(pointwise: bool, density: bool, fits: Fits, misfit: float) -> str:

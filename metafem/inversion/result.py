@@ -12,11 +12,11 @@ import numpy as np
 
 from metafem import drawing
 from metafem._validate import FloatArray, IntArray
-from metafem._values import Value, percent, span
+from metafem._values import Value, span
 from metafem.contact import Contact
 from metafem.drawing.card import card
 from metafem.errors import InvalidInput
-from metafem.inversion.assessment import EXACT, DesignStatus, misfit_meaning
+from metafem.inversion.assessment import DesignStatus, misfit_meaning, misfit_text
 from metafem.inversion.candidate import Branch, Parameter
 from metafem.inversion.height_density import PiecewiseExponential
 from metafem.inversion.limits import Limits
@@ -144,10 +144,9 @@ class Design(Value):
     def _facts(self) -> dict[str, str]:
         """Return what is printed of the design."""
         surface, law = self.surface, self.law
-        misfit = "below 1e-9" if self.misfit <= EXACT else percent(self.misfit)
         return {
             "status": self.status.value,
-            "misfit": f"{misfit}, {self.misfit_meaning}",
+            "misfit": f"{misfit_text(self.misfit)}, {self.misfit_meaning}",
             "asperities": f"{surface.count:,} on {self.template.count:,} sites",
             "heights": span(surface.height, "mm"),
             "radius": span(surface.radius, "mm"),

@@ -7,14 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from metafem._values import percent
 from metafem.contact import JKR, Contact, Hertz, JacksonGreen, KogutEtsion, PowerCap, SphericalCap
 from metafem.inversion import Design
+from metafem.inversion.assessment import misfit_text
 from metafem.models import Model
 from metafem.models.model import contact_of
-
-# A misfit up to this value is printed as a bound: the tolerance of exact designs.
-EXACT = 1e-9
 
 # One N/mm in mJ/m^2.
 MJ_PER_M2 = 1e6
@@ -82,5 +79,4 @@ def misfit_words(design: Design) -> tuple[str, str]:
     >>> misfit_words(mf.design(mf.OperatingPoints([0.01], [0.1]), template))
     ('misfit: largest difference from the target', 'below 1e-9')
     """
-    value = "below 1e-9" if design.misfit <= EXACT else percent(design.misfit)
-    return f"misfit: {design.misfit_meaning}", value
+    return f"misfit: {design.misfit_meaning}", misfit_text(design.misfit)

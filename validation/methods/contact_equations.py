@@ -6,7 +6,7 @@ import numpy as np
 
 from metafem._validate import FloatArray
 from metafem.reference import bonded_layer
-from validation.methods.independent import approaches
+from validation.methods.independent import approaches, sums
 
 # Steps of Newton's method, of which the loads of the paper need about six.
 MOST_STEPS = 60
@@ -16,7 +16,7 @@ SMALL = 1e-14
 
 
 def independent(height: FloatArray, radius: float, load: float) -> tuple[FloatArray, float]:
-    """Return the indentations (n,), negative for open asperities, and the separation, by bisection."""
+    """Return the indentations (n,), negative for open asperities, and the separation."""
     approach = float(approaches(height, np.array([load]), radius)[0])
     separation = float(height.max()) - approach
     return height - separation, separation
@@ -53,7 +53,7 @@ def loads(indentation: FloatArray, radius: float) -> FloatArray:
 
 def area(indentation: FloatArray, radius: float) -> float:
     """Return the sum of Hertz's areas pi R d [mm²]."""
-    return float(np.pi * radius * np.clip(indentation, 0.0, None).sum())
+    return float(sums(indentation, radius)[0])
 
 
 def layer_influence(position: FloatArray, thickness: float, poisson_ratio: float) -> FloatArray:

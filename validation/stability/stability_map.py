@@ -141,11 +141,16 @@ ON_LAYERS = (
 NUMEROUS = "Newton steps and residual of order 3 under one load, over the number of asperities of a lattice."
 
 
+def _percent(error: float) -> float:
+    """Return the size of an error in percent, at least the smallest one that is shown."""
+    return max(1e2 * abs(error), PERCENTS[0])
+
+
 def _crowded_figure():
     figure = new_figure(9.0, 3.6)
     left, right = figure.subplots(1, 2)
     rows = [[points.crowded(width, spread) for width in points.WIDTHS] for spread in points.SPREADS]
-    error = np.array([[max(1e2 * abs(point.third), 1e-3) for point in row] for row in rows])
+    error = np.array([[_percent(point.third) for point in row] for row in rows])
     drawn = left.pcolormesh(
         error, cmap="viridis", norm="log", vmin=PERCENTS[0], vmax=PERCENTS[-1], edgecolors="white",
         label="error of order 3 [%]",
@@ -162,7 +167,7 @@ def _crowded_figure():
     bar.set_ticks(PERCENTS, labels=[f"{each:g}" for each in PERCENTS])
     bar.minorticks_off()
     for row, spread, mark in zip(rows, points.SPREADS, "os^", strict=True):
-        size = [1e2 * max(abs(point.automatic), 1e-5) for point in row]
+        size = [_percent(point.automatic) for point in row]
         right.semilogy(points.WIDTHS, size, mark, ls="-", ms=5, label=f"spread {spread:g}")
     right.axhline(1e2 * points.TOLERANCE, color=QUIET, lw=1.0, label="tolerance")
     right.set(xlabel="a/L", ylabel="error of Automatic [%]")
@@ -175,12 +180,12 @@ def _layer_figure():
     ax = figure.add_subplot()
     for i, ratio in enumerate(points.RATIOS):
         found = [points.on_layer(width, ratio) for width in points.LAYERS]
-        solved = [(p.ratio, abs(p.third)) for p in found if not p.refusal]
+        solved = [(p.ratio, p.third) for p in found if not p.refusal]
         ax.loglog(
-            [x for x, _ in solved], [1e2 * max(y, 1e-5) for _, y in solved], "o-", color=f"C{i}", ms=4,
+            [x for x, _ in solved], [_percent(y) for _, y in solved], "o-", color=f"C{i}", ms=4,
             label=f"order 3, ν = {ratio:g}",
         )  # fmt: skip
-        chosen = [1e2 * max(abs(point.automatic), 1e-5) for point in found]
+        chosen = [_percent(point.automatic) for point in found]
         ax.loglog([point.ratio for point in found], chosen, "o", mfc="none", color=f"C{i}", ms=8)
     ax.axhline(1e2 * points.TOLERANCE, color=QUIET, lw=1.0, label="tolerance of Automatic")
     ax.set(xlabel="contact radius over thickness  a/t", ylabel="error of A0 [%]")

@@ -84,14 +84,12 @@ def write_schema(path: Path, force: bool = False) -> None:
 
 def place_schema(folder: Path) -> str | None:
     """Write the schema beside a specification, and return a remark if another file is in its place."""
-    path, text = folder / SCHEMA_FILE, schema_text()
+    path = folder / SCHEMA_FILE
     try:
-        write_text(path, text)
+        write_schema(path)
     except InvalidInput:
         if not os.path.lexists(path):
             raise
-        if path.is_file() and path.read_bytes() == text.encode("utf-8"):
-            return None
         return (
             f"{path} exists and differs from the schema of this version; "
             f"`metafem spec --schema -o {path} --force` renews it"
