@@ -10,7 +10,19 @@ class MetafemError(Exception):
 
 
 class InvalidInput(MetafemError, ValueError):
-    """An argument or a key has a value that cannot be used; the message says what is allowed."""
+    """An argument or a key has a value that cannot be used; the message says what is allowed.
+
+    Attributes
+    ----------
+    problems : tuple of str
+        Of a refused specification one line for each problem, which begins with the key; otherwise empty.
+    """
+
+    problems: tuple[str, ...]
+
+    def __init__(self, *message: object, problems: tuple[str, ...] = ()) -> None:
+        super().__init__(*message)
+        self.problems = problems
 
 
 class Infeasible(MetafemError):

@@ -30,7 +30,8 @@ from metafem.files.specification.manual import all_keys, manual
 from metafem.files.specification.models import MODELS
 from metafem.files.specification.named_tables import measured_pairs
 from metafem.files.specification.options import chosen_model
-from metafem.files.specification.read import Specification, read_spec, refuse_missing_block
+from metafem.files.specification.read import Specification, parsed, read_spec, refuse_missing_block
+from metafem.files.specification.words import problem_key
 from metafem.files.units import member_names, option_names, quantity
 
 __all__ = [
@@ -66,10 +67,12 @@ __all__ = [
     "member_names",
     "of_files",
     "option_names",
+    "parsed",
     "part_notes",
     "pixel_size",
     "place_schema",
     "planned",
+    "problem_key",
     "quantity",
     "read_calibration",
     "read_contacts",

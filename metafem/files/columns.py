@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from metafem._given import printable
 from metafem.errors import InvalidInput
-from metafem.files.csv_rows import Table, read_table
+from metafem.files.csv_rows import Table, table_of
 from metafem.files.units import factor
 
 
@@ -62,9 +61,9 @@ MEASURED = Columns(
 COLUMNS = {"sampled": TARGET, "profile": PROFILE, "tabulated": MEASURED}
 
 
-def read_columns(path: Path, columns: Columns) -> tuple[dict[str, list[Any]], bytes]:
-    """Return the entries of a table by key, as a specification would hold them, and the file's bytes."""
-    table = read_table(path, columns.example)
+def columns_of(name: str, content: bytes, columns: Columns) -> dict[str, list[Any]]:
+    """Return the entries of a table by key, as a specification would hold them."""
+    table = table_of(name, content, columns.example)
     found = _found(table, columns)
     table.report_unread([table.header[i] for i, _ in found.values()])
     if not table.rows:
@@ -92,7 +91,7 @@ def read_columns(path: Path, columns: Columns) -> tuple[dict[str, list[Any]], by
                 raise InvalidInput(f"{key} must exceed the {words} of the previous line")
             before[name] = number
             entries[name].append(f"{value} {unit}")
-    return entries, table.content
+    return entries
 
 
 def _found(table: Table, columns: Columns) -> dict[str, tuple[int, str]]:

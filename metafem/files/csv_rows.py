@@ -70,8 +70,12 @@ class Table:
 
 def read_table(path: str | Path, example: str) -> Table:
     """Read a table, or raise InvalidInput; `example` is a valid first line."""
-    content, name = read_bytes(path, TABLE), file_label(path)
-    text = decoded(path, content)
+    return table_of(file_label(path), read_bytes(path, TABLE), example)
+
+
+def table_of(name: str, content: bytes, example: str) -> Table:
+    """Return the table of a file's name, as errors state it, and content, or raise InvalidInput."""
+    text = decoded(name, content)
     lines = ["\n" if line.lstrip().startswith("#") else line for line in io.StringIO(text, newline=None)]
     first = next((line for line in lines if line.strip()), None)
     if first is None:

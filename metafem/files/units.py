@@ -7,7 +7,7 @@ import re
 from collections.abc import Mapping
 from contextlib import suppress
 from fractions import Fraction
-from functools import cache
+from functools import cache, lru_cache
 from typing import Any
 
 from metafem._given import ErrorNames, printable, shown
@@ -141,10 +141,19 @@ def written_units(table: Mapping[str, Any]) -> dict[str, tuple[str, float]]:
                 value = value[0]
             match = _QUANTITY.fullmatch(value) if isinstance(value, str) else None
             name = match[2] if match else ""
-            for unit in EXAMPLES if name else ():
-                with suppress(InvalidInput, OverflowError):
-                    found[f"{section}.{key}"] = (name, float(factor(name, unit)))
+            size = _size(name) if name else None
+            if size is not None:
+                found[f"{section}.{key}"] = (name, size)
     return found
+
+
+@lru_cache(maxsize=256)
+def _size(name: str) -> float | None:
+    """Return the size of a unit in the package's unit of its dimension, None for an unknown unit."""
+    for unit in EXAMPLES:
+        with suppress(InvalidInput, OverflowError):
+            return float(factor(name, unit))
+    return None
 
 
 @cache

@@ -5,14 +5,15 @@ from __future__ import annotations
 import json
 import re
 import tomllib
-from collections.abc import Collection
+from collections.abc import Callable, Collection, Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from metafem._given import printable, shown
 from metafem.errors import InvalidInput
-from metafem.files.columns import COLUMNS, TARGET, read_columns
+from metafem.files.columns import COLUMNS, TARGET, columns_of
+from metafem.files.reading import TABLE, file_label, read_bytes
 from metafem.files.units import converted
 
 # Files of a design in its result folder, which also holds a copy of the table.
@@ -43,7 +44,30 @@ FILE_KEY = re.compile(
 )
 
 
-def with_tables(text: str, table: dict[str, Any], folder: Path) -> tuple[dict[str, Any], dict[str, bytes]]:
+# Returns the content of the table that a key names, and its name in errors.
+Source = Callable[[str, str], tuple[str, bytes]]
+
+
+def in_folder(folder: Path) -> Source:
+    """Return the source of tables that are files, named from a folder."""
+    return lambda _, name: (file_label(folder / name), read_bytes(folder / name, TABLE))
+
+
+def among(tables: Mapping[str, bytes]) -> Source:
+    """Return the source of tables that are given by their names."""
+
+    def content(key: str, name: str) -> tuple[str, bytes]:
+        if name not in tables:
+            known = ", ".join(printable(other, 60) for other in tables) or "none"
+            raise InvalidInput(f"{key} = {shown(name)} names a table that is not given (given: {known})")
+        if len(tables[name]) > TABLE:
+            raise InvalidInput(f"{key} = {shown(name)} is larger than {TABLE / 2**20:g} MiB")
+        return file_label(name), tables[name]
+
+    return content
+
+
+def with_tables(text: str, table: dict[str, Any], source: Source) -> tuple[dict[str, Any], dict[str, bytes]]:
     """Return a specification whose keys `file` are replaced by the columns of their tables; the kept files.
 
     The first line of a table names its columns as quantity_unit. The result folder keeps the specification as
@@ -55,7 +79,12 @@ def with_tables(text: str, table: dict[str, Any], folder: Path) -> tuple[dict[st
         for key in place:
             section = section.get(key) if isinstance(section, dict) else None
         if isinstance(section, dict) and section.get("kind") in tuple(COLUMNS) and "file" in section:
-            filled, content = with_columns(".".join(place), section, folder)
+            try:
+                filled, content = with_columns(".".join(place), section, source)
+            except InvalidInput as error:
+                key, words = f"{'.'.join(place)}.file", str(error)
+                problem = words if words.startswith(key) else f"{key}: {words}"
+                raise InvalidInput(words, problems=(problem,)) from None
             table = _replaced(table, place, filled)
             copy = _copy_name(section["file"], kept)
             if copy != section["file"]:
@@ -64,7 +93,7 @@ def with_tables(text: str, table: dict[str, Any], folder: Path) -> tuple[dict[st
     return table, {"spec.toml": text.encode("utf-8"), **kept}
 
 
-def with_columns(label: str, section: dict[str, Any], folder: Path) -> tuple[dict[str, Any], bytes]:
+def with_columns(label: str, section: dict[str, Any], source: Source) -> tuple[dict[str, Any], bytes]:
     """Return a section whose key `file` is replaced by the columns of its table, and the file's bytes."""
     name, columns = section["file"], COLUMNS[section["kind"]]
     if not isinstance(name, str):
@@ -73,8 +102,8 @@ def with_columns(label: str, section: dict[str, Any], folder: Path) -> tuple[dic
     twice = sorted(rest.keys() & {*columns.units, *columns.plain})
     if twice:
         raise InvalidInput(f"{label}.file and {label}.{twice[0]} both give the {columns.what}; keep one")
-    entries, content = read_columns(folder / name, columns)
-    return {**rest, **entries}, content
+    title, content = source(f"{label}.file", name)
+    return {**rest, **columns_of(title, content, columns)}, content
 
 
 def _replaced(table: dict[str, Any], place: tuple[str, ...], section: dict[str, Any]) -> dict[str, Any]:
@@ -112,7 +141,7 @@ def _naming_copy(text: str, place: tuple[str, ...], section: dict[str, Any], cop
 
 def measured_pairs(path: str | Path) -> tuple[list[float], list[float]]:
     """Return the loads and friction forces [N] of a table, whose loads increase."""
-    samples, _ = read_columns(Path(path), TARGET)
+    samples = columns_of(file_label(path), read_bytes(path, TABLE), TARGET)
     if "load" not in samples:
         raise InvalidInput(f"{printable(str(path))} must hold forces; name its columns {TARGET.example}")
     load, force = ([converted(text, "N") for text in samples[name]] for name in ("load", "friction_force"))

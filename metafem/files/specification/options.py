@@ -12,7 +12,7 @@ from metafem.contact import Contact
 from metafem.errors import InvalidInput
 from metafem.files.specification.manual import example, kind_of, models_of
 from metafem.files.specification.models import model_named, suggestion
-from metafem.files.specification.named_tables import with_columns
+from metafem.files.specification.named_tables import in_folder, with_columns
 from metafem.files.specification.words import worded
 from metafem.files.units import written_units
 from metafem.models import Model
@@ -55,9 +55,9 @@ def contact_named(text: str) -> Contact:
     with error_names(ErrorNames(section="contact", units=written_units({"contact": table}))):
         try:
             if "file" in table:
-                table, _ = with_columns("contact", table, Path())
+                table, _ = with_columns("contact", table, in_folder(Path()))
             if "file" in table.get("cap", {}):
-                table["cap"], _ = with_columns("contact.cap", table["cap"], Path())
+                table["cap"], _ = with_columns("contact.cap", table["cap"], in_folder(Path()))
             law: Contact = section.model_validate(table).law()
             return law
         except ValidationError as error:

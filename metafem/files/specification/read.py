@@ -16,7 +16,7 @@ from metafem.errors import InvalidInput
 from metafem.files.part.plan import PartOptions, planned
 from metafem.files.reading import SPECIFICATION, decoded, file_label, read_bytes
 from metafem.files.specification.cost import tell_cost
-from metafem.files.specification.named_tables import with_tables
+from metafem.files.specification.named_tables import Source, among, in_folder, with_tables
 from metafem.files.specification.words import worded
 from metafem.files.units import written_units
 from metafem.inversion import (
@@ -34,7 +34,10 @@ from metafem.prediction import Tolerances
 from metafem.substrate import Substrate
 from metafem.surface import Surface
 
-__all__ = ["Specification", "read_spec"]
+__all__ = ["Specification", "parsed", "read_spec"]
+
+# The default tables of a specification's text.
+NO_TABLES: Mapping[str, bytes] = {}
 
 # What beginners most often write.
 REMEDY = 'a value with a unit stands in quotes, such as "1.5 mm", and decimals have a point'
@@ -168,9 +171,60 @@ def read_spec(path: str | Path) -> Specification:
     (LinearLaw(slope=6.87, load_range=None), 0.12)
     """
     raw = read_bytes(path, SPECIFICATION, "no such file; `metafem demo linear` writes one to start from")
-    name = file_label(path)
-    table = _table(name, decoded(path, raw))
-    table, kept = with_tables(raw.decode("utf-8"), table, Path(path).parent)
+    decoded(path, raw)  # refuses other encodings, with the line
+    return _specification(file_label(path), raw, in_folder(Path(path).parent))
+
+
+@checked_call
+def parsed(text: str, tables: Mapping[str, bytes] = NO_TABLES, name: str = "spec.toml") -> Specification:
+    """Read the text of a specification, as `read_spec` reads a file.
+
+    Parameters
+    ----------
+    text : str
+        The text of a specification file.
+    tables : mapping of str to bytes, optional
+        Content of the tables, by the names under which the text refers to them; default: none.
+    name : str, optional
+        Name of the specification in errors.
+
+    Returns
+    -------
+    Specification
+
+    Raises
+    ------
+    InvalidInput
+        As `read_spec`; its `problems` begin with the keys, see `problem_key`.
+
+    Examples
+    --------
+    >>> from metafem.files.specification.demos import demo_text
+    >>> parsed(demo_text("linear")).target
+    LinearLaw(slope=6.87, load_range=None)
+    >>> try:
+    ...     parsed(demo_text("linear").replace('"1.5 mm"', "1.5"))
+    ... except InvalidInput as error:
+    ...     print(*error.problems)
+    lattice.pitch = 1.5 needs a unit; write for example "1.5 mm"
+    """
+    try:
+        raw = text.encode("utf-8")
+    except UnicodeEncodeError as error:
+        line = text.count("\n", 0, error.start) + 1
+        raise _refused(name, [f"line {line} has a character that UTF-8 does not know"]) from None
+    if len(raw) > SPECIFICATION:
+        raise _refused(
+            name, [f"is larger than {SPECIFICATION / 2**20:g} MiB, the limit for its kind of file"]
+        )
+    return _specification(file_label(name), raw, among(tables))
+
+
+def _specification(name: str, raw: bytes, source: Source) -> Specification:
+    """Return the specification of a file's name in errors, its bytes in UTF-8, and its tables."""
+    text = raw.decode("utf-8")
+    table = _table(name, text.removeprefix("\ufeff"))
+    table, kept = with_tables(text, table, source)
     from pydantic import ValidationError
 
     from metafem.files.specification.contents import Sections
@@ -190,25 +244,26 @@ def read_spec(path: str | Path) -> Specification:
         seed=sections.layout.seed,
         mixed=mixed,
         hardness=sections.checks.hardness,
-        text=raw.decode("utf-8"),
+        text=text,
         sha256=hashlib.sha256(raw).hexdigest(),
         files=kept,
     )
 
 
 def _table(name: str, text: str) -> dict[str, Any]:
+    deep = "nests its values too deeply to be a specification"
     if NESTED.search(text):
-        raise InvalidInput(f"{name} nests its values too deeply to be a specification")
+        raise InvalidInput(f"{name} {deep}", problems=(deep,))
     try:
         table = tomllib.loads(text)
     except RecursionError:
-        raise InvalidInput(f"{name} nests its values too deeply to be a specification") from None
+        raise InvalidInput(f"{name} {deep}", problems=(deep,)) from None
     except ValueError as error:  # among them numbers of thousands of digits
         end = f"at line {len(text.splitlines())}, the end of the file"
         cause = printable(str(error).replace("at end of document", end))
-        raise InvalidInput(f"{name}: not valid TOML: {cause}; {REMEDY}") from None
+        raise _refused(name, [f"not valid TOML: {cause}; {REMEDY}"]) from None
     if _holds_too_large(table):
-        raise InvalidInput(f"{name}: holds a whole number beyond 64 bits, which is not valid TOML")
+        raise _refused(name, ["holds a whole number beyond 64 bits, which is not valid TOML"])
     return table
 
 
@@ -222,4 +277,4 @@ def _holds_too_large(value: Any) -> bool:
 
 
 def _refused(name: str, problems: list[str]) -> InvalidInput:
-    return InvalidInput("\n".join(f"{name}: {problem}" for problem in problems))
+    return InvalidInput("\n".join(f"{name}: {problem}" for problem in problems), problems=tuple(problems))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 from metafem._given import printable
@@ -54,6 +55,46 @@ def worded(detail: Any, sections: type[BaseModel]) -> str:
         return f"{key} = {as_written(given)} must be a section: write [{key}] on a line of its own"
     must = MUST.get(kind, "cannot be used").format(**detail.get("ctx", {}))
     return f"{key} = {as_written(given)} {must}{_example(place, name)}"
+
+
+# Words before the key of a problem.
+LEAD = re.compile(
+    r"section \[|with summits of (?:limits\.offset \+ )?|limits\.offset \+ (?=limits\.max_height)"
+)
+DOTTED = re.compile(r"[\w-]+(?:\.[\w-]+)*")
+
+
+def problem_key(problem: str) -> str:
+    """Return the key at the start of one of the `problems` of a refused specification.
+
+    It is the section where the specification has no such key, and empty where the file as a whole is
+    refused.
+
+    Examples
+    --------
+    >>> problem_key('limits.max_height = "120" needs a unit; write for example "120 um"')
+    'limits.max_height'
+    >>> problem_key("section [material] is missing"), problem_key("not valid TOML: ...")
+    ('material', '')
+    """
+    lead = LEAD.match(problem)
+    found = DOTTED.match(problem, lead.end() if lead else 0)
+    parts = found[0].split(".") if found else [""]
+    while parts and ".".join(parts) not in _known():
+        parts.pop()
+    return ".".join(parts)
+
+
+@cache
+def _known() -> frozenset[str]:
+    """Return every section and dotted key of a specification."""
+    from metafem.files.specification.contents import Sections
+
+    sections = dict(Sections.model_fields)
+    known = {*sections, "target.kind", "contact.kind", "contact.cap.kind"}
+    known |= {f"{key.section}.{key.name}" for key in all_keys()}
+    contact = {key.name for key in all_keys() if key.section == "contact"}
+    return frozenset(known | {f"contact.cap.{name}" for name in contact})
 
 
 def _located(

@@ -17,7 +17,7 @@ from metafem.errors import InvalidInput
 from metafem.files import all_keys, demo_text, place_schema, schema_text, write_schema
 from metafem.files.schema.document import SCHEMA_FILE, is_schema, schema
 from metafem.files.specification.contents import Sections
-from metafem.files.specification.named_tables import with_tables
+from metafem.files.specification.named_tables import in_folder, with_tables
 
 SCHEMA = schema()
 EDITOR = Draft7Validator(SCHEMA)
@@ -45,7 +45,7 @@ def folder(tmp_path_factory):
 def parsed(table, folder):
     """Return whether the parser accepts the names, types, units and choices of a specification."""
     try:
-        filled, _ = with_tables("", table, folder)
+        filled, _ = with_tables("", table, in_folder(folder))
         sections = Sections.model_validate(filled)
     except InvalidInput:
         return False

@@ -1,0 +1,117 @@
+"""Specifications that are given as a text, and the keys of their problems."""
+
+import hashlib
+import pickle
+
+import numpy as np
+import pytest
+
+import metafem as mf
+from metafem.files import demo_text, parsed, problem_key, read_spec
+from metafem.files.reading import SPECIFICATION, TABLE
+from metafem.files.specification.demos import DEMOS
+
+LINEAR = demo_text("linear")
+TABLE_TARGET = LINEAR.replace('kind = "linear"', 'kind = "sampled"').replace(
+    "slope = 6.87", 'file = "my laws/wanted.csv"'
+)
+
+
+def problems_of(text, tables=None):
+    with pytest.raises(mf.InvalidInput) as caught:
+        parsed(text, tables or {})
+    return caught.value.problems
+
+
+@pytest.mark.parametrize("name", DEMOS)
+def test_a_text_is_read_as_its_file_is(tmp_path, name):
+    path = tmp_path / "a.toml"
+    path.write_bytes(b"\xef\xbb\xbf" + demo_text(name).replace("\n", "\r\n").encode())
+    text = path.read_bytes().decode()
+    of_file, of_text = read_spec(path), parsed(text)
+    assert of_text.text == of_file.text == text
+    assert of_text.sha256 == of_file.sha256 == hashlib.sha256(path.read_bytes()).hexdigest()
+    assert of_text.files == of_file.files
+    assert (of_text.limits, of_text.model, of_text.part) == (of_file.limits, of_file.model, of_file.part)
+    np.testing.assert_array_equal(of_text.design().surface.height, of_file.design().surface.height)
+
+
+def test_a_table_is_given_by_its_name(tmp_path):
+    table = b"rescaled_load_mm2,rescaled_friction_mm2\n0.1,0.84\n0.3,1.68\n"
+    (tmp_path / "my laws").mkdir()
+    (tmp_path / "my laws" / "wanted.csv").write_bytes(table)
+    (tmp_path / "a.toml").write_text(TABLE_TARGET)
+    given, found = parsed(TABLE_TARGET, {"my laws/wanted.csv": table}), read_spec(tmp_path / "a.toml")
+    assert given.target.rescaled_load.tolist() == [0.1, 0.3]
+    assert given.files == found.files
+
+
+def test_a_table_that_is_not_given_is_a_problem_of_its_key():
+    (problem,) = problems_of(TABLE_TARGET, {"other.csv": b""})
+    assert problem == (
+        "target.file = 'my laws/wanted.csv' names a table that is not given (given: other.csv)"
+    )
+    assert problem_key(problem) == "target.file"
+
+
+@pytest.mark.parametrize(
+    ("table", "words"),
+    [
+        (b"", "target.file: my laws/wanted.csv is empty"),
+        (b"\xff,b\n1,2\n", "target.file: my laws/wanted.csv: line 1 is not UTF-8"),
+        (b"0" * (TABLE + 1), "target.file = 'my laws/wanted.csv' is larger than 64 MiB"),
+    ],
+)
+def test_a_table_that_cannot_be_read_is_a_problem_of_its_key(table, words):
+    (problem,) = problems_of(TABLE_TARGET, {"my laws/wanted.csv": table})
+    assert problem.startswith(words)
+    assert problem_key(problem) == "target.file"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "key"),
+    [
+        ('max_height = "120 um"', "max_height = 120", "limits.max_height"),
+        ('max_height = "120 um"', "", "limits.max_height"),
+        ('max_height = "120 um"', 'max_height = "-1 um"', "limits.max_height"),
+        ('max_height = "120 um"', 'max_height = "120 um"\nmax_hight = 1', "limits"),
+        ('max_height = "120 um"', 'max_height = "500 um"', "limits.max_height"),
+        ("shape = [8, 8]", "shape = [8, true]", "lattice.shape"),
+        ("shape = [8, 8]", "shape = [8, 800000]", "lattice.shape"),
+        ("slope = 6.87", "slope = -1", "target.slope"),
+        ("slope = 6.87", "", "target"),
+        ('kind = "linear"', 'kind = "line"', "target.kind"),
+        ('kind = "linear"', "", "target.kind"),
+        ('kind = "independent"', 'kind = "rigid"', "model.kind"),
+        ('radius = "526 um"', "", "lattice.radius"),
+        ("[friction]", "[frictoin]", ""),
+        ("[limits]", "[limits", ""),
+        ("[part]", '[contact]\nkind = "jkr"\nadhesion_energy = "9 mJ/m^2"\ncap = {kind = "cube"}\n[part]',
+         "contact.cap.kind"),
+        ("seed = 0", "seed = 99999999999999999999", ""),
+        ("seed = 0", f"seed = {'[' * 9000}", ""),
+        ("seed = 0", "seed = '\ud800'", ""),
+        ("seed = 0", f"seed = {' ' * SPECIFICATION} 0", ""),
+    ],
+)  # fmt: skip
+def test_each_problem_begins_with_its_key(old, new, key):
+    assert old in LINEAR
+    problems = problems_of(LINEAR.replace(old, new, 1))
+    assert problem_key(problems[0]) == key
+    assert len(problems) == 1
+    assert "\n" not in problems[0]
+
+
+def test_a_section_that_is_missing_is_its_own_key():
+    start, rest = LINEAR.split("[material]")
+    problems = problems_of(start + rest[rest.index("[friction]") :])
+    assert [problem_key(problem) for problem in problems] == ["material"]
+
+
+def test_every_problem_is_listed_and_survives_a_process():
+    with pytest.raises(mf.InvalidInput) as caught:
+        parsed(LINEAR.replace('"1.5 mm"', "1.5").replace('"120 um"', "120"), name="mine.toml")
+    error = caught.value
+    assert [problem_key(problem) for problem in error.problems] == ["lattice.pitch", "limits.max_height"]
+    assert str(error) == "\n".join(f"mine.toml: {problem}" for problem in error.problems)
+    assert pickle.loads(pickle.dumps(error)).problems == error.problems
