@@ -1,6 +1,6 @@
 """All commands of the group."""
 
-from metafem.cli import demo_and_design, doctor, predict, report, spec
+from metafem.cli import demo_and_design, doctor, explore, predict, report, spec
 from metafem.cli.group import main
 from metafem.cli.measurement import calibrate, compare, images, topography
 from metafem.cli.study import comparisons, parameters, tolerances
@@ -11,6 +11,7 @@ __all__ = [
     "comparisons",
     "demo_and_design",
     "doctor",
+    "explore",
     "images",
     "main",
     "parameters",

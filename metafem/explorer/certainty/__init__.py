@@ -1,0 +1,1 @@
+"""How sure the design is: misfit, interaction, tolerances, validity."""

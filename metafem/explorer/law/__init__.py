@@ -1,0 +1,1 @@
+"""The law: points to drag, the target and the achieved law."""

@@ -1,0 +1,132 @@
+"""The page: what it shows, and how an edit becomes an answer."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import Any, TypeVar
+
+from nicegui import ui
+
+from metafem.errors import InvalidInput
+from metafem.explorer.answer import Answer, answered
+from metafem.explorer.browser import Browser
+from metafem.explorer.certainty.panel import certainty_panel
+from metafem.explorer.law.panel import law_panel
+from metafem.explorer.newest import Newest
+from metafem.explorer.session import Session, State
+from metafem.explorer.surface.panel import surface_panel
+from metafem.explorer.take.panel import take_panel
+from metafem.explorer.workshop.editor import editor_panel
+from metafem.explorer.workshop.header import header_panel
+from metafem.explorer.workshop.panel import workshop_panel
+
+Result = TypeVar("Result")
+
+STYLE = Path(__file__).with_name("page.css")
+
+
+class Page:
+    """One tab of the browser: its history, the newest answer, and the panels that listen for it."""
+
+    def __init__(self, first: State) -> None:
+        self.session = Session(first)
+        self.answer = Answer(0, first)
+        self.number = 0
+        self.listeners: list[Callable[[Answer], None]] = []
+        self.newest: Newest[tuple[int, State], Answer] = Newest(self._work, self._show)
+        self.browser = Browser(self._restored)
+
+    @property
+    def state(self) -> State:
+        """The state that is shown."""
+        return self.session.state
+
+    def listen(self, callback: Callable[[Answer], None]) -> None:
+        """Call a function with every new answer."""
+        self.listeners.append(callback)
+
+    def edit(self, text: str, *, released: bool = True) -> int:
+        """Answer another text of the specification; a released one is a step of the history.
+
+        Returns the number of the request.
+        """
+        return self._ask(replace(self.state, text=text), released)
+
+    def change(self, **members: Any) -> int:
+        """Answer a state with other members."""
+        return self._ask(replace(self.state, **members), True)
+
+    def undo(self) -> None:
+        """Return to the state before."""
+        if self.session.undo():
+            self._ask(self.state, True)
+
+    def redo(self) -> None:
+        """Return to the state that was undone."""
+        if self.session.redo():
+            self._ask(self.state, True)
+
+    async def in_thread(self, function: Callable[..., Result], *given: Any) -> Result:
+        """Return the value of a function that is computed off the event loop."""
+        return await asyncio.to_thread(function, *given)
+
+    def _ask(self, state: State, released: bool) -> int:
+        self.number += 1
+        if released:
+            self.session.commit(state)
+            self.browser.keep(self.session)
+        self.newest.put((self.number, state))
+        return self.number
+
+    def _work(self, request: tuple[int, State]) -> Answer:
+        number, state = request
+        return answered(state, number, self.answer)
+
+    def _show(self, answer: Answer) -> None:
+        self.answer = answer
+        for callback in self.listeners:
+            callback(answer)
+
+    def _restored(self, history: str) -> None:
+        """Show what the browser kept, or the first state."""
+        if history:
+            try:
+                self.session = Session.from_json(history)
+            except InvalidInput as error:
+                ui.notify(str(error), type="warning")
+        self._ask(self.state, True)
+
+
+def build(first: State) -> Page:
+    """Make the elements of a page that begins with a state."""
+    ui.add_css(STYLE.read_text("utf-8"))
+    page = Page(first)
+    header_panel(page)
+    with ui.element("main").classes("explorer"):
+        with ui.element("section").classes("law").props('aria-label="Law"'):
+            law_panel(page)
+        with ui.element("section").classes("surface").props('aria-label="Surface"'):
+            surface_panel(page)
+        with ui.element("section").classes("below"):
+            _tabs(page)
+    return page
+
+
+def _tabs(page: Page) -> None:
+    panels = {
+        "Workshop": workshop_panel,
+        "Specification": editor_panel,
+        "How sure": certainty_panel,
+        "Take it": take_panel,
+    }
+    with ui.tabs().props("dense no-caps align=left") as tabs:
+        for name in panels:
+            ui.tab(name)
+    with ui.tab_panels(tabs, value="Workshop").props("keep-alive").classes("panels"):
+        for name, make in panels.items():
+            with ui.tab_panel(name):
+                partial(make, page)()

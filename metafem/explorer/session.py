@@ -1,0 +1,130 @@
+"""The state of a page, which the browser keeps, and its history."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field, fields
+from typing import Any
+
+from metafem.errors import InvalidInput
+
+# States of the history: the browser keeps them, some kilobytes each, and allows some megabytes for a page.
+MOST_STATES = 200
+
+
+@dataclass(frozen=True)
+class State:
+    """All that a page shows.
+
+    Attributes
+    ----------
+    text : str
+        The specification.
+    tables : mapping of str to str
+        Names and texts of the tables that it names.
+    measured, measured_name : str
+        Text and name of a table of a measured law; "" for none.
+    newtons : bool
+        Whether the axes are in newtons.
+    models : tuple of str
+        Models whose laws are shown beside that of the design.
+    load : float or None
+        Rescaled load at which contacts are shown [mm^2]; None for the largest load of the law.
+    """
+
+    text: str
+    tables: Mapping[str, str] = field(default_factory=dict)
+    measured: str = ""
+    measured_name: str = ""
+    newtons: bool = False
+    models: tuple[str, ...] = ()
+    load: float | None = None
+
+    def to_json(self) -> str:
+        """Return the state as JSON."""
+        return json.dumps(asdict(self))
+
+    @classmethod
+    def from_json(cls, text: str) -> State:
+        """Return the state of a JSON text; raises InvalidInput for any other text."""
+        try:
+            record = json.loads(text)
+        except (ValueError, RecursionError):
+            raise InvalidInput("the stored state of the page is damaged: it is not JSON") from None
+        if not isinstance(record, dict) or not record.keys() <= {member.name for member in fields(cls)}:
+            raise InvalidInput("the stored state of the page is damaged: it has other members")
+        found = cls(**{**record, "models": _names(record.get("models", ()))}) if "text" in record else None
+        if found is None or not found.valid():
+            raise InvalidInput("the stored state of the page is damaged: a member is of another kind")
+        return found
+
+    def valid(self) -> bool:
+        """Whether all members are of their kinds."""
+        texts: list[Any] = [self.text, self.measured, self.measured_name, *self.models]
+        tables = isinstance(self.tables, dict)
+        texts += [*self.tables, *self.tables.values()] if tables else []
+        number = self.load is None or (isinstance(self.load, float) and 0.0 < self.load < float("inf"))
+        return tables and number and isinstance(self.newtons, bool) and all(isinstance(t, str) for t in texts)
+
+
+def _names(given: Any) -> tuple[Any, ...]:
+    return tuple(given) if isinstance(given, (list, tuple)) else (given,)
+
+
+class Session:
+    """The states of a page in their order, and which of them is shown."""
+
+    def __init__(self, first: State) -> None:
+        self.states = [first]
+        self.at = 0
+
+    @property
+    def state(self) -> State:
+        """The state that is shown."""
+        return self.states[self.at]
+
+    def commit(self, state: State) -> None:
+        """Add a state after the one that is shown; those that were undone are dropped."""
+        if state == self.state:
+            return
+        self.states = [*self.states[: self.at + 1], state][-MOST_STATES:]
+        self.at = len(self.states) - 1
+
+    def replace(self, state: State) -> None:
+        """Replace the state that is shown by one that differs in what undo leaves alone."""
+        self.states[self.at] = state
+
+    def undo(self) -> bool:
+        """Show the state before; return whether there is one."""
+        return self._move(-1)
+
+    def redo(self) -> bool:
+        """Show the state that was undone last; return whether there is one."""
+        return self._move(1)
+
+    def _move(self, step: int) -> bool:
+        if not 0 <= self.at + step < len(self.states):
+            return False
+        self.at += step
+        return True
+
+    def to_json(self) -> str:
+        """Return the history as JSON."""
+        return json.dumps({"at": self.at, "states": [state.to_json() for state in self.states]})
+
+    @classmethod
+    def from_json(cls, text: str) -> Session:
+        """Return the history of a JSON text; raises InvalidInput for any other text."""
+        try:
+            record = json.loads(text)
+            states, at = [State.from_json(each) for each in record["states"]], record["at"]
+        except (ValueError, KeyError, TypeError, RecursionError) as error:
+            if isinstance(error, InvalidInput):
+                raise
+            raise InvalidInput("the stored history of the page is damaged") from None
+        if not isinstance(at, int) or not 0 <= at < len(states):
+            raise InvalidInput("the stored history of the page is damaged: it shows none of its states")
+        session = cls(states[0])
+        session.states, session.at = states, at
+        return session

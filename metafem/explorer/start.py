@@ -1,0 +1,63 @@
+"""Start of the explorer."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from metafem import _validate as check
+from metafem._calls import checked_call
+from metafem._extras import refuse_missing
+from metafem.errors import InvalidInput
+from metafem.explorer.session import State
+from metafem.files import demo_text, read_spec
+
+__all__ = ["explore"]
+
+# Largest port number.
+LAST_PORT = 65535
+
+
+@checked_call
+def explore(path: str | Path | None = None, *, port: int | None = None, show: bool = True) -> None:
+    """Open the explorer in the browser, and serve it until Ctrl-C.
+
+    The page is served to this machine alone: at the loopback address, and only to those who know the token
+    in its address, which is printed.
+
+    Parameters
+    ----------
+    path : str or Path, optional
+        A specification, or a result folder with a ``spec.toml``; default: the demo ``operating-points``.
+    port : int, optional
+        Port of the loopback address; default: that of the last run, or a free one.
+    show : bool
+        Whether to open the browser. Default: True.
+
+    Raises
+    ------
+    InvalidInput
+        If the specification cannot be used, the port is in use, or the extra ``explorer`` is not installed.
+    """
+    refuse_missing("nicegui", "explorer", "the explorer")
+    refuse_missing("tomlkit", "explorer", "the explorer")
+    first = first_state(path)
+    if port is not None and check.integer("port", port, at_least=1) > LAST_PORT:
+        raise InvalidInput(f"port = {port} must be at most {LAST_PORT}")
+    from metafem.explorer.server import serve
+
+    serve(first, port, show)
+
+
+def first_state(path: str | Path | None) -> State:
+    """Return the state with which a page begins: that of a specification or of a result folder."""
+    if path is None:
+        return State(demo_text("operating-points"))
+    folder = Path(path)
+    if folder.is_dir():
+        if not (folder / "spec.toml").is_file():
+            raise InvalidInput(
+                f"{path} holds no spec.toml; name a specification, or a folder of `metafem design`"
+            )
+        folder = folder / "spec.toml"
+    files = {name: content.decode("utf-8") for name, content in read_spec(folder).files.items()}
+    return State(files.pop("spec.toml"), files)

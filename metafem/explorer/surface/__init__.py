@@ -1,0 +1,1 @@
+"""The surface: heights as a map and in three dimensions."""

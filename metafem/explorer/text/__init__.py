@@ -1,0 +1,1 @@
+"""The specification's text: edits, handles of the target, fields, links."""

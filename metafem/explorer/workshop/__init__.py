@@ -1,0 +1,1 @@
+"""The workshop: fields with units, and the specification as text."""
