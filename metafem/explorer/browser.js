@@ -8,8 +8,9 @@ export default {
     this.$emit("stored", sessionStorage.getItem(KEY) ?? "");
   },
   methods: {
-    keep(history) {
+    keep(history, number) {
       sessionStorage.setItem(KEY, history);
+      this.$el.dataset.asked = number;  // tests wait until the pictures show this answer
     },
   },
 };

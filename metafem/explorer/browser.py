@@ -17,9 +17,9 @@ class Browser(Element, component="browser.js"):
         super().__init__()
         self.on("stored", lambda event: restored(_text(event.args)))
 
-    def keep(self, session: Session) -> None:
-        """Keep a history in the browser."""
-        self.run_method("keep", session.to_json())
+    def keep(self, session: Session, number: int) -> None:
+        """Keep a history in the browser, and the number of the request for its newest state."""
+        self.run_method("keep", session.to_json(), number)
 
 
 def _text(given: Any) -> str:

@@ -78,7 +78,7 @@ class Page:
         self.number += 1
         if released:
             self.session.commit(state)
-            self.browser.keep(self.session)
+            self.browser.keep(self.session, self.number)
         self.newest.put((self.number, state))
         return self.number
 

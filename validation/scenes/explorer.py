@@ -1,0 +1,199 @@
+"""The explorer in a browser: a server of its own process, and a visit that drags, waits and reads."""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser, Page
+
+# Seconds within which the server answers its first page, and a page any request.
+PATIENCE = 30.0
+
+# The number of the last step of the history, and whether both pictures show its answer.
+SETTLED = """before => {
+  const asked = Number(document.querySelector('[data-asked]')?.dataset.asked ?? 0);
+  const shown = [...document.querySelectorAll('[data-answered]')].filter(each => each.checkVisibility());
+  return asked > before && shown.length > 0 && shown.every(each => Number(each.dataset.answered) >= asked);
+}"""
+
+# Times of pointer moves, and of the frames after which the answers are on the screen.
+WATCH = """() => {
+  const seen = { moves: [], drawn: [] };
+  addEventListener('pointermove', () => seen.moves.push(performance.now()), true);
+  const all = () => [...document.querySelectorAll('[data-answered]')];
+  const shown = () => all().filter(each => each.checkVisibility());
+  let last = '';
+  new MutationObserver(() => {
+    const numbers = new Set(shown().map(each => each.dataset.answered));
+    const [number] = numbers;
+    if (numbers.size !== 1 || number === last) return;
+    last = number;
+    requestAnimationFrame(() => requestAnimationFrame(() => seen.drawn.push(performance.now())));
+  }).observe(document.body, { subtree: true, attributes: true, attributeFilter: ['data-answered'] });
+  window.seen = seen;
+}"""
+
+
+@dataclass
+class Server:
+    """A running explorer."""
+
+    process: subprocess.Popen[str]
+    address: str
+    log: Path
+    seconds: float
+
+    @property
+    def origin(self) -> str:
+        """The address without its path and token."""
+        return "/".join(self.address.split("/")[:3]) + "/"
+
+    @property
+    def said(self) -> str:
+        """What it has printed to the standard error."""
+        return self.log.read_text("utf-8")
+
+    @property
+    def memory(self) -> float:
+        """Resident memory [MiB]."""
+        status = Path(f"/proc/{self.process.pid}/status").read_text("ascii")
+        found = re.search(r"VmRSS:\s+(\d+) kB", status)
+        if found is None:
+            raise RuntimeError("the server has ended")
+        return int(found[1]) / 2**10
+
+
+@contextmanager
+def served(path: Path | None = None, *options: str) -> Iterator[Server]:
+    """Start `metafem explore` and end it afterwards."""
+    command = [sys.executable, "-m", "metafem", "explore", *([] if path is None else [str(path)])]
+    start = time.perf_counter()
+    with tempfile.TemporaryDirectory() as folder:
+        log = Path(folder, "log.txt")
+        with log.open("w", encoding="utf-8") as written:
+            process = subprocess.Popen(
+                [*command, "--no-browser", *options], stdout=subprocess.PIPE, stderr=written, text=True
+            )
+        try:
+            yield Server(process, _address(process, log), log, time.perf_counter() - start)
+        finally:
+            process.terminate()
+            process.communicate(timeout=PATIENCE)
+
+
+def _address(process: subprocess.Popen[str], log: Path) -> str:
+    """Return the address that a server prints when it is ready."""
+    for line in process.stdout or ():
+        if found := re.search(r"http://\S+", line):
+            return found[0]
+    raise RuntimeError(f"the explorer ended before it printed its address: {log.read_text('utf-8')}")
+
+
+@dataclass
+class Visit:
+    """A page of the explorer, with the errors and requests that it has made."""
+
+    page: Page
+    server: Server
+    errors: list[str] = field(default_factory=list)
+    requests: list[str] = field(default_factory=list)
+    size: float = 0.0
+
+    @property
+    def history(self) -> dict[str, Any]:
+        """The history that the browser keeps."""
+        kept = self.page.evaluate("() => sessionStorage.getItem('metafem')")
+        return json.loads(kept) if kept else {"at": 0, "states": []}
+
+    @property
+    def text(self) -> str:
+        """The specification of the state that is shown."""
+        history = self.history
+        return str(json.loads(history["states"][history["at"]])["text"])
+
+    @property
+    def asked(self) -> int:
+        """Number of the last step of the history."""
+        return int(
+            self.page.evaluate("() => Number(document.querySelector('[data-asked]')?.dataset.asked ?? 0)")
+        )
+
+    def settled(self, before: int = 0) -> None:
+        """Wait for the answer to a step after the one of a number."""
+        self.page.wait_for_function(SETTLED, arg=before, timeout=1e3 * PATIENCE)
+
+    def handles(self) -> list[str]:
+        """Return the ids of the handles of the law."""
+        found = self.page.locator("[data-answered] .handle").all()
+        return [str(each.get_attribute("data-id")) for each in found]
+
+    def middle(self, handle: str) -> tuple[float, float]:
+        """Return the middle of a handle on the screen [pixels]."""
+        box = self.page.locator(f'.handle[data-id="{handle}"]').bounding_box()
+        if box is None:
+            raise RuntimeError(f"the handle {handle} is not shown")
+        return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+
+    def drag(self, handle: str, right: float, down: float, steps: int = 5) -> None:
+        """Drag a handle, release it and wait for the answer."""
+        before = self.asked
+        x, y = self.middle(handle)
+        self.page.mouse.move(x, y)
+        self.page.mouse.down()
+        self.page.mouse.move(x + right, y + down, steps=steps)
+        self.page.mouse.up()
+        self.settled(before)
+
+
+@contextmanager
+def visited(browser: Browser, server: Server, width: int = 1440, height: int = 900) -> Iterator[Visit]:
+    """Open the page of a server in a tab with storage of its own, and wait for its first law."""
+    context = browser.new_context(viewport={"width": width, "height": height})
+    try:
+        page = context.new_page()
+        visit = Visit(page, server)
+        counted = context.new_cdp_session(page)
+        counted.send("Network.enable")
+
+        def loaded(event: dict[str, Any]) -> None:
+            visit.size += event["encodedDataLength"]
+
+        counted.on("Network.loadingFinished", loaded)
+        page.on("request", lambda asked: visit.requests.append(asked.url))
+        page.on("console", lambda said: visit.errors.append(said.text) if said.type == "error" else None)
+        page.on("pageerror", lambda error: visit.errors.append(str(error)))
+        page.goto(server.address)
+        visit.settled()
+        yield visit
+    finally:
+        context.close()
+
+
+def latencies(visit: Visit, handle: str, moves: list[tuple[float, float]]) -> list[float]:
+    """Milliseconds from each move of a dragged handle to its law and heights on the screen."""
+    page = visit.page
+    page.evaluate(WATCH)
+    x, y = visit.middle(handle)
+    before = visit.asked
+    page.mouse.move(x, y)
+    page.mouse.down()
+    times = []
+    for right, down in moves:
+        count = page.evaluate("() => { seen.moves = []; return seen.drawn.length; }")
+        page.mouse.move(x + right, y + down)
+        page.wait_for_function("count => seen.drawn.length > count", arg=count, polling=5)
+        times.append(float(page.evaluate("() => seen.drawn.at(-1) - seen.moves.at(-1)")))
+    page.mouse.up()
+    visit.settled(before)
+    return times
