@@ -23,7 +23,7 @@ UNITS: Mapping[str, str] = {
             *("separation", "approach", "cell", "contact_radius", "block_radius", "cell_radius"),
             *("alignment_height", "chord_error", "indentation", "r", "tools", "range"),
             *("displacement", "sliding_range", "boundary", "centre", "site_position", "frame"),
-            *("radius_sd", "position_sd", "pixel_size", "blur"),
+            *("radius_sd", "position_sd", "pixel_size", "blur", "pinned"),
         ),
         "mm^2": (
             *("rescaled_load", "rescaled_friction", "crossover_load", "crossover_loads", "load_range"),

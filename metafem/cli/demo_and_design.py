@@ -79,9 +79,9 @@ def design(
     """Design a surface from the specification SPEC.toml and write the result folder.
 
     A specification has the sections target (of kind operating-points, linear, bilinear, sampled, power or
-    multilinear), material, lattice and limits. The sections friction, radii, block, layout, robust, model,
-    contact, part and checks are optional. `metafem spec` prints every key with an example; `metafem demo`
-    writes example files.
+    multilinear), material, lattice and limits. The sections friction, sites, radii, block, layout, robust,
+    model, contact, part and checks are optional. `metafem spec` prints every key with an example;
+    `metafem demo` writes example files.
     """
     _run(spec, output, (model, contact), force, as_json, chord_error)
 

@@ -11,7 +11,7 @@ import numpy as np
 from metafem import _validate as check
 from metafem._calls import checked_call
 from metafem._validate import FloatArray
-from metafem.errors import Infeasible
+from metafem.errors import Infeasible, InvalidInput
 from metafem.inversion.adjustment.height_steps import rounded_to_steps
 from metafem.inversion.adjustment.refinement import refined
 from metafem.inversion.adjustment.robustness import compared, made_robust
@@ -21,6 +21,7 @@ from metafem.inversion.design_notes import design_notes
 from metafem.inversion.feasibility import achievable_friction_coefficients
 from metafem.inversion.limits import Limits
 from metafem.inversion.placement.layout import Layout, arranged
+from metafem.inversion.placement.pins import Pinned
 from metafem.inversion.problem import Problem
 from metafem.inversion.radii import RadiusRange
 from metafem.inversion.result import Design
@@ -48,6 +49,7 @@ def design(
     radii: RadiusRange | Sequence[float] | None = None,
     common_radius: bool = False,
     robust: Tolerances | None = None,
+    pinned: Pinned | None = None,
 ) -> Design:
     """Find heights, and radii where there is a choice, whose friction law is the target.
 
@@ -90,6 +92,9 @@ def design(
     robust : Tolerances, optional
         Errors of the made surface and of its alignment under which the expected squared misfit is minimised,
         see Notes. Default: None; the misfit of the exact heights is minimised.
+    pinned : mapping of int to float or None, optional
+        Heights [mm] above the base plane of some sites, by their numbers in the template, or None for a site
+        that stays empty. Default: none; a height is designed for every site.
 
     Returns
     -------
@@ -152,13 +157,15 @@ def design(
     >>> found["robust_gain"] > 3.0 * found["robust_gain_error"]
     True
     """
-    problem = Problem.checked(target, template, model, limits, layout, radii, robust)
+    problem = Problem.checked(target, template, model, limits, layout, radii, robust, pinned)
     generator = check.generator(rng)
     check.instance("common_radius", common_radius, bool, "True or False")
     if common_radius:
         return _with_common_radius(problem, generator)
+    if problem.pins.heights.size:
+        raise InvalidInput("pinned: heights are not supported yet; give None for sites that stay empty")
     _refuse_infeasible(problem)
-    permutation = generator.permutation(problem.count)
+    permutation = problem.pins.placed(generator.permutation(template.count))
     with doing("inverting the law"):
         candidate = target.candidate(problem, generator)
     candidate = candidate.placed(permutation[: len(candidate.height)], problem.limits.foot)
@@ -171,7 +178,7 @@ def design(
         trial = rounded_to_steps(problem, made_robust(problem, candidate, generator))
         with doing("measuring the expected misfit"):
             candidate = compared(problem, plain, trial, generator)
-    surface = candidate.surface(template)
+    surface = candidate.surface(problem.template)
     found = assess(problem, candidate, surface)
     notes = (*candidate.notes, *design_notes(problem, candidate, surface, found))
     return Design(
@@ -180,7 +187,7 @@ def design(
         misfit=found.misfit,
         status=found.status,
         parameters=found.parameters if radii is None else found.parameters | _radii_in_use(problem, surface),
-        sites=candidate.sites,
+        sites=problem.pins.open[candidate.sites],
         target=target,
         template=template,
         limits=problem.limits,
@@ -192,6 +199,7 @@ def design(
         radii=None if radii is None else problem.radii.given_as,
         layout=layout,
         robust=robust,
+        pinned=problem.pins.pinned,
     )
 
 
@@ -208,17 +216,18 @@ def _refuse_infeasible(problem: Problem) -> None:
 
 def _with_common_radius(problem: Problem, rng: np.random.Generator) -> Design:
     """Return the design with the best common radius, which does not depend on the layout."""
-    choice, template, seed = problem.radii, problem.template, rng.integers(2**63)
+    choice, pins, seed = problem.radii, problem.pins, rng.integers(2**63)
     found: dict[float, Design] = {}
     refused: dict[float, Infeasible] = {}
 
     def attempt(radii: FloatArray, layout: Layout | None = None, robust: Tolerances | None = None) -> None:
         for radius in each("radius", radii.tolist()):
-            part, again = template.replaced(radius=radius), np.random.default_rng(seed)
+            part, again = pins.template.replaced(radius=radius), np.random.default_rng(seed)
             try:
                 found[radius] = design(
-                    problem.target, part, problem.model, problem.limits, again, layout, robust=robust
-                )
+                    problem.target, part, problem.model, problem.limits, again, layout, robust=robust,
+                    pinned=pins.pinned,
+                )  # fmt: skip
             except Infeasible as reason:
                 refused[radius] = reason
 

@@ -15,6 +15,7 @@ from metafem.inversion.design import design
 from metafem.inversion.feasibility import ELASTIC_LIMIT, roughness
 from metafem.inversion.limits import Limits
 from metafem.inversion.placement.layout import Layout
+from metafem.inversion.placement.pins import Pinned
 from metafem.inversion.radii import Radii, RadiusRange
 from metafem.inversion.result import Design
 from metafem.inversion.targets.target import Target
@@ -38,6 +39,7 @@ def design_for_hardness(
     radii: RadiusRange | Sequence[float] | None = None,
     common_radius: bool = False,
     robust: Tolerances | None = None,
+    pinned: Pinned | None = None,
 ) -> Design:
     """Design a surface as `design` does, with an elastic law if the contacts stay elastic.
 
@@ -53,7 +55,7 @@ def design_for_hardness(
     ----------
     hardness : float
         H of the softer material [MPa], positive.
-    target, template, model, limits, rng, layout, radii, common_radius, robust
+    target, template, model, limits, rng, layout, radii, common_radius, robust, pinned
         As in `design`. Under a model with a plastic law this law is kept.
 
     Returns
@@ -87,7 +89,7 @@ def design_for_hardness(
     solver = Independent() if model is None else model
 
     def under(surface: Surface, model: Model, **options: Any) -> Design:
-        return design(target, surface, model, limits, rng, layout, robust=robust, **options)
+        return design(target, surface, model, limits, rng, layout, robust=robust, pinned=pinned, **options)
 
     first = under(template, solver, radii=radii, common_radius=common_radius)
     ratio = template.material.composite_modulus / h

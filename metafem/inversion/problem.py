@@ -13,6 +13,7 @@ from metafem.contact import Contact
 from metafem.inversion.bounds import Bounds
 from metafem.inversion.limits import Limits
 from metafem.inversion.placement.layout import Layout
+from metafem.inversion.placement.pins import Pinned, Pins
 from metafem.inversion.radii import Radii, RadiusRange
 from metafem.inversion.search.options import DEFAULTS, OTHER_LAWS, SearchOptions
 from metafem.inversion.targets.target import Target
@@ -27,13 +28,17 @@ MARGIN_LOADS = np.array([0.25, 0.5, 1.0])
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """A target, and all that limits the surface that is to have its law."""
+    """A target, and all that limits the surface that is to have its law.
+
+    The template has the sites that do not stay empty, in the order of `pins.open`.
+    """
 
     target: Target
     template: Surface
     radii: Radii
     model: Model
     limits: Limits
+    pins: Pins
     layout: Layout | None = None
     robust: Tolerances | None = None
     options: SearchOptions = DEFAULTS
@@ -48,6 +53,7 @@ class Problem:
         layout: Layout | None = None,
         radii: RadiusRange | Sequence[float] | None = None,
         robust: Tolerances | None = None,
+        pinned: Pinned | None = None,
     ) -> Problem:
         """Return the arguments with defaults, or raise InvalidInput for one of the wrong kind.
 
@@ -64,9 +70,11 @@ class Problem:
             check.instance("layout", layout, Layout, "metafem.Layout")
         if robust is not None:
             check.instance("robust", robust, Tolerances, "metafem.Tolerances")
+        pins = Pins.given(pinned, template, bounds)
+        template = pins.reduced
         choice = Radii.given(radii, template)
         options = DEFAULTS if has_paraboloids(solver) else OTHER_LAWS
-        return cls(target, template, choice, solver, bounds, layout, robust, options)
+        return cls(target, template, choice, solver, bounds, pins, layout, robust, options)
 
     @cached_property
     def contact(self) -> Contact:

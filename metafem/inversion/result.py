@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from functools import cached_property, partial
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
@@ -22,6 +22,7 @@ from metafem.inversion.height_density import PiecewiseExponential
 from metafem.inversion.limits import Limits
 from metafem.inversion.picture import draw_laws
 from metafem.inversion.placement.layout import Layout
+from metafem.inversion.placement.pins import Pinned
 from metafem.inversion.radii import RadiusRange
 from metafem.inversion.strategies import exponential
 from metafem.inversion.strategies.mixture import Mixture
@@ -72,6 +73,8 @@ class Design(Value):
         The layout for which the sites were chosen.
     robust : Tolerances or None
         The tolerances under which the expected misfit of the made surface was minimised.
+    pinned : mapping of int to float or None
+        Given heights above the base plane [mm] by site, None for a site that stays empty; read-only.
 
     Notes
     -----
@@ -109,6 +112,7 @@ class Design(Value):
     radii: RadiusRange | tuple[float, ...] | None = None
     layout: Layout | None = None
     robust: Tolerances | None = None
+    pinned: Pinned = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         count = self.surface.count
@@ -126,12 +130,23 @@ class Design(Value):
         for value in (self.sites, *self.parameters.values()):
             if isinstance(value, np.ndarray):
                 value.flags.writeable = False
-        object.__setattr__(self, "parameters", MappingProxyType(dict(self.parameters)))
+        self._check_pinned()
+        for name in ("parameters", "pinned"):
+            object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
 
     def __reduce__(self) -> Any:
         # a mapping proxy cannot be pickled; the constructor makes a new one
-        members = {field.name: getattr(self, field.name) for field in fields(self)}
-        return _restored, ({**members, "parameters": dict(self.parameters)},)
+        members = {member.name: getattr(self, member.name) for member in fields(self)}
+        plain = {"parameters": dict(self.parameters), "pinned": dict(self.pinned)}
+        return _restored, ({**members, **plain},)
+
+    def _check_pinned(self) -> None:
+        """Refuse sites that were to stay empty, and heights other than the given ones."""
+        found = dict(zip(self.sites.tolist(), self.surface.height.tolist(), strict=True))
+        for site, height in self.pinned.items():
+            if found.get(site) != height:
+                kept = "empty" if height is None else f"{height:g} mm high"
+                raise InvalidInput(f"site {site} must be {kept}, as pinned states")
 
     def __repr__(self) -> str:
         lines = [f"  {name:<11} {words}" for name, words in self._facts().items()]
@@ -144,11 +159,14 @@ class Design(Value):
     def _facts(self) -> dict[str, str]:
         """Return what is printed of the design."""
         surface, law = self.surface, self.law
+        empty = sum(height is None for height in self.pinned.values())
+        pinned = {"pinned": f"{len(self.pinned) - empty} heights given, {empty} sites empty"}
         return {
             "status": self.status.value,
             "misfit": f"{misfit_text(self.misfit)}, {self.misfit_meaning}",
             "asperities": f"{surface.count:,} on {self.template.count:,} sites",
             "heights": span(surface.height, "mm"),
+            **(pinned if self.pinned else {}),
             "radius": span(surface.radius, "mm"),
             "model": repr(law.model),
             "law": f"{len(law.load):,} loads {span(law.load, 'N')}, area {span(law.area, 'mm^2')}",

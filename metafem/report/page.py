@@ -265,6 +265,12 @@ def _inputs(design: Design) -> list[Row]:
     ):
         if value is not None:
             rows.append((name, f"{value * MICROMETRES:g}", "µm"))
+    empty = [str(site) for site, height in design.pinned.items() if height is None]
+    if empty:
+        rows.append(("sites that stay empty by the specification", ", ".join(empty), ""))
+    for site, height in design.pinned.items():
+        if height is not None:
+            rows.append((f"given height of site {site}", f"{height * MICROMETRES:g}", "µm"))
     if design.robust is not None:
         for name, unit, factor in ROBUST:
             value = getattr(design.robust, name)

@@ -33,6 +33,15 @@ def fits(value: Any, hint: Any) -> bool:
     return isinstance(value, hint)
 
 
+def with_whole_keys(value: Any, hint: Any) -> Any:
+    """Return a mapping with whole numbers as keys where the hint has them; keys of JSON are texts."""
+    origin, parts = _parts_of(hint)
+    whole = origin is not None and parts[:1] == (int,) and issubclass(origin, Mapping)
+    if not whole or not isinstance(value, Mapping):
+        return value
+    return {int(key) if key.isascii() and key.isdigit() else key: member for key, member in value.items()}
+
+
 def in_words(hint: Any) -> str:
     """Return a short name of an annotation for an error."""
     origin, parts = _parts_of(hint)

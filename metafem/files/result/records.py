@@ -24,7 +24,7 @@ from metafem.contact import (
 )
 from metafem.contact.flattened import FlattenedContact
 from metafem.errors import InvalidInput
-from metafem.files.result.hints import fits, in_words
+from metafem.files.result.hints import fits, in_words, with_whole_keys
 from metafem.inversion import (
     BilinearLaw,
     Design,
@@ -184,7 +184,9 @@ def _made(title: str, record: dict[str, Any], name: str) -> Any:
     """Return the value of a class; its members are checked by annotations and constructor."""
     kind: Any = VALUES[title] if title in VALUES else getattr(import_module(LATE[title]), title)
     record = EARLIER.get(title, dict)(record)
-    known = {field.name: field.default is MISSING for field in fields(kind)}
+    known = {
+        field.name: field.default is MISSING and field.default_factory is MISSING for field in fields(kind)
+    }
     needed = {member for member, required in known.items() if required}
     given = record.keys() - {"type"}
     if not needed <= given <= known.keys():
@@ -196,6 +198,7 @@ def _made(title: str, record: dict[str, Any], name: str) -> Any:
         value = from_record(record[key], f"{name}.{key}")
         if key == "notes" and isinstance(value, tuple):
             value = tuple(_note(note, f"{name}.notes[{i}]") for i, note in enumerate(value))
+        value = with_whole_keys(value, hints[key])
         if not fits(value, hints[key]):
             raise InvalidInput(f"{name}.{key} = {shown(record[key])} must be {in_words(hints[key])}")
         members[key] = value

@@ -28,6 +28,7 @@ from metafem.files.specification.sections import (
     PartSection,
     RadiiSection,
     RobustSection,
+    SitesSection,
 )
 from metafem.files.specification.targets import (
     BilinearSection,
@@ -52,6 +53,9 @@ class Sections(Section):
     material: Annotated[MaterialSection, says("the elastomer")]
     friction: Annotated[FrictionSection | None, says("needed for friction forces in N")] = None
     lattice: Annotated[LatticeSection, says("sites of asperities")]
+    sites: Annotated[SitesSection, says("sites that stay empty, and sites with given heights")] = (
+        SitesSection()
+    )
     radii: Annotated[RadiiSection | None, says("radii to choose from, instead of lattice.radius")] = None
     block: Annotated[
         BlockSection | None, says("needed for the part files and the models layer and block")
@@ -70,7 +74,7 @@ class Sections(Section):
     checks: Annotated[ChecksSection, says("further checks")] = ChecksSection()
 
     def build(self) -> tuple[dict[str, Any], list[str]]:
-        """Return target, template, model, limits, layout, radii, robust and part, and a list of problems."""
+        """Return target, template, model, limits, layout, radii, robust, part and pinned, with problems."""
         problems: list[str] = []
 
         def made(section: str, kind: Any, values: dict[str, Any]) -> Any:
@@ -113,6 +117,9 @@ class Sections(Section):
                 f"{heights} exceed the radius of {formatted(source, largest)}: a cap cannot be "
                 "higher than its radius; lower them, or omit [block] and with it the part files"
             )
+        pinned: dict[int, float | None] = {}
+        if template and limits:
+            pinned = self.sites.heights_by_site(template.count, limits, block is not None, problems)
         part = self.part.options()
         if template and radii is None and not problems:
             try:
@@ -121,7 +128,7 @@ class Sections(Section):
                 heights = f"limits.offset + limits.max_height = {formatted('limits.max_height', top)}"
                 problems.append(f"with summits of {heights}, {error}")
         parts = {"target": target, "template": template, "limits": limits, "layout": layout, "radii": radii}
-        parts |= {"robust": robust, "part": part, "model": model}
+        parts |= {"robust": robust, "part": part, "model": model, "pinned": pinned}
         return parts, problems
 
     def _radius(self, problems: list[str]) -> tuple[float, RadiusRange | tuple[float, ...] | None, str]:

@@ -65,6 +65,8 @@ class Specification:
         Radii to choose from [mm]; the radius of the template is then not used.
     robust : Tolerances or None
         Errors of the made surface under which the expected misfit is minimised.
+    pinned : mapping of int to float or None
+        Given heights above the base plane [mm] by site, None for a site that stays empty.
     mixed : bool
         Whether each asperity may have its own radius.
     part : PartOptions
@@ -87,6 +89,7 @@ class Specification:
     layout: Layout | None
     radii: RadiusRange | tuple[float, ...] | None
     robust: Tolerances | None
+    pinned: Mapping[int, float | None]
     mixed: bool
     part: PartOptions
     hardness: float | None
@@ -109,6 +112,7 @@ class Specification:
             "radii": self.radii,
             "common_radius": common,
             "robust": self.robust,
+            "pinned": self.pinned,
         }
         if self.hardness is None:
             return design(self.target, self.template, *rest, **options)
@@ -146,8 +150,9 @@ def read_spec(path: str | Path) -> Specification:
     ----------
     path : str or Path
         A TOML file with the sections target, material, lattice and limits, and the optional sections
-        friction, radii, block, layout, robust, model, contact, part and checks; ``metafem spec`` lists their
-        keys. Lengths, areas, forces, stresses and angles are strings with a unit, such as ``"120 um"``.
+        friction, sites, radii, block, layout, robust, model, contact, part and checks; ``metafem spec``
+        lists their keys. Lengths, areas, forces, stresses and angles are strings with a unit, such as
+        ``"120 um"``.
 
     Returns
     -------

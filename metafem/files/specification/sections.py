@@ -22,12 +22,13 @@ from metafem.files.specification.fields import (
     says,
 )
 from metafem.files.specification.models import MODELS, suggestion
-from metafem.inversion import Layout, RadiusRange
+from metafem.inversion import Layout, Limits, RadiusRange
 from metafem.prediction import Tolerances
 from metafem.surface import Material
 
 Integer = Annotated[int, Field(strict=True)]
 Radius = Annotated[Length, Field(gt=0.0)]
+Site = Annotated[int, Field(strict=True, ge=0)]
 
 
 class MaterialSection(Section):
@@ -100,6 +101,53 @@ class RadiiSection(Section):
     def radii(self) -> RadiusRange | tuple[float, ...]:
         """Return the range, or the tools."""
         return tuple(self.tools or ()) if self.range is None else RadiusRange(*self.range)
+
+
+class SitesSection(Section):
+    """``[sites]``."""
+
+    empty: Annotated[
+        tuple[Site, ...],
+        says("sites without an asperity; site 0 has the lowest x and y, then along x, row by row", [17]),
+    ] = ()
+    pinned: Annotated[tuple[Site, ...], says("sites whose heights are given", [9, 12])] = ()
+    heights: Annotated[
+        tuple[Length, ...], says("of the summits at these sites, above the base plane", ["84 um", "120 um"])
+    ] = ()
+
+    def heights_by_site(
+        self, count: int, limits: Limits, part: bool, problems: list[str]
+    ) -> dict[int, float | None]:
+        """Return the height of each pinned site, None for an empty one; add problems to the list."""
+        found: dict[int, float | None] = {}
+        for key, given in (("empty", self.empty), ("pinned", self.pinned)):
+            for i, site in enumerate(given):
+                name = f"sites.{key}[{i}] = {site}"
+                if site >= count:
+                    problems.append(f"{name} is not a site: the lattice has the sites 0 to {count - 1}")
+                elif site in found:
+                    twice = "is given twice" if site in given[:i] else "is also in sites.empty; keep one"
+                    problems.append(f"{name} {twice}")
+                found[site] = None
+        if len(self.pinned) != len(self.heights):
+            many = f"sites.heights has {len(self.heights)} entries and sites.pinned {len(self.pinned)}"
+            problems.append(f"{many}; give one height for each pinned site")
+        if len(set(self.empty)) == count:
+            problems.append(f"sites.empty holds all {count} sites; leave out at least one")
+        top = limits.offset + limits.max_height
+        for i, (site, height) in enumerate(zip(self.pinned, self.heights, strict=False)):
+            given_as, most = (formatted("sites.heights", value) for value in (height, top))
+            bound = ""
+            if height > top:
+                bound = f"at most {most}, limits.offset + limits.max_height"
+            elif height < 0.0:
+                bound = "at least 0"
+            elif height == 0.0 and part:
+                bound = "greater than 0 in a part; list a site without an asperity in sites.empty"
+            if bound:
+                problems.append(f"sites.heights[{i}] = {given_as} must be {bound}")
+            found[site] = height
+        return found
 
 
 class BlockSection(Section):

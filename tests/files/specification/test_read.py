@@ -383,3 +383,45 @@ def test_a_missing_file_and_a_folder_are_refused(tmp_path):
 def test_an_unknown_demo_is_refused():
     with pytest.raises(mf.InvalidInput, match="did you mean linear"):
         demo_text("lineal")
+
+
+def test_sites_are_read(read):
+    assert dict(read(LINEAR).pinned) == {}
+    sites = '[sites]\nempty = [17, 3]\npinned = [9, 12]\nheights = ["150 um", "0.12 mm"]\n'
+    assert read(LINEAR + sites).pinned == {3: None, 17: None, 9: 0.15, 12: 0.12}
+
+
+def test_empty_sites_are_kept_by_the_design(read):
+    result = read(LINEAR + "[sites]\nempty = [3, 17]\n").design()
+    assert dict(result.pinned) == {3: None, 17: None}
+    assert result.surface.count == 62
+
+
+@pytest.mark.parametrize(
+    ("keys", "words"),
+    [
+        ("empty = [3, 64]", r"sites.empty\[1\] = 64 is not a site: the lattice has the sites 0 to 63"),
+        ("empty = [3, 3]", r"sites.empty\[1\] = 3 is given twice"),
+        ("empty = [-3]", r"sites.empty\[0\] = -3 must be at least 0; write for example empty = \[17\]"),
+        ("empty = [0.5]", r"sites.empty\[0\] = 0.5 must be a whole number"),
+        (
+            'empty = [3]\npinned = [3]\nheights = ["100 um"]',
+            r"sites.pinned\[0\] = 3 is also in sites.empty; keep one",
+        ),
+        (
+            'pinned = [3, 4]\nheights = ["100 um"]',
+            "sites.heights has 1 entries and sites.pinned 2; give one height for each pinned site",
+        ),
+        (
+            'pinned = [3]\nheights = ["300 um"]',
+            r"sites.heights\[0\] = 300 um must be at most 204 um, limits.offset \+ limits.max_height",
+        ),
+        ('pinned = [3]\nheights = ["-1 um"]', r"sites.heights\[0\] = -1 um must be at least 0"),
+        ('pinned = [3]\nheights = ["0 um"]', r"sites.heights\[0\] = 0 um must be greater than 0 in a part"),
+        ("pinned = [3]\nheights = [0.1]", r"sites.heights\[0\] = 0.1 needs a unit"),
+        (f"empty = {list(range(64))}", "sites.empty holds all 64 sites; leave out at least one"),
+    ],
+)
+def test_sites_that_do_not_fit_are_refused(read, keys, words):
+    with pytest.raises(mf.InvalidInput, match=words):
+        read(f"{LINEAR}[sites]\n{keys}\n")

@@ -1,0 +1,111 @@
+"""Sites of a template that stay empty, and sites whose heights are given."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from metafem import _validate as check
+from metafem._given import formatted, shown
+from metafem._validate import FloatArray, IntArray
+from metafem.errors import InvalidInput
+from metafem.inversion.limits import Limits
+from metafem.surface import Surface
+
+# Heights [mm] above the base plane by site, None for a site that stays empty.
+Pinned = Mapping[int, float | None]
+
+NOTHING: Pinned = MappingProxyType({})
+
+
+@dataclass(frozen=True, eq=False)
+class Pins:
+    """All sites of a template, and those of them that stay empty or have a given height.
+
+    An inversion sees the sites that do not stay empty, numbered anew: `open` (m,) holds their numbers in the
+    template. Among them those of the indices `rows` (k,) have the heights `heights` (k,) [mm].
+    """
+
+    template: Surface
+    pinned: Pinned
+
+    @classmethod
+    def given(cls, pinned: Any, template: Surface, limits: Limits) -> Pins:
+        """Return the pins of a mapping, or raise InvalidInput for one that does not fit the template."""
+        if pinned is None:
+            return cls(template, NOTHING)
+        if not isinstance(pinned, Mapping):
+            raise InvalidInput(
+                f"pinned = {shown(pinned)} must be a mapping of site numbers to heights [mm] or None, "
+                "for example {9: 0.15, 3: None}"
+            )
+        found: dict[int, float | None] = {}
+        for site, height in pinned.items():
+            name = f"pinned[{shown(site)}]"
+            refuse_unknown(name, site, template.count)
+            found[int(site)] = None if height is None else checked_height(name, height, limits)
+        pins = cls(template, MappingProxyType(dict(sorted(found.items()))))
+        if not pins.open.size:
+            raise InvalidInput(f"pinned leaves all {template.count} sites empty; leave out at least one site")
+        if template.block is not None and pins.heights.size and pins.heights.min() == 0.0:
+            site = next(site for site, height in found.items() if height == 0.0)
+            raise InvalidInput(f"pinned[{site}] = 0 is no summit of a part; write None for an empty site")
+        return pins
+
+    @cached_property
+    def open(self) -> IntArray:
+        """Sites of the template that do not stay empty, increasing, (m,)."""
+        empty = [site for site, height in self.pinned.items() if height is None]
+        return np.setdiff1d(np.arange(self.template.count), np.array(empty, dtype=np.int64))
+
+    @cached_property
+    def rows(self) -> IntArray:
+        """Indices in `open` of the sites whose heights are given, increasing, (k,)."""
+        sites = [site for site, height in self.pinned.items() if height is not None]
+        return np.searchsorted(self.open, np.array(sites, dtype=np.int64))
+
+    @cached_property
+    def heights(self) -> FloatArray:
+        """Given heights above the base plane at the sites `rows`, (k,) [mm]."""
+        return np.array([height for height in self.pinned.values() if height is not None], dtype=np.float64)
+
+    def placed(self, permutation: IntArray) -> IntArray:
+        """Return a permutation of all sites of the template without the empty ones, numbered as in `open`."""
+        number = np.full(self.template.count, -1)
+        number[self.open] = np.arange(len(self.open))
+        found = number[permutation]
+        return np.asarray(found[found >= 0])
+
+    @cached_property
+    def reduced(self) -> Surface:
+        """The template without the sites that stay empty."""
+        template, some = self.template, self.open
+        if len(some) == template.count:
+            return template
+        return template.replaced(
+            position=template.position[some], height=template.height[some], radius=template.radius[some]
+        )
+
+
+def refuse_unknown(name: str, site: Any, count: int) -> None:
+    """Raise InvalidInput for a value that is not the number of a site."""
+    whole = isinstance(site, (int, np.integer)) and not isinstance(site, (bool, np.timedelta64))
+    if not whole or not 0 <= site < count:
+        raise InvalidInput(f"{name} is not a site: the template has the sites 0 to {count - 1}")
+
+
+def checked_height(name: str, height: Any, limits: Limits) -> float:
+    """Return a height above the base plane [mm], or raise InvalidInput for one outside the limits."""
+    found = check.number(name, height, at_least=0.0)
+    top = limits.offset + limits.max_height
+    if found > top:
+        raise InvalidInput(
+            f"{name} = {formatted('height', found)} must be at most {formatted('height', top)}, "
+            "limits.offset + limits.max_height, which are measured from the base plane as this height is"
+        )
+    return found
