@@ -204,14 +204,7 @@ class Independent(Uncoupled):
             return independent_sensitivity(self, adhesive, height, radius, load)
         curve = self.curve_of(height, radius, load, law)
         indentation = curve.approach[:, None] - (height.max() - height)
-        if law == PARABOLOID:
-            alone = math.pi * radius * (indentation > 0.0)
-            share = np.sqrt(radius * np.maximum(indentation, 0.0))
-        else:
-            _, share, _, alone = _each(law, indentation, radius)
-        total = share.sum(axis=1, keepdims=True)
-        share /= np.where(total > 0.0, total, 1.0)
-        return Sensitivity(curve, alone - alone.sum(axis=1, keepdims=True) * share, indentation)
+        return Sensitivity(curve, partial(_gradient, law, indentation, radius), indentation)
 
     def curves(
         self, height: ArrayLike, radius: ArrayLike, rescaled_load: ArrayLike
@@ -332,6 +325,18 @@ def _solved(law: Contact, height: FloatArray, radius: FloatArray, load: FloatArr
         for part, found in zip(results, (approach, *sums(law, gap[row], size, approach)), strict=True):
             part[row] = found
     return results
+
+
+def _gradient(law: Contact, indentation: FloatArray, radius: FloatArray) -> FloatArray:
+    """Return dA0/dh at fixed load [mm] of contacts with indentations (k, n); for open ones it is zero."""
+    if law == PARABOLOID:
+        alone = math.pi * radius * (indentation > 0.0)
+        share = np.sqrt(radius * np.maximum(indentation, 0.0))
+    else:
+        _, share, _, alone = _each(law, indentation, radius)
+    total = share.sum(axis=1, keepdims=True)
+    share /= np.where(total > 0.0, total, 1.0)
+    return np.asarray(alone - alone.sum(axis=1, keepdims=True) * share)
 
 
 def _each(law: Contact, indentation: FloatArray, radius: FloatArray) -> tuple[FloatArray, ...]:

@@ -298,8 +298,8 @@ class Sensitivity:
     Attributes
     ----------
     curve : Curve
-    gradient : ndarray, (k, n)
-        dA0/dh [mm].
+    compute_gradient : callable
+        Returns dA0/dh [mm], (k, n); it is called when `gradient` is first read.
     indentation : ndarray, (k, n)
         Indentation of each asperity without the change of its curvature by the others [mm]; for an open one
         its gap, negative.
@@ -313,8 +313,13 @@ class Sensitivity:
     """
 
     curve: Curve
-    gradient: FloatArray
+    compute_gradient: Callable[[], FloatArray]
     indentation: FloatArray
+
+    @cached_property
+    def gradient(self) -> FloatArray:
+        """dA0/dh [mm], (k, n)."""
+        return self.compute_gradient()
 
 
 class Sensitive(Model, Protocol):

@@ -148,7 +148,9 @@ def test_gradients_by_radii_are_those_of_differences(cap):
     at = space.joined(rng.uniform(0.1, 0.2, 9), rng.uniform(0.2, 0.8, 9))
 
     def law(unknowns):
-        return space.residual(model, np.array([0.05, 0.2]), lambda area, gradient: (area, gradient))(unknowns)
+        residual = space.residual(model, np.array([0.05, 0.2]), lambda area, gradient: (area, gradient))
+        area, gradient = residual(unknowns)
+        return area, gradient()
 
     step = 1e-5
     for i in range(9, 18):

@@ -16,7 +16,7 @@ from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.inversion.candidate import Candidate, below_limit
 from metafem.inversion.problem import Problem
-from metafem.inversion.search.levenberg_marquardt import Heights, Minimum, descend
+from metafem.inversion.search.levenberg_marquardt import Heights, LateResidual, Minimum, descend
 from metafem.inversion.search.multistart import search
 from metafem.models import Independent
 from metafem.models.contact_sums import contacts
@@ -32,16 +32,16 @@ def with_same_entries(problem: Problem, start: Candidate, goal: float, rng: np.r
     law, surface = start.target_law.thinned(options.entry_loads), start.surface(problem.template)
     space = Heights(limits.span)
     alone, shifted = Independent(contact=problem.contact), shift(problem, start)
-    nothing = np.full(len(law.load), np.inf), np.zeros((len(law.load), surface.count))
+    nothing = np.full(len(law.load), np.inf), lambda: np.zeros((len(law.load), surface.count))
 
-    def residual(height: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def residual(height: FloatArray) -> LateResidual:
         try:
-            gradient = alone.sensitivity_of(height, surface.radius, law.load).gradient
+            found = alone.sensitivity_of(height, surface.radius, law.load)
             given = below_limit(shifted(height), limits)
             area = solver.areas(surface, law.load, given[None])[0]
         except InvalidInput:  # deeper than the contact law describes
             return nothing
-        return law.residual(area, gradient) if np.isfinite(area).all() else nothing
+        return law.late_residual(area, lambda: found.gradient) if np.isfinite(area).all() else nothing
 
     if problem.contact.adhesive:
         options = replace(options, most_steps=options.adhesive_steps, most_exact_steps=options.adhesive_steps)

@@ -11,7 +11,6 @@ from metafem._validate import FloatArray, IntArray
 from metafem.inversion.assessment import model_misfit
 from metafem.inversion.candidate import Candidate, Parameter
 from metafem.inversion.problem import Problem
-from metafem.inversion.search.levenberg_marquardt import Residual
 from metafem.inversion.search.options import SearchOptions
 
 
@@ -56,7 +55,7 @@ class _StepSearch:
     """A search over the indices (n,) of levels; the sum of a power of the residual is lowered."""
 
     levels: FloatArray
-    residual: Residual
+    residual: Callable[[FloatArray], tuple[FloatArray, FloatArray]]
     residuals: Callable[[FloatArray], FloatArray]
     power: int
     options: SearchOptions

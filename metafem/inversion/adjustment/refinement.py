@@ -14,7 +14,7 @@ from metafem.inversion.adjustment.entries import with_same_entries
 from metafem.inversion.assessment import EXACT, MISSED, independent_misfit, model_misfit
 from metafem.inversion.candidate import Candidate, below_limit
 from metafem.inversion.problem import Problem
-from metafem.inversion.search.levenberg_marquardt import Heights, Minimum, Residual, descend
+from metafem.inversion.search.levenberg_marquardt import Heights, LateResidual, Minimum, Residual, descend
 from metafem.inversion.search.multistart import search
 from metafem.inversion.search.nearest_law import residual_of_heights
 from metafem.inversion.search.options import SearchOptions
@@ -95,20 +95,20 @@ def _residuals(problem: Problem, start: Candidate) -> tuple[Callable[[], Sensiti
     def first() -> Sensitivity:
         return solver.sensitivity(surface, law.load, below_limit(start.height, limits))
 
-    def residual(height: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def residual(height: FloatArray) -> LateResidual:
         if np.array_equal(height, start.height):
             found = first()
         else:
             try:
                 found = solver.sensitivity(surface, law.load, below_limit(height, limits))
             except InvalidInput:  # deeper than the contact law describes
-                return np.full(len(law.load), np.inf), np.zeros((len(law.load), len(height)))
-        return law.residual(found.curve.area, found.gradient)
+                return np.full(len(law.load), np.inf), lambda: np.zeros((len(law.load), len(height)))
+        return law.late_residual(found.curve.area, lambda: found.gradient)
 
-    def residual_of_model(height: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def residual_of_model(height: FloatArray) -> LateResidual:
         height = below_limit(height, limits)
         area = model.curve(surface.replaced(height=height), law.load).area
-        return law.residual(area, solver.sensitivity(surface, law.load, height).gradient)
+        return law.late_residual(area, lambda: solver.sensitivity(surface, law.load, height).gradient)
 
     return first, residual, residual_of_model
 
@@ -128,7 +128,7 @@ def _initial_guesses(
     powers = np.vander(np.log(law.load / law.load[-1]), options.ratio_degree + 1)
     smooth = powers @ np.linalg.lstsq(powers, ratio, rcond=None)[0]
     divided = TargetLaw.fixed(law.load, law.law(area) / smooth, law.weight)
-    residual = residual_of_heights(problem.independent, surface.radius, law.load, divided.residual)
+    residual = residual_of_heights(problem.independent, surface.radius, law.load, divided.late_residual)
     space, restarts = Heights(problem.limits.span), options.ratio_restarts
     corrected = search(residual, [surface.height], space, options.goal, restarts, rng, options)
     # heights whose sites were chosen for this model should change as little as possible

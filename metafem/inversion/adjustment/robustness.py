@@ -45,7 +45,7 @@ from metafem.inversion.assessment import DesignStatus, model_misfit, status_of
 from metafem.inversion.candidate import Candidate, Parameter, below_limit
 from metafem.inversion.placement.exchange import swap
 from metafem.inversion.problem import Problem
-from metafem.inversion.search.levenberg_marquardt import Heights, descend
+from metafem.inversion.search.levenberg_marquardt import Heights, LateResidual, descend
 from metafem.notes import Note, information
 from metafem.prediction.perturbation import Tolerances
 from metafem.progress import doing, each
@@ -213,7 +213,7 @@ def _lowered(
     law, surface = start.target_law.thinned(options.robust_loads), start.surface(problem.template)
     solver, errors = model.gradient_model, _errors(tolerances, surface, unit)
 
-    def residual(height: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def residual(height: FloatArray) -> LateResidual:
         rows = []
         for part, shift in errors:
             found = solver.sensitivity(part, law.load, below_limit(height, limits) + shift)
@@ -222,7 +222,7 @@ def _lowered(
         stacked = np.concatenate(rows)
         factor = np.asarray(np.linalg.qr(stacked, mode="r"))
         factor *= math.sqrt(len(factor) / len(stacked))  # the same mean square
-        return factor[:, -1], factor[:, :-1]
+        return factor[:, -1], lambda: factor[:, :-1]
 
     found = descend(residual, start.height, Heights(limits.span), 0.0, options=options)
     return start.with_heights(below_limit(found.unknowns, limits)), found.misfit

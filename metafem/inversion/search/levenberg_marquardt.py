@@ -20,8 +20,12 @@ from metafem.progress import each
 # Heights within this fraction of the span of the lowest that is allowed are at the foot: rounding.
 AT_FOOT = 1e-9
 
-# Relative differences (k,) [-] and their Jacobian (k, n) [1/mm] as a function of the unknowns (n,) [mm].
-Residual = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
+# Relative differences (k,) [-] from a law, and a function that returns their Jacobian (k, n) [1/mm]: it takes
+# longer than the differences, and most steps need none.
+LateResidual = tuple[FloatArray, Callable[[], FloatArray]]
+
+# Those of unknowns (n,) [mm].
+Residual = Callable[[FloatArray], LateResidual]
 
 
 @dataclass(frozen=True)
@@ -47,11 +51,13 @@ def descend(
     unknowns, damping = start, options.start_damping
     r, jacobian = residual(unknowns)
     squares, count = float(r @ r), len(r)
+    known: FloatArray | None = None
     steps = range(options.most_exact_steps if to_rounding else options.most_steps)
     for _ in each("step", steps, at_most=True):
         if np.sqrt(squares / count) <= goal or damping > options.most_damping:
             break
-        step = _step(r, jacobian, damping, *space.ends(unknowns))
+        known = jacobian() if known is None else known
+        step = _step(r, known, damping, *space.ends(unknowns))
         if step is None:
             break
         trial = space.project(unknowns + step)
@@ -59,7 +65,7 @@ def descend(
         new = float(new_r @ new_r)
         if new < squares:
             stalled = squares - new < options.least_gain * squares and not to_rounding
-            unknowns, r, jacobian, squares = trial, new_r, new_jacobian, new
+            unknowns, r, jacobian, known, squares = trial, new_r, new_jacobian, None, new
             damping = max(damping / options.damping_factor, options.least_damping)  # step size rule
             if stalled:
                 break

@@ -12,17 +12,17 @@ from metafem._validate import FloatArray, IntArray
 from metafem.errors import InvalidInput
 from metafem.inversion.radii import Radii
 from metafem.inversion.search.initial_guess import initial_heights, slowest_law
-from metafem.inversion.search.levenberg_marquardt import Heights, Residual, ends, moved
+from metafem.inversion.search.levenberg_marquardt import Heights, LateResidual, Residual, ends, moved
 from metafem.inversion.search.multistart import search
 from metafem.inversion.search.options import DEFAULTS, SearchOptions
-from metafem.models import Independent
+from metafem.models import Independent, Sensitivity
 from metafem.models.contact_sums import contacts
 
 # Relative step of the differences by the radius: the cube root of the rounding.
 RELATIVE = 6e-6
 
-# Relative differences (k,) [-] and their Jacobian (k, n) of a law A0 (k,) [mm^2] with its gradient (k, n).
-LawResidual = Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]
+# Relative differences (k,) [-] and their Jacobian of a law A0 (k,) [mm^2] with its gradient (k, n).
+LawResidual = Callable[[FloatArray, Callable[[], FloatArray]], LateResidual]
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,12 +66,12 @@ def residual_of_heights(
 ) -> Residual:
     """Return the differences of independent asperities of given radii as a function of their heights."""
 
-    def residual(height: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def residual(height: FloatArray) -> LateResidual:
         try:
             found = model.sensitivity_of(height, np.broadcast_to(radius, height.shape), load)
         except InvalidInput:  # deeper than the contact law describes
-            return np.full(len(load), np.inf), np.zeros((len(load), len(height)))
-        return law_residual(found.curve.area, found.gradient)
+            return np.full(len(load), np.inf), lambda: np.zeros((len(load), len(height)))
+        return law_residual(found.curve.area, lambda: found.gradient)
 
     return residual
 
@@ -185,9 +185,12 @@ class Asperities:
         """
         law = model.contact
 
-        def residual(unknowns: FloatArray) -> tuple[FloatArray, FloatArray]:
+        def residual(unknowns: FloatArray) -> LateResidual:
             height, radius = self.split(unknowns)
             found = model.sensitivity_of(height, radius, load)
+            return law_residual(found.curve.area, lambda: gradient(found, radius))
+
+        def gradient(found: Sensitivity, radius: FloatArray) -> FloatArray:
             depth = np.maximum(found.indentation, 0.0)
             size = np.broadcast_to(radius, depth.shape)
             at = contacts(law, depth, size)
@@ -202,7 +205,7 @@ class Asperities:
                 low, high = (contacts(law, depth, size * (1.0 + step)) for step in (-RELATIVE, RELATIVE))
                 by_radius = (high.area - low.area) / (2.0 * RELATIVE)
                 by_radius -= slope[:, None] * (high.load - low.load) / (2.0 * RELATIVE)
-            return law_residual(found.curve.area, np.hstack([found.gradient, by_radius / self.depth]))
+            return np.hstack([found.gradient, by_radius / self.depth])
 
         return residual
 

@@ -84,11 +84,11 @@ def _without_levels(
     restarts = options.restarts if radii.single else options.restarts // options.mixed_restarts
     for goal in options.free_goals:
         task = LawSearch(
-            problem.independent, load, law.residual, [law.base], problem.count, limits.span, restarts, rng,
-            goal, options,
+            problem.independent, load, law.late_residual, [law.base], problem.count, limits.span, restarts,
+            rng, goal, options,
         )  # fmt: skip
         height, radius = nearest_law(task, radii).sorted
-        residual = residual_of_heights(problem.independent, radius, load, law.residual)
+        residual = residual_of_heights(problem.independent, radius, load, law.late_residual)
         found = descend(residual, height, Heights(limits.span), options.point_goal, True, options)
         height = found.unknowns - found.unknowns.max()
         approach = float(problem.independent.curve_of(height, radius, load[-1:]).approach[0])

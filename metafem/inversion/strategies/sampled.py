@@ -22,7 +22,7 @@ def candidate(
     guesses = target.guesses(law, problem.bounds.region(law.load), options.level_fractions)
     most = options.restarts if restarts is None else restarts
     task = LawSearch(
-        problem.independent, law.load, law.residual, guesses, problem.count, limits.span, most, rng,
+        problem.independent, law.load, law.late_residual, guesses, problem.count, limits.span, most, rng,
         options.goal, options,
     )  # fmt: skip
     height, radius = nearest_law(task, problem.radii).sorted

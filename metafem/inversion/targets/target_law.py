@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from metafem._validate import FloatArray
+from metafem.inversion.search.levenberg_marquardt import LateResidual
 
 # Iterations for the open parameters, each with weights relative to the law of the last one: after two, the
 # weights have converged to a digit of the residual.
@@ -88,14 +90,21 @@ class TargetLaw:
 
     def residual(self, area: FloatArray, gradient: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return weighted relative differences (k,) and their Jacobian (k, n), without open parameters."""
+        residual, jacobian = self.late_residual(area, lambda: gradient)
+        return residual, jacobian()
+
+    def late_residual(self, area: FloatArray, gradient: Callable[[], FloatArray]) -> LateResidual:
+        """Return the differences, and a function that computes their Jacobian where it is needed."""
         law = self.law(area)
         scale = np.sqrt(self.weight) / law
-        residual, jacobian = scale * (area - law), scale[:, None] * gradient
-        if self.is_open:
-            q, _ = np.linalg.qr(scale[:, None] * self.free)
-            residual = residual - q @ (q.T @ residual)
-            jacobian = jacobian - q @ (q.T @ jacobian)
-        return residual, jacobian
+        residual = scale * (area - law)
+        q = np.linalg.qr(scale[:, None] * self.free)[0] if self.is_open else None
+
+        def jacobian() -> FloatArray:
+            found = scale[:, None] * gradient()
+            return found if q is None else np.asarray(found - q @ (q.T @ found))
+
+        return residual if q is None else residual - q @ (q.T @ residual), jacobian
 
     def misfit(self, area: FloatArray) -> float:
         """Return the weighted root mean square of the relative differences."""

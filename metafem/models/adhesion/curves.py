@@ -208,10 +208,15 @@ def independent_sensitivity(
     gap = height.max() - height
     lone = Lone(law, np.broadcast_to(radius, gap.shape), gap)
     found = lone_curve(lone, load, True, False, 1.0)
-    a = found.sums.contact_radius
-    alone, share = law.area_slope(a, lone.radius), law.stiffness(a, lone.radius)
-    total = found.sums.stiffness[:, None]
-    gradient = alone - alone.sum(axis=1, keepdims=True) * share / np.where(total > 0.0, total, 1.0)
+
+    def gradient() -> FloatArray:
+        a = found.sums.contact_radius
+        alone, share = law.area_slope(a, lone.radius), law.stiffness(a, lone.radius)
+        total = found.sums.stiffness[:, None]
+        return np.asarray(
+            alone - alone.sum(axis=1, keepdims=True) * share / np.where(total > 0.0, total, 1.0)
+        )
+
     return Sensitivity(_curve_of(model, found, height), gradient, found.approach[:, None] - gap)
 
 

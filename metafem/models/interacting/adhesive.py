@@ -43,13 +43,17 @@ def adhesive_sensitivity(
     """Return the law at increasing loads (k,) on loading, and dA0/dh at fixed load [mm], (k, n)."""
     scene = _scene(model, law, surface, height, surface.radius)
     found = followed_near(scene, load)
-    gradient = found.gradients()
     indentation = np.array([found.indentation(state) for state in found.states])
-    if model.pedestal:
-        _, rate = pedestal_influence(height, surface.radius)
-        for row, state in zip(gradient, found.states, strict=True):
-            if state is not None:
-                row[state.closed] *= 1.0 - rate[state.closed] * state.p
+
+    def gradient() -> FloatArray:
+        gradient = found.gradients()
+        if model.pedestal:
+            _, rate = pedestal_influence(height, surface.radius)
+            for row, state in zip(gradient, found.states, strict=True):
+                if state is not None:
+                    row[state.closed] *= 1.0 - rate[state.closed] * state.p
+        return gradient
+
     curve = found.curve(partial(_last, model, surface, height, found), ())
     return Sensitivity(curve, gradient, indentation)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import TYPE_CHECKING, ClassVar
@@ -234,12 +235,17 @@ class Interacting:
         adhesive = adhesive_law(self.contact, surface.material)
         if adhesive is not None:
             return adhesive_sensitivity(self, adhesive, surface, load, heights)
-        indentation, gradient = np.zeros((2, len(load), surface.count))
-        solution = self._solve(surface, heights[None, :], load, True, indentation, gradient)
-        if self.pedestal:
-            _, rate = pedestal_influence(heights, surface.radius)
-            law = self.contact.for_material(surface.material)
-            gradient *= 1.0 - rate * contacts(law, indentation, surface.radius).load
+        indentation, room = np.zeros((2, len(load), surface.count))
+        solution = self._solve(surface, heights[None, :], load, True, indentation, room)
+
+        def gradient() -> FloatArray:
+            gradient = solution.gradient()
+            if self.pedestal:
+                _, rate = pedestal_influence(heights, surface.radius)
+                law = self.contact.for_material(surface.material)
+                gradient *= 1.0 - rate * contacts(law, indentation, surface.radius).load
+            return gradient
+
         return Sensitivity(self._curve(surface, solution), gradient, indentation)
 
     def areas(
@@ -291,8 +297,8 @@ class Interacting:
     ) -> _Solution:
         """Solve heights (m, n) at increasing loads or approaches (k,), with radii (m, n) or the surface's.
 
-        Nominal indentations and dA0/dh of the last heights, without the change of the pedestals, are
-        filled where there is room for them, (k, n) [mm].
+        Nominal indentations of the last heights, and beyond the size of the dense solver dA0/dh without the
+        change of the pedestals, are filled where there is room for them, (k, n) [mm].
         """
         from metafem._kernels import continuation as kernel
 
@@ -312,7 +318,8 @@ class Interacting:
                     rows_of(law, row), self_term[row], gap[row], control, by_load, part, indentation, gradient
                 )
             self._refuse_deep(rows_of(law, -1), last)
-            return _Solution(results, height[-1], last, FAST_TOLERANCE, (information(large.sums.note),))
+            notes = (information(large.sums.note),)
+            return _Solution(results, height[-1], last, FAST_TOLERANCE, lambda: gradient, notes)
         coupling, regular = coupling_between(surface, bound, self.order)
         self_term += regular
         control = np.array(control)  # a read-only array would compile the kernel again
@@ -330,9 +337,9 @@ class Interacting:
         run_rows(run, len(gap), gap.size * surface.count * len(control), PAIRS_PER_THREAD)
         for end, state in states.items():
             self._refuse_deep(rows_of(law, end - 1), state)
-        if gradient.size:
-            gradient[:] = area_gradients(coupling, self.order, rows_of(law, -1), self_term[-1], indentation)
-        return _Solution(results, height[-1], states[len(gap)], TOLERANCE)
+        system = coupling, self.order, rows_of(law, -1), self_term[-1]
+        gradients = partial(area_gradients, *system, indentation)
+        return _Solution(results, height[-1], states[len(gap)], TOLERANCE, gradients)
 
     def _refuse_deep(self, law: Law, state: State) -> None:
         """Raise InvalidInput where contacts are deeper than their law describes."""
@@ -365,6 +372,7 @@ class _Solution:
     height: FloatArray
     last: State
     tolerance: float
+    gradient: Callable[[], FloatArray]  # dA0/dh without the change of the pedestals, where it was asked for
     notes: tuple[Note, ...] = ()
 
     @property

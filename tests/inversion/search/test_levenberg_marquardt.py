@@ -14,7 +14,7 @@ def bent(height):
     """Return a residual of two rows with its Jacobian; its roots have differences of 0.1 and 0.25."""
     first, second = height[0] - height[1] - 0.1, height[1] - height[2] - 0.25
     gradient = np.array([[1.0, -1.0, 0.0], [0.0, 1.0 + 2.0 * second, -1.0 - 2.0 * second]])
-    return np.array([first, second + second**2]), gradient
+    return np.array([first, second + second**2]), lambda: gradient
 
 
 def test_a_descent_converges_to_rounding():
@@ -36,8 +36,22 @@ def test_the_options_limit_the_steps():
 
 
 def test_a_residual_that_no_unknown_changes_ends_the_descent():
-    found = descend(lambda height: (np.ones(2), np.zeros((2, 3))), START, Heights(1.0), 1e-3)
+    found = descend(lambda _: (np.ones(2), lambda: np.zeros((2, 3))), START, Heights(1.0), 1e-3)
     assert found.misfit == 1.0
+
+
+def test_the_jacobian_is_computed_only_where_a_step_starts():
+    calls = []
+
+    def counted(height):
+        calls.append("residual")
+        residual, jacobian = bent(height)
+        return residual, lambda: calls.append("jacobian") or jacobian()
+
+    found = descend(counted, START, Heights(1.0), 1e-14, to_rounding=True)
+    assert found.misfit <= 1e-14
+    assert calls[-1] == "residual"
+    assert calls.count("jacobian") < calls.count("residual")
 
 
 def test_random_changes_follow_the_best_start():
