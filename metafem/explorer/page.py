@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from nicegui import ui
+from nicegui.element import Element
 
 from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer, answered
@@ -107,13 +108,18 @@ def build(first: State) -> Page:
     page = Page(first)
     header_panel(page)
     with ui.element("main").classes("explorer"):
-        with ui.element("section").classes("law").props('aria-label="Law"'):
+        with _part("law", "Law"):
             law_panel(page)
-        with ui.element("section").classes("surface").props('aria-label="Surface"'):
+        with _part("surface", "Surface"):
             surface_panel(page)
-        with ui.element("section").classes("below"):
+        with _part("below", "Workshop and results"):
             _tabs(page)
     return page
+
+
+def _part(name: str, label: str) -> Element:
+    """Return a part of the page, to which the first link of the page can lead."""
+    return ui.element("section").classes(name).props(f'aria-label="{label}" tabindex=-1')
 
 
 def _tabs(page: Page) -> None:
@@ -123,10 +129,10 @@ def _tabs(page: Page) -> None:
         "How sure": certainty_panel,
         "Take it": take_panel,
     }
-    with ui.tabs().props("dense no-caps align=left") as tabs:
+    with ui.tabs().props("dense no-caps align=left outside-arrows mobile-arrows") as tabs:
         for name in panels:
             ui.tab(name)
-    with ui.tab_panels(tabs, value="Workshop").props("keep-alive").classes("panels"):
+    with ui.tab_panels(tabs, value="Workshop", animated=False).props("keep-alive").classes("panels"):
         for name, make in panels.items():
             with ui.tab_panel(name):
                 partial(make, page)()
