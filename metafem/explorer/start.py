@@ -9,7 +9,6 @@ from metafem._calls import checked_call
 from metafem._extras import refuse_missing
 from metafem.errors import InvalidInput
 from metafem.explorer.session import State
-from metafem.files import demo_text, read_spec
 
 __all__ = ["explore"]
 
@@ -50,6 +49,8 @@ def explore(path: str | Path | None = None, *, port: int | None = None, show: bo
 
 def first_state(path: str | Path | None) -> State:
     """Return the state with which a page begins: that of a specification or of a result folder."""
+    from metafem.files import demo_text, read_spec
+
     if path is None:
         return State(demo_text("operating-points"))
     folder = Path(path)

@@ -1,0 +1,171 @@
+"""Long computations of a page, each in a process of its own that can be stopped.
+
+A process is a new interpreter: a fork of the server would copy its threads' locks. It ends with the server,
+also where that is killed, because it then reads the end of its input.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import atexit
+import pickle
+import subprocess
+import sys
+import threading
+import weakref
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+from metafem.errors import MetafemError
+from metafem.explorer.certainty.worker import DONE, STEP, main
+
+OnStep = Callable[[str, float | None], None]
+OnDone = Callable[[Any], None]
+OnError = Callable[[MetafemError], None]
+
+
+def nothing(*_: Any) -> None:
+    """Do nothing with a report."""
+
+
+class Background:
+    """One call of a function in a process of its own, which begins when it is made.
+
+    The function must be importable, and its arguments and result picklable. The other functions are called in
+    the event loop in which this is made: `on_step` with the name of a step and the fraction that is done,
+    then once either `on_done` with the result or `on_error` with the error. None is called after `stop`.
+    """
+
+    def __init__(
+        self,
+        function: Callable[..., Any],
+        given: tuple[Any, ...],
+        on_step: OnStep = nothing,
+        on_done: OnDone = nothing,
+        on_error: OnError = nothing,
+    ) -> None:
+        self.on_step, self.on_done, self.on_error = on_step, on_done, on_error
+        self.running = True
+        self._loop = asyncio.get_running_loop()
+        self._lock = threading.Lock()
+        self._process: subprocess.Popen[bytes] | None = None
+        _ALL.add(self)
+        self._thread = threading.Thread(target=self._run, args=(function, given), daemon=True)
+        self._thread.start()
+
+    @property
+    def process_id(self) -> int | None:
+        """Number of the process; None before it has begun."""
+        return None if self._process is None else self._process.pid
+
+    def stop(self) -> None:
+        """End the process; may be called at any time, and more than once."""
+        with self._lock:
+            self.running = False
+            if self._process is not None and self._process.returncode is None:
+                self._process.kill()
+
+    def _run(self, function: Callable[..., Any], given: tuple[Any, ...]) -> None:
+        """Start the process, and hand on what it sends."""
+        try:
+            request = pickle.dumps((function, given))
+            with self._lock:
+                if not self.running:
+                    return
+                self._process = process = subprocess.Popen(
+                    [sys.executable, "-c", _program()], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                    start_new_session=True,  # Ctrl-C in the terminal is for the server alone
+                )  # fmt: skip
+        except (OSError, pickle.PicklingError, TypeError, AttributeError) as error:
+            self._report(self._end, self.on_error, MetafemError(f"no process could be started: {error}"))
+            return
+        with process:
+            self._exchange(process, request)
+            process.kill()
+
+    def _exchange(self, process: subprocess.Popen[bytes], request: bytes) -> None:
+        assert process.stdin is not None
+        assert process.stdout is not None
+        try:
+            process.stdin.write(request)
+            process.stdin.flush()
+            while True:
+                kind, value = pickle.load(process.stdout)
+                if kind != STEP:
+                    break
+                self._report(self._step, *value)
+        except (OSError, EOFError, pickle.UnpicklingError, AttributeError, ImportError, TypeError):
+            code = process.wait()
+            ended = MetafemError(
+                f"the process of the computation ended before its result (exit code {code}), for example for "
+                "lack of memory; start it again, with fewer asperities or draws"
+            )
+            self._report(self._end, self.on_error, ended)
+        else:
+            self._report(self._end, self.on_done if kind == DONE else self.on_error, value)
+
+    def _report(self, function: Callable[..., None], *given: Any) -> None:
+        """Call a function in the event loop, if that still runs."""
+        try:
+            self._loop.call_soon_threadsafe(partial(function, *given))
+        except RuntimeError:  # the loop is closed
+            self.running = False
+
+    def _step(self, name: str, done: float | None) -> None:
+        if self.running:
+            self.on_step(name, done)
+
+    def _end(self, function: Callable[[Any], None], value: Any) -> None:
+        if self.running:
+            self.running = False
+            function(value)
+
+
+class Tasks:
+    """The background computations of a page, at most one of each name."""
+
+    def __init__(self) -> None:
+        self._tasks: dict[str, Background] = {}
+
+    def start(
+        self,
+        name: str,
+        function: Callable[..., Any],
+        given: tuple[Any, ...],
+        on_step: OnStep = nothing,
+        on_done: OnDone = nothing,
+        on_error: OnError = nothing,
+    ) -> Background:
+        """Start a computation in place of that with the same name; the arguments are those of Background."""
+        self.stop(name)
+        self._tasks[name] = Background(function, given, on_step, on_done, on_error)
+        return self._tasks[name]
+
+    def running(self, name: str) -> bool:
+        """Whether a computation of that name runs."""
+        return name in self._tasks and self._tasks[name].running
+
+    def stop(self, name: str) -> None:
+        """Stop the computation of that name, if there is one."""
+        if name in self._tasks:
+            self._tasks.pop(name).stop()
+
+    def stop_all(self) -> None:
+        """Stop all computations: the page was closed."""
+        for name in tuple(self._tasks):
+            self.stop(name)
+
+
+_ALL: weakref.WeakSet[Background] = weakref.WeakSet()
+
+
+@atexit.register
+def _stop_every_one() -> None:
+    for task in tuple(_ALL):
+        task.stop()
+
+
+def _program() -> str:
+    """Return the program of a process, which finds modules where this one does."""
+    return f"import sys; sys.path[:] = {sys.path!r}; from {main.__module__} import main; main()"
