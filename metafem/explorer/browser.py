@@ -11,16 +11,17 @@ from metafem.explorer.session import Session
 
 
 class Browser(Element, component="browser.js"):
-    """Reads the history from the browser when the page has opened, and keeps each later one."""
+    """Reads the history from the browser when the page has opened, and keeps each later state.
 
-    def __init__(self, restored: Callable[[str], None]) -> None:
+    While there is no server, the page says so.
+    """
+
+    def __init__(self, restored: Callable[[Any], None]) -> None:
         super().__init__()
-        self.on("stored", lambda event: restored(_text(event.args)))
+        self.on("stored", lambda event: restored(event.args))
 
-    def keep(self, session: Session, number: int) -> None:
-        """Keep a history in the browser, and the number of the request for its newest state."""
-        self.run_method("keep", session.to_json(), number)
-
-
-def _text(given: Any) -> str:
-    return given if isinstance(given, str) else ""
+    def keep(self, session: Session, asked: int) -> None:
+        """Keep the state that a history shows, its place, and the number of its request."""
+        place = {"first": session.first, "end": session.first + len(session.states)}
+        at = session.first + session.at
+        self.run_method("keep", {**place, "at": at, "state": session.state.to_json(), "asked": asked})

@@ -92,13 +92,12 @@ class Page:
         for callback in self.listeners:
             callback(answer)
 
-    def _restored(self, history: str) -> None:
+    def _restored(self, kept: Any) -> None:
         """Show what the browser kept, or the first state."""
-        if history:
-            try:
-                self.session = Session.from_json(history)
-            except InvalidInput as error:
-                ui.notify(str(error), type="warning")
+        try:
+            self.session = Session.restored(kept) or self.session
+        except InvalidInput as error:
+            ui.notify(str(error), type="warning")
         self._ask(self.state, True)
 
 

@@ -51,12 +51,12 @@ class State:
         try:
             record = json.loads(text)
         except (ValueError, RecursionError):
-            raise InvalidInput("the stored state of the page is damaged: it is not JSON") from None
+            raise InvalidInput("the state of the page is damaged: it is not JSON") from None
         if not isinstance(record, dict) or not record.keys() <= {member.name for member in fields(cls)}:
-            raise InvalidInput("the stored state of the page is damaged: it has other members")
+            raise InvalidInput("the state of the page is damaged: it has other members")
         found = cls(**{**record, "models": _names(record.get("models", ()))}) if "text" in record else None
         if found is None or not found.valid():
-            raise InvalidInput("the stored state of the page is damaged: a member is of another kind")
+            raise InvalidInput("the state of the page is damaged: a member is of another kind")
         return found
 
     def valid(self) -> bool:
@@ -73,11 +73,13 @@ def _names(given: Any) -> tuple[Any, ...]:
 
 
 class Session:
-    """The states of a page in their order, and which of them is shown."""
+    """The states of a page in their order, and which of them is shown.
 
-    def __init__(self, first: State) -> None:
-        self.states = [first]
-        self.at = 0
+    The states are numbered from the start of the history; `first` is the number of the oldest one that is kept.
+    """
+
+    def __init__(self, *states: State, at: int = 0, first: int = 0) -> None:
+        self.states, self.at, self.first = list(states), at, first
 
     @property
     def state(self) -> State:
@@ -88,7 +90,9 @@ class Session:
         """Add a state after the one that is shown; those that were undone are dropped."""
         if state == self.state:
             return
-        self.states = [*self.states[: self.at + 1], state][-MOST_STATES:]
+        states = [*self.states[: self.at + 1], state]
+        self.first += max(0, len(states) - MOST_STATES)
+        self.states = states[-MOST_STATES:]
         self.at = len(self.states) - 1
 
     def replace(self, state: State) -> None:
@@ -109,22 +113,14 @@ class Session:
         self.at += step
         return True
 
-    def to_json(self) -> str:
-        """Return the history as JSON."""
-        return json.dumps({"at": self.at, "states": [state.to_json() for state in self.states]})
-
     @classmethod
-    def from_json(cls, text: str) -> Session:
-        """Return the history of a JSON text; raises InvalidInput for any other text."""
-        try:
-            record = json.loads(text)
-            states, at = [State.from_json(each) for each in record["states"]], record["at"]
-        except (ValueError, KeyError, TypeError, RecursionError) as error:
-            if isinstance(error, InvalidInput):
-                raise
-            raise InvalidInput("the stored history of the page is damaged") from None
-        if not isinstance(at, int) or not 0 <= at < len(states):
-            raise InvalidInput("the stored history of the page is damaged: it shows none of its states")
-        session = cls(states[0])
-        session.states, session.at = states, at
-        return session
+    def restored(cls, record: Any) -> Session | None:
+        """Return the history that the browser kept, None if it kept none; raises InvalidInput for others."""
+        if not isinstance(record, dict) or not record.get("states"):
+            return None
+        states, first, at = record["states"], record.get("first"), record.get("at")
+        if not (isinstance(states, list) and isinstance(first, int) and isinstance(at, int)):
+            raise InvalidInput("the history that the browser kept is damaged; the page begins anew")
+        if not 0 <= at - first < len(states) <= MOST_STATES:
+            raise InvalidInput("the history that the browser kept is damaged; the page begins anew")
+        return cls(*(State.from_json(str(state)) for state in states), at=at - first, first=first)

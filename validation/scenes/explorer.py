@@ -27,6 +27,13 @@ SETTLED = """before => {
   return asked > before && shown.length > 0 && shown.every(each => Number(each.dataset.answered) >= asked);
 }"""
 
+# The states that the browser keeps, and which of them is shown.
+HISTORY = """() => {
+  const { first, end, at } = JSON.parse(sessionStorage.getItem('metafem'));
+  const numbers = Array.from({ length: end - first }, (_, i) => first + i);
+  return { at: at - first, states: numbers.map(each => sessionStorage.getItem(`metafem.${each}`)) };
+}"""
+
 # Times of pointer moves, and of the frames after which the answers are on the screen.
 WATCH = """() => {
   const seen = { moves: [], drawn: [] };
@@ -113,8 +120,8 @@ class Visit:
     @property
     def history(self) -> dict[str, Any]:
         """The history that the browser keeps."""
-        kept = self.page.evaluate("() => sessionStorage.getItem('metafem')")
-        return json.loads(kept) if kept else {"at": 0, "states": []}
+        kept: dict[str, Any] = self.page.evaluate(HISTORY)
+        return kept
 
     @property
     def text(self) -> str:
