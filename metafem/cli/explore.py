@@ -7,6 +7,10 @@ from pathlib import Path
 import click
 
 from metafem.cli.group import Name, main
+from metafem.cli.signals import Stopped
+
+# Exit code of a command that Ctrl-C ends: 128 + SIGINT. It is the usual end of this one.
+STOPPED_BY_CTRL_C = 130
 
 
 @main.command(short_help="Draw a law and see the surface, in the browser.")
@@ -23,4 +27,9 @@ def explore(path: Path | None, port: int | None, no_browser: bool) -> None:
     """
     from metafem.explorer import explore as start
 
-    start(path, port=port, show=not no_browser)
+    try:
+        start(path, port=port, show=not no_browser)
+    except Stopped as stop:
+        if stop.code != STOPPED_BY_CTRL_C:
+            raise
+        click.echo("The explorer has ended. An open page keeps what it shows.")

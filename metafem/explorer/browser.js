@@ -21,8 +21,10 @@ export default {
     const states = [];
     for (let number = first; number < end; number++) states.push(sessionStorage.getItem(entry(number)));
     this.$emit("stored", { first, at, states });
-    window.socket.on("disconnect", () => { this.$refs.lost.hidden = false; });
-    window.socket.on("connect", () => { this.$refs.lost.hidden = true; });
+    this.$nextTick(() => { // the socket is made when all elements are mounted
+      window.socket.on("disconnect", () => { this.$refs.lost.hidden = false; });
+      window.socket.on("connect", () => { this.$refs.lost.hidden = true; });
+    });
   },
   methods: {
     // Keeps the state that is shown, of the number `at`; the history holds those from `first` to before `end`.

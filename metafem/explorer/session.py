@@ -75,7 +75,7 @@ def _names(given: Any) -> tuple[Any, ...]:
 class Session:
     """The states of a page in their order, and which of them is shown.
 
-    The states are numbered from the start of the history; `first` is the number of the oldest one that is kept.
+    The states are numbered from the start of the history; `first` is the number of the oldest one here.
     """
 
     def __init__(self, *states: State, at: int = 0, first: int = 0) -> None:
