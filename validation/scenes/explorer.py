@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import subprocess
 import sys
@@ -89,9 +90,10 @@ def served(path: Path | None = None, *options: str) -> Iterator[Server]:
     with tempfile.TemporaryDirectory() as folder:
         log = Path(folder, "log.txt")
         with log.open("w", encoding="utf-8") as written:
-            process = subprocess.Popen(
-                [*command, "--no-browser", *options], stdout=subprocess.PIPE, stderr=written, text=True
-            )
+            # within a test, NiceGUI would serve at a port for tests of its own
+            own = {name: value for name, value in os.environ.items() if name != "PYTEST_CURRENT_TEST"}
+            command += ["--no-browser", *options]
+            process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=written, text=True, env=own)
         try:
             yield Server(process, _address(process, log), log, time.perf_counter() - start)
         finally:
