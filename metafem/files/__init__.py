@@ -25,12 +25,19 @@ from metafem.files.result.folder import load, result_folder, same_design, save, 
 from metafem.files.result.study import stored_studies, study_data, study_path, write_study
 from metafem.files.result.tables import is_law_table, law_table, read_surface
 from metafem.files.schema.document import place_schema, schema_text, write_schema
+from metafem.files.schema.forms import KeyForm, SectionForm, section_forms
 from metafem.files.specification.demos import demo_text
 from metafem.files.specification.manual import all_keys, manual
 from metafem.files.specification.models import MODELS
 from metafem.files.specification.named_tables import measured_pairs
 from metafem.files.specification.options import chosen_model
-from metafem.files.specification.read import Specification, parsed, read_spec, refuse_missing_block
+from metafem.files.specification.read import (
+    Specification,
+    parsed,
+    read_spec,
+    refuse_missing_block,
+    toml_table,
+)
 from metafem.files.specification.words import problem_key
 from metafem.files.units import member_names, option_names, quantity
 
@@ -40,7 +47,9 @@ __all__ = [
     "HandedOn",
     "ImageFile",
     "Images",
+    "KeyForm",
     "PartOptions",
+    "SectionForm",
     "Shot",
     "Sites",
     "Specification",
@@ -89,11 +98,13 @@ __all__ = [
     "same_design",
     "save",
     "schema_text",
+    "section_forms",
     "shots",
     "stored_hardness",
     "stored_studies",
     "study_data",
     "study_path",
+    "toml_table",
     "write_all",
     "write_figure",
     "write_schema",

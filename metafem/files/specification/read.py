@@ -34,7 +34,7 @@ from metafem.prediction import Tolerances
 from metafem.substrate import Substrate
 from metafem.surface import Surface
 
-__all__ = ["Specification", "parsed", "read_spec"]
+__all__ = ["Specification", "parsed", "read_spec", "toml_table"]
 
 # The default tables of a specification's text.
 NO_TABLES: Mapping[str, bytes] = {}
@@ -228,7 +228,7 @@ def parsed(text: str, tables: Mapping[str, bytes] = NO_TABLES, name: str = "spec
 def _specification(name: str, raw: bytes, source: Source) -> Specification:
     """Return the specification of a file's name in errors, its bytes in UTF-8, and its tables."""
     text = raw.decode("utf-8")
-    table = _table(name, text.removeprefix("\ufeff"))
+    table = toml_table(text, name)
     table, kept = with_tables(text, table, source)
     from pydantic import ValidationError
 
@@ -255,7 +255,15 @@ def _specification(name: str, raw: bytes, source: Source) -> Specification:
     )
 
 
-def _table(name: str, text: str) -> dict[str, Any]:
+def toml_table(text: str, name: str = "spec.toml") -> dict[str, Any]:
+    """Return the sections of a specification's text as TOML has them.
+
+    Examples
+    --------
+    >>> toml_table("[layout]\\nseed = 3")
+    {'layout': {'seed': 3}}
+    """
+    text = text.removeprefix("\ufeff")
     deep = "nests its values too deeply to be a specification"
     if NESTED.search(text):
         raise InvalidInput(f"{name} {deep}", problems=(deep,))

@@ -1,0 +1,213 @@
+"""Edits of a specification's text that keep its comments, its order and its formatting."""
+
+from __future__ import annotations
+
+import copy
+import json
+import re
+from collections.abc import Mapping
+from typing import Any
+
+from metafem.errors import InvalidInput
+from metafem.explorer.text.order import form_of, key_order
+from metafem.files import toml_table
+
+# A line feed without a carriage return.
+BARE_LINE_FEED = re.compile(r"(?<!\r)\n")
+
+# The header of a section or of an array of sections.
+HEADER = re.compile(r"^[ \t]*\[.*$", re.MULTILINE)
+
+
+class Document:
+    """The text of a specification, whose values are read and set by dotted keys.
+
+    Parameters
+    ----------
+    text : str
+        A specification, or any other TOML.
+
+    Raises
+    ------
+    InvalidInput
+        If the text is not valid TOML.
+
+    Examples
+    --------
+    >>> text = Document("[limits]  # of the workshop\\nmax_height = '120 um'").with_value(
+    ...     "limits.min_height", "10 um"
+    ... )
+    >>> print(text)
+    [limits]  # of the workshop
+    max_height = '120 um'
+    min_height = "10 um"
+    >>> Document(text).value("limits.max_height")
+    '120 um'
+    """
+
+    def __init__(self, text: str) -> None:
+        self.text = text
+        self.table = toml_table(text)
+
+    def value(self, key: str) -> Any:
+        """Return the value of a dotted key, None where there is none."""
+        found: Any = self.table
+        for part in key.split("."):
+            found = found.get(part) if isinstance(found, dict) else None
+        return found
+
+    def with_value(self, key: str, value: Any) -> str:
+        """Return the text with another value of a dotted key; its section is made where it is missing."""
+        return self.with_values({key: value})
+
+    def without(self, key: str) -> str:
+        """Return the text without a key, and without its section if nothing is left that must stay."""
+        return self.with_values({key: None})
+
+    def with_kind(self, section: str, kind: str, values: Mapping[str, Any] | None = None) -> str:
+        """Return the text with a section of another kind.
+
+        Keys that the kind does not have are removed. `values` are those of its keys; default: the examples
+        of the manual for the keys that it needs, where the text has none.
+        """
+        now = self.value(section)
+        present = now if isinstance(now, dict) else {}
+        if values is None:
+            kept = {name: value for name, value in present.items() if name in key_order(section, kind)}
+            values = {**kept, **_examples(section, kind, kept)}
+        keys = {"kind": kind, **dict.fromkeys(name for name in present if name != "kind"), **values}
+        keys["kind"] = kind
+        return self.with_values({f"{section}.{name}": value for name, value in keys.items()})
+
+    def with_values(self, values: Mapping[str, Any]) -> str:
+        """Return the text with other values of dotted keys; None removes a key.
+
+        Raises
+        ------
+        InvalidInput
+            If the text is written so that a value cannot be set without changing others.
+        """
+        wanted = copy.deepcopy(self.table)
+        for key, value in values.items():
+            _set_plain(wanted, key.split("."), value)
+        emptied = [key for key in _sections_of(values) if _is_emptied(wanted, key)]
+        for key in emptied:
+            _set_plain(wanted, key.split("."), None)
+        if _same(wanted, self.table):
+            return self.text
+        for careful in (True, False):
+            text = self._edited(values, emptied, wanted, careful)
+            if text is not None:
+                return text
+        keys = ", ".join(values)
+        raise InvalidInput(
+            f"{keys} cannot be changed here without changing other parts of the text; edit the specification "
+            "as text"
+        )
+
+    def _edited(
+        self, values: Mapping[str, Any], emptied: list[str], wanted: dict[str, Any], careful: bool
+    ) -> str | None:
+        """Return the edited text if it is read as wanted, None otherwise."""
+        import tomlkit
+        from tomlkit.exceptions import TOMLKitError
+
+        from metafem.explorer.text.edits import removed, separate, set_value
+
+        mark = "\ufeff" if self.text.startswith("\ufeff") else ""
+        body = self.text.removeprefix("\ufeff")
+        only_crlf = "\r\n" in body and not BARE_LINE_FEED.search(body)
+        newline, ended = "\r\n" if only_crlf else "\n", body.endswith("\n")
+        if not ended:
+            body += newline
+        try:
+            document = tomlkit.parse(body)
+            for key, value in values.items():
+                if value is None:
+                    removed(document, key.split("."))
+                else:
+                    set_value(document, key.split("."), value, wanted, careful)
+            separate(document, [name for name in wanted if name not in self.table])
+            text = document.as_string()
+            for key in emptied:
+                text = _without_section(text, key)
+        except (TOMLKitError, RecursionError, KeyError, TypeError, ValueError):
+            return None  # a form of TOML that tomlkit does not edit
+        if only_crlf:
+            text = BARE_LINE_FEED.sub("\r\n", text)
+        text = mark + (text if ended else text.removesuffix(newline))
+        try:
+            return text if _same(toml_table(text), wanted) else None
+        except InvalidInput:
+            return None
+
+
+def _set_plain(table: dict[str, Any], parts: list[str], value: Any) -> None:
+    """Set a value in a plain table, or remove it."""
+    for i, part in enumerate(parts[:-1]):
+        if value is None and part not in table:
+            return
+        inner = table.setdefault(part, {})
+        if not isinstance(inner, dict):
+            key = ".".join(parts[: i + 1])
+            raise InvalidInput(f"{key} is not a section in the text; write [{key}] on a line of its own")
+        table = inner
+    if value is None:
+        table.pop(parts[-1], None)
+    else:
+        table[parts[-1]] = value
+
+
+def _sections_of(values: Mapping[str, Any]) -> list[str]:
+    """Return the sections of keys that are removed, inner ones first."""
+    found = {key.rpartition(".")[0] for key, value in values.items() if value is None and "." in key}
+    found |= {key.rpartition(".")[0] for key in found if "." in key}
+    return sorted(found, key=lambda key: -key.count("."))
+
+
+def _is_emptied(table: dict[str, Any], key: str) -> bool:
+    """Whether a section has no keys left, and is not one that every specification has."""
+    inner: Any = table
+    for part in key.split("."):
+        inner = inner.get(part) if isinstance(inner, dict) else None
+    form = form_of(key)
+    return inner == {} and (form is None or form.optional)
+
+
+def _same(first: dict[str, Any], second: dict[str, Any]) -> bool:
+    """Whether two tables hold the same values of the same types; also where one is not a number."""
+    texts = [json.dumps(table, sort_keys=True, default=repr) for table in (first, second)]
+    return texts[0] == texts[1]
+
+
+def _without_section(text: str, key: str) -> str:
+    """Return the text without a section that has no keys left; comments after a blank line stay."""
+    name = r"[ \t]*\.[ \t]*".join(
+        rf"(?:{re.escape(part)}|[\"']{re.escape(part)}[\"'])" for part in key.split(".")
+    )
+    found = re.search(rf"^[ \t]*\[[ \t]*{name}[ \t]*\].*$", text, re.MULTILINE)
+    if found is None:  # an inline table, or dotted keys
+        import tomlkit
+
+        from metafem.explorer.text.edits import removed
+
+        document = tomlkit.parse(text)
+        removed(document, key.split("."))
+        return document.as_string()
+    following = HEADER.search(text, found.end())
+    end = following.start() if following else len(text)
+    blank = re.compile(r"^[ \t]*\r?\n", re.MULTILINE).search(text, found.end(), end)
+    return text[: found.start()] + text[blank.end() if blank else end :]
+
+
+def _examples(section: str, kind: str, kept: Mapping[str, Any]) -> dict[str, Any]:
+    """Return examples of the keys that a kind needs and a text does not have."""
+    form = form_of(section)
+    keys = form.keys.get(kind, ()) if form else ()
+    begun = [key.choice for key in keys if key.choice is not None and key.name in kept]
+    choice = begun[0] if begun else 0
+    return {
+        key.name: key.example
+        for key in keys
+        if key.name not in kept and (not key.optional or key.choice == choice)
+    }
