@@ -93,7 +93,7 @@ class Document:
         emptied = [key for key in _sections_of(values) if _is_emptied(wanted, key)]
         for key in emptied:
             _set_plain(wanted, key.split("."), None)
-        if _same(wanted, self.table):
+        if wanted == self.table and _same(wanted, self.table):
             return self.text
         for careful in (True, False):
             text = self._edited(values, emptied, wanted, careful)
@@ -131,7 +131,7 @@ class Document:
             text = document.as_string()
             for key in emptied:
                 text = _without_section(text, key)
-        except (TOMLKitError, RecursionError, KeyError, TypeError, ValueError):
+        except (TOMLKitError, RecursionError, AttributeError, KeyError, TypeError, ValueError):
             return None  # a form of TOML that tomlkit does not edit
         if only_crlf:
             text = BARE_LINE_FEED.sub("\r\n", text)
@@ -175,8 +175,12 @@ def _is_emptied(table: dict[str, Any], key: str) -> bool:
 
 
 def _same(first: dict[str, Any], second: dict[str, Any]) -> bool:
-    """Whether two tables hold the same values of the same types; also where one is not a number."""
-    texts = [json.dumps(table, sort_keys=True, default=repr) for table in (first, second)]
+    """Whether two tables hold the same values of the same types; also where one is not a number.
+
+    A section without keys counts as none: dotted keys cannot state it.
+    """
+    filled = [{name: value for name, value in table.items() if value != {}} for table in (first, second)]
+    texts = [json.dumps(table, sort_keys=True, default=repr) for table in filled]
     return texts[0] == texts[1]
 
 

@@ -52,7 +52,7 @@ def removed(document: tomlkit.TOMLDocument, parts: list[str]) -> None:
             return
         container = container[section]
     if parts[-1] in container:
-        container.remove(parts[-1])
+        del container[parts[-1]]
 
 
 def separate(document: tomlkit.TOMLDocument, names: list[str]) -> None:
