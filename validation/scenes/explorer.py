@@ -21,6 +21,12 @@ if TYPE_CHECKING:
 # Seconds within which the server answers its first page, and a page any request.
 PATIENCE = 30.0
 
+# An answer to this event comes after the server has begun with all events before. A step that waited in the
+# browser behind an answer is sent when that has been drawn, so that rest is what so many rounds agree on.
+TAKEN = """() => socket.timeout(30000).emitWithAck(
+  'ack', { client_id: clientId, next_message_id: nextMessageId })"""
+ROUNDS = 3
+
 # The number of the last step of the history, and whether both pictures show its answer.
 SETTLED = """before => {
   const asked = Number(document.querySelector('[data-asked]')?.dataset.asked ?? 0);
@@ -53,9 +59,26 @@ WATCH = """() => {
 }"""
 
 
+# Moves of a held handle around a point, each after the answer to the one before.
+MOVED = """async ([x, y, count]) => {
+  const handle = document.querySelector('.handle');
+  const plot = handle.closest('[data-answered]');
+  for (let i = 0; i < count; i++) {
+    const before = plot.dataset.answered;
+    const at = { clientX: x + 9 * Math.sin(i), clientY: y + 9 * Math.cos(1.7 * i) };
+    const held = { pointerId: 1, isPrimary: true, buttons: 1, bubbles: true };
+    handle.dispatchEvent(new PointerEvent('pointermove', { ...at, ...held }));
+    const end = performance.now() + 5000;
+    const waits = () => plot.dataset.answered === before;
+    while (waits() && performance.now() < end) await new Promise(done => setTimeout(done));
+    if (waits()) throw Error(`move ${i} of a handle was not answered`);
+  }
+}"""
+
+
 @dataclass
 class Server:
-    """A running explorer."""
+    """A running explorer, and the time that it needed to start [s]."""
 
     process: subprocess.Popen[str]
     address: str
@@ -111,13 +134,14 @@ def _address(process: subprocess.Popen[str], log: Path) -> str:
 
 @dataclass
 class Visit:
-    """A page of the explorer, with the errors and requests that it has made."""
+    """A page of the explorer: its errors and requests, their size [bytes], and the time to its law [s]."""
 
     page: Page
     server: Server
     errors: list[str] = field(default_factory=list)
     requests: list[str] = field(default_factory=list)
     size: float = 0.0
+    seconds: float = 0.0
 
     @property
     def history(self) -> dict[str, Any]:
@@ -141,6 +165,15 @@ class Visit:
     def settled(self, before: int = 0) -> None:
         """Wait for the answer to a step after the one of a number."""
         self.page.wait_for_function(SETTLED, arg=before, timeout=1e3 * PATIENCE)
+
+    def at_rest(self) -> None:
+        """Wait until the server has taken all events and the pictures show the answer to the last step."""
+        before, same = -1, 0
+        while same < ROUNDS:
+            self.page.evaluate(TAKEN)
+            asked = self.asked
+            self.settled(asked - 1)
+            before, same = asked, same + 1 if asked == before else 0
 
     def handles(self) -> list[str]:
         """Return the ids of the handles of the law."""
@@ -182,15 +215,17 @@ def visited(browser: Browser, server: Server, width: int = 1440, height: int = 9
         page.on("request", lambda asked: visit.requests.append(asked.url))
         page.on("console", lambda said: visit.errors.append(said.text) if said.type == "error" else None)
         page.on("pageerror", lambda error: visit.errors.append(str(error)))
+        start = time.perf_counter()
         page.goto(server.address)
         visit.settled()
+        visit.seconds = time.perf_counter() - start
         yield visit
     finally:
         context.close()
 
 
 def latencies(visit: Visit, handle: str, moves: list[tuple[float, float]]) -> list[float]:
-    """Milliseconds from each move of a dragged handle to its law and heights on the screen."""
+    """Milliseconds from each move of a dragged handle [pixels] to its law and heights on the screen."""
     page = visit.page
     page.evaluate(WATCH)
     x, y = visit.middle(handle)
@@ -206,3 +241,14 @@ def latencies(visit: Visit, handle: str, moves: list[tuple[float, float]]) -> li
     page.mouse.up()
     visit.settled(before)
     return times
+
+
+def updates(visit: Visit, handle: str, count: int) -> None:
+    """Drag a handle by a script: each of so many moves waits for its answer."""
+    before = visit.asked
+    x, y = visit.middle(handle)
+    visit.page.mouse.move(x, y)
+    visit.page.mouse.down()
+    visit.page.evaluate(MOVED, [x, y, count])
+    visit.page.mouse.up()
+    visit.settled(before)

@@ -1,0 +1,116 @@
+"""The explorer in a browser: from a drag to the law on the screen, start, memory, size, and two pages."""
+
+from __future__ import annotations
+
+import re
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from metafem.files import demo_text
+from validation.scenes.browser import opened
+from validation.scenes.explorer import Visit, latencies, served, updates, visited
+from validation.timing import Row
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
+
+# Longest time from a drag to the law and the heights on the screen, 95th percentile [ms].
+LATENCY = {"independent": 100.0, "layer": 150.0}
+
+# Moves of each law, and how far they lie from the first place of their handle [pixels].
+MOVES, REACH = 100, 10.0
+
+# Moves over which the memory is compared, and those of each release.
+UPDATES, HELD = 2000, 100
+
+# Starts of the command, of which the quickest counts: the first fills the file cache.
+STARTS = 3
+
+# An eight-point law whose design uses the limits of the linear demo.
+SAMPLES = np.linspace(0.08, 0.6, 8)
+
+
+def specifications() -> dict[str, str]:
+    """Return specifications of 64 sites, by the kind of their law."""
+    linear = demo_text("linear")
+    areas = {"load": SAMPLES, "friction": 6.87 * SAMPLES}
+    keys = [f"rescaled_{key} = {[f'{value:.4g} mm^2' for value in areas[key]]}" for key in areas]
+    section = "\n".join(["[target]", 'kind = "sampled"', *keys, "", ""]).replace("'", '"')
+    return {
+        "operating points": demo_text("operating-points"),
+        "eight samples": re.sub(r"\[target\].*?(?=\[material\])", section, linear, flags=re.DOTALL),
+        "linear": linear,
+        "bilinear": demo_text("bilinear"),
+    }
+
+
+def rows() -> list[Row]:
+    """Measure the latency of each law and model, the start, the size of the page, and two pages."""
+    with opened() as browser, tempfile.TemporaryDirectory() as folder:
+        measured = []
+        for law, text in specifications().items():
+            for model, allowed in LATENCY.items():
+                path = Path(folder, "spec.toml")
+                path.write_text(text.replace('kind = "independent"', f'kind = "{model}"'), "utf-8")
+                with served(path) as server, visited(browser, server) as visit:
+                    times = dragged(visit, MOVES)
+                what = f"from a drag to law and heights on the screen, {law}, {model}"
+                for percent, name in ((50, "median"), (95, "95th percentile")):
+                    measured.append(
+                        Row(f"{what}: {name}", allowed, float(np.percentile(times, percent)), "ms")
+                    )
+        starts = []
+        for _ in range(STARTS):
+            with served() as server, visited(browser, server) as visit:
+                visit.page.wait_for_load_state("networkidle")
+                starts.append(server.seconds + visit.seconds)
+                foreign = [each for each in visit.requests if not each.startswith(server.origin)]
+                size, count = visit.size, len(visit.requests)
+        measured += [
+            Row("from `metafem explore` to the first law, quickest of three", 3.0, min(starts), "s"),
+            Row("size of the page", 1.0, size / 1e6, "MB"),
+            Row("requests of the page", 40.0, count, ""),
+            Row("requests that leave the machine", 0.0, len(foreign), ""),
+            Row("two pages at once: changes of one by drags in the other", 0.0, disturbed(browser), ""),
+        ]
+    return measured
+
+
+def long_rows() -> list[Row]:
+    """Measure how the memory of the server grows over many updates."""
+    with opened() as browser, served() as server, visited(browser, server) as visit:
+        many(visit, UPDATES // 10)
+        before = server.memory
+        many(visit, UPDATES)
+        what = f"memory of the server over {UPDATES} updates, a release after each {HELD}: growth"
+        return [Row(what, 50.0, server.memory - before, "MiB")]
+
+
+def dragged(visit: Visit, count: int) -> list[float]:
+    """Drag each handle a few times, the first drag not timed, and return the times of all moves [ms]."""
+    handles = visit.handles()
+    rng = np.random.default_rng(0)
+    latencies(visit, handles[0], [(3.0, 3.0), (0.0, 0.0)])
+    times: list[float] = []
+    for handle in handles:
+        moves = rng.uniform(-REACH, REACH, (-(-count // len(handles)), 2))
+        times += latencies(visit, handle, [(float(right), float(down)) for right, down in moves])
+    return times
+
+
+def many(visit: Visit, count: int) -> None:
+    """Drag the first handle by a script, and release it now and then."""
+    for _ in range(count // HELD):
+        updates(visit, visit.handles()[0], HELD)
+
+
+def disturbed(browser: Browser) -> float:
+    """Drag on one of two pages, and count what has changed on the other."""
+    with served() as server, visited(browser, server) as first, visited(browser, server) as second:
+        before = second.history
+        for _ in range(5):
+            updates(first, first.handles()[0], 20)
+        return float((second.history != before) + (first.text == second.text) + (second.asked != 1))
