@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from pathlib import Path
-from tempfile import TemporaryDirectory
+from dataclasses import dataclass, field, replace
 
 from metafem._validate import FloatArray
 from metafem.errors import Infeasible, InvalidInput, MetafemError
 from metafem.explorer.session import State
-from metafem.files import Specification, read_spec
+from metafem.files import Specification, parsed, problem_key
 from metafem.inversion import Design
+from metafem.inversion.targets.target import Target
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,6 +33,8 @@ class Answer:
         Why no surface reaches the target; "" if one does.
     nearest : tuple of ndarray or None
         Rescaled load and friction [mm^2] of the nearest law that can be designed, where one is known.
+    nearest_target : Target or None
+        The target of that law.
     milliseconds : float
         Duration of the computation.
     """
@@ -46,39 +47,72 @@ class Answer:
     refusal: str = ""
     nearest: tuple[FloatArray, FloatArray] | None = None
     milliseconds: float = 0.0
+    nearest_target: Target | None = None
 
     @property
     def current(self) -> bool:
         """Whether the design is that of the state."""
         return self.design is not None and not self.problems and not self.refusal
 
+    @property
+    def refused(self) -> str:
+        """Why there is no design of the state, in words; "" if there is one."""
+        return self.refusal or "\n".join(self.problems.values())
+
 
 def answered(state: State, number: int, before: Answer | None = None) -> Answer:
     """Return the answer to a state; the design of the answer before stays where there is no new one."""
     start = time.perf_counter()
+    if before is not None and before.current and _designs_the_same(before.state, state):
+        elapsed = 1e3 * (time.perf_counter() - start)
+        return replace(before, number=number, state=state, milliseconds=elapsed)
     specification, design = None, None if before is None else before.design
     problems: dict[str, str] = {}
-    refusal, nearest = "", None
+    refusal, nearest, nearest_target = "", None, None
     try:
-        specification = _specification(state)
+        specification = specification_of(state)
         design = specification.design()
     except InvalidInput as error:
-        problems[""] = str(error)
+        problems = _problems(error)
     except Infeasible as error:
         refusal = str(error)
-        if error.nearest is not None and error.nearest.curve() is not None:
-            law = error.nearest.curve()
-            nearest = law.load, law.base
+        if specification is not None and error.nearest is not None:
+            nearest_target = error.nearest
+            nearest = _law_of(specification, error.nearest)
     except MetafemError as error:
         problems[""] = str(error)
     elapsed = 1e3 * (time.perf_counter() - start)
-    return Answer(number, state, specification, design, problems, refusal, nearest, elapsed)
+    return Answer(number, state, specification, design, problems, refusal, nearest, elapsed, nearest_target)
 
 
-def _specification(state: State) -> Specification:
-    with TemporaryDirectory() as folder:
-        path = Path(folder, "spec.toml")
-        path.write_bytes(state.text.encode("utf-8"))
-        for name, text in state.tables.items():
-            Path(folder, name).write_bytes(text.encode("utf-8"))
-        return read_spec(path)
+def specification_of(state: State) -> Specification:
+    """Return the specification of a state, or raise InvalidInput."""
+    return parsed(state.text, {name: text.encode("utf-8") for name, text in state.tables.items()})
+
+
+def _designs_the_same(one: State, other: State) -> bool:
+    return one.text == other.text and one.tables == other.tables
+
+
+def _problems(error: InvalidInput) -> dict[str, str]:
+    """Return the problems of a refused specification by their keys."""
+    found: dict[str, str] = {}
+    for problem in error.problems or (str(error),):
+        key = problem_key(problem) if error.problems else ""
+        found[key] = f"{found[key]}\n{problem}" if key in found else problem
+    return found
+
+
+def _law_of(specification: Specification, target: Target) -> tuple[FloatArray, FloatArray] | None:
+    """Return the law of a target; where only slopes are given, that of its design."""
+    try:
+        law = target.curve()
+        if not law.is_open:
+            return law.load, law.base
+    except InvalidInput:
+        pass  # a target without a range of loads, whose law depends on the surface
+    try:
+        found = replace(specification, target=target).design().law
+    except MetafemError:
+        return None
+    return found.rescaled_load, found.rescaled_friction

@@ -2,31 +2,104 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
+
+import numpy as np
 
 from metafem._validate import FloatArray
 from metafem.explorer.answer import Answer
+from metafem.explorer.law.reach import Band
+from metafem.explorer.law.shown import EDITED, Units, numbers
+from metafem.explorer.law.stand_in import Handle
+from metafem.inversion import Design, OperatingPoints, SampledLaw, Target
+from metafem.inversion.targets.straight import StraightLaw
+
+Line = tuple[FloatArray, FloatArray]
 
 
-def law_data(answer: Answer) -> dict[str, Any]:
-    """Return the curves and handles of an answer in the units that are shown."""
+def law_data(answer: Answer, handles: Sequence[Handle] = (), request: int | None = None) -> dict[str, Any]:
+    """Return the curves and handles of an answer in the units that are shown.
+
+    `request` is the last request of the plot that is answered with it.
+    """
+    units = Units.of(answer.specification, answer.state.newtons)
+    target = None if answer.specification is None else answer.specification.target
     data: dict[str, Any] = {
         "number": answer.number,
-        "x": {"label": "load P/E*", "unit": "mm²"},
-        "y": {"label": "friction F/(σB)", "unit": "mm²"},
+        "request": request,
+        **units.axes(),
         "achieved": None,
+        "model": "",
         "wanted": None,
+        "marked": isinstance(target, OperatingPoints),
         "nearest": None,
-        "refusal": answer.refusal,
-        "handles": [],
+        "refusal": answer.refused,
+        "tolerance": None,
+        "handles": [_handle(handle, units) for handle in handles],
+        "others": [],
+        "measured": None,
+        "cursor": None if answer.state.load is None else numbers([units.load * answer.state.load], EDITED)[0],
     }
     if answer.design is not None:
         law = answer.design.law
-        data["achieved"] = _line(law.rescaled_load, law.rescaled_friction)
+        data["achieved"] = units.curve(law.rescaled_load, law.rescaled_friction)
+        data["model"] = law.model.name
     if answer.nearest is not None:
-        data["nearest"] = _line(*answer.nearest)
+        data["nearest"] = units.curve(*answer.nearest) | {"marked": data["marked"]}
+    if target is not None:
+        line = wanted_line(target, answer.design if answer.current else None)
+        if line is not None:
+            data["wanted"] = units.curve(*line) | {"knots": _knots(target, line, handles)}
     return data
 
 
-def _line(x: FloatArray, y: FloatArray) -> dict[str, list[float]]:
-    return {"x": x.tolist(), "y": y.tolist()}
+def band_data(band: Band | None, units: Units) -> dict[str, Any] | None:
+    """Return the band of all laws in the units that are shown."""
+    if band is None:
+        return None
+    load, low, high = band
+    return {
+        "x": numbers(units.load * load),
+        "low": numbers(units.friction * low),
+        "high": numbers(units.friction * high),
+    }
+
+
+def wanted_line(target: Target, design: Design | None) -> Line | None:
+    """Return the curve of a target; where it leaves parameters open, with those nearest to the design."""
+    if isinstance(target, StraightLaw) and target.load_range is None:
+        return None if design is None else _slopes(design)
+    law = target.curve()
+    if not law.is_open:
+        if isinstance(target, StraightLaw):  # a corner is one of the loads
+            load = np.array([0.0, *(start for _, start in target.lines[1:]), law.load[-1]])
+            return load, target.line(load)
+        return law.load, law.base
+    if design is None:
+        return None
+    return law.load, law.law(np.interp(law.load, design.law.rescaled_load, design.law.area))
+
+
+def _slopes(design: Design) -> Line:
+    """Return straight lines with the target slopes along the branches, with a gap between them."""
+    load, friction = [], []
+    for branch, fit in design.fits:
+        ends = np.array(branch.load_range)
+        middle = fit.intercept + fit.slope * ends.mean()
+        through = middle - branch.slope * ends.mean() if branch.intercept is None else branch.intercept
+        load += [*ends, np.nan]
+        friction += [*(through + branch.slope * ends), np.nan]
+    return np.array(load[:-1]), np.array(friction[:-1])
+
+
+def _handle(handle: Handle, units: Units) -> dict[str, Any]:
+    x, y = numbers([units.load * handle.load, units.friction * handle.friction], EDITED)
+    return {"id": handle.id, "x": x, "y": y, "moves": handle.moves, "label": handle.label}
+
+
+def _knots(target: Target, line: Line, handles: Sequence[Handle]) -> list[str | None] | None:
+    """Return the handle at each corner of the target's curve, with which it moves on the screen."""
+    if not isinstance(target, (OperatingPoints, SampledLaw)) or len(handles) != len(line[0]):
+        return None
+    return [handle.id for handle in handles]

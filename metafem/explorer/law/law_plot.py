@@ -5,16 +5,34 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from nicegui import json
 from nicegui.element import Element
 
 
-class LawPlot(Element, component="law_plot.js"):
-    """Draws the data of `law_data` and emits ``drag``, ``add``, ``remove``, ``cursor`` and ``dropped``."""
+class LawPlot(Element, component="law_plot.js", esm={"metafem-law": "js"}):
+    """Draws the data of `law_data`, and emits what hands and keys do.
 
-    def on_event(self, name: str, handler: Callable[[Any], None]) -> None:
-        """Call a function with the data of an event."""
-        self.on(name, lambda event: handler(event.args))
+    The events are ``drag``, ``add``, ``remove``, ``cursor``, ``nearest`` and ``dropped``.
+    """
 
-    def show(self, data: dict[str, Any]) -> None:
+    def __init__(self, **handlers: Callable[[Any], None]) -> None:
+        super().__init__()
+        for name, handler in handlers.items():
+            self.on(name, lambda event, handler=handler: handler(event.args))
+
+    def draw(self, data: dict[str, Any]) -> None:
         """Draw the data of an answer."""
-        self.run_method("show", data)
+        # sent as a statement: `run_method` sends a value to be returned, which the browser parses twice
+        self.client.run_javascript(f'runMethod({self.id}, "draw", [{json.dumps(data)}])')
+
+    def refuse(self, request: int, words: str) -> None:
+        """Tell why a request of the plot changed nothing."""
+        self.run_method("refuse", request, words)
+
+    def say(self, words: str, *, wrong: bool = False) -> None:
+        """Say something below the plot."""
+        self.run_method("say", words, wrong)
+
+    def choose(self) -> None:
+        """Let the user choose a table of a measured law."""
+        self.run_method("choose")

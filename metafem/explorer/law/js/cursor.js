@@ -1,0 +1,77 @@
+// The line under the pointer with the values there, and the load at which the contacts are shown.
+import { made, set } from "./svg.js";
+import { MARGIN, told, valueAt } from "./view.js";
+
+const ARROWS = { ArrowLeft: -1, ArrowDown: -1, ArrowRight: 1, ArrowUp: 1 };
+// Steps of the arrow keys along the axis, and of those with Shift.
+const [STEPS, LONG] = [100, 10];
+
+export class Cursor {
+  over = null; // where the pointer is [px], or null
+  held = null; // the pointer that drags the load, or null
+  x = null;
+
+  constructor(plot, group, readout) {
+    this.plot = plot;
+    this.readout = readout;
+    this.hair = made("line", { class: "hair", "aria-hidden": "true" }, group);
+    this.dot = made("circle", { class: "hair-dot", r: 4, "aria-hidden": "true" }, group);
+    this.line = made("line", { class: "load", "aria-hidden": "true" }, group);
+    this.knob = made("g", { class: "load-knob", tabindex: 0, role: "slider" }, group);
+    made("rect", { class: "touch", x: -18, y: -6, width: 36, height: 30 }, this.knob);
+    made("path", { class: "mark", d: "M0 0L7 11H-7Z" }, this.knob);
+    this.knob.addEventListener("pointerdown", (event) => {
+      event.stopPropagation();
+      this.held = event.pointerId;
+      plot.svg.setPointerCapture(event.pointerId);
+    });
+    this.knob.addEventListener("keydown", (event) => {
+      const way = ARROWS[event.key];
+      if (!way) return;
+      event.preventDefault();
+      this.choose(this.load + (way * (event.shiftKey ? LONG : 1) * plot.view.x) / STEPS);
+    });
+  }
+
+  // The load at which contacts are shown: the chosen one, or the last of the law.
+  get load() { return this.x ?? this.plot.data?.achieved?.x.at(-1) ?? null; }
+
+  follow(event) {
+    if (this.held !== event.pointerId) return false;
+    this.choose(this.plot.view.atX(this.plot.pointOf(event).x));
+    return true;
+  }
+
+  choose(x) {
+    const { view, data } = this.plot;
+    const law = data?.achieved;
+    if (!law) return;
+    this.x = view.roundedX(Math.min(law.x.at(-1), Math.max(law.x[0], x)));
+    this.plot.emit("cursor", { x: this.x });
+    this.draw(view, data);
+  }
+
+  values(x) {
+    const { view, data } = this.plot;
+    const y = valueAt(data.achieved, x);
+    const load = `${data.x.name} ${told(x, view.x / view.wide)} ${data.x.unit}`;
+    return y === null ? load : `${load}, ${data.y.name} ${told(y, view.y / view.tall)} ${data.y.unit}`;
+  }
+
+  draw(view, data) {
+    const inside = this.over && this.over.x >= MARGIN.left && this.over.x <= view.right && data;
+    const x = inside ? view.atX(this.over.x) : null;
+    const y = inside ? valueAt(data.achieved, x) : null;
+    set(this.hair, { x1: view.px(x ?? 0), x2: view.px(x ?? 0), y1: MARGIN.top, y2: view.bottom, visibility: inside ? null : "hidden" });
+    set(this.dot, { cx: view.px(x ?? 0), cy: view.py(y ?? 0), visibility: y === null ? "hidden" : null });
+    this.readout.textContent = inside ? `${this.values(x)}${y === null ? "" : " (achieved law)"}` : "";
+    const load = this.load;
+    const shown = load !== null && load <= view.x;
+    set(this.line, { x1: view.px(load ?? 0), x2: view.px(load ?? 0), y1: MARGIN.top, y2: view.bottom, visibility: shown ? null : "hidden" });
+    set(this.knob, {
+      transform: `translate(${view.px(load ?? 0).toFixed(2)} ${view.bottom})`, visibility: shown ? null : "hidden",
+      "aria-label": "load at which contacts are shown", "aria-valuenow": load ?? 0, "aria-valuemin": 0,
+      "aria-valuetext": load === null || !data ? "" : this.values(load),
+    });
+  }
+}

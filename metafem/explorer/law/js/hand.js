@@ -1,0 +1,175 @@
+// Handles of the target: dragged by a pointer, moved by keys. What is dragged follows at once; the law follows
+// with the answers.
+import { made, set } from "./svg.js";
+import { told } from "./view.js";
+
+const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+// Steps of the arrow keys along an axis, with Shift ten times as long, and radii of a handle [px]: the area that
+// takes a finger, and the mark.
+const [STEPS, LONG, TOUCH, MARK] = [400, 10, 18, 6.5];
+
+export class Hand {
+  handles = [];
+  held = null;
+  nodes = new Map();
+
+  constructor(plot, group) {
+    this.plot = plot;
+    this.group = group;
+  }
+
+  // The state of a handle that is held: where it started, where it is, and the last place that a surface reaches.
+  hold(id, by, moved = false) {
+    const handle = this.handles.find((each) => each.id === id);
+    if (!handle) return;
+    if (this.held?.by === "keys" && by === "keys" && this.held.id === id && this.held.final === null) {
+      this.held.let = false;
+      return;
+    }
+    if (this.held) this.finish(this.held);
+    const start = { x: handle.x, y: handle.y };
+    this.held = { id, by, start, place: start, good: null, refused: false, moved, let: false, final: null };
+  }
+
+  get current() { return this.handles.find((each) => each.id === this.held?.id); }
+
+  move(x, y) {
+    const { view, requests } = this.plot;
+    const handle = this.current;
+    if (handle.moves !== "y") handle.x = Math.max(view.roundedX(view.x / view.wide), view.roundedX(x));
+    if (handle.moves !== "x") handle.y = Math.max(view.roundedY(view.y / view.tall), view.roundedY(y));
+    view.grow(handle.moves === "y" ? 0 : handle.x, handle.moves === "x" ? 0 : handle.y);
+    const place = { x: handle.x, y: handle.y };
+    if (place.x === this.held.place.x && place.y === this.held.place.y) return;
+    Object.assign(this.held, { place, moved: true });
+    requests.put({ id: handle.id, ...place, released: false });
+    this.plot.paint();
+  }
+
+  // The end of a drag: the place becomes a step of the history once it is known whether a surface reaches it.
+  letGo() {
+    if (!this.held) return;
+    this.held.let = true;
+    if (!this.held.moved) this.drop();
+    else if (this.plot.requests.idle) this.finish(this.held);
+  }
+
+  drop() {
+    this.held = null;
+    this.plot.paint();
+  }
+
+  finish(held) {
+    if (held.final !== null || !held.moved) return;
+    const place = held.refused ? held.good ?? held.start : held.place;
+    const back = held.refused && !held.good; // to the text as it was
+    held.final = this.plot.requests.now({ id: held.id, ...place, released: true, back });
+    const handle = this.handles.find((each) => each.id === held.id);
+    if (handle) Object.assign(handle, place);
+    const where = held.good ? "to the last place that a surface reaches" : "to where it was";
+    const told = handle ? this.words(handle) : "";
+    this.plot.say(held.refused ? `Refused. The point is back ${where}: ${told}.` : `${told}.`, held.refused);
+    this.plot.paint();
+  }
+
+  // Takes an answer: `asked` is the request that it belongs to, if any.
+  answered(request, asked, refusal) {
+    const held = this.held;
+    if (!held) return;
+    if (held.final !== null) {
+      if (request >= held.final) this.held = null;
+      return;
+    }
+    if (asked && asked.id === held.id) {
+      held.refused = refusal !== "";
+      if (!held.refused) held.good = { x: asked.x, y: asked.y };
+    }
+    if (held.let && this.plot.requests.idle) this.finish(held);
+  }
+
+  // New handles; the one that is held stays where the hand is.
+  take(handles) {
+    const held = this.current;
+    this.handles = handles.map((each) => (held && each.id === held.id ? { ...each, x: held.x, y: held.y } : { ...each }));
+    if (this.held && !this.current) this.held = null;
+  }
+
+  words(handle) {
+    const { view, data } = this.plot;
+    const x = `${data.x.name} ${told(handle.x, view.x / view.wide)} ${data.x.unit}`;
+    const y = `${data.y.name} ${told(handle.y, view.y / view.tall)} ${data.y.unit}`;
+    return `${handle.label}: ${x}, ${y}`;
+  }
+
+  draw(view, refused) {
+    const kept = new Set(this.handles.map((each) => each.id));
+    for (const [id, node] of this.nodes) if (!kept.has(id)) { node.remove(); this.nodes.delete(id); }
+    for (const handle of this.handles) {
+      const node = this.nodes.get(handle.id) ?? this.make(handle);
+      const wrong = refused && handle.id === this.held?.id;
+      set(node, {
+        class: `handle moves-${handle.moves}${wrong ? " refused" : ""}`,
+        transform: `translate(${view.px(handle.x).toFixed(2)} ${view.py(handle.y).toFixed(2)})`,
+        "aria-label": this.words(handle), "aria-valuetext": this.words(handle),
+        "aria-valuenow": handle.moves === "x" ? handle.x : handle.y, "aria-valuemin": 0,
+      });
+    }
+  }
+
+  make(handle) {
+    const node = made("g", { "data-id": handle.id, tabindex: 0, role: "slider" }, this.group);
+    made("circle", { class: "touch", r: TOUCH }, node);
+    made("circle", { class: "mark", r: MARK }, node);
+    if (handle.moves !== "xy") made("path", { class: "way", d: handle.moves === "x" ? "M-13 0H13" : "M0 -13V13" }, node);
+    node.addEventListener("pointerdown", (event) => this.grab(event, handle.id));
+    node.addEventListener("keydown", (event) => this.press(event, handle.id));
+    node.addEventListener("keyup", (event) => { if (event.key in ARROWS && this.held?.by === "keys") this.letGo(); });
+    node.addEventListener("blur", () => { if (this.held?.by === "keys") this.letGo(); });
+    this.nodes.set(handle.id, node);
+    return node;
+  }
+
+  grab(event, id) {
+    if (event.button !== 0) return;
+    event.stopPropagation();
+    const { view } = this.plot;
+    this.hold(id, event.pointerId);
+    const handle = this.current;
+    const at = this.plot.pointOf(event);
+    // the point keeps its distance from the finger, so that it does not jump
+    this.apart = { x: at.x - view.px(handle.x), y: at.y - view.py(handle.y) };
+    this.plot.svg.setPointerCapture(event.pointerId);
+  }
+
+  // Follows the pointer that holds a handle; returns whether there is one.
+  follow(event) {
+    if (!this.held || this.held.let || this.held.by !== event.pointerId) return false;
+    const { view } = this.plot;
+    const at = this.plot.pointOf(event);
+    this.move(view.atX(at.x - this.apart.x), view.atY(at.y - this.apart.y));
+    return true;
+  }
+
+  release(event) {
+    if (this.held && !this.held.let && this.held.by === event.pointerId) this.letGo();
+  }
+
+  press(event, id) {
+    const step = ARROWS[event.key];
+    if (step && !event.ctrlKey && !event.altKey && !event.metaKey) {
+      event.preventDefault();
+      if (this.held && this.held.by !== "keys") return;
+      this.hold(id, "keys");
+      const { view } = this.plot;
+      const far = event.shiftKey ? LONG : 1;
+      const handle = this.current;
+      this.move(handle.x + (step[0] * far * view.x) / STEPS, handle.y + (step[1] * far * view.y) / STEPS);
+    } else if (event.key === "Delete" || event.key === "Backspace") {
+      event.preventDefault();
+      const i = this.handles.findIndex((each) => each.id === id);
+      this.plot.emit("remove", { id });
+      const next = this.handles[i + 1] ?? this.handles[i - 1]; // the focus stays among the handles
+      this.nodes.get(next?.id)?.focus();
+    }
+  }
+}

@@ -1,0 +1,29 @@
+// The legend: what is drawn, in words.
+
+// Returns [class of the key, words] of all that an answer shows.
+export function entries(data) {
+  const found = [];
+  const add = (shown, kind, words) => { if (shown) found.push([kind, words]); };
+  add(data.wanted || data.handles.length, data.marked ? "point" : "wanted", "target law");
+  add(data.achieved, data.refusal ? "achieved old" : "achieved", data.refusal ? "last law that was found" : `achieved law (${data.model})`);
+  add(data.nearest, "nearest", "nearest law that can be designed");
+  add(data.band, "band", "reach of any surface within the limits");
+  add(data.tolerance, "tolerance", data.tolerance?.name ?? "tolerance band");
+  (data.others ?? []).forEach((each, i) => add(true, `other other-${i}`, each.name));
+  add(data.measured, "measured", data.measured?.name);
+  return found;
+}
+
+export function drawLegend(list, data) {
+  const found = entries(data);
+  const text = JSON.stringify(found);
+  if (list.dataset.text === text) return; // most answers change nothing here
+  list.dataset.text = text;
+  list.replaceChildren(...found.map(([kind, words]) => {
+    const item = document.createElement("li");
+    const key = document.createElement("span");
+    key.className = `key ${kind}`;
+    item.append(key, words);
+    return item;
+  }));
+}

@@ -1,0 +1,85 @@
+// The picture of the law: axes, bands, curves, points. The handles are drawn by `hand.js`.
+import { made, set, path, area } from "./svg.js";
+import { MARGIN, ticks } from "./view.js";
+
+// Pixels for a label of an axis.
+const [BETWEEN_X, BETWEEN_Y] = [85, 48];
+
+export class Picture {
+  constructor(svg) {
+    this.svg = svg;
+    this.name = `law-clip-${Math.random().toString(36).slice(2)}`; // two plots in one page each have their own
+    this.clip = made("rect", {}, made("clipPath", { id: this.name }, made("defs", {}, svg)));
+    this.grid = made("g", { class: "grid", "aria-hidden": "true" }, svg);
+    this.curves = made("g", { "clip-path": `url(#${this.name})`, "aria-hidden": "true" }, svg);
+    this.band = made("path", { class: "band" }, this.curves);
+    this.tolerance = made("path", { class: "tolerance" }, this.curves);
+    this.others = made("g", {}, this.curves);
+    this.nearest = made("path", { class: "nearest" }, this.curves);
+    this.wanted = made("path", { class: "wanted" }, this.curves);
+    this.achieved = made("path", { class: "achieved" }, this.curves);
+    this.marks = made("g", { class: "marks" }, this.curves);
+    this.measured = made("g", { class: "measured" }, this.curves);
+    this.axes = made("g", { class: "axes", "aria-hidden": "true" }, svg);
+    this.titleX = made("text", { class: "title", "text-anchor": "middle", "aria-hidden": "true" }, svg);
+    this.titleY = made("text", { class: "title", "text-anchor": "middle", "aria-hidden": "true" }, svg);
+  }
+
+  // Draws the data of an answer; `wanted` is the target's curve as it is dragged here.
+  draw(view, data, wanted) {
+    set(this.svg, { viewBox: `0 0 ${view.width} ${view.height}` });
+    set(this.clip, { x: MARGIN.left, y: MARGIN.top - 4, width: view.wide + 4, height: view.tall + 8 });
+    this.drawAxes(view, data);
+    set(this.band, { d: area(view, data.band) });
+    set(this.tolerance, { d: area(view, data.tolerance) });
+    set(this.nearest, { d: path(view, data.nearest) });
+    set(this.achieved, { d: path(view, data.achieved), class: data.refusal ? "achieved old" : "achieved" });
+    set(this.wanted, { d: data.marked ? "" : path(view, wanted) });
+    replace(this.others, data.others, (each, i) => made("path", { class: `other other-${i}`, d: path(view, each) }));
+    replace(this.marks, data.nearest?.marked ? zip(data.nearest) : [], ([x, y]) =>
+      made("circle", { cx: view.px(x), cy: view.py(y), r: 4 }));
+    this.drawMeasured(view, data.measured);
+  }
+
+  drawAxes(view, data) {
+    const { right, bottom } = view;
+    const x = ticks(view.x, view.wide / BETWEEN_X);
+    const y = ticks(view.y, view.tall / BETWEEN_Y);
+    replace(this.grid, [...x.values.map((each) => ["x", each]), ...y.values.map((each) => ["y", each])], ([axis, value]) =>
+      axis === "x"
+        ? made("line", { x1: view.px(value), x2: view.px(value), y1: MARGIN.top, y2: bottom })
+        : made("line", { x1: MARGIN.left, x2: right, y1: view.py(value), y2: view.py(value) }));
+    this.axes.replaceChildren(
+      made("path", { d: `M${MARGIN.left} ${MARGIN.top}V${bottom}H${right}` }),
+      ...x.values.map((each) => label(each.toFixed(x.decimals), view.px(each), bottom + 16, "middle")),
+      ...y.values.map((each) => label(each.toFixed(y.decimals), MARGIN.left - 7, view.py(each) + 4, "end")),
+    );
+    const middle = (MARGIN.top + bottom) / 2;
+    set(this.titleX, { x: (MARGIN.left + right) / 2, y: view.height - 8 });
+    set(this.titleY, { x: 0, y: 0, transform: `translate(14 ${middle}) rotate(-90)` });
+    this.titleX.textContent = `${data.x.label} [${data.x.unit}]`;
+    this.titleY.textContent = `${data.y.label} [${data.y.unit}]`;
+  }
+
+  drawMeasured(view, points) {
+    const all = points ? points.x.map((x, i) => [x, points.y[i], points.x_sd?.[i] ?? 0, points.y_sd?.[i] ?? 0]) : [];
+    replace(this.measured, all, ([x, y, dx, dy]) => {
+      const [px, py] = [view.px(x), view.py(y)];
+      const point = made("g");
+      if (dx) made("line", { x1: view.px(x - dx), x2: view.px(x + dx), y1: py, y2: py }, point);
+      if (dy) made("line", { x1: px, x2: px, y1: view.py(y - dy), y2: view.py(y + dy) }, point);
+      made("rect", { x: px - 3, y: py - 3, width: 6, height: 6 }, point);
+      return point;
+    });
+  }
+}
+
+function zip(curve) { return curve.x.map((x, i) => [x, curve.y[i]]); }
+
+function replace(group, values, make) { group.replaceChildren(...(values ?? []).map(make)); }
+
+function label(text, x, y, anchor) {
+  const node = made("text", { x, y, "text-anchor": anchor });
+  node.textContent = text;
+  return node;
+}

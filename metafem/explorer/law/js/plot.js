@@ -1,0 +1,177 @@
+// The law: draws answers, and turns what hands and keys do into events.
+import { Cursor } from "./cursor.js";
+import { Files } from "./files.js";
+import { Hand } from "./hand.js";
+import { drawLegend } from "./legend.js";
+import { Picture } from "./picture.js";
+import { Requests } from "./requests.js";
+import { made } from "./svg.js";
+import { MARGIN, View } from "./view.js";
+
+// Pixels that a pointer may move during a click.
+const STILL = 4;
+
+export class Plot {
+  view = new View();
+  data = null;
+  band = null;
+
+  constructor(root, emit) {
+    const find = (name) => root.querySelector(`.${name}`);
+    [this.root, this.emit] = [root, emit];
+    [this.stage, this.svg, this.refusal, this.legend, this.live] =
+      [find("law-stage"), find("law-svg"), find("law-refusal"), find("law-legend"), find("law-live")];
+    this.reason = this.refusal.querySelector("span");
+    this.picture = new Picture(this.svg);
+    this.requests = new Requests((request) => emit("drag", request));
+    this.cursor = new Cursor(this, made("g", {}, this.svg), find("law-readout"));
+    this.hand = new Hand(this, made("g", {}, this.svg));
+    this.files = new Files(root, emit, (words, wrong) => this.say(words, wrong));
+    for (const button of root.querySelectorAll(".law-use")) button.addEventListener("click", () => this.use());
+    this.listen();
+    this.observer = new ResizeObserver(() => this.resize());
+    this.observer.observe(this.stage);
+  }
+
+  listen() {
+    const { svg } = this;
+    svg.addEventListener("pointerdown", (event) => { this.pressed = this.pointOf(event); });
+    svg.addEventListener("pointermove", (event) => {
+      this.cursor.over = this.pointOf(event);
+      if (this.hand.follow(event) || this.cursor.follow(event) || !this.data) return;
+      this.cursor.draw(this.view, this.data);
+    });
+    svg.addEventListener("pointerleave", () => {
+      this.cursor.over = null;
+      if (this.data) this.cursor.draw(this.view, this.data);
+    });
+    for (const end of ["pointerup", "pointercancel"]) {
+      svg.addEventListener(end, (event) => {
+        this.hand.release(event);
+        this.cursor.held = null;
+      });
+    }
+    svg.addEventListener("click", (event) => {
+      const at = this.pointOf(event);
+      const still = this.pressed && Math.hypot(at.x - this.pressed.x, at.y - this.pressed.y) < STILL;
+      if (still && event.detail === 1 && !event.target.closest(".handle, .load-knob")) this.cursor.choose(this.view.atX(at.x));
+      this.pressed = null;
+    });
+    svg.addEventListener("dblclick", (event) => {
+      if (!event.target.closest(".handle")) this.add(this.pointOf(event));
+    });
+    svg.addEventListener("keydown", (event) => {
+      if (event.key === "a" && !event.ctrlKey && !event.metaKey && !event.altKey) this.add(this.cursor.over ?? this.between(event.target));
+    });
+  }
+
+  pointOf(event) {
+    const box = this.svg.getBoundingClientRect();
+    return { x: event.clientX - box.left, y: event.clientY - box.top };
+  }
+
+  // Where a new point goes without a pointer: halfway from the handle in focus to the next.
+  between(node) {
+    const { handles } = this.hand;
+    const i = Math.max(0, handles.findIndex((each) => each.id === node.dataset?.id));
+    const [from, to] = handles.length < 2 ? [{ x: 0, y: 0 }, handles[0]] : i + 1 < handles.length ? [handles[i], handles[i + 1]] : [handles[i - 1], handles[i]];
+    return from && to ? { x: this.view.px((from.x + to.x) / 2), y: this.view.py((from.y + to.y) / 2) } : null;
+  }
+
+  add(at) {
+    if (!at || at.x <= MARGIN.left || at.y >= this.view.bottom) return;
+    this.emit("add", { x: this.view.roundedX(this.view.atX(at.x)), y: this.view.roundedY(this.view.atY(at.y)) });
+  }
+
+  use() {
+    this.offer = false;
+    this.emit("nearest", {});
+  }
+
+  // Draws an answer. An answer without a band has the one of the answer before.
+  draw(data) {
+    this.band = data.band === undefined ? this.band : data.band;
+    this.data = { ...data, band: this.band };
+    const asked = data.request === null ? undefined : this.requests.answered(data.request);
+    this.hand.answered(data.request ?? -1, asked, data.refusal);
+    this.hand.take(data.handles);
+    if (this.hand.held) this.offer = data.refusal !== "" && data.nearest !== null;
+    if (!this.hand.held) this.fit();
+    this.cursor.x = data.cursor;
+    drawLegend(this.legend, this.data);
+    this.paint();
+    this.root.dataset.answered = data.number;
+  }
+
+  // Takes the refusal of a request that changed nothing.
+  refuse(number, words) {
+    const asked = this.requests.answered(number);
+    this.hand.answered(number, asked, words);
+    this.say(words, true);
+    if (this.data) this.data = { ...this.data, handles: this.data.handles };
+    this.paint();
+  }
+
+  fit() {
+    const { data, view, hand } = this;
+    const curves = [data.achieved, data.wanted, data.nearest, data.measured, ...data.others].filter(Boolean);
+    view.fit(
+      [...curves.flatMap((each) => each.x), ...hand.handles.map((each) => each.x)],
+      [...curves.flatMap((each) => each.y), ...hand.handles.map((each) => each.y)],
+      data.x.unit,
+    );
+  }
+
+  paint() {
+    const { data, view, hand } = this;
+    if (!data) return;
+    this.picture.draw(view, data, this.wanted());
+    hand.draw(view, data.refusal !== "" || hand.held?.refused);
+    this.cursor.draw(view, data);
+    this.drawRefusal();
+  }
+
+  // The target's curve, whose corners at handles follow the hand.
+  wanted() {
+    const { wanted } = this.data;
+    const handle = this.hand.held && this.hand.current;
+    if (!wanted?.knots || !handle) return wanted;
+    const moved = { x: [...wanted.x], y: [...wanted.y] };
+    wanted.knots.forEach((id, i) => { if (id === handle.id) [moved.x[i], moved.y[i]] = [handle.x, handle.y]; });
+    return moved;
+  }
+
+  // The reason of a refusal stands near the point that is held, else above the law.
+  drawRefusal() {
+    const { data, refusal, view, hand } = this;
+    refusal.hidden = data.refusal === "";
+    if (refusal.hidden) return;
+    if (this.reason.textContent !== data.refusal) this.reason.textContent = data.refusal;
+    refusal.querySelector(".law-use").hidden = data.nearest === null || Boolean(hand.held);
+    refusal.classList.toggle("passive", Boolean(hand.held));
+    const handle = hand.held && hand.current;
+    const left = handle ? view.px(handle.x) + 16 : MARGIN.left + 16;
+    const top = handle ? view.py(handle.y) + 16 : MARGIN.top + 8;
+    refusal.style.left = `${Math.max(4, Math.min(left, view.width - refusal.offsetWidth - 4))}px`;
+    refusal.style.top = `${Math.max(4, Math.min(top, view.height - refusal.offsetHeight - 4))}px`;
+  }
+
+  // Says something below the plot, also to screen readers.
+  say(words, wrong = false) {
+    this.live.querySelector("span").textContent = words;
+    this.live.classList.toggle("wrong", wrong);
+    this.live.querySelector(".law-use").hidden = !(wrong && this.offer);
+  }
+
+  resize() {
+    const { width, height } = this.stage.getBoundingClientRect();
+    if (!width || !height) return; // hidden
+    Object.assign(this.view, { width, height });
+    this.paint();
+  }
+
+  close() {
+    this.observer.disconnect();
+    this.requests.close();
+  }
+}

@@ -1,0 +1,61 @@
+"""The band of all laws that a surface within the limits can have."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from metafem._validate import FloatArray
+from metafem.files import Specification
+from metafem.inversion import feasible_region
+from metafem.inversion.bounds import Bounds
+from metafem.inversion.radii import Radii
+from metafem.models.model import contact_of
+
+# Loads of the band, evenly spaced in the logarithm over this range below the largest: neighbours differ by 8 %,
+# and between them a line is within 0.1 % of a power 2/3.
+LOADS, LEAST = 120, 1e-4
+
+Band = tuple[FloatArray, FloatArray, FloatArray]
+
+
+class Reach:
+    """The band of the last specification; it is computed again only where what it depends on has changed."""
+
+    def __init__(self) -> None:
+        self.key: Any = None
+        self.band: Band | None = None
+
+    def of(self, specification: Specification) -> Band | None:
+        """Return loads, lowest and highest friction (k,) [mm^2]; None where no bound is known.
+
+        They are proven for independent asperities.
+        """
+        template = specification.template
+        count = template.count - sum(height is None for height in specification.pinned.values())
+        key = (
+            *(count, float(template.radius[0]), template.material, specification.limits),
+            *(specification.radii, contact_of(specification.model)),
+        )
+        if key != self.key:
+            self.key, self.band = key, band_of(specification, count)
+        return self.band
+
+
+def band_of(specification: Specification, count: int) -> Band | None:
+    """Return the band of `count` asperities."""
+    template = specification.template
+    members = {name: getattr(template, name)[:count] for name in ("position", "height", "radius")}
+    template = template.replaced(**members)
+    limits, radii, contact = specification.limits, specification.radii, contact_of(specification.model)
+    law = contact.for_material(template.material)
+    largest = Bounds(law, Radii.given(radii, template), count, 0.0).largest_load(limits)
+    if not 0.0 < largest < np.inf:
+        return None
+    load = largest * np.geomspace(LEAST, 1.0, LOADS)
+    load[-1] = largest
+    low, high = feasible_region(template, load, limits, radii, contact)
+    if not np.isfinite(high[:-1]).all():
+        return None
+    return load, low, high

@@ -1,0 +1,64 @@
+"""The units in which a law is shown, rescaled or in newtons, and numbers with the digits that a plot needs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from metafem._validate import FloatArray
+from metafem.files import Specification
+
+# Points of a curve on the screen: neighbouring ones are a few pixels apart.
+MOST_POINTS = 200
+
+# Significant digits of a curve, below a tenth of a pixel, and of values that are edited.
+DRAWN, EDITED = 5, 9
+
+
+@dataclass(frozen=True)
+class Units:
+    """Factors from rescaled load and friction [mm^2] to what is shown, and the labels of the axes."""
+
+    load: float = 1.0
+    friction: float = 1.0
+    newtons: bool = False
+
+    @classmethod
+    def of(cls, specification: Specification | None, newtons: bool) -> Units:
+        """Return newtons if they are wanted and the specification has a friction, else rescaled units."""
+        friction = None if specification is None else specification.template.friction
+        if specification is None or friction is None or not newtons:
+            return cls()
+        modulus = specification.template.material.composite_modulus
+        return cls(modulus, friction.shear_strength * friction.area_ratio, True)
+
+    def axes(self) -> dict[str, dict[str, str]]:
+        """Return names, labels and units of both axes."""
+        unit = "N" if self.newtons else "mm²"
+        labels = ("load P", "friction force F") if self.newtons else ("load P/E*", "friction F/(σB)")
+        names = {"x": ("load", labels[0]), "y": ("friction", labels[1])}
+        return {axis: {"name": name, "label": label, "unit": unit} for axis, (name, label) in names.items()}
+
+    def curve(self, load: FloatArray, friction: FloatArray) -> dict[str, Any]:
+        """Return a curve, thinned and in the units that are shown."""
+        rows = rows_shown(len(load))
+        return {"x": numbers(self.load * load[rows]), "y": numbers(self.friction * friction[rows])}
+
+    def rescaled(self, x: float, y: float) -> tuple[float, float]:
+        """Return the rescaled load and friction of a point that is shown [mm^2]."""
+        return x / self.load, y / self.friction
+
+
+def rows_shown(count: int) -> Any:
+    """Return the rows of a curve that are drawn: all, or evenly spaced ones with both ends."""
+    if count <= MOST_POINTS:
+        return slice(None)
+    return np.unique(np.linspace(0, count - 1, MOST_POINTS).round().astype(np.int64))
+
+
+def numbers(values: FloatArray | Iterable[float], digits: int = DRAWN) -> list[float | None]:
+    """Return numbers with some digits, None for those that are not finite."""
+    return [float(f"{value:.{digits}g}") if np.isfinite(value) else None for value in values]
