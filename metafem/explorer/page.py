@@ -61,6 +61,11 @@ class Page:
         """Answer a state with other members."""
         return self._ask(replace(self.state, **members), True)
 
+    def look(self, **members: Any) -> int:
+        """Answer a state that differs in how it is looked at, which is no step of the history."""
+        self.session.replace(replace(self.state, **members))
+        return self._ask(self.state, True)
+
     def undo(self) -> None:
         """Return to the state before."""
         if self.session.undo():

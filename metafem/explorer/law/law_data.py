@@ -23,7 +23,7 @@ def law_data(answer: Answer, handles: Sequence[Handle] = (), request: int | None
 
     `request` is the last request of the plot that is answered with it.
     """
-    units = Units.of(answer.specification, answer.state.newtons)
+    units = Units.of(answer, answer.state.newtons)
     target = None if answer.specification is None else answer.specification.target
     data: dict[str, Any] = {
         "number": answer.number,
@@ -36,7 +36,8 @@ def law_data(answer: Answer, handles: Sequence[Handle] = (), request: int | None
         "nearest": None,
         "refusal": answer.refused,
         "tolerance": None,
-        "handles": [_handle(handle, units) for handle in handles],
+        # None: those of a text with problems are not known
+        "handles": None if target is None else [_handle(handle, units) for handle in handles],
         "others": [],
         "measured": None,
         "cursor": None if answer.state.load is None else numbers([units.load * answer.state.load], EDITED)[0],

@@ -51,7 +51,7 @@ class LawPanel:
         points = () if specification is None else handles(text, specification, answer.design)
         data = law_data(answer, points, request)
         if specification is not None:
-            units = Units.of(specification, answer.state.newtons)
+            units = Units.of(answer, answer.state.newtons)
             band = self.reach.of(specification)
             if (self.reach.key, units) != self.band_shown:
                 self.band_shown = self.reach.key, units
@@ -86,7 +86,7 @@ class LawPanel:
             self.page.look(load=load)
 
     def _units(self) -> Units:
-        return Units.of(self.page.answer.specification, self.page.state.newtons)
+        return Units.of(self.page.answer, self.page.state.newtons)
 
     def _place(self, event: dict[str, Any]) -> tuple[float, float]:
         return self._units().rescaled(float(event["x"]), float(event["y"]))

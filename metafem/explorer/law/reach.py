@@ -13,8 +13,8 @@ from metafem.inversion.bounds import Bounds
 from metafem.inversion.radii import Radii
 from metafem.models.model import contact_of
 
-# Loads of the band, evenly spaced in the logarithm over this range below the largest: neighbours differ by 8 %,
-# and between them a line is within 0.1 % of a power 2/3.
+# Loads of the band, evenly spaced in the logarithm over this range below the largest. Neighbours differ by
+# 8 %, and between them a line is within 0.1 % of a power 2/3.
 LOADS, LEAST = 120, 1e-4
 
 Band = tuple[FloatArray, FloatArray, FloatArray]

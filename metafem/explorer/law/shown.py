@@ -1,4 +1,4 @@
-"""The units in which a law is shown, rescaled or in newtons, and numbers with the digits that a plot needs."""
+"""The units in which a law is shown, rescaled or in newtons, and numbers with few digits."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from metafem._validate import FloatArray
-from metafem.files import Specification
+from metafem.explorer.answer import Answer
 
 # Points of a curve on the screen: neighbouring ones are a few pixels apart.
 MOST_POINTS = 200
@@ -27,13 +27,17 @@ class Units:
     newtons: bool = False
 
     @classmethod
-    def of(cls, specification: Specification | None, newtons: bool) -> Units:
-        """Return newtons if they are wanted and the specification has a friction, else rescaled units."""
-        friction = None if specification is None else specification.template.friction
-        if specification is None or friction is None or not newtons:
+    def of(cls, answer: Answer, newtons: bool) -> Units:
+        """Return newtons if they are wanted and the surface has a friction, else rescaled units.
+
+        Where the text of an answer has problems they are those of the last design.
+        """
+        known = answer.design if answer.specification is None else answer.specification
+        template = None if known is None else known.template
+        if template is None or template.friction is None or not newtons:
             return cls()
-        modulus = specification.template.material.composite_modulus
-        return cls(modulus, friction.shear_strength * friction.area_ratio, True)
+        stress = template.friction.shear_strength * template.friction.area_ratio
+        return cls(template.material.composite_modulus, stress, True)
 
     def axes(self) -> dict[str, dict[str, str]]:
         """Return names, labels and units of both axes."""

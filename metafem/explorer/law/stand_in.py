@@ -39,5 +39,5 @@ def moved(
 
     document = tomlkit.parse(text)
     for key, value in zip(KEYS, (load, friction), strict=True):
-        document["target"][key][int(id.removeprefix("point-"))] = f"{value:.6g} mm^2"  # type: ignore[index]
+        document["target"][key][int(id.removeprefix("point-"))] = f"{value:.6g} mm^2"
     return document.as_string()

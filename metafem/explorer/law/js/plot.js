@@ -91,10 +91,14 @@ export class Plot {
   // Draws an answer. An answer without a band has the one of the answer before.
   draw(data) {
     this.band = data.band === undefined ? this.band : data.band;
-    this.data = { ...data, band: this.band };
+    const held = this.hand.held !== null;
+    const unknown = data.handles === null; // the text has problems: what is held stays
+    const wanted = unknown && held ? this.data?.wanted : data.wanted;
+    const marked = unknown && held ? this.data?.marked : data.marked;
+    this.data = { ...data, wanted, marked, band: this.band, handles: data.handles ?? [] };
     const asked = data.request === null ? undefined : this.requests.answered(data.request);
     this.hand.answered(data.request ?? -1, asked, data.refusal);
-    this.hand.take(data.handles);
+    if (!unknown || !this.hand.held) this.hand.take(this.data.handles);
     if (this.hand.held) this.offer = data.refusal !== "" && data.nearest !== null;
     if (!this.hand.held) this.fit();
     this.cursor.x = data.cursor;
@@ -108,7 +112,6 @@ export class Plot {
     const asked = this.requests.answered(number);
     this.hand.answered(number, asked, words);
     this.say(words, true);
-    if (this.data) this.data = { ...this.data, handles: this.data.handles };
     this.paint();
   }
 
