@@ -2,14 +2,66 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from nicegui import ui
+
+from metafem.errors import InvalidInput
+from metafem.explorer.answer import Answer
+from metafem.explorer.newest import Newest
+from metafem.explorer.surface.contact_data import contact_data
+from metafem.explorer.surface.edits import edited
+from metafem.explorer.surface.surface_data import layout_data, site_data
+from metafem.explorer.surface.surface_view import SurfaceView
 
 if TYPE_CHECKING:
     from metafem.explorer.page import Page
 
+STYLE = Path(__file__).with_name("surface.css")
+
+
+class Views:
+    """The pictures of a page's surface: sends what has changed, the contacts after the heights."""
+
+    def __init__(self, page: Page) -> None:
+        self.page = page
+        self.view = SurfaceView()
+        self.contacts: Newest[Answer, dict[str, Any]] = Newest(self._contacts, self.view.contact)
+        self.layout: dict[str, Any] = {}
+        self.sensitive = False
+        self.view.on_event("sites", self._edit)
+        self.view.on_event("colour", self._colour)
+        page.listen(self.show)
+
+    def show(self, answer: Answer) -> None:
+        """Show the surface of an answer."""
+        data = site_data(answer)
+        if answer.design is not None:
+            layout = layout_data(answer.design)
+            if layout != self.layout:
+                self.layout = data["layout"] = layout
+            self.contacts.put(answer)
+        self.view.show(data)
+
+    def _contacts(self, answer: Answer) -> dict[str, Any]:
+        assert answer.design is not None
+        return contact_data(answer.design, answer.state.load, self.sensitive)
+
+    def _edit(self, given: Any) -> None:
+        """Keep heights or empty sites, as the menu says."""
+        try:
+            self.page.edit(edited(self.page.state.text, self.page.answer.design, given))
+        except InvalidInput as error:
+            ui.notify(str(error), type="warning")
+
+    def _colour(self, given: Any) -> None:
+        self.sensitive = given == "sensitivity"
+        if self.sensitive and self.page.answer.design is not None:
+            self.contacts.put(self.page.answer)
+
 
 def surface_panel(page: Page) -> None:
-    """Make the views of the surface."""
-    ui.label("Surface")
+    """Make the map and the picture in three dimensions."""
+    ui.add_css(STYLE.read_text("utf-8"))
+    Views(page)

@@ -1,0 +1,68 @@
+"""The contacts of a surface at one load, and the sensitivity of the law to each height there."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from metafem._values import MICROMETRES
+from metafem.errors import MetafemError
+from metafem.explorer.surface.surface_data import at_sites
+from metafem.inversion import Design
+from metafem.prediction import ContactState, equilibrium
+from metafem.prediction.contact_state import MILLINEWTONS
+
+PERCENT = 100.0
+
+# Decimals of a contact radius [mm], of a pressure [MPa], of a load [mN] and of a sensitivity [% per um].
+RADIUS_DECIMALS, PRESSURE_DECIMALS, LOAD_DECIMALS, SENSITIVITY_DECIMALS = 4, 5, 3, 5
+
+
+def contact_data(design: Design, rescaled_load: float | None, sensitive: bool = False) -> dict[str, Any]:
+    """Return the contacts under the model of the design at a load, by default the largest of its law.
+
+    radius [mm], pressure [MPa] (mean of each contact) and force [mN] at the sites; separation [um];
+    sensitivity: relative change of the friction force by each height [% per um], if `sensitive`.
+    """
+    modulus = design.surface.material.composite_modulus
+    load = float(design.law.load[-1]) if rescaled_load is None else rescaled_load * modulus
+    try:
+        state = equilibrium(design.surface, design.law.model, load=load)
+        found = _contacts(design, state)
+        return found | (_sensitivity(design, load / modulus, state) if sensitive else {})
+    except MetafemError as error:
+        return {"words": f"At {load:.3g} N no contacts were found: {error}"}
+
+
+def _contacts(design: Design, state: ContactState) -> dict[str, Any]:
+    area, load = state.asperity_area, state.asperity_load
+    closed = area > 0.0
+    pressure = np.divide(load, area, out=np.zeros_like(load), where=closed)
+    return {
+        "words": _words(design, state),
+        "separation": MICROMETRES * state.separation,
+        "radius": at_sites(design, np.sqrt(area / np.pi), RADIUS_DECIMALS),
+        "pressure": at_sites(design, pressure, PRESSURE_DECIMALS),
+        "force": at_sites(design, MILLINEWTONS * load, LOAD_DECIMALS),
+    }
+
+
+def _words(design: Design, state: ContactState) -> str:
+    closed, count = int(np.count_nonzero(state.asperity_area)), design.surface.count
+    empty = design.template.count - count
+    words = f"At {state.load:.3g} N: {closed:,} of {count:,} asperities in contact"
+    if empty:
+        words += f", {empty:,} {'site is' if empty == 1 else 'sites are'} empty"
+    return words + "."
+
+
+def _sensitivity(design: Design, rescaled_load: float, state: ContactState) -> dict[str, Any]:
+    """Return 100 (dF/dh) / F = 100 (dA0/dh) / A0; models without derivatives use those of another one."""
+    model = design.law.model.gradient_model
+    if not state.area > 0.0:
+        return {"sensitivity": at_sites(design, np.zeros(design.surface.count), 0), "note": ""}
+    found = model.sensitivity(design.surface, np.array([rescaled_load]))
+    share = PERCENT * found.gradient[0] / (found.curve.area[0] * MICROMETRES)
+    note = "" if model == design.law.model else f"Sensitivities are those of the model {model.name}."
+    return {"sensitivity": at_sites(design, share, SENSITIVITY_DECIMALS), "note": note}

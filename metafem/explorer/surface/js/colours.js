@@ -1,0 +1,47 @@
+// Scales of colour whose lightness rises in equal steps, in the colour space Oklab; along blue and yellow, and blue and
+// orange, they are told apart by people who do not tell red from green.
+
+const STEPS = 256;
+
+// From Oklab to linear and then to coded sRGB, each from 0 to 1.
+function rgb([light, a, b]) {
+  const l = (light + 0.3963377774 * a + 0.2158037573 * b) ** 3;
+  const m = (light - 0.1055613458 * a - 0.0638541728 * b) ** 3;
+  const s = (light - 0.0894841775 * a - 1.291485548 * b) ** 3;
+  const linear = [
+    4.0767416621 * l - 3.3077115913 * m + 0.2309699292 * s,
+    -1.2684380046 * l + 2.6097574011 * m - 0.3413193965 * s,
+    -0.0041960863 * l - 0.7034186147 * m + 1.707614701 * s,
+  ];
+  return linear.map((each) => {
+    const value = Math.min(1, Math.max(0, each));
+    return value <= 0.0031308 ? 12.92 * value : 1.055 * value ** (1 / 2.4) - 0.055;
+  });
+}
+
+const between = (from, to, t) => from.map((each, i) => each + t * (to[i] - each));
+
+function table(at) {
+  return Array.from({ length: STEPS }, (_, i) => rgb(at(i / (STEPS - 1))));
+}
+
+const LOW = [0.34, -0.01, -0.12];
+const HIGH = [0.93, -0.03, 0.15];
+const rising = table((t) => between(LOW, HIGH, t));
+
+const BLUE = [-0.03, -0.12];
+const ORANGE = [0.09, 0.11];
+const diverging = (dark) => {
+  const middle = [dark ? 0.38 : 0.93, 0, 0];
+  const end = dark ? 0.8 : 0.55;
+  return table((t) => between(middle, [end, ...(t < 0.5 ? BLUE : ORANGE)], Math.abs(2 * t - 1)));
+};
+const twoSided = { true: diverging(true), false: diverging(false) };
+
+// A scale of colours over a range; `rgb` answers from 0 to 1, `css` for drawing.
+export function scaleOf(low, high, { signed = false, dark = false } = {}) {
+  const colours = signed ? twoSided[dark] : rising;
+  const index = (value) => Math.round((STEPS - 1) * Math.min(1, Math.max(0, (value - low) / (high - low || 1))));
+  const css = colours.map((each) => `rgb(${each.map((part) => Math.round(255 * part)).join(" ")})`);
+  return { low, high, rgb: (value) => colours[index(value)], css: (value) => css[index(value)] };
+}

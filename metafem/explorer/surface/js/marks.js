@@ -1,0 +1,102 @@
+// The sites of the map: as SVG, or on a canvas where there are too many elements for a browser.
+import { element } from "./frame.js";
+
+// Above this number a redraw of SVG takes longer than a frame of a slow machine.
+export const MOST_ELEMENTS = 2000;
+
+// A marker covers this share of the least distance between sites.
+export const MARKER = 0.42;
+
+export class SvgMarks {
+  constructor(svg) {
+    this.group = element("g", {}, svg);
+    this.sites = [];
+  }
+
+  place(layout, view) {
+    const r = Math.max(1.5, MARKER * layout.spacing * view.scale);
+    if (this.sites.length !== layout.x.length) {
+      this.group.replaceChildren();
+      this.sites = layout.x.map((_, i) => {
+        const group = element("g", { class: "site", "data-site": i }, this.group);
+        const parts = { group, marker: element("circle", { class: "marker" }, group), contact: element("circle", { class: "contact", r: 0 }, group) };
+        return { ...parts, cross: element("path", { class: "cross" }, group), pin: element("path", { class: "pin" }, group), seen: {} };
+      });
+    }
+    const [c, p] = [0.45 * r, Math.max(2.5, 0.26 * r)];
+    this.sites.forEach((site, i) => {
+      site.group.setAttribute("transform", `translate(${view.px(layout.x[i])} ${view.py(layout.y[i])})`);
+      site.marker.setAttribute("r", r);
+      site.cross.setAttribute("d", `M${-c} ${-c}L${c} ${c}M${-c} ${c}L${c} ${-c}`);
+      site.pin.setAttribute("d", `M${0.75 * r} ${-0.75 * r - p}l${p} ${p}l${-p} ${p}l${-p} ${-p}z`);
+    });
+  }
+
+  clear() {
+    this.group.replaceChildren();
+    this.sites = [];
+  }
+
+  // `look(i)`: fill, classes and the radius of the contact [pixels] of a site.
+  draw(look) {
+    this.sites.forEach((site, i) => {
+      const { fill, classes, contact } = look(i);
+      const { seen } = site;
+      if (seen.fill !== fill) site.marker.setAttribute("fill", (seen.fill = fill));
+      if (seen.classes !== classes) site.group.setAttribute("class", (seen.classes = classes));
+      if (seen.contact !== contact) site.contact.setAttribute("r", (seen.contact = contact));
+    });
+  }
+}
+
+export class CanvasMarks {
+  constructor(canvas) {
+    this.canvas = canvas;
+    this.context = canvas.getContext("2d");
+  }
+
+  place(layout, view, width, height) {
+    const fine = window.devicePixelRatio || 1;
+    this.canvas.width = fine * width;
+    this.canvas.height = fine * height;
+    this.context.setTransform(fine, 0, 0, fine, 0, 0);
+    [this.width, this.height] = [width, height];
+    this.r = Math.max(1, MARKER * layout.spacing * view.scale);
+    this.at = layout.x.map((x, i) => [view.px(x), view.py(layout.y[i])]);
+  }
+
+  clear() {
+    this.canvas.width = 0;
+    this.at = [];
+  }
+
+  draw(look) {
+    const { context, r, at } = this;
+    const style = getComputedStyle(this.canvas);
+    const [ink, accent, paper] = ["--ink", "--accent", "--paper"].map((name) => style.getPropertyValue(name));
+    context.clearRect(0, 0, this.width, this.height);
+    const marked = [];
+    at.forEach(([x, y], i) => {
+      const { fill, classes, contact } = look(i);
+      if (classes !== "site") marked.push([x, y, classes]);
+      context.fillStyle = fill;
+      if (fill !== "none") context.fillRect(x - r, y - r, 2 * r, 2 * r);
+      if (!contact) return;
+      context.beginPath();
+      context.arc(x, y, contact, 0, 2 * Math.PI);
+      context.fillStyle = paper;
+      context.fill();
+      context.lineWidth = Math.min(1, r / 5);
+      context.strokeStyle = ink;
+      context.stroke();
+    });
+    for (const [x, y, classes] of marked) {
+      const [chosen, pinned] = [/selected|active/.test(classes), classes.includes("pinned")];
+      context.lineWidth = chosen ? 2 : 1;
+      context.strokeStyle = chosen ? accent : ink;
+      if (chosen || classes.includes("empty")) context.strokeRect(x - r, y - r, 2 * r, 2 * r);
+      context.fillStyle = ink;
+      if (pinned) context.fillRect(x + r / 3, y - r, (2 * r) / 3, (2 * r) / 3);
+    }
+  }
+}

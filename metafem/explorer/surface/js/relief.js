@@ -1,0 +1,209 @@
+// The surface in three dimensions: undeformed caps on the block, cut off at the glass, with the contacts on it.
+import { colouring } from "./values.js";
+
+// First and largest exaggeration of the heights.
+export const EXAGGERATION = { first: 4, most: 20 };
+
+// Direction from which the camera looks first, and its field of view [degrees].
+const [FROM, FIELD] = [[-0.55, -1, 0.8], 32];
+
+// Segments of a cap: fewer for many, of which each is small.
+const segments = (count) => (count > 1500 ? [12, 4] : count > 200 ? [20, 6] : [40, 12]);
+
+export class Relief {
+  constructor(box) { this.box = box; }
+
+  // Loads three.js from the machine itself; throws where there is no WebGL.
+  async start() {
+    const { THREE, OrbitControls } = await import("nicegui-scene");
+    this.THREE = THREE;
+    const renderer = new THREE.WebGLRenderer({ antialias: true, alpha: true });
+    renderer.localClippingEnabled = true;
+    renderer.setPixelRatio(Math.min(2, window.devicePixelRatio || 1));
+    this.renderer = renderer;
+    const canvas = renderer.domElement;
+    canvas.tabIndex = 0;
+    canvas.setAttribute("role", "application");
+    canvas.setAttribute("aria-label", "Surface in three dimensions. Arrow keys turn it, plus and minus change the distance, Home resets the view.");
+    this.box.prepend(canvas);
+    this.scene = new THREE.Scene();
+    this.camera = new THREE.PerspectiveCamera(FIELD, 1, 0.1, 1000);
+    this.camera.up.set(0, 0, 1);
+    const light = new THREE.DirectionalLight(0xffffff, 2);
+    light.position.set(-1, -0.6, 1.6);
+    this.scene.add(new THREE.HemisphereLight(0xffffff, 0x8090a0, 1.6), light);
+    this.controls = new OrbitControls(this.camera, canvas);
+    this.controls.maxPolarAngle = 0.495 * Math.PI;
+    this.controls.addEventListener("change", () => this.render());
+    canvas.addEventListener("keydown", (event) => this.key(event));
+    this.observer = new ResizeObserver(() => this.resize());
+    this.observer.observe(this.box);
+    this.cut = { base: new THREE.Plane(new THREE.Vector3(0, 0, 1), 0), glass: new THREE.Plane(new THREE.Vector3(0, 0, -1), 1) };
+    this.exaggeration = EXAGGERATION.first;
+  }
+
+  end() {
+    this.observer?.disconnect();
+    this.controls?.dispose();
+    this.clear();
+    this.renderer?.dispose();
+  }
+
+  clear() {
+    for (const each of this.things ?? []) {
+      this.scene.remove(each);
+      each.geometry.dispose();
+      each.material.dispose();
+      each.dispose?.();
+    }
+    this.things = [];
+  }
+
+  resize() {
+    const { clientWidth: width, clientHeight: height } = this.box;
+    if (!width || !height) return;
+    this.renderer.setSize(width, height);
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+    if (this.layout) this.render();
+  }
+
+  // Draws once, with the next frame; nothing runs while nothing changes.
+  render() {
+    if (this.asked) return;
+    this.asked = requestAnimationFrame(() => {
+      this.asked = null;
+      this.renderer.render(this.scene, this.camera);
+    });
+  }
+
+  // Takes the newest data when the browser has nothing else to do.
+  show(layout, surface, contacts, what) {
+    this.newest = { layout, surface, contacts, what };
+    if (this.waiting) return;
+    this.waiting = true;
+    const idle = window.requestIdleCallback ?? ((call) => setTimeout(call, 50));
+    idle(() => {
+      this.waiting = false;
+      this.draw();
+    }, { timeout: 2000 });
+  }
+
+  draw() {
+    const { layout, surface, contacts, what } = this.newest;
+    if (layout !== this.layout) {
+      this.layout = layout;
+      this.build();
+      this.reset();
+    }
+    const { THREE, exaggeration: e } = this;
+    const dark = document.body.classList.contains("body--dark");
+    const colours = colouring(what, surface, contacts, dark);
+    const separation = (contacts?.separation ?? 1e3 * layout.spacing) / 1e3;
+    const top = e * separation;
+    this.cut.glass.constant = top;
+    this.glass.position.z = top;
+    this.glass.visible = contacts?.separation > 0;
+    const [at, colour] = [new THREE.Matrix4(), new THREE.Color()];
+    const style = getComputedStyle(this.box);
+    const plain = style.getPropertyValue("--faint").trim();
+    this.block.material.color.set(style.getPropertyValue("--line").trim());
+    this.contacts.material.color.set(style.getPropertyValue("--target").trim());
+    layout.x.forEach((x, i) => {
+      const height = surface.height[i];
+      const y = layout.y[i];
+      const R = typeof surface.radius === "number" ? surface.radius : surface.radius[i];
+      const h = height === null ? 0 : height / 1e3;
+      const size = height === null ? 0 : R;
+      this.caps.setMatrixAt(i, at.makeScale(size, size, e * size).setPosition(x, y, e * (h - R)));
+      const depth = Math.max(0, h - separation);
+      const lid = height === null ? 0 : Math.sqrt(Math.max(0, 2 * R * depth - depth * depth));
+      this.lids.setMatrixAt(i, at.makeScale(lid, lid, 1).setPosition(x, y, top));
+      const radius = contacts?.radius?.[i] ?? 0;
+      this.contacts.setMatrixAt(i, at.makeScale(radius, radius, 1).setPosition(x, y, top));
+      if (colours.shown(i)) colour.setRGB(...colours.scale.rgb(colours.values[i]), THREE.SRGBColorSpace);
+      else colour.set(plain);
+      this.caps.setColorAt(i, colour);
+      this.lids.setColorAt(i, colour);
+    });
+    for (const each of [this.caps, this.lids, this.contacts]) {
+      each.instanceMatrix.needsUpdate = true;
+      if (each.instanceColor) each.instanceColor.needsUpdate = true;
+    }
+    this.render();
+  }
+
+  // Meshes for the sites of a layout.
+  build() {
+    this.clear();
+    const { THREE, layout, cut } = this;
+    const count = layout.x.length;
+    const range = (values) => values.reduce(([low, high], each) => [Math.min(low, each), Math.max(high, each)], [Infinity, -Infinity]);
+    const [[west, east], [south, north]] = [range(layout.x), range(layout.y)];
+    const middle = [(west + east) / 2, (south + north) / 2];
+    const sites = [east - west + layout.spacing, north - south + layout.spacing];
+    const [width, length, thickness] = layout.block ?? [...sites, 0.5 * layout.spacing];
+    this.block = new THREE.Mesh(new THREE.BoxGeometry(width, length, thickness), new THREE.MeshLambertMaterial());
+    this.block.position.set(...(layout.block ? [0, 0] : middle), -thickness / 2);
+    const [around, down] = segments(count);
+    const cap = new THREE.SphereGeometry(1, around, down, 0, 2 * Math.PI, 0, Math.PI / 2).rotateX(Math.PI / 2);
+    const flat = { polygonOffset: true, polygonOffsetUnits: -2 };
+    const instanced = (geometry, material) => {
+      const made = new THREE.InstancedMesh(geometry, material, count);
+      made.frustumCulled = false;
+      return made;
+    };
+    this.caps = instanced(cap, new THREE.MeshLambertMaterial({ clippingPlanes: [cut.base, cut.glass], side: THREE.DoubleSide }));
+    this.lids = instanced(new THREE.CircleGeometry(1, around), new THREE.MeshLambertMaterial({ ...flat, polygonOffsetFactor: -1 }));
+    this.contacts = instanced(new THREE.CircleGeometry(1, around), new THREE.MeshBasicMaterial({ ...flat, polygonOffsetFactor: -3, polygonOffsetUnits: -8 }));
+    this.glass = new THREE.Mesh(
+      new THREE.PlaneGeometry(...sites),
+      new THREE.MeshBasicMaterial({ color: 0x7fb4cc, transparent: true, opacity: 0.22, depthWrite: false, side: THREE.DoubleSide }),
+    );
+    this.glass.position.set(...middle, 0);
+    this.things = [this.block, this.caps, this.lids, this.contacts, this.glass];
+    this.scene.add(...this.things);
+    this.size = Math.hypot(...sites);
+    this.middle = middle;
+  }
+
+  reset() {
+    const { size, camera, controls } = this;
+    const from = new this.THREE.Vector3(...FROM).normalize();
+    camera.near = size / 100;
+    camera.far = 20 * size;
+    camera.updateProjectionMatrix();
+    controls.target.set(...this.middle, 0);
+    const room = Math.min(1, camera.aspect);
+    camera.position.copy(controls.target).addScaledVector(from, (0.62 * size) / Math.tan((FIELD * Math.PI) / 360) / room);
+    controls.update();
+    this.render();
+  }
+
+  exaggerate(times) {
+    this.exaggeration = times;
+    if (this.layout) this.draw();
+  }
+
+  key(event) {
+    const turns = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1] };
+    const nearer = { "+": 0.85, "-": 1 / 0.85 }[event.key] ?? 1;
+    if (event.key === "Home") this.reset();
+    else if (turns[event.key] || nearer !== 1) this.turn(...(turns[event.key] ?? [0, 0]), nearer);
+    else return;
+    event.preventDefault();
+  }
+
+  // Turns the camera around the middle, within what the mouse can reach.
+  turn(around, down, nearer) {
+    const { camera, controls, THREE } = this;
+    const away = camera.position.clone().sub(controls.target);
+    const radius = nearer * away.length();
+    const polar = Math.min(controls.maxPolarAngle, Math.max(0.02, Math.acos(away.z / away.length()) + down));
+    const azimuth = Math.atan2(away.y, away.x) + around;
+    const flat = radius * Math.sin(polar);
+    camera.position.set(flat * Math.cos(azimuth), flat * Math.sin(azimuth), radius * Math.cos(polar)).add(controls.target);
+    controls.update();
+    this.render();
+  }
+}

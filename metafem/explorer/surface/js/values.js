@@ -1,0 +1,46 @@
+// What is shown at the sites: the values of a colouring with their scale, and the words for a site.
+import { scaleOf } from "./colours.js";
+
+const NAMES = {
+  height: ["height", "µm"],
+  pressure: ["mean contact pressure", "MPa"],
+  sensitivity: ["change of friction per height", "%/µm"],
+};
+
+export function colouring(what, surface, contacts, dark) {
+  const [name, unit] = NAMES[what];
+  if (what === "height") {
+    return { name, unit, values: surface.height, scale: scaleOf(...surface.limits), shown: (i) => surface.height[i] !== null };
+  }
+  const values = contacts?.[what];
+  if (!values) return { name, unit, values: [], scale: null, shown: () => false };
+  const shown = (i) => values[i] !== null && contacts.radius[i] > 0;
+  const inContact = values.filter((_, i) => shown(i));
+  let [low, high] = [0, 0];
+  for (const value of inContact) [low, high] = [Math.min(low, value), Math.max(high, value)];
+  const signed = low < 0;
+  const most = Math.max(high, -low);
+  return { name, unit, values, scale: scaleOf(signed ? -most : 0, most, { signed, dark }), shown };
+}
+
+export const digits = (value, count = 3) => Number(value.toPrecision(count)).toLocaleString("en", { maximumSignificantDigits: count, useGrouping: false }).replace("-", "−");
+
+export function words(i, surface, contacts) {
+  const height = surface.height[i];
+  const kept = surface.pinned[i];
+  const lines = [`site ${i}`];
+  if (height === null) {
+    lines.push(surface.empty.has(i) ? "left empty" : "left empty by the design");
+    return lines;
+  }
+  lines.push(`height ${height.toFixed(1)} µm${kept === undefined ? "" : ", kept"}`);
+  if (surface.empty.has(i)) lines.push("to be left empty");
+  const radius = contacts?.radius?.[i];
+  if (radius > 0) {
+    lines.push(`contact radius ${digits(1e3 * radius)} µm`);
+    lines.push(`load ${digits(contacts.force[i])} mN, mean pressure ${digits(contacts.pressure[i])} MPa`);
+  } else if (radius === 0) lines.push("not in contact");
+  const sensitivity = contacts?.sensitivity?.[i];
+  if (sensitivity !== undefined && sensitivity !== null) lines.push(`sensitivity ${sensitivity > 0 ? "+" : ""}${digits(sensitivity)} % of the friction per µm`);
+  return lines;
+}

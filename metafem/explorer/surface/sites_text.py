@@ -1,0 +1,74 @@
+"""Kept heights and empty sites in the text of a specification."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from metafem.explorer.text.document import Document
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What a specification says of single sites.
+
+    Attributes
+    ----------
+    empty : frozenset of int
+        Sites that stay empty.
+    pinned : mapping of int to str
+        Sites whose heights are kept, with these heights as written.
+    """
+
+    empty: frozenset[int] = frozenset()
+    pinned: Mapping[int, str] = field(default_factory=dict)
+
+
+def asked_sites(text: str) -> Asked:
+    """Return what a text says of single sites; entries of a wrong kind are left out."""
+    try:
+        section = tomllib.loads(text).get("sites")
+    except (tomllib.TOMLDecodeError, RecursionError):
+        return Asked()
+    if not isinstance(section, dict):
+        return Asked()
+    heights = section.get("heights")
+    pairs = zip(_numbers(section.get("pinned")), heights if isinstance(heights, list) else (), strict=False)
+    return Asked(frozenset(_numbers(section.get("empty"))), {site: str(height) for site, height in pairs})
+
+
+def pinned_text(text: str, heights: Mapping[int, str]) -> str:
+    """Return the text that keeps the heights of sites, given as quantities such as "150 um"."""
+    asked = asked_sites(text)
+    return _written(text, asked.empty - heights.keys(), {**asked.pinned, **heights})
+
+
+def emptied_text(text: str, sites: Collection[int]) -> str:
+    """Return the text that leaves sites empty."""
+    asked = asked_sites(text)
+    kept = {site: height for site, height in asked.pinned.items() if site not in sites}
+    return _written(text, asked.empty.union(sites), kept)
+
+
+def released_text(text: str, sites: Collection[int]) -> str:
+    """Return the text that leaves sites to the design, neither kept nor empty."""
+    asked = asked_sites(text)
+    kept = {site: height for site, height in asked.pinned.items() if site not in sites}
+    return _written(text, asked.empty.difference(sites), kept)
+
+
+def _numbers(given: Any) -> list[int]:
+    return [each for each in given if type(each) is int] if isinstance(given, list) else []
+
+
+def _written(text: str, empty: Collection[int], pinned: Mapping[int, str]) -> str:
+    sites = sorted(pinned)
+    return Document(text).with_values(
+        {
+            "sites.empty": sorted(empty) or None,
+            "sites.pinned": sites or None,
+            "sites.heights": [pinned[site] for site in sites] or None,
+        }
+    )

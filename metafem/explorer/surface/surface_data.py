@@ -1,0 +1,109 @@
+"""The surface of an answer as data of its pictures."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from metafem._validate import FloatArray
+from metafem._values import MICROMETRES
+from metafem.explorer.answer import Answer
+from metafem.explorer.surface.sites_text import Asked, asked_sites
+from metafem.inversion import Design, DesignStatus
+from metafem.inversion.assessment import misfit_text
+from metafem.surface import Surface
+
+# Decimals of a height [um], of a position [mm] and of a contact radius [mm]; a pixel shows less.
+HEIGHT_DECIMALS, POSITION_DECIMALS = 2, 4
+
+
+def layout_data(design: Design) -> dict[str, Any]:
+    """Return the sites [mm], their least distance [mm] and the block [mm], which change rarely."""
+    template = design.template
+    block = template.block
+    return {
+        "x": _rounded(template.position[:, 0], POSITION_DECIMALS),
+        "y": _rounded(template.position[:, 1], POSITION_DECIMALS),
+        "spacing": least_distance(template),
+        "block": None if block is None else [block.width, block.length, block.thickness],
+    }
+
+
+def least_distance(surface: Surface) -> float:
+    """Return the least distance between two sites [mm]; of a single one, four radii."""
+    if surface.count == 1:
+        return 4.0 * float(surface.radius[0])
+    from scipy.spatial import KDTree
+
+    return float(KDTree(surface.position).query(surface.position, k=2)[0][:, 1].min())
+
+
+def site_data(answer: Answer) -> dict[str, Any]:
+    """Return the heights [um] and radii [mm] at the sites, None where there is no asperity.
+
+    ``pinned`` holds the sites whose heights are kept, as written; ``empty`` those that the specification
+    leaves empty; ``limits`` the lowest and the largest height of the colours.
+    """
+    data: dict[str, Any] = {"number": answer.number, "message": message(answer)}
+    design = answer.design
+    if design is None:
+        return data
+    asked = asked_sites(answer.state.text)
+    heights = MICROMETRES * design.surface.height
+    radii = np.unique(design.surface.radius)
+    limits, count = design.limits, design.template.count
+    low = min(MICROMETRES * limits.foot, float(heights.min()))
+    high = max(MICROMETRES * (limits.offset + limits.max_height), float(heights.max()))
+    return data | {
+        "height": at_sites(design, heights, HEIGHT_DECIMALS),
+        "radius": float(radii[0]) if len(radii) == 1 else at_sites(design, design.surface.radius, 4),
+        "pinned": {str(site): height for site, height in asked.pinned.items() if site < count},
+        "empty": sorted(site for site in asked.empty if site < count),
+        "limits": [low, high],
+    }
+
+
+def message(answer: Answer) -> str:
+    """Return what has to be said of the surface that is shown: that it is an older one, or misses the target."""
+    if answer.design is None:
+        return "There is no surface yet." if answer.problems or answer.refusal else ""
+    asked = asked_sites(answer.state.text)
+    if answer.refusal or answer.problems:
+        about = [words for key, words in answer.problems.items() if key.startswith("sites")]
+        reason = " ".join([answer.refusal, *about]) if _any(asked) else ""
+        return f"These are the heights of the last surface that was found. {reason}".strip()
+    if _any(asked) and answer.design.status is DesignStatus.MISSED:
+        return f"With these sites kept or empty the target law is missed by {misfit_text(answer.design.misfit)}."
+    return ""
+
+
+def _any(asked: Asked) -> bool:
+    return bool(asked.empty or asked.pinned)
+
+
+def kept_height(design: Design, site: int) -> str | None:
+    """Return the height of a site as a quantity rounded to 0.1 um, within the limits; None if it is empty."""
+    found = np.flatnonzero(design.sites == site)
+    if not len(found):
+        return None
+    height = MICROMETRES * float(design.surface.height[found[0]])
+    limits, tenths = design.limits, round(10.0 * height)
+    if tenths > 10.0 * MICROMETRES * (limits.offset + limits.max_height) >= 10.0 * height:
+        tenths -= 1
+    elif tenths < 10.0 * MICROMETRES * limits.foot <= 10.0 * height:
+        tenths += 1
+    return f"{tenths / 10.0!r} um"
+
+
+def at_sites(design: Design, values: FloatArray, decimals: int) -> list[float | None]:
+    """Return values of the asperities at the sites of the template, None where there is none."""
+    listed: list[float | None] = [None] * design.template.count
+    for site, value in zip(design.sites.tolist(), _rounded(values, decimals), strict=True):
+        listed[site] = value
+    return listed
+
+
+def _rounded(values: ArrayLike, decimals: int) -> list[float]:
+    return np.round(np.asarray(values, dtype=float), decimals).tolist()  # type: ignore[no-any-return]

@@ -1,0 +1,199 @@
+// The surface: map and picture in three dimensions, with a menu for the sites that are selected.
+import { SiteMap } from "metafem-surface/map.js";
+import { EXAGGERATION, Relief } from "metafem-surface/relief.js";
+import { words } from "metafem-surface/values.js";
+
+const HELP = "Arrow keys move between the sites, with Shift they select. Enter opens the menu, p keeps the height, e leaves the site empty, r lets the design choose, Escape ends the selection.";
+const MOVES = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+
+export default {
+  template: `
+    <div class="surface-view" data-answered="0">
+      <div class="controls">
+        <div role="tablist" aria-label="View of the surface">
+          <button v-for="[name, label] in [['map', 'Map'], ['relief', '3D']]" type="button" role="tab" :aria-selected="tab === name ? 'true' : 'false'"
+                  :class="{ on: tab === name }" @click="open(name)">{{ label }}</button>
+        </div>
+        <label>Colour <select v-model="what" @change="recolour" aria-label="Colour of the sites">
+          <option value="height">height</option><option value="pressure">contact pressure</option><option value="sensitivity">sensitivity</option>
+        </select></label>
+      </div>
+      <p class="line" role="status">{{ line }}<span v-if="message" class="warning"> {{ message }}</span></p>
+      <div class="box map" ref="map" v-show="tab === 'map'" @keydown.esc="close">
+        <div v-if="tip" class="tip" :style="tip.style"><div v-for="each in tip.lines">{{ each }}</div></div>
+        <div v-if="menu" class="menu" role="dialog" :aria-label="title" :style="menu" ref="menu">
+          <b>{{ title }}</b>
+          <button type="button" class="away" aria-label="Close" @click="close">×</button>
+          <button v-if="filled" type="button" data-action="pin" @click="send('pin')">Keep this height<template v-if="single !== null">: {{ kept }}</template></button>
+          <form @submit.prevent="send('pin', typed)"><label>Height <input v-model="typed" inputmode="decimal" :placeholder="kept || '150.0 µm'" aria-label="Height in micrometres"></label>
+            <button type="submit" data-action="type">Set</button></form>
+          <button v-if="asked" type="button" data-action="release" @click="send('release')">{{ filled ? "Let the design choose" : "Fill: let the design choose" }}</button>
+          <button v-if="filled" type="button" data-action="empty" @click="send('empty')">Leave {{ single === null ? "these sites" : "this site" }} empty</button>
+          <label class="more"><input type="checkbox" v-model="adding"> Select more</label>
+        </div>
+      </div>
+      <div class="box" ref="relief" v-show="tab === 'relief'"><p v-if="missing" class="warning">{{ missing }}</p></div>
+      <div class="controls foot" v-if="tab === 'relief' && !missing">
+        <label>Heights × {{ times }} <input type="range" min="1" :max="most" step="0.5" v-model.number="times" @input="exaggerate" aria-label="Exaggeration of the heights"></label>
+        <button type="button" :class="{ on: times === 1 }" @click="times = 1; exaggerate()">True proportions</button>
+        <button type="button" @click="views.relief?.reset()">Reset the view</button>
+      </div>
+      <p class="legend" v-if="tab === 'map'"><span class="disc"></span> contact, to scale <span class="diamond">◆</span> kept height <span class="ring"></span> empty (×: on demand)</p>
+      <p class="legend" v-else-if="!missing">Caps are drawn undeformed and cut off at the glass; <span class="disc coloured"></span> contacts.{{ note }}</p>
+      <p class="legend" v-if="note && tab === 'map'">{{ note }}</p>
+      <span class="unseen" aria-live="polite">{{ spoken }}</span>
+    </div>`,
+  data() {
+    return {
+      tab: "map", what: "height", line: "", message: "", note: "", tip: null, menu: null, title: "", single: null, kept: "", filled: false, asked: false,
+      typed: "", adding: false, missing: "", times: EXAGGERATION.first, most: EXAGGERATION.most, spoken: "",
+    };
+  },
+  created() {
+    // Not reactive: thousands of numbers.
+    this.views = {};
+    this.layout = this.surface = this.contacts = null;
+  },
+  mounted() {
+    const map = new SiteMap(this.$refs.map, { hover: (site, event) => this.hover(site, event), pick: (sites, add) => this.pick(sites, add), key: (event) => this.key(event) });
+    map.svg.setAttribute("aria-label", `Map of the heights. ${HELP}`);
+    map.svg.addEventListener("focus", () => { if (map.active === null) this.go(map.next(0, 0)); });
+    this.views.map = map;
+    // The switch between light and dark.
+    this.theme = new MutationObserver(() => this.draw());
+    this.theme.observe(document.body, { attributes: true, attributeFilter: ["class"] });
+  },
+  unmounted() {
+    this.theme.disconnect();
+    Object.values(this.views).forEach((each) => each.end());
+  },
+  methods: {
+    show(data) {
+      if (data.layout) this.layout = data.layout;
+      this.message = data.message;
+      this.number = data.number;
+      if (data.height) this.surface = { ...data, empty: new Set(data.empty) };
+      this.draw();
+    },
+    contact(data) {
+      this.contacts = data;
+      this.line = data.words;
+      this.note = data.note ?? "";
+      this.draw();
+    },
+    // Once for each frame, after the law.
+    draw() {
+      if (this.frame) return;
+      this.frame = requestAnimationFrame(() => {
+        this.frame = null;
+        const { layout, surface, contacts } = this;
+        if (layout && surface) {
+          const fitting = contacts?.radius?.length === layout.x.length ? contacts : null;
+          if (this.tab === "map") this.views.map.show(layout, surface, fitting);
+          else this.views.relief?.show(layout, surface, fitting, this.what);
+          if (this.menu) this.describe();
+        }
+        if (this.number) this.$el.dataset.answered = this.number;
+      });
+    },
+    async open(tab) {
+      this.tab = tab;
+      this.close();
+      if (tab === "relief" && !this.views.relief && !this.missing) {
+        const relief = new Relief(this.$refs.relief);
+        try {
+          await relief.start();
+          this.views.relief = relief;
+        } catch (error) {
+          console.warn(error);
+          this.missing = "This browser has no WebGL, so the surface cannot be drawn in three dimensions. The map shows the same heights.";
+        }
+      }
+      this.draw();
+    },
+    recolour() {
+      this.views.map.what = this.what;
+      this.$emit("colour", this.what);
+      this.draw();
+    },
+    exaggerate() { this.views.relief?.exaggerate(this.times); },
+    hover(site, event) {
+      if (site === null || this.menu || !this.surface) { this.tip = null; return; }
+      const box = this.$refs.map.getBoundingClientRect();
+      this.tip = { lines: words(site, this.surface, this.contacts), style: this.beside(event.clientX - box.left, event.clientY - box.top) };
+    },
+    // Beside a point, on the side where there is room.
+    beside(x, y) {
+      const { clientWidth: width, clientHeight: height } = this.$refs.map;
+      return {
+        ...(x > width / 2 ? { right: `${width - x + 14}px` } : { left: `${x + 14}px` }),
+        ...(y > height / 2 ? { bottom: `${Math.max(0, height - y - 10)}px` } : { top: `${Math.max(0, y - 10)}px` }),
+      };
+    },
+    pick(sites, add) {
+      const { map } = this.views;
+      if (!(add || this.adding)) map.selected = new Set();
+      const single = sites.length === 1 && map.selected.has(sites[0]);
+      sites.forEach((site) => (single ? map.selected.delete(site) : map.selected.add(site)));
+      if (sites.length) map.active = sites.at(-1);
+      this.tip = null;
+      if (map.selected.size) this.openMenu(); else this.close();
+      map.draw();
+    },
+    openMenu() {
+      const { map } = this.views;
+      this.typed = "";
+      this.describe();
+      this.menu = this.beside(map.view.px(this.layout.x[map.active]), map.view.py(this.layout.y[map.active]));
+    },
+    describe() {
+      const { surface, views: { map } } = this;
+      const sites = [...map.selected];
+      this.single = sites.length === 1 ? sites[0] : null;
+      this.title = this.single === null ? `${sites.length} sites` : `Site ${this.single}`;
+      this.filled = sites.some((i) => surface.height[i] !== null && !surface.empty.has(i));
+      this.asked = sites.some((i) => surface.empty.has(i) || surface.pinned[i] !== undefined);
+      const height = this.single === null ? null : surface.height[this.single];
+      this.kept = height === null ? "" : `${height.toFixed(1)} µm`;
+    },
+    close() {
+      const { map } = this.views;
+      const inside = this.$refs.menu?.contains(document.activeElement);
+      this.menu = null;
+      this.adding = false;
+      map.selected = new Set();
+      map.draw();
+      if (inside) map.svg.focus();
+    },
+    send(action, height = "") {
+      const { map } = this.views;
+      const sites = map.selected.size ? [...map.selected] : map.active === null ? [] : [map.active];
+      if (sites.length) this.$emit("sites", { action, sites, height });
+      this.close();
+    },
+    go(site, select) {
+      const { map } = this.views;
+      if (site === null || !this.surface) return;
+      if (select) [map.active, site].forEach((each) => map.selected.add(each));
+      map.active = site;
+      const lines = words(site, this.surface, this.contacts);
+      this.spoken = lines.join(", ");
+      this.tip = this.menu ? null : { lines, style: this.beside(map.view.px(this.layout.x[site]), map.view.py(this.layout.y[site])) };
+      map.draw();
+    },
+    key(event) {
+      const { map } = this.views;
+      const actions = { p: "pin", e: "empty", r: "release" };
+      if (event.ctrlKey || event.metaKey || event.altKey || !this.layout) return;
+      if (MOVES[event.key]) this.go(map.next(...MOVES[event.key]), event.shiftKey);
+      else if (event.key === "Enter" && map.active !== null) {
+        map.selected.add(map.active);
+        this.openMenu();
+        this.$nextTick(() => this.$refs.menu.querySelector("button[data-action], input").focus());
+      } else if (actions[event.key]) this.send(actions[event.key]);
+      else if (event.key === "Escape") this.close();
+      else return;
+      event.preventDefault();
+    },
+  },
+};
