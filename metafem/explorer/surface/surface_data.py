@@ -66,7 +66,7 @@ def site_data(answer: Answer) -> dict[str, Any]:
 
 
 def message(answer: Answer) -> str:
-    """Return what has to be said of the surface that is shown: that it is an older one, or misses the target."""
+    """Return what has to be said of the surface that is shown: that it is older, or misses the target."""
     if answer.design is None:
         return "There is no surface yet." if answer.problems or answer.refusal else ""
     asked = asked_sites(answer.state.text)
@@ -75,7 +75,9 @@ def message(answer: Answer) -> str:
         reason = " ".join([answer.refusal, *about]) if _any(asked) else ""
         return f"These are the heights of the last surface that was found. {reason}".strip()
     if _any(asked) and answer.design.status is DesignStatus.MISSED:
-        return f"With these sites kept or empty the target law is missed by {misfit_text(answer.design.misfit)}."
+        return (
+            f"With these sites kept or empty the target law is missed by {misfit_text(answer.design.misfit)}."
+        )
     return ""
 
 

@@ -8,44 +8,45 @@ const MOVES = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDo
 
 export default {
   template: `
-    <div class="surface-view" data-answered="0">
-      <div class="controls">
-        <div role="tablist" aria-label="View of the surface">
-          <button v-for="[name, label] in [['map', 'Map'], ['relief', '3D']]" type="button" role="tab" :aria-selected="tab === name ? 'true' : 'false'"
-                  :class="{ on: tab === name }" @click="open(name)">{{ label }}</button>
-        </div>
-        <label>Colour <select v-model="what" @change="recolour" aria-label="Colour of the sites">
+    <div class="surface-view fill" data-answered="0">
+      <div class="head"><h2>Surface</h2>
+        <label class="small">Colour <select class="text" v-model="what" @change="recolour" aria-label="Colour of the sites">
           <option value="height">height</option><option value="pressure">contact pressure</option><option value="sensitivity">sensitivity</option>
         </select></label>
+        <div class="choice" role="tablist" aria-label="View of the surface">
+          <button v-for="[name, label] in [['map', 'Map'], ['relief', '3D']]" type="button" role="tab" :aria-selected="tab === name ? 'true' : 'false'"
+                  @click="open(name)">{{ label }}</button>
+        </div>
       </div>
-      <p class="line" role="status">{{ line }}<span v-if="message" class="warning"> {{ message }}</span></p>
-      <div class="box map" ref="map" v-show="tab === 'map'" @keydown.esc="close">
+      <p class="small line" role="status">{{ line }} {{ note }}</p>
+      <p v-if="message" class="small warn">{{ message }}</p>
+      <div class="box fill" ref="map" v-show="tab === 'map'" @keydown.esc="close">
         <div v-if="tip" class="tip" :style="tip.style"><div v-for="each in tip.lines">{{ each }}</div></div>
         <div v-if="menu" class="menu" role="dialog" :aria-label="title" :style="menu" ref="menu">
           <b>{{ title }}</b>
           <button type="button" class="away" aria-label="Close" @click="close">×</button>
-          <button v-if="filled" type="button" data-action="pin" @click="send('pin')">Keep this height<template v-if="single !== null">: {{ kept }}</template></button>
-          <form @submit.prevent="send('pin', typed)"><label>Height <input v-model="typed" inputmode="decimal" :placeholder="kept || '150.0 µm'" aria-label="Height in micrometres"></label>
-            <button type="submit" data-action="type">Set</button></form>
-          <button v-if="asked" type="button" data-action="release" @click="send('release')">{{ filled ? "Let the design choose" : "Fill: let the design choose" }}</button>
-          <button v-if="filled" type="button" data-action="empty" @click="send('empty')">Leave {{ single === null ? "these sites" : "this site" }} empty</button>
-          <label class="more"><input type="checkbox" v-model="adding"> Select more</label>
+          <button v-if="filled" type="button" class="act" data-action="pin" @click="send('pin')">{{ kept ? "Keep this height: " + kept : "Keep these heights" }}</button>
+          <form @submit.prevent="send('pin', typed)"><label>Height <input class="text" v-model="typed" inputmode="decimal" :placeholder="kept || '150.0 µm'" aria-label="Height in micrometres"></label>
+            <button type="submit" class="act" data-action="type">Set</button></form>
+          <button v-if="asked" type="button" class="act" data-action="release" @click="send('release')">{{ filled ? "Let the design choose" : "Fill " + these }}</button>
+          <button v-if="filled" type="button" class="act" data-action="empty" @click="send('empty')">Leave {{ these }} empty</button>
+          <label class="small"><input type="checkbox" v-model="adding"> Select more sites</label>
         </div>
       </div>
-      <div class="box" ref="relief" v-show="tab === 'relief'"><p v-if="missing" class="warning">{{ missing }}</p></div>
-      <div class="controls foot" v-if="tab === 'relief' && !missing">
+      <div class="box fill" ref="relief" v-show="tab === 'relief'"><p v-if="missing" class="note">{{ missing }}</p></div>
+      <div class="row small" v-if="tab === 'relief' && !missing">
         <label>Heights × {{ times }} <input type="range" min="1" :max="most" step="0.5" v-model.number="times" @input="exaggerate" aria-label="Exaggeration of the heights"></label>
-        <button type="button" :class="{ on: times === 1 }" @click="times = 1; exaggerate()">True proportions</button>
-        <button type="button" @click="views.relief?.reset()">Reset the view</button>
+        <button type="button" class="act" :disabled="times === 1" @click="times = 1; exaggerate()">True proportions</button>
+        <button type="button" class="act" @click="reset">Reset the view</button>
       </div>
-      <p class="legend" v-if="tab === 'map'"><span class="disc"></span> contact, to scale <span class="diamond">◆</span> kept height <span class="ring"></span> empty (×: on demand)</p>
-      <p class="legend" v-else-if="!missing">Caps are drawn undeformed and cut off at the glass; <span class="disc coloured"></span> contacts.{{ note }}</p>
-      <p class="legend" v-if="note && tab === 'map'">{{ note }}</p>
+      <p class="legend" v-if="tab === 'map' && spoken">{{ spoken }}</p>
+      <p class="legend" v-else-if="tab === 'map'"><span><i class="disc"></i> contact, to scale</span> <span>◆ kept height</span> <span><i class="ring"></i> empty, × as specified</span></p>
+      <p class="legend" v-else-if="!missing"><span><i class="disc coloured"></i> contact</span> <span>Caps are drawn undeformed, cut off at the glass.</span></p>
       <span class="unseen" aria-live="polite">{{ spoken }}</span>
     </div>`,
   data() {
     return {
-      tab: "map", what: "height", line: "", message: "", note: "", tip: null, menu: null, title: "", single: null, kept: "", filled: false, asked: false,
+      tab: "map", what: "height", line: "", message: "", note: "", tip: null, menu: null, title: "", these: "", kept: "", filled: false, asked: false,
       typed: "", adding: false, missing: "", times: EXAGGERATION.first, most: EXAGGERATION.most, spoken: "",
     };
   },
@@ -57,7 +58,8 @@ export default {
   mounted() {
     const map = new SiteMap(this.$refs.map, { hover: (site, event) => this.hover(site, event), pick: (sites, add) => this.pick(sites, add), key: (event) => this.key(event) });
     map.svg.setAttribute("aria-label", `Map of the heights. ${HELP}`);
-    map.svg.addEventListener("focus", () => { if (map.active === null) this.go(map.next(0, 0)); });
+    map.svg.addEventListener("focus", () => this.go(map.active ?? map.next(0, 0)));
+    map.svg.addEventListener("blur", () => { this.spoken = ""; });
     this.views.map = map;
     // The switch between light and dark.
     this.theme = new MutationObserver(() => this.draw());
@@ -116,10 +118,12 @@ export default {
       this.$emit("colour", this.what);
       this.draw();
     },
+    reset() { this.views.relief.reset(); },
     exaggerate() { this.views.relief?.exaggerate(this.times); },
     hover(site, event) {
       if (site === null || this.menu || !this.surface) { this.tip = null; return; }
       const box = this.$refs.map.getBoundingClientRect();
+      this.spoken = "";
       this.tip = { lines: words(site, this.surface, this.contacts), style: this.beside(event.clientX - box.left, event.clientY - box.top) };
     },
     // Beside a point, on the side where there is room.
@@ -149,11 +153,12 @@ export default {
     describe() {
       const { surface, views: { map } } = this;
       const sites = [...map.selected];
-      this.single = sites.length === 1 ? sites[0] : null;
-      this.title = this.single === null ? `${sites.length} sites` : `Site ${this.single}`;
+      const single = sites.length === 1 ? sites[0] : null;
+      this.title = single === null ? `${sites.length} sites` : `Site ${single}`;
+      this.these = single === null ? "these sites" : "this site";
       this.filled = sites.some((i) => surface.height[i] !== null && !surface.empty.has(i));
       this.asked = sites.some((i) => surface.empty.has(i) || surface.pinned[i] !== undefined);
-      const height = this.single === null ? null : surface.height[this.single];
+      const height = single === null ? null : surface.height[single];
       this.kept = height === null ? "" : `${height.toFixed(1)} µm`;
     },
     close() {
@@ -178,7 +183,7 @@ export default {
       map.active = site;
       const lines = words(site, this.surface, this.contacts);
       this.spoken = lines.join(", ");
-      this.tip = this.menu ? null : { lines, style: this.beside(map.view.px(this.layout.x[site]), map.view.py(this.layout.y[site])) };
+      this.tip = null;
       map.draw();
     },
     key(event) {

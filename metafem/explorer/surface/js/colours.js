@@ -25,9 +25,9 @@ function table(at) {
   return Array.from({ length: STEPS }, (_, i) => rgb(at(i / (STEPS - 1))));
 }
 
-const LOW = [0.34, -0.01, -0.12];
-const HIGH = [0.93, -0.03, 0.15];
-const rising = table((t) => between(LOW, HIGH, t));
+// From blue over green to yellow.
+const [LOW, GREEN, HIGH] = [[0.32, 0.0, -0.13], [0.625, -0.11, 0.0], [0.93, -0.03, 0.16]];
+const rising = table((t) => between(between(LOW, GREEN, t), between(GREEN, HIGH, t), t));
 
 const BLUE = [-0.03, -0.12];
 const ORANGE = [0.09, 0.11];

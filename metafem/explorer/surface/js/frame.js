@@ -2,7 +2,7 @@
 import { digits } from "./values.js";
 
 const SVG = "http://www.w3.org/2000/svg";
-const [LEFT, BOTTOM, TOP, BAR] = [38, 34, 8, 74];
+const [LEFT, BOTTOM, TOP, BAR] = [38, 34, 8, 84];
 
 export function element(name, attributes = {}, parent = null) {
   const made = document.createElementNS(SVG, name);
@@ -68,5 +68,5 @@ export function drawBar(parent, view, colours) {
   }
   if (high > low) for (const value of ticks(low, high, 5)) text(parent, x + 16, bottom - ((value - low) / (high - low)) * (bottom - top) + 4, digits(value), "start");
   const middle = (top + bottom) / 2;
-  text(parent, x + 54, middle, `${colours.name} [${colours.unit}]`, "middle", `rotate(-90 ${x + 54} ${middle})`);
+  text(parent, x + 64, middle, `${colours.name} [${colours.unit}]`, "middle", `rotate(-90 ${x + 64} ${middle})`);
 }

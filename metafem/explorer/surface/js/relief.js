@@ -175,7 +175,7 @@ export class Relief {
     camera.updateProjectionMatrix();
     controls.target.set(...this.middle, 0);
     const room = Math.min(1, camera.aspect);
-    camera.position.copy(controls.target).addScaledVector(from, (0.62 * size) / Math.tan((FIELD * Math.PI) / 360) / room);
+    camera.position.copy(controls.target).addScaledVector(from, (0.46 * size) / Math.tan((FIELD * Math.PI) / 360) / room);
     controls.update();
     this.render();
   }
