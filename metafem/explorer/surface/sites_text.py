@@ -7,6 +7,8 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from metafem.explorer.text.document import Document
+
 
 @dataclass(frozen=True)
 class Asked:
@@ -62,17 +64,11 @@ def _numbers(given: Any) -> list[int]:
 
 
 def _written(text: str, empty: Collection[int], pinned: Mapping[int, str]) -> str:
-    import tomlkit
-
     sites = sorted(pinned)
-    values = {"empty": sorted(empty), "pinned": sites, "heights": [pinned[site] for site in sites]}
-    document = tomlkit.parse(text)
-    section = document.setdefault("sites", tomlkit.table())
-    for key, value in values.items():
-        if value:
-            section[key] = value
-        else:
-            section.pop(key, None)
-    if not section:
-        document.pop("sites")
-    return document.as_string()
+    return Document(text).with_values(
+        {
+            "sites.empty": sorted(empty) or None,
+            "sites.pinned": sites or None,
+            "sites.heights": [pinned[site] for site in sites] or None,
+        }
+    )

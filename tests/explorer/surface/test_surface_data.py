@@ -36,8 +36,8 @@ def test_the_layout_is_that_of_the_template(answer):
     assert layout["block"] == [20.0, 20.0, 7.2]
 
 
-def test_the_least_distance_is_that_of_all_pairs(rng):
-    position = rng.uniform(0.0, 10.0, (40, 2))
+def test_the_least_distance_is_that_of_all_pairs():
+    position = np.random.default_rng(0).uniform(0.0, 10.0, (40, 2))
     distance = np.hypot(*(position[:, None] - position).transpose(2, 0, 1))
     least = distance[~np.eye(40, dtype=bool)].min()
     assert least_distance(Surface(position, 0.1 + 0.0 * position[:, 0], 0.5, Material(1.0))) == pytest.approx(
