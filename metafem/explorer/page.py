@@ -38,6 +38,8 @@ class Page:
         self.answer = Answer(0, first)
         self.number = 0
         self.listeners: list[Callable[[Answer], None]] = []
+        self.late_listeners: list[Callable[[Answer], None]] = []
+        self.tab_listeners: list[Callable[[str], None]] = []
         self.newest: Newest[tuple[int, State], Answer] = Newest(self._work, self._show)
         self.browser = Browser(self._restored)
 
@@ -49,6 +51,24 @@ class Page:
     def listen(self, callback: Callable[[Answer], None]) -> None:
         """Call a function with every new answer."""
         self.listeners.append(callback)
+
+    def listen_late(self, callback: Callable[[Answer], None]) -> None:
+        """Call a function when more is known of the answer that is shown: its drawn tolerance band."""
+        self.late_listeners.append(callback)
+
+    def listen_tab(self, callback: Callable[[str], None]) -> None:
+        """Call a function with the name of the tab that is opened."""
+        self.tab_listeners.append(callback)
+
+    def complete(self) -> None:
+        """Show what has become known of the answer that is shown."""
+        for callback in self.late_listeners:
+            callback(self.answer)
+
+    def open_tab(self, name: str) -> None:
+        """Tell the panels that a tab was opened."""
+        for callback in self.tab_listeners:
+            callback(name)
 
     def edit(self, text: str, *, released: bool = True) -> int:
         """Answer another text of the specification; a released one is a step of the history.
@@ -136,6 +156,7 @@ def _tabs(page: Page) -> None:
     with ui.tabs().props("dense no-caps align=left outside-arrows mobile-arrows") as tabs:
         for name in panels:
             ui.tab(name)
+    tabs.on_value_change(lambda event: page.open_tab(event.value))
     with ui.tab_panels(tabs, value="Workshop", animated=False).props("keep-alive").classes("panels"):
         for name, make in panels.items():
             with ui.tab_panel(name):
