@@ -180,7 +180,12 @@ def design(
             candidate = compared(problem, plain, trial, generator)
     surface = candidate.surface(problem.template)
     found = assess(problem, candidate, surface)
-    notes = (*candidate.notes, *design_notes(problem, candidate, surface, found))
+
+    def notes() -> tuple[Note, ...]:
+        """Return all notes; for a line that is missed, the part of it that is reached is searched."""
+        later = (*design_notes(problem, candidate, surface, found), *found.law.notes)
+        return tuple(dict.fromkeys((*candidate.notes, *later)))
+
     return Design(
         surface=surface,
         law=found.law,
@@ -193,9 +198,7 @@ def design(
         limits=problem.limits,
         fits=found.fits,
         density=candidate.density,
-        notes=when_read(
-            lambda: tuple(dict.fromkeys((*notes, *found.law.notes))), size=surface.count + found.law.load.size
-        ),
+        notes=when_read(notes, size=surface.count + found.law.load.size),
         radii=None if radii is None else problem.radii.given_as,
         layout=layout,
         robust=robust,
