@@ -1,4 +1,4 @@
-"""Newton's method for interacting contacts at one load or approach; see `coupling`."""
+"""Newton's method for interacting contacts at one load or approach, and sensitivities; see `coupling`."""
 
 from __future__ import annotations
 
@@ -8,8 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from metafem._kernels import projected_cg
-from metafem._kernels.compiled import inlined, inner
-from metafem._kernels.coupling import assemble, copy, energy, measure, respond
+from metafem._kernels.compiled import compiled, inlined, inner
+from metafem._kernels.coupling import assemble, copy, energy, measure, respond, widen
+from metafem._kernels.vectors import factorise, substitute
 
 # Largest residual of a solution, and the goal of Newton's method, smaller to allow for rounding.
 TOLERANCE = 1e-12
@@ -227,3 +228,68 @@ def settle(field, order, law, self_term, gap, approach, target, state, scratch):
             following = 2.0 * max(low, x) if high == math.inf else 0.5 * (low + high)
             goal = target
     return end, count, load, residual, steps
+
+
+@compiled
+def area_gradients(field, order, law, self_term, indentation, state, matrix, scratch, gradient):
+    """Fill dA0/dh (k, n) for equilibria of indentations (k, n); return the number of solved rows.
+
+    `models.interacting.sensitivity` states the equations. It ends at the first equilibrium whose system is
+    not positive. matrix: (n, n), scratch: (6, n).
+    """
+    by_area, by_approach = scratch[3], scratch[4]
+    for row in range(indentation.shape[0]):
+        copy(indentation[row], state.z)
+        count = respond(field, order, law, self_term, state)
+        widen(law, state, count)
+        hessian(field, order, self_term, state, count, matrix, scratch)
+        if not factorise(matrix, count, scratch[5]):
+            return row
+        substitute(matrix, count, by_area)
+        substitute(matrix, count, by_approach)
+        total = whole = 0.0
+        for k in range(count):
+            total += by_area[k]
+            whole += by_approach[k]
+        for k in range(count):
+            gradient[row, state.closed[k]] = by_area[k] - total / whole * by_approach[k]
+    return indentation.shape[0]
+
+
+@inner
+def hessian(field, order, self_term, state, count, matrix, scratch):
+    """Fill the lower triangle of d2W/dp2 on the asperities in contact, dA0/dp and ones."""
+    lap, gx, gy, by_area, by_approach = scratch[0], scratch[1], scratch[2], scratch[3], scratch[4]
+    closed = state.closed
+    for k in range(count):
+        i = closed[k]
+        point = field.influence[i]
+        for m in range(k + 1):
+            matrix[k, m] = point[closed[m]]
+        matrix[k, k] += state.bend[i] / state.rate[i] + self_term[i]
+        by_area[k] = math.pi * state.widening[i]
+        by_approach[k] = 1.0
+    if order == 1:
+        return
+    for k in range(count):
+        i = closed[k]
+        square, lever, slope_x, slope_y = state.square[i], state.lever[i], state.slope_x[i], state.slope_y[i]
+        curved = 2.0 / 45.0 * square * square * math.sqrt(square)
+        bend, tilt = square / 6.0, -state.lever_rate[i]
+        narrowing = 2.0 / 3.0 * math.pi * square * math.sqrt(square) * state.widening[i]
+        # curvature and slopes at this contact by the load of each
+        for m in range(count):
+            j = closed[m]
+            lap[m], gx[m], gy[m] = field.laplacian[i, j], field.slope_x[i, j], field.slope_y[i, j]
+            by_area[m] -= narrowing * lap[m]
+        for m in range(count):
+            mixed = bend * lap[m] + tilt * (slope_x * gx[m] + slope_y * gy[m])
+            if m <= k:
+                matrix[k, m] += mixed
+            if m >= k:
+                matrix[m, k] += mixed
+        matrix[k, k] -= 0.5 * state.lever_bend[i] * (slope_x * slope_x + slope_y * slope_y)
+        for m in range(count):
+            line, a, b, c = matrix[m], curved * lap[m], lever * gx[m], lever * gy[m]
+            for j in range(m + 1):
+                line[j] -= a * lap[j] + (b * gx[j] + c * gy[j])

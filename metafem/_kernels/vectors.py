@@ -1,8 +1,10 @@
-"""Sums over vectors in one thread; a threaded BLAS may wait for cores that are in use."""
+"""Vectors and small linear systems in one thread; a threaded BLAS may wait for cores that are in use."""
 
 from __future__ import annotations
 
-from metafem._kernels.compiled import compiled
+import math
+
+from metafem._kernels.compiled import compiled, inner
 
 
 @compiled
@@ -38,3 +40,35 @@ def violations(w, face):
         else:
             outside = max(outside, -w[i])
     return inside, outside
+
+
+@inner
+def factorise(matrix, count, column):
+    """Replace a lower triangle by its Cholesky factor; return whether it is positive."""
+    for k in range(count):
+        if not matrix[k, k] > 0.0:
+            return False
+        root = math.sqrt(matrix[k, k])
+        for m in range(k, count):
+            matrix[m, k] /= root
+            column[m] = matrix[m, k]
+        matrix[k, k] = root
+        for m in range(k + 1, count):
+            line, factor = matrix[m], column[m]
+            for j in range(k + 1, m + 1):
+                line[j] -= factor * column[j]
+    return True
+
+
+@inner
+def substitute(matrix, count, vector):
+    """Replace a vector by the solution with a Cholesky factor."""
+    for k in range(count):
+        total = vector[k]
+        for m in range(k):
+            total -= matrix[k, m] * vector[m]
+        vector[k] = total / matrix[k, k]
+    for k in range(count - 1, -1, -1):
+        vector[k] /= matrix[k, k]
+        for m in range(k):
+            vector[m] -= matrix[k, m] * vector[k]

@@ -5,6 +5,7 @@ import pytest
 
 import metafem as mf
 from metafem.models.interacting import model as interacting
+from metafem.models.interacting.sensitivity import general_gradients
 
 MODELS = [
     mf.Independent(),
@@ -91,3 +92,20 @@ def test_heights_can_stand_in_place_of_those_of_the_surface(model):
     np.testing.assert_array_equal(given.curve.area, own.curve.area)
     np.testing.assert_array_equal(given.gradient, own.gradient)
     np.testing.assert_array_equal(given.indentation, own.indentation)
+
+
+@pytest.mark.parametrize("model", MODELS[2:], ids=repr)
+def test_the_kernel_has_the_sensitivities_of_the_general_solver(model, monkeypatch):
+    rng = np.random.default_rng(5)
+    surface = mf.Surface.square_lattice(
+        0.1 + rng.exponential(0.02, 25),
+        (5, 5),
+        radius=rng.uniform(0.4, 0.7, 25),
+        material=mf.Material(1.0),
+        block=mf.Block(20.0, 20.0, 3.0),
+    )
+    load = np.array([0.0, 0.05, 0.5])
+    found = model.sensitivity(surface, load).gradient
+    monkeypatch.setattr(interacting, "area_gradients", general_gradients)
+    general = model.sensitivity(surface, load).gradient
+    np.testing.assert_allclose(found, general, rtol=0.0, atol=1e-13 * np.abs(general).max())
