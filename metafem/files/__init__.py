@@ -21,7 +21,15 @@ from metafem.files.measurement.maps import read_height_map
 from metafem.files.measurement.sites import Sites, read_sites
 from metafem.files.measurement.tables import CalibrationData, of_files, read_calibration
 from metafem.files.part.plan import PartOptions, part_notes, planned
-from metafem.files.result.folder import load, result_folder, same_design, save, stored_hardness, write_all
+from metafem.files.result.folder import (
+    load,
+    result_folder,
+    result_tables,
+    same_design,
+    save,
+    stored_hardness,
+    write_all,
+)
 from metafem.files.result.study import stored_studies, study_data, study_path, write_study
 from metafem.files.result.tables import is_law_table, law_table, read_surface
 from metafem.files.schema.document import place_schema, schema_text, write_schema
@@ -95,6 +103,7 @@ __all__ = [
     "refuse_figure",
     "refuse_missing_block",
     "result_folder",
+    "result_tables",
     "same_design",
     "save",
     "schema_text",

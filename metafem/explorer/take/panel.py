@@ -2,14 +2,187 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
 
 from nicegui import ui
+from nicegui.element import Element
+
+from metafem.errors import MetafemError
+from metafem.explorer.answer import Answer
+from metafem.explorer.session import State
+from metafem.explorer.take.command import command_of, script_of
+from metafem.explorer.take.files import archive, made_files, specification_file, tables_of
 
 if TYPE_CHECKING:
     from metafem.explorer.page import Page
 
 
+class File(NamedTuple):
+    """A file of the result folder: its name, and what it is for."""
+
+    name: str
+    meaning: str
+
+
+# Tables of the design that is shown, and files that take some seconds.
+TABLES = (
+    File("mould.csv", "Mould table: position, depth and tool radius of each hole"),
+    File("heights.csv", "Heights: site, position, height and radius of each summit"),
+    File("law.csv", "Law: load, area, friction and separation"),
+)
+MADE = (
+    File("report.html", "Report: one page that opens without a network"),
+    File("block.stl", "Solid of the block with its summits"),
+    File("mould.stl", "Solid of the mould"),
+    File("mould.svg", "Drawing of the mould with its holes"),
+    File("surface.vtu", "Surface for ParaView"),
+)
+
+SPECIFICATION_FILE = File("spec.toml", "Specification, with the tables that it names")
+
+# Name of the background computation, and of the archive.
+TASK, ARCHIVE = "files", "surface.zip"
+
+
+class Making:
+    """The files of a state: made once, by a process beside the page, and kept until the state changes."""
+
+    def __init__(self, page: Page) -> None:
+        self.page = page
+        self.wanted = ""
+        self.state: State | None = None
+        self.files: dict[str, bytes] = {}
+        with ui.row().classes("row"):
+            self.label = ui.label().props('role="status"')
+            self.stop = ui.button("Stop", on_click=self.stopped).props("flat dense no-caps")
+        self.stop.set_visibility(False)
+
+    def take(self, name: str) -> None:
+        """Download a file of the design that is shown, or the archive of all."""
+        state = self.page.answer.state
+        if not self.page.answer.current:
+            self.say("There is no design to take: the target or a field must be changed first.")
+        elif same_files(self.state, state):
+            self.download(name)
+        else:
+            self.wanted, self.state, self.files = name, None, {}
+            self.stop.set_visibility(True)
+            self.say("The files are being written.")
+            given = (state.text, dict(state.tables))
+            self.page.tasks.start(
+                TASK, made_files, given, self.stepped, partial(self.made, state), self.failed
+            )
+
+    def stepped(self, step: str, done: float | None) -> None:
+        """Show the step."""
+        self.say(f"The files are being written: {step}.")
+
+    def made(self, state: State, files: dict[str, bytes]) -> None:
+        """Keep the files, and download the wanted one."""
+        self.state, self.files = state, files
+        self.stop.set_visibility(False)
+        self.download(self.wanted)
+
+    def failed(self, error: MetafemError) -> None:
+        """Say why the files cannot be written."""
+        self.stop.set_visibility(False)
+        self.say(f"The files were not written: {error}")
+
+    def stopped(self) -> None:
+        """Stop the process."""
+        self.page.tasks.stop(TASK)
+        self.stop.set_visibility(False)
+        self.say("The files were not written: you stopped it.")
+
+    def download(self, name: str) -> None:
+        """Send a file to the browser."""
+        content = archive(self.files) if name == ARCHIVE else self.files.get(name)
+        if content is None:
+            self.say(
+                f"{name} is not a file of this specification, which has {', '.join(self.files)}. Solids need "
+                "the section [block], and their formats are those of part.formats."
+            )
+            return
+        with self.label:
+            ui.download.content(content, name)
+        self.say(f"{name} was downloaded ({len(content) / 1e3:,.0f} kB).")
+
+    def say(self, text: str) -> None:
+        """Show a sentence."""
+        if self.label.text != text:
+            self.label.text = text
+
+
+def same_files(one: State | None, other: State) -> bool:
+    """Whether two states have the same files."""
+    return one is not None and (one.text, one.tables) == (other.text, other.tables)
+
+
 def take_panel(page: Page) -> None:
-    """Make the buttons that download the design."""
-    ui.label("Take it")
+    """Make the buttons that download the design, and the command that gives the same result."""
+    ui.add_css(Path(__file__).with_name("take.css"))
+    making, buttons = Making(page), list[ui.button]()
+
+    def add(file: File) -> None:
+        take = partial(_table, page, making) if file in TABLES else making.take
+        buttons.append(_button(file, partial(take, file.name)))
+
+    with ui.element("div").classes("cards"):
+        with _card("To make the part"):
+            for file in (TABLES[0], *MADE[1:4]):
+                add(file)
+        with _card("To keep and to repeat the design"):
+            add(File(ARCHIVE, "Everything: the result folder of metafem design"))
+            _button(SPECIFICATION_FILE, partial(_specification, page, making))
+            add(MADE[0])
+        with _card("Data"):
+            for file in (*TABLES[1:], *MADE[4:]):
+                add(file)
+        with _card("The same by a command"):
+            command = ui.code(command_of(page.state), language="bash")
+            ui.code(script_of(), language="python")
+
+    def show(answer: Answer) -> None:
+        for button in buttons:
+            if button.enabled != answer.current:
+                button.set_enabled(answer.current)
+        if command.content != command_of(answer.state):
+            command.content = command_of(answer.state)
+
+    page.listen(show)
+
+
+def _card(title: str) -> Element:
+    """Return a group of files with its title."""
+    card = ui.element("section").classes("card take")
+    with card, ui.element("h3"):
+        ui.label(title)
+    return card
+
+
+def _button(file: File, take: Callable[[], None]) -> ui.button:
+    """Return a button that downloads a file, with its meaning beside it."""
+    button = ui.button(file.name, icon="download", on_click=take)
+    button.props(f'no-caps flat dense align=left data-take="{file.name}"')
+    ui.label(file.meaning).classes("small")
+    return button
+
+
+def _table(page: Page, making: Making, name: str) -> None:
+    """Download a table of the design that is shown."""
+    tables = tables_of(page.answer)
+    if name in tables:
+        ui.download.content(tables[name], name)
+        making.say(f"{name} was downloaded.")
+    else:
+        making.say("There is no design to take: the target or a field must be changed first.")
+
+
+def _specification(page: Page, making: Making) -> None:
+    """Download the specification, also where it has problems."""
+    name, content = specification_file(page.answer.state)
+    ui.download.content(content, name)
+    making.say(f"{name} was downloaded.")

@@ -110,15 +110,11 @@ def write_all(
     """Write all files of a design into an existing folder."""
     surface = design.surface
     options = part or (PartOptions() if specification is None else specification.part)
-    contact = contact_of(design.law.model)
-    made = planned(surface, design.template, options, contact)
-    whole = with_alignment(surface, design.template, options.alignment_height, contact.shape())
+    made = planned(surface, design.template, options, contact_of(design.law.model))
     texts = {
         "design.json": json.dumps(_record(design, specification, made, options), indent=1, allow_nan=False)
         + "\n",
-        "heights.csv": heights_table(design),
-        "law.csv": law_table(design.law),
-        "mould.csv": mould_table(design, whole),
+        **result_tables(design, options),
         **pages,
     }
     contents = {name: text.encode("utf-8") for name, text in texts.items()}
@@ -132,6 +128,17 @@ def write_all(
         write_surface(design, folder / "surface.vtu")
     except OSError as error:
         raise InvalidInput(f"{folder} cannot be written: {error.strerror}") from None
+
+
+def result_tables(design: Design, part: PartOptions) -> dict[str, str]:
+    """Return names and texts of the tables of a design: its summits, its law and the holes of its mould."""
+    shape = contact_of(design.law.model).shape()
+    whole = with_alignment(design.surface, design.template, part.alignment_height, shape)
+    return {
+        "heights.csv": heights_table(design),
+        "law.csv": law_table(design.law),
+        "mould.csv": mould_table(design, whole),
+    }
 
 
 @checked_call

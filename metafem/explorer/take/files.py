@@ -1,0 +1,57 @@
+"""Files of a design, as ``metafem design`` writes them."""
+
+from __future__ import annotations
+
+import io
+import zipfile
+from collections.abc import Mapping
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from metafem.explorer.answer import Answer
+from metafem.explorer.session import State
+from metafem.files import parsed, result_folder, result_tables, write_all
+from metafem.report import page
+
+SPECIFICATION = "spec.toml"
+
+# Date of all entries of an archive, the first that the format can state: equal contents give equal archives.
+DATE = (1980, 1, 1, 0, 0, 0)
+
+
+def specification_file(state: State) -> tuple[str, bytes]:
+    """Return name and content of the specification; with its tables it is an archive."""
+    text = state.text.encode("utf-8")
+    if not state.tables:
+        return SPECIFICATION, text
+    tables = {name: table.encode("utf-8") for name, table in state.tables.items()}
+    return "specification.zip", archive({SPECIFICATION: text, **tables})
+
+
+def tables_of(answer: Answer) -> dict[str, bytes]:
+    """Return the tables of the design of an answer, none if there is no design of its state."""
+    if not answer.current or answer.design is None or answer.specification is None:
+        return {}
+    tables = result_tables(answer.design, answer.specification.part)
+    return {name: text.encode("utf-8") for name, text in tables.items()}
+
+
+def made_files(text: str, tables: Mapping[str, str]) -> dict[str, bytes]:
+    """Return all files of the result folder of a specification, as ``metafem design`` writes them."""
+    specification = parsed(text, {name: table.encode("utf-8") for name, table in tables.items()})
+    with TemporaryDirectory() as parent:
+        folder = Path(parent, "surface")
+        with result_folder(folder, specification) as fresh:
+            design = specification.design()
+            report = page(design, specification.hardness)
+            write_all(design, fresh, specification, {"report.html": report})
+        return {path.name: path.read_bytes() for path in sorted(folder.iterdir())}
+
+
+def archive(files: Mapping[str, bytes]) -> bytes:
+    """Return a zip archive of files by name."""
+    content = io.BytesIO()
+    with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as written:
+        for name, each in files.items():
+            written.writestr(zipfile.ZipInfo(name, DATE), each, zipfile.ZIP_DEFLATED)
+    return content.getvalue()

@@ -1,0 +1,74 @@
+"""Files that the page hands out are those of ``metafem design``."""
+
+import io
+import zipfile
+
+import pytest
+from click.testing import CliRunner
+
+from metafem.cli import main
+from metafem.explorer.answer import answered
+from metafem.explorer.session import State
+from metafem.explorer.take.command import command_of
+from metafem.explorer.take.files import archive, made_files, specification_file, tables_of
+from metafem.files import demo_text
+
+SAMPLED = """
+[target]
+kind = "sampled"
+file = "wanted.csv"
+[material]
+composite_modulus = "1.36 MPa"
+[lattice]
+shape = [3, 3]
+pitch = "1.5 mm"
+radius = "526 um"
+[limits]
+max_height = "120 um"
+"""
+WANTED = "rescaled_load_mm2,rescaled_friction_mm2\n0.01,0.1\n0.03,0.25\n0.05,0.4\n"
+STATE = State(SAMPLED, {"wanted.csv": WANTED})
+
+
+def designed(state, folder):
+    """Run the command of the page on the specification that it hands out, and return the files."""
+    name, content = specification_file(state)
+    if name.endswith(".zip"):
+        zipfile.ZipFile(io.BytesIO(content)).extractall(folder)
+    else:
+        (folder / name).write_bytes(content)
+    words = command_of(state).split(" && ")[-1].split()[1:]
+    done = CliRunner().invoke(main, [*words[:-1], str(folder / words[-1])])
+    assert done.exit_code in (0, 1), done.output
+    return {path.name: path.read_bytes() for path in (folder / words[-1]).iterdir()}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("state", [State(demo_text("operating-points")), STATE], ids=["demo", "table"])
+def test_tables_are_those_of_the_command_to_the_byte(state, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    files = designed(state, tmp_path)
+    tables = tables_of(answered(state, 1))
+    assert list(tables) == ["heights.csv", "law.csv", "mould.csv"]
+    assert {name: files[name] for name in tables} == tables
+
+
+def test_all_files_are_those_of_the_command_to_the_byte(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    made = made_files(STATE.text, STATE.tables)
+    assert made == designed(STATE, tmp_path)
+    assert {"report.html", "spec.toml", "wanted.csv", ".metafem-files"} <= made.keys()
+
+
+def test_equal_files_give_equal_archives():
+    files = {"a.csv": b"1\n" * 1000, "b.csv": b"2\n"}
+    assert archive(files) == archive(dict(files))
+    read = zipfile.ZipFile(io.BytesIO(archive(files)))
+    assert {name: read.read(name) for name in read.namelist()} == files
+    assert read.testzip() is None
+
+
+def test_a_refused_state_has_no_tables_but_its_specification():
+    state = State(demo_text("linear").replace("6.87", "-1.0"))
+    assert tables_of(answered(state, 1, answered(STATE, 0))) == {}
+    assert specification_file(state) == ("spec.toml", state.text.encode("utf-8"))
