@@ -15,6 +15,7 @@ from nicegui.element import Element
 from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer, answered
 from metafem.explorer.browser import Browser
+from metafem.explorer.certainty.background import Tasks
 from metafem.explorer.certainty.panel import certainty_panel
 from metafem.explorer.law.panel import law_panel
 from metafem.explorer.newest import Newest
@@ -42,6 +43,8 @@ class Page:
         self.tab_listeners: list[Callable[[str], None]] = []
         self.newest: Newest[tuple[int, State], Answer] = Newest(self._work, self._show)
         self.browser = Browser(self._restored)
+        self.tasks = Tasks()
+        ui.context.client.on_delete(self.tasks.stop_all)
 
     @property
     def state(self) -> State:
