@@ -125,7 +125,9 @@ def each(
             listener.at(depth, _Step(name, number, len(items), at_most, detail()))
             yield item
     finally:
-        listener.at(depth)
+        # no report here: where a loop ends early, Python prints and drops what a listener raises to stop it
+        del listener.steps[depth:]
+    listener.at(depth)
 
 
 def message(text: str) -> None:

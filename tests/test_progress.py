@@ -47,6 +47,19 @@ def test_steps_end_with_an_error_and_with_a_break():
     assert steps == ["dividing", "start 1 of 3", "writing"]
 
 
+def test_a_listener_that_stops_the_work_is_called_once():
+    steps = []
+
+    def stop(step, done):
+        steps.append(step)
+        if len(steps) > 1:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt), listening(stop):
+        [load for _ in each("try", "ab") for load in each("load", "ab")]
+    assert steps == ["try 1 of 2", "try 1 of 2, load 1 of 2"]
+
+
 def test_steps_need_no_listener():
     assert list(each("start", [1, 2])) == [1, 2]
     with doing("solving"):
