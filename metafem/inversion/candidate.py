@@ -52,7 +52,8 @@ class Candidate:
     asperities; `unrounded` is the misfit before heights were rounded to steps. `lowest_level` [mm] is given
     for points that are to be met exactly: below it asperities can be added that another model needs.
     `sites` (n,) are those of the template, increasing. `robust` heights have a smaller expected misfit than
-    others that reach the target.
+    others that reach the target. `held` (k,) are sites whose heights are given and stay; `unpinned` is the
+    misfit without them.
     """
 
     height: FloatArray
@@ -68,6 +69,13 @@ class Candidate:
     moved: bool = False
     unrounded: float | None = None
     robust: bool = False
+    held: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    unpinned: float | None = None
+
+    @property
+    def held_rows(self) -> IntArray:
+        """Indices of the heights that stay, (k,)."""
+        return np.searchsorted(self.sites, self.held)
 
     def surface(self, template: Surface) -> Surface:
         """Return the surface of the heights on their sites of a template."""

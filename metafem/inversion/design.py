@@ -11,8 +11,9 @@ import numpy as np
 from metafem import _validate as check
 from metafem._calls import checked_call
 from metafem._validate import FloatArray
-from metafem.errors import Infeasible, InvalidInput
+from metafem.errors import Infeasible
 from metafem.inversion.adjustment.height_steps import rounded_to_steps
+from metafem.inversion.adjustment.pinned import with_pinned
 from metafem.inversion.adjustment.refinement import refined
 from metafem.inversion.adjustment.robustness import compared, made_robust
 from metafem.inversion.assessment import EXACT, assess
@@ -162,8 +163,6 @@ def design(
     check.instance("common_radius", common_radius, bool, "True or False")
     if common_radius:
         return _with_common_radius(problem, generator)
-    if problem.pins.heights.size:
-        raise InvalidInput("pinned: heights are not supported yet; give None for sites that stay empty")
     _refuse_infeasible(problem)
     permutation = problem.pins.placed(generator.permutation(template.count))
     with doing("inverting the law"):
@@ -172,6 +171,8 @@ def design(
     candidate = arranged(problem, candidate, generator)
     candidate = refined(problem, candidate, generator)
     plain = rounded_to_steps(problem, candidate)
+    if problem.pins.rows.size:
+        plain, candidate = with_pinned(problem, plain, candidate, generator)
     if robust is None:
         candidate = plain
     else:

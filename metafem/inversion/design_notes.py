@@ -14,6 +14,7 @@ from metafem.inversion.assessment import (
     DesignStatus,
     independent_misfit,
     misfit_meaning,
+    misfit_text,
 )
 from metafem.inversion.candidate import Candidate
 from metafem.inversion.limits import Limits
@@ -32,13 +33,16 @@ ALL_OF_IT = 1e-6
 def design_notes(
     problem: Problem, candidate: Candidate, surface: Surface, found: Assessment
 ) -> tuple[Note, ...]:
-    """Return notes on height steps, heights that are hard to make, and a straight target that is missed."""
-    limits, before = problem.limits, candidate.unrounded
+    """Return notes on height steps, given heights, heights that are hard to make, and a missed line."""
+    limits, before, unpinned = problem.limits, candidate.unrounded, candidate.unpinned
     notes = [] if before is None else [step_note(limits, before, found.misfit)]
+    by_pins = unpinned is not None and unpinned <= REACHED < found.misfit
+    if unpinned is not None:
+        notes.append(_pins(len(candidate.held), unpinned, found))
     allowed = limits.span if limits.height_step is None else float(np.ptp(limits.levels))
     by_steps = before is not None and before <= REACHED
     full = float(np.ptp(surface.height)) >= allowed * (1.0 - ALL_OF_IT)
-    held = full and found.status is DesignStatus.MISSED and not by_steps
+    held = full and found.status is DesignStatus.MISSED and not by_steps and not by_pins
     if held:
         steps = "" if limits.height_step is None else ", from the lowest to the highest step"
         words = f"the heights use the whole allowed range of {allowed:g} mm{steps}: raise max_height"
@@ -51,7 +55,7 @@ def design_notes(
         law = candidate.target_law
         if candidate.density is not None:
             notes.append(_density(problem, found))
-        elif candidate.branches and law.pointwise and _missed(problem, candidate):
+        elif candidate.branches and law.pointwise and not by_pins and _missed(problem, candidate):
             notes.append(_line(problem, held))
     return tuple(notes)
 
@@ -59,6 +63,16 @@ def design_notes(
 def _missed(problem: Problem, candidate: Candidate) -> bool:
     """Whether independent asperities of these heights miss the target."""
     return independent_misfit(candidate, problem.independent) > REACHED
+
+
+def _pins(count: int, unpinned: float, found: Assessment) -> Note:
+    """State the misfit with and without the given heights."""
+    many = "the height of 1 site" if count == 1 else f"the heights of {count} sites"
+    after, before = (misfit_text(misfit) for misfit in (found.misfit, unpinned))
+    words = f"with {many} given the misfit is {after}; without, it is {before}"
+    if found.status is not DesignStatus.MISSED or found.misfit <= unpinned:
+        return information(words)
+    return Note(f"{words}: give heights nearer to those designed without, or fewer of them")
 
 
 def step_note(limits: Limits, before: float, after: float) -> Note:

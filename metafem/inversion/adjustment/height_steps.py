@@ -17,34 +17,40 @@ from metafem.inversion.search.options import SearchOptions
 def rounded_to_steps(problem: Problem, candidate: Candidate) -> Candidate:
     """Return the candidate with heights on the steps of the limits, if there are any.
 
-    Each height is rounded to the nearest level. Then one or two heights at a time are changed by one step,
-    as long as that lowers the misfit under the model (or under its `gradient_model`, where it has no
-    sensitivities). With many asperities the heights are only rounded.
+    Each height that is not held is rounded to the nearest level. Then one or two heights at a time are
+    changed by one step, as long as that lowers the misfit under the model (or under its `gradient_model`,
+    where it has no sensitivities). With many asperities the heights are only rounded.
     """
     model, limits, law = problem.model, problem.limits, candidate.target_law
     if limits.height_step is None or (candidate.stepped and not model.couples):
         return candidate
     solver, levels, surface = model.gradient_model, limits.levels, candidate.surface(problem.template)
+    held = candidate.held_rows
+
+    def placed(heights: FloatArray) -> FloatArray:
+        """Return heights (..., n) with those that are held in their places."""
+        heights[..., held] = candidate.height[held]
+        return heights
 
     def residual(height: FloatArray) -> tuple[FloatArray, FloatArray]:
-        found = solver.sensitivity(surface, law.load, height)
+        found = solver.sensitivity(surface, law.load, placed(height))
         return law.residual(found.curve.area, found.gradient)
 
     def residuals(heights: FloatArray) -> FloatArray:
         """Return the residuals of many lists of heights, (m, k); infinite if not converged."""
         none = np.empty((len(law.load), 0))
-        areas = solver.areas(surface, law.load, heights)
+        areas = solver.areas(surface, law.load, placed(heights))
         rows = [law.residual(row, none)[0] if np.isfinite(row).all() else row + np.inf for row in areas]
         return np.where(np.isnan(rows), np.inf, rows)
 
     options = problem.options
     power = options.largest_power if law.pointwise else 2
-    search = _StepSearch(levels, residual, residuals, power, options)
+    search = _StepSearch(levels, residual, residuals, power, options, held)
     index, size = search.rounded(candidate.height)
     if len(index) <= options.most_stepped:
         index = search.moved(index, size)
-    used, counts = np.unique(index, return_counts=True)
-    result = candidate.with_heights(levels[index])
+    used, counts = np.unique(np.delete(index, held), return_counts=True)
+    result = candidate.with_heights(placed(levels[index]))
     steps: dict[str, Parameter] = {"step_levels": levels[used], "step_counts": counts.astype(np.int64)}
     before = model_misfit(candidate, surface, model)
     return replace(result, parameters={**result.parameters, **steps}, unrounded=before)
@@ -52,13 +58,17 @@ def rounded_to_steps(problem: Problem, candidate: Candidate) -> Candidate:
 
 @dataclass(frozen=True, eq=False)
 class _StepSearch:
-    """A search over the indices (n,) of levels; the sum of a power of the residual is lowered."""
+    """A search over the indices (n,) of levels; the sum of a power of the residual is lowered.
+
+    The indices of the rows `held` do not change.
+    """
 
     levels: FloatArray
     residual: Callable[[FloatArray], tuple[FloatArray, FloatArray]]
     residuals: Callable[[FloatArray], FloatArray]
     power: int
     options: SearchOptions
+    held: IntArray
 
     def total(self, residual: FloatArray) -> FloatArray:
         """Return the sum over the loads (first axis)."""
@@ -97,6 +107,7 @@ class _StepSearch:
         which = np.concatenate([np.arange(len(index))] * 2)
         by = np.repeat([1, -1], len(index))
         inside = (index[which] + by >= 0) & (index[which] + by < len(levels))
+        inside &= ~np.isin(which, self.held)
         which, by = which[inside], by[inside]
         if not which.size:
             return []

@@ -47,7 +47,7 @@ def refined(problem: Problem, candidate: Candidate, rng: np.random.Generator) ->
     with doing("refining the heights under the model"):
         solver, space = model.gradient_model, Heights(limits.span)
         best, start = Minimum(candidate.height, np.inf), candidate
-        for trial in (_filled(candidate, problem), candidate):
+        for trial in (filled(candidate, problem), candidate):
             first, residual, residual_of_model = _residuals(problem, trial)
             goal = options.refined_goal if trial.lowest_level is None else options.point_goal
             if model.couples and not has_paraboloids(model):
@@ -136,7 +136,7 @@ def _initial_guesses(
     return guesses if problem.layout is None else guesses[::-1]
 
 
-def _filled(candidate: Candidate, problem: Problem) -> Candidate:
+def filled(candidate: Candidate, problem: Problem) -> Candidate:
     """Return the candidate with summits on all sites, new ones just below the lowest level.
 
     Interaction lowers the friction at every point. Without added summits only an earlier contact of the

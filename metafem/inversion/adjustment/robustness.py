@@ -41,6 +41,7 @@ import numpy as np
 
 from metafem._validate import FloatArray
 from metafem._values import percent
+from metafem.inversion.adjustment.pinned import space_of
 from metafem.inversion.assessment import DesignStatus, model_misfit, status_of
 from metafem.inversion.candidate import Candidate, Parameter, below_limit
 from metafem.inversion.placement.exchange import swap
@@ -167,7 +168,7 @@ def _exchanged(problem: Problem, candidate: Candidate, rng: np.random.Generator)
 
     The response is ``M = G x`` (k, 2), with the Jacobian G (k, N) of the residual and the sites x (N, 2). The
     asperities of the sites a and b contribute ``(g_a - g_b) (x_b - x_a)'`` to it when they are exchanged.
-    An empty site has g = 0.
+    An empty site has g = 0. Heights that are held stay on their sites.
     """
     law, template = candidate.target_law, problem.template
     found = problem.model.gradient_model.sensitivity(candidate.surface(template), law.load)
@@ -178,6 +179,10 @@ def _exchanged(problem: Problem, candidate: Candidate, rng: np.random.Generator)
     for _ in range(total):
         most = problem.options.forecast_sites
         sites = np.arange(total) if total <= most else rng.choice(total, most, replace=False)
+        if candidate.held.size:
+            sites = np.setdiff1d(sites, candidate.held)
+        if not sites.size:
+            break
         moment = gradient @ position
         x, g = position[sites], gradient[:, sites]
         moved, changed = x[None, :] - x[:, None], g[:, :, None] - g[:, None, :]
@@ -212,11 +217,15 @@ def _lowered(
     model, limits, options = problem.model, problem.limits, problem.options
     law, surface = start.target_law.thinned(options.robust_loads), start.surface(problem.template)
     solver, errors = model.gradient_model, _errors(tolerances, surface, unit)
+    held = space_of(problem, start) if start.held.size else None
+
+    def placed(height: FloatArray) -> FloatArray:
+        return below_limit(height, limits) if held is None else height
 
     def residual(height: FloatArray) -> LateResidual:
         rows = []
         for part, shift in errors:
-            found = solver.sensitivity(part, law.load, below_limit(height, limits) + shift)
+            found = solver.sensitivity(part, law.load, placed(height) + shift)
             r, jacobian = law.residual(found.curve.area, found.gradient)
             rows.append(np.column_stack([jacobian, r]))
         stacked = np.concatenate(rows)
@@ -224,8 +233,11 @@ def _lowered(
         factor *= math.sqrt(len(factor) / len(stacked))  # the same mean square
         return factor[:, -1], lambda: factor[:, :-1]
 
-    found = descend(residual, start.height, Heights(limits.span), 0.0, options=options)
-    return start.with_heights(below_limit(found.unknowns, limits)), found.misfit
+    if held is None:
+        found = descend(residual, start.height, Heights(limits.span), 0.0, options=options)
+    else:
+        found = descend(held.held(residual), start.height, held, 0.0, options=options)
+    return start.with_heights(placed(found.unknowns)), found.misfit
 
 
 def _mean_squares(

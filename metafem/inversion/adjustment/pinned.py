@@ -1,0 +1,247 @@
+"""Heights for a target law among which some are given.
+
+The heights of some sites, h_i for i in G, are given above the base plane. The other heights are sought so
+that the law of all meets the target. Three facts follow from the law of a surface:
+
+1. A law depends on the differences of the heights alone (and under the true block on the compliance of the
+   caps). Heights that are found without given ones may therefore be shifted together, which the limits allow
+   down to the foot. With given heights the shift is an unknown, and each height is bounded by itself,
+   ``foot <= h_j <= top``, and no longer only by its distance from the tallest.
+2. A given height that lies below the plane at the last load changes nothing, if the heights that were found
+   without it still have their sites. Where sites are left over, it is therefore added to them.
+3. Otherwise it stands for one of the heights that were found. To first order the law changes by
+   ``dA0/dh_i (h_i - h_j)`` where it stands for h_j. The gradients ``dA0/dh`` at a load differ by no more than
+   their range over the contacts, so that the sum of the distances |h_i - h_j| bounds the change. The given
+   heights stand for those with the least sum, an assignment problem; of equal distances the height of the
+   site itself is taken, which leaves the other sites as they were.
+
+From these initial guesses the squares of the relative differences r(h) from the target law are lowered by the
+Levenberg-Marquardt method with exact sensitivities. The columns of the Jacobian that belong to given heights
+are zero, and so are those of heights at a limit that a step down the gradient ``J' r`` would push beyond it
+(a projected gradient). Points are met to rounding from heights that are stretched off the kinks of the law,
+and if that fails with asperities added on all sites. Given heights that equal those of their sites leave the
+whole design as it is. The search ends at the misfit that the heights have without the given ones.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from metafem._validate import FloatArray, IntArray
+from metafem.errors import InvalidInput
+from metafem.inversion.adjustment.height_steps import rounded_to_steps
+from metafem.inversion.adjustment.refinement import filled
+from metafem.inversion.assessment import EXACT, model_misfit
+from metafem.inversion.candidate import Candidate
+from metafem.inversion.problem import Problem
+from metafem.inversion.search.levenberg_marquardt import Minimum, Residual, descend, moved
+from metafem.inversion.search.multistart import search
+from metafem.inversion.search.options import SearchOptions
+from metafem.progress import doing
+
+# Heights this fraction of the span from a limit are at it: rounding.
+AT_LIMIT = 1e-9
+
+# A site keeps its own height where another one is closer by less than this fraction of the span: rounding.
+SAME = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Bounded:
+    """Heights (n,) from `low` to `high` [mm], of which those of the indices `rows` have given values."""
+
+    low: float
+    high: float
+    rows: IntArray
+    values: FloatArray
+
+    def project(self, unknowns: FloatArray) -> FloatArray:
+        """Return the nearest heights within the limits, with the given ones."""
+        height = np.clip(unknowns, self.low, self.high)
+        height[self.rows] = self.values
+        return height
+
+    def ends(self, unknowns: FloatArray) -> tuple[int, IntArray]:
+        """Return that no height follows another: `held` holds those at a limit."""
+        return 0, np.empty(0, dtype=np.int64)
+
+    def changed(self, unknowns: FloatArray, rng: np.random.Generator, options: SearchOptions) -> FloatArray:
+        """Return heights moved at random by about their spacing."""
+        return self.project(moved(unknowns, None, rng, options)[0])
+
+    def held(self, residual: Residual) -> Residual:
+        """Return a residual without the derivatives by heights that stay."""
+        near = AT_LIMIT * (self.high - self.low)
+
+        def bounded(height: FloatArray) -> tuple[FloatArray, FloatArray]:
+            r, jacobian = residual(height)
+            slope = r @ jacobian if np.isfinite(r).all() else np.zeros(len(height))
+            stay = (height <= self.low + near) & (slope > 0.0) | (height >= self.high - near) & (slope < 0.0)
+            stay[self.rows] = True
+            return r, np.where(stay, 0.0, jacobian)
+
+        return bounded
+
+
+def space_of(problem: Problem, candidate: Candidate) -> Bounded:
+    """Return the limits of the heights of a candidate, with those that are held."""
+    limits, rows = problem.limits, candidate.held_rows
+    return Bounded(limits.foot, limits.offset + limits.max_height, rows, candidate.height[rows])
+
+
+def with_pinned(
+    problem: Problem, plain: Candidate, unrounded: Candidate, rng: np.random.Generator
+) -> tuple[Candidate, Candidate]:
+    """Return candidates on steps and before rounding with the given heights, from those without them.
+
+    The given heights of the problem are at their sites, and the others are adjusted.
+    """
+    pins, span = problem.pins, problem.limits.span
+    unpinned = model_misfit(plain, plain.surface(problem.template), problem.model)
+    same = _in_place(plain, pins.rows, pins.heights, span)
+    if np.array_equal(same.sites, plain.sites) and np.array_equal(same.height, plain.height):
+        same = replace(same, unpinned=unpinned)
+        return same, same
+    with doing("adjusting the heights to the given ones"):
+        result = replace(_best(problem, unrounded, rng), unpinned=unpinned, stepped=False)
+    return rounded_to_steps(problem, result), result
+
+
+def _best(problem: Problem, candidate: Candidate, rng: np.random.Generator) -> Candidate:
+    """Return the candidate with the given heights and the other ones adjusted to them."""
+    options, exact = problem.options, candidate.lowest_level is not None
+    least = options.refined_goal if problem.model.couples else options.goal
+    goal = options.point_goal if exact else max(least, _rms(problem, candidate))
+    best, chosen = np.inf, candidate
+    for start in _starts(problem, candidate):
+        found = _adjusted(problem, start, goal, rng)
+        if found.misfit < best or best == np.inf:
+            best, chosen = found.misfit, start.with_heights(found.unknowns)
+        if best <= (EXACT if exact else goal):
+            break
+    return chosen
+
+
+def _in_place(candidate: Candidate, sites: IntArray, heights: FloatArray, span: float) -> Candidate:
+    """Return the candidate with given heights in place of the nearest ones, which are on those sites then.
+
+    A height that was on such a site is put where the nearest one was. More given heights than asperities
+    are added, with the radius of the nearest height.
+    """
+    from scipy.optimize import linear_sum_assignment
+
+    distance = np.abs(candidate.height[None, :] - heights[:, None])
+    own = candidate.sites[None, :] == sites[:, None]
+    given, rows = linear_sum_assignment(distance + np.where(own, 0.0, SAME * span))
+    where = candidate.sites.copy()
+    height, radius = candidate.height.copy(), candidate.radius.copy()
+    for i, j in zip(given.tolist(), rows.tolist(), strict=True):
+        where[where == sites[i]] = where[j]
+        where[j] = sites[i]
+        height[j] = heights[i]
+    left = np.setdiff1d(np.arange(len(sites)), given)
+    nearest = distance[left].argmin(axis=1)
+    return _sorted(
+        replace(candidate, held=sites),
+        np.append(where, sites[left]),
+        np.append(height, heights[left]),
+        np.append(radius, radius[nearest]),
+    )
+
+
+def _added(problem: Problem, candidate: Candidate) -> Candidate | None:
+    """Return the candidate with all its heights and the given ones besides; None without sites for them."""
+    pins = problem.pins
+    free = np.setdiff1d(np.arange(problem.count), np.union1d(candidate.sites, pins.rows))
+    on = np.flatnonzero(np.isin(candidate.sites, pins.rows))
+    if len(on) > len(free):
+        return None
+    where = candidate.sites.copy()
+    where[on] = free[: len(on)]
+    nearest = np.abs(candidate.height[None, :] - pins.heights[:, None]).argmin(axis=1)
+    return _sorted(
+        replace(candidate, held=pins.rows),
+        np.append(where, pins.rows),
+        np.append(candidate.height, pins.heights),
+        np.append(candidate.radius, candidate.radius[nearest]),
+    )
+
+
+def _sorted(candidate: Candidate, sites: IntArray, height: FloatArray, radius: FloatArray) -> Candidate:
+    order = np.argsort(sites)
+    return replace(candidate, sites=sites[order], height=height[order], radius=radius[order])
+
+
+def _starts(problem: Problem, candidate: Candidate) -> Iterator[Candidate]:
+    """Yield initial guesses: those of the least misfit first, at last one with asperities on all sites."""
+    pins, limits = problem.pins, problem.limits
+    first = _in_place(candidate, pins.rows, pins.heights, limits.span)
+    # the heights so low that the tallest is as high as the tallest given one
+    drop = float(candidate.height.max() - pins.heights.max())
+    lowered = replace(candidate, height=np.maximum(candidate.height - max(drop, 0.0), limits.foot))
+    shifted = _in_place(lowered, pins.rows, pins.heights, limits.span)
+    guesses = [first, shifted, _added(problem, candidate), _added(problem, lowered)]
+    starts = [start for start in guesses if start is not None]
+    yield from sorted(starts, key=lambda start: _rms(problem, start))
+    if candidate.lowest_level is not None and len(first.height) < problem.count:
+        yield filled(first, problem)
+
+
+def _adjusted(problem: Problem, start: Candidate, goal: float, rng: np.random.Generator) -> Minimum:
+    """Return the heights that are adjusted to those that are held, with their misfit under the model."""
+    model, options, space = problem.model, problem.options, space_of(problem, start)
+    solver, law = model.gradient_model, start.target_law
+    residual, exact = space.held(_residual(problem, start)), start.lowest_level is not None
+    if exact:
+        guesses = [space.project(height) for height in _stretched(start, options)]
+        found = Minimum(start.height, np.inf)
+        for guess in guesses:
+            trial = descend(residual, guess, space, goal, True, options)
+            found = trial if trial.misfit < found.misfit else found
+            if found.misfit <= EXACT:
+                break
+    else:
+        found = search(residual, [start.height], space, goal, 0, rng, options)
+    if solver == model:
+        return found
+    surface = start.surface(problem.template)
+
+    def residual_of_model(height: FloatArray) -> tuple[FloatArray, FloatArray]:
+        area = model.curve(surface.replaced(height=height), law.load).area
+        return law.residual(area, solver.sensitivity(surface, law.load, height).gradient)
+
+    return descend(space.held(residual_of_model), found.unknowns, space, goal, options=options)
+
+
+def _stretched(start: Candidate, options: SearchOptions) -> Iterator[FloatArray]:
+    """Yield heights whose depths are stretched off the kinks of the law."""
+    top = float(start.height.max())
+    for stretch in options.stretches:
+        yield top - stretch * (top - start.height)
+
+
+def _residual(problem: Problem, start: Candidate) -> Residual:
+    """Return the differences of the law of heights from the target, under the gradient model."""
+    solver, law, surface = problem.model.gradient_model, start.target_law, start.surface(problem.template)
+
+    def residual(height: FloatArray) -> tuple[FloatArray, FloatArray]:
+        try:
+            found = solver.sensitivity(surface, law.load, height)
+        except InvalidInput:  # deeper than the contact law describes
+            return np.full(len(law.load), np.inf), np.zeros((len(law.load), len(height)))
+        return law.residual(found.curve.area, found.gradient)
+
+    return residual
+
+
+def _rms(problem: Problem, candidate: Candidate) -> float:
+    """Return the root mean square of the differences under the gradient model."""
+    solver, law = problem.model.gradient_model, candidate.target_law
+    area = solver.areas(candidate.surface(problem.template), law.load, candidate.height[None])[0]
+    if not np.isfinite(area).all():
+        return np.inf
+    r, _ = law.residual(area, np.empty((len(area), 0)))
+    return float(np.sqrt(r @ r / len(r)))

@@ -1,0 +1,194 @@
+"""Heights for a target law among which some are given."""
+
+import numpy as np
+import pytest
+
+import metafem as mf
+from metafem.inversion import DesignStatus
+from metafem.inversion.adjustment.pinned import Bounded
+
+TEMPLATE = mf.Surface.square_lattice(
+    0.12, (6, 6), radius=0.526, material=mf.Material(1.36), block=mf.Block(12.0, 12.0, 7.2)
+)
+LIMITS = mf.Limits(0.12, offset=0.08)
+TOP = 0.2
+TARGETS = {
+    "points": mf.OperatingPoints([0.03, 0.1], [0.25, 0.8]),
+    "linear": mf.LinearLaw(5.5),
+    "line": mf.LinearLaw(6.0, (0.05, 0.1)),
+    "bilinear": mf.BilinearLaw((8.0, 6.5), 0.1),
+    "sampled": mf.SampledLaw([0.05, 0.1, 0.2], [0.35, 0.62, 1.15]),
+    "power": mf.PowerLaw(0.9, (0.05, 0.2), 4.9),
+    "multilinear": mf.MultilinearLaw((6.5, 5.5), (0.1,), (0.05, 0.2)),
+}
+MODELS = {
+    "half-space": mf.Interacting(),
+    "layer": mf.Interacting(substrate=mf.BondedLayer()),
+    "mean field": mf.MeanField(),
+    "automatic": mf.Automatic(),
+}
+PINNED = {7: 0.19, 3: None, 20: 0.15, 35: 0.17}
+
+
+def designed(target, pinned=None, model=None, **rest):
+    limits = rest.pop("limits", LIMITS)
+    return mf.design(target, rest.pop("template", TEMPLATE), model, limits, pinned=pinned, **rest)
+
+
+def heights(result):
+    return dict(zip(result.sites.tolist(), result.surface.height.tolist(), strict=True))
+
+
+def assert_kept(result, pinned):
+    found = heights(result)
+    assert {site: found.get(site) for site in pinned} == pinned
+    assert dict(result.pinned) == dict(sorted(pinned.items()))
+    assert result.surface.height.min() >= LIMITS.foot
+    assert result.surface.height.max() <= TOP
+
+
+@pytest.mark.parametrize("name", TARGETS)
+def test_every_target_is_met_with_given_heights(name):
+    result = designed(TARGETS[name], PINNED)
+    assert_kept(result, PINNED)
+    assert result.status is not DesignStatus.MISSED
+    assert result.misfit <= {"points": 1e-9, "linear": 0.05, "bilinear": 0.05}.get(name, 0.01)
+
+
+@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("name", ["points", "linear", "power"])
+def test_targets_are_met_under_every_model(name, model):
+    result = designed(TARGETS[name], PINNED, MODELS[model])
+    assert_kept(result, PINNED)
+    assert result.status is not DesignStatus.MISSED
+    assert result.law.model == MODELS[model]
+
+
+@pytest.mark.parametrize("name", TARGETS)
+def test_given_heights_that_are_designed_leave_the_design_as_it_is(name):
+    before = designed(TARGETS[name])
+    pinned = dict(list(heights(before).items())[::5])
+    after = designed(TARGETS[name], pinned)
+    assert after.surface == before.surface
+    assert (after.misfit, after.status, after.law) == (before.misfit, before.status, before.law)
+
+
+def test_they_leave_interacting_heights_on_steps_as_they_are():
+    limits = mf.Limits(0.12, offset=0.08, height_step=0.006)
+    before = designed(TARGETS["power"], None, MODELS["layer"], limits=limits)
+    pinned = dict(list(heights(before).items())[::5])
+    assert designed(TARGETS["power"], pinned, MODELS["layer"], limits=limits).surface == before.surface
+
+
+@pytest.mark.parametrize("given", [0.17, 0.1, TOP])
+def test_the_other_height_of_two_follows_the_given_one(given):
+    """The law of two asperities determines the difference of their heights."""
+    pair = TEMPLATE.replaced(position=TEMPLATE.position[:2], height=[0.2, 0.18], radius=0.526)
+    law = mf.friction_law(pair, load=1.36 * np.linspace(0.002, 0.05, 30))
+    target = mf.SampledLaw(law.rescaled_load, law.rescaled_friction)
+    result = designed(target, {1: given}, template=pair)
+    assert result.misfit < 1e-3
+    assert result.surface.height[1] == given
+    assert abs(result.surface.height[0] - given) == pytest.approx(0.02, rel=1e-2)
+
+
+@pytest.mark.parametrize("model", ["independent", "layer"])
+def test_heights_of_a_surface_are_completed_for_its_law(model):
+    """The target is the law of a surface, some of whose heights are given: the others reach it."""
+    solver = MODELS.get(model)
+    made = TEMPLATE.replaced(height=0.2 - 0.1 * np.random.default_rng(3).random(36) ** 1.5)
+    law = mf.friction_law(made, solver, load=1.36 * np.linspace(0.01, 0.3, 40))
+    pinned = dict(list(enumerate(made.height.tolist()))[::3])
+    result = designed(mf.SampledLaw(law.rescaled_load, law.rescaled_friction), pinned, solver)
+    assert_kept(result, pinned)
+    assert result.misfit < 0.002
+
+
+def test_a_height_below_the_contacts_changes_nothing_where_sites_are_left():
+    before = designed(TARGETS["sampled"])
+    assert before.surface.count < 36
+    after = designed(TARGETS["sampled"], {4: 0.09})
+    assert after.misfit == pytest.approx(before.misfit, rel=1e-9)
+    assert after.surface.count == before.surface.count + 1
+
+
+def test_the_order_in_which_heights_are_given_does_not_matter():
+    again = dict(reversed(PINNED.items()))
+    assert designed(TARGETS["power"], PINNED) == designed(TARGETS["power"], again)
+
+
+def test_the_others_are_adjusted_no_worse_than_left_alone():
+    """The misfit is at most that of the designed heights among which the given ones are put."""
+    rng = np.random.default_rng(5)
+    plain = designed(TARGETS["power"])
+    for _ in range(5):
+        sites = rng.choice(36, 4, replace=False)
+        pinned = dict(zip(sites.tolist(), rng.uniform(0.1, TOP, 4).tolist(), strict=True))
+        put = {**heights(plain), **pinned}
+        alone = TEMPLATE.replaced(
+            position=TEMPLATE.position[list(put)], height=list(put.values()), radius=0.526
+        )
+        target = TARGETS["power"].curve()
+        area = mf.Independent().curve(alone, target.load).area
+        assert designed(TARGETS["power"], pinned).misfit <= max(target.misfit(area), 1e-3)
+
+
+def test_too_many_given_heights_miss_the_target_and_say_so():
+    pinned = dict.fromkeys(range(34), TOP)
+    result = designed(TARGETS["power"], pinned)
+    assert_kept(result, pinned)
+    assert result.status is DesignStatus.MISSED
+    notes = [note.text for note in result.notes]
+    assert any(text.startswith("with the heights of 34 sites given the misfit is ") for text in notes)
+    assert not any("raise max_height" in text for text in notes)
+
+
+def test_all_heights_may_be_given():
+    pinned = dict(enumerate(np.linspace(0.1, TOP, 36).tolist()))
+    result = designed(TARGETS["power"], pinned)
+    assert heights(result) == pinned
+
+
+@pytest.mark.parametrize("model", [None, MODELS["layer"]], ids=["independent", "layer"])
+@pytest.mark.parametrize("name", ["linear", "sampled"])
+def test_the_other_heights_are_on_steps(name, model):
+    limits = mf.Limits(0.12, offset=0.08, height_step=0.006)
+    result = designed(TARGETS[name], PINNED, model, limits=limits)
+    assert_kept(result, PINNED)
+    others = [height for site, height in heights(result).items() if site not in PINNED]
+    assert np.isin(np.round(others, 9), limits.levels.round(9)).all()
+    assert result.parameters["step_counts"].sum() == len(others)
+
+
+@pytest.mark.parametrize(
+    "rest",
+    [
+        {"layout": mf.Layout(tilt=0.001), "model": MODELS["half-space"]},
+        {"radii": [0.3, 0.526]},
+        {"radii": mf.RadiusRange(0.3, 0.6), "common_radius": True},
+        {"robust": mf.Tolerances(height_sd=0.002, angle=0.001)},
+        {"model": mf.Independent(contact=mf.PowerCap(4.0))},
+    ],
+    ids=["layout", "radii", "common radius", "robust", "power cap"],
+)
+def test_all_of_a_design_works_with_given_heights(rest):
+    result = designed(
+        TARGETS["power"] if "radii" not in rest else mf.PowerLaw(0.9, (0.05, 0.2)), PINNED, **rest
+    )
+    assert_kept(result, PINNED)
+    assert result.misfit < 0.02
+
+
+def test_given_heights_are_bounded_and_stay():
+    space = Bounded(0.0, 1.0, np.array([1]), np.array([0.5]))
+    np.testing.assert_array_equal(space.project(np.array([-1.0, 3.0, 2.0])), [0.0, 0.5, 1.0])
+    residual = space.held(lambda height: (np.array([1.0]), np.array([[2.0, 3.0, 4.0]])))
+    # the first height would sink below the lower limit, the last one falls from the upper one
+    np.testing.assert_array_equal(residual(np.array([0.0, 0.5, 1.0]))[1], [[0.0, 0.0, 4.0]])
+    np.testing.assert_array_equal(residual(np.array([0.1, 0.5, 1.0]))[1], [[2.0, 0.0, 4.0]])
+
+
+def test_a_result_with_given_heights_is_stored(tmp_path):
+    result = designed(TARGETS["power"], PINNED)
+    mf.save(result, tmp_path / "result")
+    assert mf.load(tmp_path / "result") == result
