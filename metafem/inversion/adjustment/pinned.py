@@ -16,17 +16,19 @@ that the law of all meets the target. Three facts follow from the law of a surfa
    site itself is taken, which leaves the other sites as they were.
 
 From these initial guesses the squares of the relative differences r(h) from the target law are lowered by the
-Levenberg-Marquardt method with exact sensitivities. The columns of the Jacobian that belong to given heights
+Levenberg–Marquardt method with exact sensitivities. The columns of the Jacobian that belong to given heights
 are zero, and so are those of heights at a limit that a step down the gradient ``J' r`` would push beyond it
 (a projected gradient). Points are met to rounding from heights that are stretched off the kinks of the law,
-and if that fails with asperities added on all sites. Given heights that equal those of their sites leave the
-whole design as it is. The search ends at the misfit that the heights have without the given ones.
+and if that fails with asperities added on all sites. Where the misfit stays large, the search goes on from
+random changes of the best heights, by which asperities are added on sites that are left over, or removed.
+Given heights that equal those of their sites leave the whole design as it is. The search ends at the misfit
+that the heights have without the given ones.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -37,53 +39,13 @@ from metafem.inversion.adjustment.refinement import filled
 from metafem.inversion.assessment import EXACT, model_misfit
 from metafem.inversion.candidate import Candidate
 from metafem.inversion.problem import Problem
-from metafem.inversion.search.levenberg_marquardt import Minimum, Residual, descend, moved
-from metafem.inversion.search.multistart import search
+from metafem.inversion.search.bounded import Bounded
+from metafem.inversion.search.levenberg_marquardt import Minimum, Residual, descend
 from metafem.inversion.search.options import SearchOptions
-from metafem.progress import doing
-
-# Heights this fraction of the span from a limit are at it: rounding.
-AT_LIMIT = 1e-9
+from metafem.progress import doing, each
 
 # A site keeps its own height where another one is closer by less than this fraction of the span: rounding.
 SAME = 1e-9
-
-
-@dataclass(frozen=True, eq=False)
-class Bounded:
-    """Heights (n,) from `low` to `high` [mm], of which those of the indices `rows` have given values."""
-
-    low: float
-    high: float
-    rows: IntArray
-    values: FloatArray
-
-    def project(self, unknowns: FloatArray) -> FloatArray:
-        """Return the nearest heights within the limits, with the given ones."""
-        height = np.clip(unknowns, self.low, self.high)
-        height[self.rows] = self.values
-        return height
-
-    def ends(self, unknowns: FloatArray) -> tuple[int, IntArray]:
-        """Return that no height follows another: `held` holds those at a limit."""
-        return 0, np.empty(0, dtype=np.int64)
-
-    def changed(self, unknowns: FloatArray, rng: np.random.Generator, options: SearchOptions) -> FloatArray:
-        """Return heights moved at random by about their spacing."""
-        return self.project(moved(unknowns, None, rng, options)[0])
-
-    def held(self, residual: Residual) -> Residual:
-        """Return a residual without the derivatives by heights that stay."""
-        near = AT_LIMIT * (self.high - self.low)
-
-        def bounded(height: FloatArray) -> tuple[FloatArray, FloatArray]:
-            r, jacobian = residual(height)
-            slope = r @ jacobian if np.isfinite(r).all() else np.zeros(len(height))
-            stay = (height <= self.low + near) & (slope > 0.0) | (height >= self.high - near) & (slope < 0.0)
-            stay[self.rows] = True
-            return r, np.where(stay, 0.0, jacobian)
-
-        return bounded
 
 
 def space_of(problem: Problem, candidate: Candidate) -> Bounded:
@@ -115,14 +77,39 @@ def _best(problem: Problem, candidate: Candidate, rng: np.random.Generator) -> C
     options, exact = problem.options, candidate.lowest_level is not None
     least = options.refined_goal if problem.model.couples else options.goal
     goal = options.point_goal if exact else max(least, _rms(problem, candidate))
+    enough = EXACT if exact else max(goal, options.close)
     best, chosen = np.inf, candidate
     for start in _starts(problem, candidate):
-        found = _adjusted(problem, start, goal, rng)
+        found = _adjusted(problem, start, goal)
         if found.misfit < best or best == np.inf:
             best, chosen = found.misfit, start.with_heights(found.unknowns)
-        if best <= (EXACT if exact else goal):
+        if best <= enough:
+            return chosen
+    return _changed(problem, chosen, goal, rng)
+
+
+def _changed(problem: Problem, start: Candidate, goal: float, rng: np.random.Generator) -> Candidate:
+    """Return the best of the heights and of random changes of them, on more or fewer sites."""
+    count, lowest, limits = problem.count, int(start.height.argmin()), problem.limits
+    top = limits.offset + limits.max_height
+    space = Bounded(limits.foot, top, problem.pins.rows, problem.pins.heights)
+    height, radius = np.full(count, space.absent), np.full(count, start.radius[lowest])
+    height[start.sites], radius[start.sites] = start.height, start.radius
+    whole = replace(start, sites=np.arange(count), height=height, radius=radius)
+    residual, exact = space.held(_residual(problem, whole)), start.lowest_level is not None
+    r, _ = residual(height)
+    best = Minimum(height, float(np.sqrt(r @ r / len(r))))
+    options = problem.options
+    changes = options.refined_restarts if problem.model.couples else options.pinned_changes
+    for _ in each("random change", range(changes), at_most=True):
+        trial = space.changed(best.unknowns, rng, options)
+        found = descend(residual, trial, space, goal, exact, options)
+        best = found if found.misfit < best.misfit else best
+        if best.misfit <= (EXACT if exact else goal):
             break
-    return chosen
+    some = space.exists(best.unknowns)
+    result = replace(whole, sites=np.flatnonzero(some), radius=radius[some])
+    return result.with_heights(best.unknowns[some])
 
 
 def _in_place(candidate: Candidate, sites: IntArray, heights: FloatArray, span: float) -> Candidate:
@@ -178,33 +165,27 @@ def _sorted(candidate: Candidate, sites: IntArray, height: FloatArray, radius: F
 def _starts(problem: Problem, candidate: Candidate) -> Iterator[Candidate]:
     """Yield initial guesses: those of the least misfit first, at last one with asperities on all sites."""
     pins, limits = problem.pins, problem.limits
-    first = _in_place(candidate, pins.rows, pins.heights, limits.span)
-    # the heights so low that the tallest is as high as the tallest given one
-    drop = float(candidate.height.max() - pins.heights.max())
-    lowered = replace(candidate, height=np.maximum(candidate.height - max(drop, 0.0), limits.foot))
-    shifted = _in_place(lowered, pins.rows, pins.heights, limits.span)
-    guesses = [first, shifted, _added(problem, candidate), _added(problem, lowered)]
-    starts = [start for start in guesses if start is not None]
-    yield from sorted(starts, key=lambda start: _rms(problem, start))
-    if candidate.lowest_level is not None and len(first.height) < problem.count:
-        yield filled(first, problem)
+    bases, drop = [candidate], float(candidate.height.max() - pins.heights.max())
+    if drop > 0.0:  # so low that the tallest is as high as the tallest given one
+        bases.append(replace(candidate, height=np.maximum(candidate.height - drop, limits.foot)))
+    put = [_in_place(base, pins.rows, pins.heights, limits.span) for base in bases]
+    added = [start for base in bases if (start := _added(problem, base)) is not None]
+    yield from sorted([*put, *added], key=lambda start: _rms(problem, start))
+    if candidate.lowest_level is not None and len(put[0].height) < problem.count:
+        yield filled(put[0], problem)
 
 
-def _adjusted(problem: Problem, start: Candidate, goal: float, rng: np.random.Generator) -> Minimum:
+def _adjusted(problem: Problem, start: Candidate, goal: float) -> Minimum:
     """Return the heights that are adjusted to those that are held, with their misfit under the model."""
     model, options, space = problem.model, problem.options, space_of(problem, start)
     solver, law = model.gradient_model, start.target_law
     residual, exact = space.held(_residual(problem, start)), start.lowest_level is not None
-    if exact:
-        guesses = [space.project(height) for height in _stretched(start, options)]
-        found = Minimum(start.height, np.inf)
-        for guess in guesses:
-            trial = descend(residual, guess, space, goal, True, options)
-            found = trial if trial.misfit < found.misfit else found
-            if found.misfit <= EXACT:
-                break
-    else:
-        found = search(residual, [start.height], space, goal, 0, rng, options)
+    found = Minimum(start.height, np.inf)
+    for guess in _stretched(start, options) if exact else [start.height]:
+        trial = descend(residual, space.project(guess), space, goal, exact, options)
+        found = trial if trial.misfit < found.misfit else found
+        if found.misfit <= EXACT:
+            break
     if solver == model:
         return found
     surface = start.surface(problem.template)

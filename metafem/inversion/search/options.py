@@ -118,6 +118,11 @@ class SearchOptions:
     # Depth of the added summits below the last level, relative to the depth of that level.
     added_depth: float = 0.01
 
+    # -- given heights --
+    # Random changes of the other heights where they miss the target, about 5 ms each; under a model with
+    # interaction there are as many as `refined_restarts`.
+    pinned_changes: int = 8
+
     # -- robust designs --
     # Fewest and most fixed errors over which the expectation is taken, each with both signs; with as many as
     # the errors have dimensions, a linear response is exact.
