@@ -95,7 +95,7 @@ def design(
         see Notes. Default: None; the misfit of the exact heights is minimised.
     pinned : mapping of int to float or None, optional
         Heights [mm] above the base plane of some sites, by their numbers in the template, or None for a site
-        that stays empty. Default: none; a height is designed for every site.
+        that stays empty. The other heights are adjusted to the given ones, see Notes. Default: none.
 
     Returns
     -------
@@ -134,6 +134,12 @@ def design(
     sensitivities the expectations are those of its `gradient_model`. The misfit of the exact heights
     increases in general.
 
+    With `pinned`, heights are first found without the given ones, which then stand for the heights that are
+    nearest to them. The other heights are adjusted by the Levenberg–Marquardt method, each of them between
+    the foot and the largest height above the base plane. A note states the misfits with and without the given
+    heights. Heights that equal those of the design without them leave it as it is. A given height need not
+    be on a height step.
+
     Examples
     --------
     >>> import metafem as mf
@@ -157,6 +163,13 @@ def design(
     >>> found = mf.design(target, template, robust=tolerances).parameters
     >>> found["robust_gain"] > 3.0 * found["robust_gain_error"]
     True
+
+    Site 9 has a height of 0.1 mm, and site 3 no asperity.
+
+    >>> result = mf.design(mf.PowerLaw(0.9, (0.1, 0.2)), template, pinned={9: 0.1, 3: None})
+    >>> heights = dict(zip(result.sites.tolist(), result.surface.height.tolist()))
+    >>> heights[9], 3 in heights, result.misfit < 0.01
+    (0.1, False, True)
     """
     problem = Problem.checked(target, template, model, limits, layout, radii, robust, pinned)
     generator = check.generator(rng)

@@ -160,7 +160,7 @@ class Design(Value):
         """Return what is printed of the design."""
         surface, law = self.surface, self.law
         empty = sum(height is None for height in self.pinned.values())
-        pinned = {"pinned": f"{len(self.pinned) - empty} heights given, {empty} sites empty"}
+        pinned = {"pinned": f"{len(self.pinned) - empty} with a given height, {empty} empty"}
         return {
             "status": self.status.value,
             "misfit": f"{misfit_text(self.misfit)}, {self.misfit_meaning}",
