@@ -40,7 +40,7 @@ from metafem.inversion.assessment import EXACT, model_misfit
 from metafem.inversion.candidate import Candidate
 from metafem.inversion.problem import Problem
 from metafem.inversion.search.bounded import Bounded
-from metafem.inversion.search.levenberg_marquardt import Minimum, Residual, descend
+from metafem.inversion.search.levenberg_marquardt import LateResidual, Minimum, Residual, descend
 from metafem.inversion.search.options import SearchOptions
 from metafem.progress import doing, each
 
@@ -190,9 +190,9 @@ def _adjusted(problem: Problem, start: Candidate, goal: float) -> Minimum:
         return found
     surface = start.surface(problem.template)
 
-    def residual_of_model(height: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def residual_of_model(height: FloatArray) -> LateResidual:
         area = model.curve(surface.replaced(height=height), law.load).area
-        return law.residual(area, solver.sensitivity(surface, law.load, height).gradient)
+        return law.late_residual(area, lambda: solver.sensitivity(surface, law.load, height).gradient)
 
     return descend(space.held(residual_of_model), found.unknowns, space, goal, options=options)
 
@@ -208,12 +208,12 @@ def _residual(problem: Problem, start: Candidate) -> Residual:
     """Return the differences of the law of heights from the target, under the gradient model."""
     solver, law, surface = problem.model.gradient_model, start.target_law, start.surface(problem.template)
 
-    def residual(height: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def residual(height: FloatArray) -> LateResidual:
         try:
             found = solver.sensitivity(surface, law.load, height)
         except InvalidInput:  # deeper than the contact law describes
-            return np.full(len(law.load), np.inf), np.zeros((len(law.load), len(height)))
-        return law.residual(found.curve.area, found.gradient)
+            return np.full(len(law.load), np.inf), lambda: np.zeros((len(law.load), len(height)))
+        return law.late_residual(found.curve.area, lambda: found.gradient)
 
     return residual
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from metafem._validate import FloatArray, IntArray
-from metafem.inversion.search.levenberg_marquardt import Residual, moved
+from metafem.inversion.search.levenberg_marquardt import LateResidual, Residual, moved
 from metafem.inversion.search.options import SearchOptions
 
 # Heights this fraction of the span from a limit are at it: rounding.
@@ -71,12 +71,18 @@ class Bounded:
         """Return a residual without the derivatives by heights that stay."""
         near = AT_LIMIT * (self.high - self.low)
 
-        def bounded(height: FloatArray) -> tuple[FloatArray, FloatArray]:
-            r, jacobian = residual(height)
-            slope = r @ jacobian if np.isfinite(r).all() else np.zeros(len(height))
-            stay = (height <= self.low + near) & (slope > 0.0) | (height >= self.high - near) & (slope < 0.0)
-            stay |= ~self.exists(height)
-            stay[self.rows] = True
-            return r, np.where(stay, 0.0, jacobian)
+        def bounded(height: FloatArray) -> LateResidual:
+            r, compute = residual(height)
+
+            def jacobian() -> FloatArray:
+                found = compute()
+                slope = r @ found if np.isfinite(r).all() else np.zeros(len(height))
+                stay = (height <= self.low + near) & (slope > 0.0)
+                stay |= (height >= self.high - near) & (slope < 0.0)
+                stay |= ~self.exists(height)
+                stay[self.rows] = True
+                return np.where(stay, 0.0, found)
+
+            return r, jacobian
 
         return bounded
