@@ -1,0 +1,188 @@
+"""Handles of targets that are made of straight lines."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from metafem._validate import FloatArray
+from metafem.explorer.text.marks import Handle, Marks
+from metafem.explorer.text.written import between
+
+# Share of the rescaled load "sites x largest height x radius" at which a line is dragged before there is any
+# design: near the largest loads of the paper's surfaces.
+BEFORE_ANY_DESIGN = 0.1
+
+# A line is not turned through points nearer to its pivot than this share of the distance of its handle, where
+# a slope would be out of all proportion.
+NEAREST = 0.2
+
+
+@dataclass(frozen=True)
+class Line:
+    """A branch of a target: its slope, where it is dragged, and the point about which it turns [mm^2]."""
+
+    slope: float
+    load: float
+    friction: float
+    pivot: tuple[float, float]
+
+    def turned(self, load: float, friction: float) -> float:
+        """Return the slope of the line through another point."""
+        run = load - self.pivot[0]
+        if run < NEAREST * (self.load - self.pivot[0]):
+            run = self.load - self.pivot[0]
+        return (friction - self.pivot[1]) / run
+
+
+class LineHandles(Marks):
+    """Linear, bilinear and multilinear laws: slopes, crossover loads and the ends of the range.
+
+    A slope is dragged at the middle of its branch. The first line turns about its intercept, which is 0 for
+    lines through the origin and otherwise that of the design; other lines turn about their crossover.
+    """
+
+    def handles(self) -> tuple[Handle, ...]:
+        """Return a handle for each slope, crossover load and end of the range."""
+        scene, found = self.scene, []
+        several = len(self.lines) > 1
+        for i, line in enumerate(self.lines):
+            words = scene.target.wording.slopes(line.slope)
+            label = f"{words}, branch {i + 1}" if several else words
+            found.append(Handle(f"slope-{i}", line.load, line.friction, "y", label))
+        for id, load, label in self.path:
+            found.append(Handle(id, load, self._friction(load), "x", label))
+        return tuple(found)
+
+    def moved(self, handle: Handle, load: float, friction: float, resolution: float) -> dict[str, Any]:
+        """Return the keys that change when a handle has moved."""
+        name, _, number = handle.id.partition("-")
+        if name == "slope":
+            return self._turned(int(number), load, friction, resolution)
+        path = [place for place, _, _ in self.path]
+        i, loads = path.index(handle.id), [place[1] for place in self.path]
+        low = loads[i - 1] if i else 0.0
+        high = loads[i + 1] if i + 1 < len(loads) else float("inf")
+        placed, fine = between(load, low, high, resolution)
+        placed = placed or resolution * handle.load
+        return self._at(handle.id, placed, fine)
+
+    def removed(self, id: str) -> dict[str, Any]:
+        """Return the keys that change without the range of loads, where the law can be without it."""
+        if id.startswith("range-") and self.scene.kind != "multilinear":
+            return {"load_range": None}
+        return super().removed(id)
+
+    @property
+    def slopes(self) -> tuple[float, ...]:
+        """The slopes of the branches."""
+        target: Any = self.scene.target
+        return tuple(target.slopes) if hasattr(target, "slopes") else (target.slope,)
+
+    @property
+    def lines(self) -> list[Line]:
+        """The branches, as they are drawn with the last design."""
+        target, found = self.scene.target, []
+        starts = [low for _, (low, _) in target.branches] or [low for _, low in target.lines]
+        for i, (slope, start) in enumerate(zip(self.slopes, starts, strict=True)):
+            if target.branches:
+                low, high = target.branches[i][1]
+                load = 0.5 * (low + high)
+                friction = float(self._drawn(np.array([load]))[0])
+            else:
+                load, friction = self._of_density(i, slope)
+            pivot = start if i else 0.0
+            found.append(Line(slope, load, friction, (pivot, friction - slope * (load - pivot))))
+        return found
+
+    @property
+    def path(self) -> list[tuple[str, float, str]]:
+        """Handle, rescaled load and label of the crossover loads and the ends of the range, increasing."""
+        target: Any = self.scene.target
+        pairs = getattr(target, "crossover_loads", ())
+        if hasattr(target, "crossover_load"):
+            pairs = ((target.crossover_load,) * 2,)
+        found = []
+        for i, (end, start) in enumerate(pairs):
+            words = "crossover load" if len(pairs) == 1 else f"crossover load {i + 1}"
+            if end == start:
+                found.append((f"crossover-{i}", end, words))
+            else:
+                found.append((f"crossover-{i}-end", end, f"{words}, end of branch {i + 1}"))
+                found.append((f"crossover-{i}-start", start, f"{words}, start of branch {i + 2}"))
+        if target.load_range is None:
+            return found
+        low, high = target.load_range
+        return [
+            ("range-low", low, "smallest load of the range"),
+            *found,
+            ("range-high", high, "largest load of the range"),
+        ]
+
+    def _friction(self, load: float) -> float:
+        """Return the friction of the target at a load [mm^2]: on the line that ends there."""
+        target = self.scene.target
+        if target.branches:
+            return float(self._drawn(np.array([load]))[0])
+        line = self.lines[0]
+        return line.friction + line.slope * (load - line.load)
+
+    def _drawn(self, load: FloatArray) -> FloatArray:
+        """Return the target over its range, with the intercepts nearest to the last design [mm^2]."""
+        law = self.scene.target.curve()
+        friction = law.base
+        if law.is_open:
+            achieved = self.scene.achieved(law.load)
+            friction = law.law(law.load * max(self.slopes) if achieved is None else achieved)
+        return np.asarray(np.interp(load, law.load, friction))
+
+    def _of_density(self, i: int, slope: float) -> tuple[float, float]:
+        """Return the load and friction at which a line without a range is dragged [mm^2]."""
+        design = self.scene.design
+        if design is None or len(design.fits) != len(self.slopes):
+            template, limits = self.scene.specification.template, self.scene.specification.limits
+            scale = template.count * limits.max_height * float(template.radius.mean())
+            crossover = getattr(self.scene.target, "crossover_load", 0.0)
+            load = (0.5 * (crossover or BEFORE_ANY_DESIGN * scale), 1.5 * crossover)[i]
+            return load, slope * load + (self.slopes[0] - slope) * crossover * i
+        branch, fit = design.fits[i]
+        middle = 0.5 * (branch.load_range[0] + branch.load_range[1])
+        if branch.intercept is not None:
+            return middle, branch.intercept + slope * middle
+        pivot = self.scene.target.lines[i][1]
+        return middle, fit.intercept + fit.slope * middle + (slope - branch.slope) * (middle - pivot)
+
+    def _turned(self, i: int, load: float, friction: float, resolution: float) -> dict[str, Any]:
+        """Return the keys after a line has turned through a point; its slope stays positive."""
+        line = self.lines[i]
+        value = self.scene.slope(max(line.turned(load, friction), resolution * line.slope), resolution)
+        section = self.scene.section
+        single = next((name for name in ("slope", "friction_coefficient") if name in section), None)
+        if single is not None:
+            return {single: value}
+        name = "slopes" if "slopes" in section else "friction_coefficients"
+        return {name: [value if j == i else other for j, other in enumerate(section[name])]}
+
+    def _at(self, id: str, load: float, resolution: float) -> dict[str, Any]:
+        """Return the keys after a load of the path has moved."""
+        section, scene = self.scene.section, self.scene
+        if id.startswith("range-"):
+            ends = [*section["load_range"]]
+            i = id == "range-high"
+            ends[i] = scene.load(load, ends[i], resolution)
+            return {"load_range": ends}
+        if "crossover_load" in section:
+            return {"crossover_load": scene.load(load, section["crossover_load"], resolution)}
+        _, number, *end = id.split("-")
+        entries = [[*entry] if isinstance(entry, list) else entry for entry in section["crossover_loads"]]
+        entry = entries[int(number)]
+        if end:
+            place = end == ["start"]
+            entry[place] = scene.load(load, entry[place], resolution)
+        elif isinstance(entry, list):  # a pair of equal loads, or a list of one
+            entries[int(number)] = [scene.load(load, each, resolution) for each in entry]
+        else:
+            entries[int(number)] = scene.load(load, entry, resolution)
+        return {"crossover_loads": entries}

@@ -1,0 +1,104 @@
+"""Handles of targets that are given by points."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from metafem.errors import InvalidInput
+from metafem.explorer.text.marks import Handle, Marks
+from metafem.explorer.text.written import ALL_DIGITS, between
+
+# Relative resolution of values that are copied from a table.
+EXACT = 10.0 ** (1 - ALL_DIGITS)
+
+
+class PointHandles(Marks):
+    """Operating points and samples: each is a handle that moves freely between its neighbours."""
+
+    @property
+    def points(self) -> tuple[list[float], list[float]]:
+        """Rescaled loads and frictions of the target [mm^2]."""
+        target: Any = self.scene.target
+        return target.rescaled_load.tolist(), target.rescaled_friction.tolist()
+
+    def handles(self) -> tuple[Handle, ...]:
+        """Return a handle for each point."""
+        loads, frictions = self.points
+        count = len(loads)
+        return tuple(
+            Handle(f"point-{i}", load, friction, "xy", f"point {i + 1} of {count}")
+            for i, (load, friction) in enumerate(zip(loads, frictions, strict=True))
+        )
+
+    def moved(self, handle: Handle, load: float, friction: float, resolution: float) -> dict[str, Any]:
+        """Return the points with one of them moved."""
+        values, i = self._listed(), int(handle.id.removeprefix("point-"))
+        return self._placed(i, (i - 1, i + 1), values, (load, friction), resolution)
+
+    def added(self, load: float, friction: float, resolution: float) -> dict[str, Any]:
+        """Return the points with one more."""
+        values, loads = self._listed(), self.points[0]
+        i = sum(other <= load for other in loads)
+        near = min(i, len(loads) - 1)
+        for name, entries in values.items():
+            if isinstance(entries, list):
+                values[name] = [*entries[:i], 1.0 if name == "weight" else entries[near], *entries[i:]]
+        return self._placed(i, (i - 1, i), values, (load, friction), resolution)
+
+    def removed(self, id: str) -> dict[str, Any]:
+        """Return the points without one of them."""
+        values, count = self._listed(), len(self.points[0])
+        found = [handle.id for handle in self.handles()]
+        if id not in found:
+            raise InvalidInput(f'the target has no handle "{id:.40}"')
+        if count == 1:
+            raise InvalidInput("the last point cannot be removed; a target needs at least one")
+        i = found.index(id)
+        return {
+            name: [*entries[:i], *entries[i + 1 :]] if isinstance(entries, list) else entries
+            for name, entries in values.items()
+        }
+
+    def _placed(
+        self,
+        i: int,
+        near: tuple[int, int],
+        values: dict[str, Any],
+        at: tuple[float, float],
+        resolution: float,
+    ) -> dict[str, Any]:
+        """Return the lists with entry `i` at a load and friction, between those of the points `near` it."""
+        for name, stated, numbers, value in zip(
+            self._names(), (self.scene.load, self.scene.friction), self.points, at, strict=True
+        ):
+            low = numbers[near[0]] if near[0] >= 0 else 0.0
+            high = numbers[near[1]] if near[1] < len(numbers) else math.inf
+            placed, fine = between(value, low, high, resolution)
+            placed = placed or resolution * numbers[0]  # of a single point
+            values[name][i] = stated(placed, values[name][i], fine)
+        return values
+
+    def _names(self) -> tuple[str, str]:
+        """Return the keys of loads and frictions; those of a table have the units of its columns."""
+        section, forces = self.scene.section, self.scene.target.wording.shear_stress is not None
+        rescaled = "rescaled_load" in section or ("load" not in section and not forces)
+        return ("rescaled_load", "rescaled_friction") if rescaled else ("load", "friction_force")
+
+    def _listed(self) -> dict[str, Any]:
+        """Return the lists of the points as they are written; those of a table replace its name."""
+        section, scene = self.scene.section, self.scene
+        names = self._names()
+        weight = {"weight": [*section["weight"]]} if isinstance(section.get("weight"), list) else {}
+        if "file" not in section:
+            return {name: [*section[name]] for name in names} | weight
+        like = "1 mm^2" if names[0] == "rescaled_load" else "1 N"
+        loads, frictions = self.points
+        target: Any = scene.target
+        weights = target.weight.tolist()
+        return {
+            "file": None,
+            names[0]: [scene.load(load, like, EXACT) for load in loads],
+            names[1]: [scene.friction(friction, like, EXACT) for friction in frictions],
+            **({} if len(set(weights)) == 1 else {"weight": weights}),
+        }

@@ -1,0 +1,78 @@
+"""Handles of power laws."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from metafem.explorer.text.marks import Handle, Marks
+from metafem.explorer.text.written import between, rounded
+
+
+class PowerHandles(Marks):
+    """Exponent, prefactor and the ends of the range.
+
+    The exponent is dragged between the middle of the range and its end, both in the logarithm of the load.
+    The law turns about the middle.
+    """
+
+    def handles(self) -> tuple[Handle, ...]:
+        """Return the handles of the exponent, of the prefactor if it is given, and of the ends."""
+        target: Any = self.scene.target
+        (low, high), middle = target.load_range, self._middle
+        steep = math.sqrt(middle * high)
+        found = [Handle("exponent", steep, self._friction(steep), "y", f"exponent {target.exponent:.4g}")]
+        if target.prefactor is not None:
+            words = f"prefactor {target.prefactor:.4g}"
+            found.append(Handle("prefactor", middle, self._friction(middle), "y", words))
+        found.append(Handle("range-low", low, self._friction(low), "x", "smallest load of the range"))
+        found.append(Handle("range-high", high, self._friction(high), "x", "largest load of the range"))
+        return tuple(found)
+
+    def moved(self, handle: Handle, load: float, friction: float, resolution: float) -> dict[str, Any]:
+        """Return the keys that change when a handle has moved."""
+        target: Any = self.scene.target
+        if handle.moves == "x":
+            return self._end(handle, load, resolution)
+        friction = max(friction, resolution * handle.friction)
+        middle = self._middle
+        level = self._friction(middle)
+        if handle.id == "prefactor":
+            return {"prefactor": rounded(friction / middle**target.exponent, resolution)}
+        load = load if load > middle else handle.load
+        exponent = math.log(friction / level) / math.log(load / middle)
+        exponent = rounded(max(exponent, resolution), resolution)
+        if target.prefactor is None:
+            return {"exponent": exponent}
+        return {"exponent": exponent, "prefactor": rounded(level / middle**exponent, resolution)}
+
+    def removed(self, id: str) -> dict[str, Any]:
+        """Return the keys that change without the prefactor, which the design then chooses."""
+        return {"prefactor": None} if id == "prefactor" else super().removed(id)
+
+    @property
+    def _middle(self) -> float:
+        """The middle of the range in the logarithm of the load [mm^2]."""
+        target: Any = self.scene.target
+        return math.sqrt(target.load_range[0] * target.load_range[1])
+
+    def _friction(self, load: float) -> float:
+        """Return the law at a load [mm^2]; a prefactor that is left open is that of the last design."""
+        target: Any = self.scene.target
+        if target.prefactor is not None:
+            return float(target.prefactor * load**target.exponent)
+        law = target.curve()
+        achieved = self.scene.achieved(law.load)
+        prefactor = 1.0 if achieved is None else law.law(achieved)[0] / law.free[0, 0]
+        return float(prefactor * load**target.exponent)
+
+    def _end(self, handle: Handle, load: float, resolution: float) -> dict[str, Any]:
+        target: Any = self.scene.target
+        (low, high), ends = target.load_range, [*self.scene.section["load_range"]]
+        if handle.id == "range-low":
+            placed, fine = between(load, 0.0, high, resolution)
+        else:
+            placed, fine = between(load, low, math.inf, resolution)
+        i = handle.id == "range-high"
+        ends[i] = self.scene.load(placed, ends[i], fine)
+        return {"load_range": ends}
