@@ -11,7 +11,7 @@ import click
 import metafem as mf
 from metafem.drawing import svg
 from metafem.report.figures import law_figure
-from validation import printed_numbers
+from validation import explorer_picture, printed_numbers
 from validation.cost import model_table
 from validation.discovery import Listed
 from validation.numbers import computed, expected
@@ -34,6 +34,7 @@ def renew_readme(results: dict[str, Evaluated]) -> None:
     renew(printed_numbers.MARKS, printed_numbers.printed_table(results))
     model_table.renew_readme()
     PICTURE.write_text(svg(_first_minute(), "Target, achieved law and finite elements"), "utf-8")
+    explorer_picture.renew_picture()
 
 
 def _first_minute():

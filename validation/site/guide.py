@@ -18,7 +18,17 @@ if TYPE_CHECKING:
 FOLDER = Path(__file__).parents[1] / "guide"
 
 # The pages in the order in which a newcomer reads them.
-ORDER = ("start", "design", "models", "tolerances", "measurements", "commands", "words", "modules")
+ORDER = (
+    "start",
+    "explorer",
+    "design",
+    "models",
+    "tolerances",
+    "measurements",
+    "commands",
+    "words",
+    "modules",
+)
 
 # The cells of tables, and the code in them.
 CELL = re.compile(r"<td.*?</td>", re.DOTALL)
