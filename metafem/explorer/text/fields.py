@@ -1,0 +1,286 @@
+"""Fields of a form that edits a specification: what each key means, and what stands there."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from metafem.errors import InvalidInput
+from metafem.explorer.text.document import Document
+from metafem.explorer.text.order import form_of
+from metafem.files import KeyForm, SectionForm, section_forms, toml_table
+
+# A decimal number that TOML refuses for want of a digit before or behind the point.
+SHORT_NUMBER = re.compile(r"[+-]?(\d+\.|\.\d+)")
+
+# What separates the entries of a list; rows and columns also a cross.
+SEPARATORS = re.compile(r"[,;\n]")
+CROSS = re.compile(r"[,;\nx×]")
+
+# Brackets that group two entries of a list.
+GROUPS = re.compile(r"\[[^\[\]]*\]")
+
+
+@dataclass(frozen=True)
+class Field:
+    """A key of a specification as a field of a form.
+
+    Attributes
+    ----------
+    key : str
+        Dotted, such as "limits.max_height".
+    label : str
+        Its name in words.
+    meaning : str
+    value : str
+        What stands in the text; "" for nothing.
+    example : str
+        A valid value.
+    default : str
+        Its value where it is left out; "" for none.
+    optional : bool
+        Whether it may be left out. Of keys with a `choice` one choice is needed.
+    form : str
+        "quantity", "number", "integer", "truth", "text" or "kind".
+    listed : bool
+        Whether it holds several values, separated by commas.
+    units : tuple of str
+        Usual units of a quantity.
+    options : mapping of str to str
+        The values that are allowed, each with a sentence, which may be ""; empty for any value.
+    choice : int or None
+        Number of the choice to which it belongs: of those of a section one is given.
+    active : bool
+        Whether the choice is the one of the text; without any in the text, the first.
+    """
+
+    key: str
+    label: str
+    meaning: str
+    value: str
+    example: str
+    default: str
+    optional: bool
+    form: str
+    listed: bool = False
+    units: tuple[str, ...] = ()
+    options: Mapping[str, str] = field(default_factory=dict)
+    choice: int | None = None
+    active: bool = True
+
+
+@dataclass(frozen=True)
+class FieldSection:
+    """A section of a specification as a group of fields; `present` if the text has it."""
+
+    name: str
+    label: str
+    meaning: str
+    optional: bool
+    present: bool
+    fields: tuple[Field, ...]
+
+
+def fields(text: str) -> tuple[FieldSection, ...]:
+    """Return the sections of a specification with their fields, in the order of the manual.
+
+    A section with kinds has the keys of the kind that it has in the text.
+
+    Raises
+    ------
+    InvalidInput
+        If the text is not valid TOML.
+
+    Examples
+    --------
+    >>> from metafem.files import demo_text
+    >>> sections = {section.name: section for section in fields(demo_text("linear"))}
+    >>> field = sections["limits"].fields[0]
+    >>> field.key, field.label, field.value, field.units[1:3], field.meaning
+    ('limits.max_height', 'max height', '120 um', ('um', 'mm'), 'of the summits, above the offset')
+    """
+    document = Document(text)
+    return tuple(
+        _section(form, document)
+        for form in section_forms()
+        if "." not in form.name or _is_of_kind(form.name, document)
+    )
+
+
+def with_field(text: str, key: str, typed: str) -> str:
+    """Return the text with what a person typed into the field of a key; nothing removes the key.
+
+    The value is written as it was typed, so that reading the specification states what is wrong with it. Keys
+    of another choice are removed, and with another kind the keys that it does not have.
+
+    Raises
+    ------
+    InvalidInput
+        If the text is not valid TOML, or the specification has no such key.
+
+    Examples
+    --------
+    >>> with_field("[limits]\\nmax_height = '120 um'", "limits.max_height", "90 um")
+    "[limits]\\nmax_height = '90 um'"
+    """
+    document = Document(text)
+    section, _, name = key.rpartition(".")
+    form, typed = form_of(section), typed.strip()
+    if form is not None and form.kinds and name == "kind":
+        return document.with_kind(section, typed) if typed else document.without(key)
+    found = None if form is None else _key_form(form, document, name)
+    if form is None or found is None:
+        raise InvalidInput(f'a specification has no key "{key:.60}" here')
+    if typed == shown(document.value(key)):
+        return text
+    if not typed:
+        return document.without(key)
+    others = [
+        other.name
+        for other in _keys(form, document)
+        if found.choice is not None and other.choice not in (None, found.choice)
+    ]
+    present = [other for other in others if document.value(f"{section}.{other}") is not None]
+    return document.with_values(
+        {key: typed_value(found, typed), **{f"{section}.{other}": None for other in present}}
+    )
+
+
+def with_section(text: str, name: str) -> str:
+    """Return the text with a section, in which the keys that it needs have the examples of the manual."""
+    document, form = Document(text), form_of(name)
+    if form is None or document.value(name) is not None:
+        return text
+    if form.kinds:
+        return document.with_kind(name, next(iter(form.kinds)))
+    needed = [key for key in form.keys[""] if key.needed] or list(form.keys[""][:1])
+    return document.with_values({f"{name}.{key.name}": key.example for key in needed})
+
+
+def without_section(text: str, name: str) -> str:
+    """Return the text without a section."""
+    document = Document(text)
+    section = document.value(name)
+    if not isinstance(section, dict):
+        return text
+    return document.with_values({f"{name}.{key}": None for key in section})
+
+
+def shown(value: Any) -> str:
+    """Return a value of a specification as a field shows it: without quotes, lists without brackets.
+
+    Examples
+    --------
+    >>> shown(["0.07 mm^2", ["0.15 mm^2", "0.18 mm^2"]]), shown(True), shown(0.5)
+    ('0.07 mm^2, [0.15 mm^2, 0.18 mm^2]', 'true', '0.5')
+    """
+    if value is None:
+        return ""
+    if isinstance(value, str):
+        return value
+    if isinstance(value, (list, tuple)):
+        return ", ".join(f"[{shown(part)}]" if isinstance(part, list) else shown(part) for part in value)
+    if isinstance(value, float):
+        return f"{value:.15g}"
+    return json.dumps(value, default=str)
+
+
+def typed_value(form: KeyForm, typed: str) -> Any:
+    """Return what a person typed as a value of TOML; a text that is not of the form stays as it is.
+
+    Examples
+    --------
+    >>> forms = {key.name: key for key in form_of("lattice").keys[""]}
+    >>> typed_value(forms["shape"], "8 x 12"), typed_value(forms["pitch"], "1.5")
+    ([8, 12], '1.5')
+    """
+    if not form.listed:
+        return _typed_entry(form, typed)
+    # groups are set aside, so that the commas in them separate nothing
+    groups = [_typed_list(form, group[1:-1]) for group in GROUPS.findall(typed)] if form.pairs else []
+    rest = GROUPS.sub("[]", typed) if form.pairs else typed.strip().removeprefix("[").removesuffix("]")
+    entries = _split(form, rest)
+    waiting = iter(groups)
+    return [next(waiting) if entry == "[]" else _typed_entry(form, entry) for entry in entries]
+
+
+def _typed_list(form: KeyForm, typed: str) -> list[Any]:
+    return [_typed_entry(form, entry) for entry in _split(form, typed)]
+
+
+def _split(form: KeyForm, typed: str) -> list[str]:
+    parts = (CROSS if form.value == "integer" else SEPARATORS).split(typed)
+    return [part.strip().strip("\"'") for part in parts if part.strip()]
+
+
+def _typed_entry(form: KeyForm, typed: str) -> Any:
+    if form.value in ("quantity", "text"):
+        return typed
+    if SHORT_NUMBER.fullmatch(typed):
+        return float(typed)
+    try:
+        read = toml_table(f"value = {typed}")
+    except InvalidInput:
+        return typed
+    value = read["value"]
+    return value if len(read) == 1 and isinstance(value, (bool, int, float)) else typed
+
+
+def _is_of_kind(name: str, document: Document) -> bool:
+    """Whether the kind of a section has a key for the section inside it."""
+    section, _, key = name.rpartition(".")
+    form = form_of(section)
+    return form is not None and any(other.name == key for other in _keys(form, document))
+
+
+def _section(form: SectionForm, document: Document) -> FieldSection:
+    value = document.value(form.name)
+    present = value if isinstance(value, dict) else {}
+    keys = _keys(form, document)
+    begun = {key.choice for key in keys if key.choice is not None and key.name in present}
+    found = [_kind_field(form, str(present.get("kind", "")))] if form.kinds else []
+    found += [
+        _field(form.name, key, present.get(key.name), key.choice is None or key.choice in (begun or {0}))
+        for key in keys
+        if key.value != "section"
+    ]
+    label = form.name.rpartition(".")[2].replace("_", " ")
+    return FieldSection(form.name, label, form.meaning, form.optional, isinstance(value, dict), tuple(found))
+
+
+def _keys(form: SectionForm, document: Document) -> tuple[KeyForm, ...]:
+    """Return the keys of a section of the kind that it has in the text; none of an unknown kind."""
+    kind = document.value(f"{form.name}.kind") if form.kinds else ""
+    return form.keys.get(kind, ()) if isinstance(kind, str) else ()
+
+
+def _key_form(form: SectionForm, document: Document, name: str) -> KeyForm | None:
+    return next((key for key in _keys(form, document) if key.name == name), None)
+
+
+def _kind_field(form: SectionForm, kind: str) -> Field:
+    default = next(iter(form.kinds)) if form.optional else ""
+    example = next(iter(form.kinds))
+    key, meaning = f"{form.name}.kind", form.meaning
+    return Field(key, "kind", meaning, kind, example, default, form.optional, "kind", options=form.kinds)
+
+
+def _field(section: str, key: KeyForm, value: Any, active: bool) -> Field:
+    return Field(
+        key=f"{section}.{key.name}",
+        label=key.name.replace("_", " "),
+        meaning=key.meaning,
+        value=shown(value),
+        example=shown(key.example),
+        default=shown(key.default),
+        optional=key.optional,
+        form=key.value,
+        listed=key.listed,
+        units=key.units,
+        options=dict.fromkeys(key.names, ""),
+        choice=key.choice,
+        active=active,
+    )

@@ -1,0 +1,172 @@
+"""Fields of a specification, and what a person types into them."""
+
+import tomllib
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import metafem as mf
+from metafem.explorer.text.document import Document
+from metafem.explorer.text.fields import fields, shown, typed_value, with_field, with_section, without_section
+from metafem.explorer.text.order import form_of
+from metafem.files import demo_text, parsed, problem_key, section_forms
+from metafem.files.specification.demos import DEMOS
+
+LINEAR = demo_text("linear")
+MULTILINEAR = Document(LINEAR).with_kind("target", "multilinear")
+ADHESIVE = Document(LINEAR).with_kind("contact", "jkr")
+TEXTS = [*map(demo_text, DEMOS), MULTILINEAR, ADHESIVE, Document(LINEAR).with_kind("target", "sampled")]
+
+
+def field_of(text, key):
+    return next(field for section in fields(text) for field in section.fields if field.key == key)
+
+
+def problems(text):
+    try:
+        parsed(text)
+    except mf.InvalidInput as error:
+        return {problem_key(problem): problem for problem in error.problems}
+    return {}
+
+
+@pytest.mark.parametrize("text", TEXTS)
+def test_fields_show_the_text_and_setting_what_they_show_changes_nothing(text):
+    table = tomllib.loads(text)
+    seen = {}
+    for section in fields(text):
+        assert section.present == (Document(text).value(section.name) is not None)
+        for field in section.fields:
+            assert with_field(text, field.key, field.value) == text
+            if field.value:
+                name = field.key.removeprefix(section.name + ".")
+                seen.setdefault(section.name, {})[name] = Document(text).value(field.key)
+            assert field.meaning
+            assert field.example
+    assert {name: section for name, section in seen.items() if "." not in name} == table
+
+
+@pytest.mark.parametrize("text", TEXTS)
+def test_every_field_takes_its_example(text):
+    for section in fields(text):
+        for field in section.fields:
+            new = with_field(text, field.key, field.example)
+            assert field_of(new, field.key).value == field.example
+            if field.form != "kind":
+                form = next(f for f in form_of(section.name).keys[kind_of(text, section.name)]
+                            if field.key.endswith(f".{f.name}"))  # fmt: skip
+                example = form.example
+                assert Document(new).value(field.key) == example
+                assert typed_value(form, shown(example)) == example
+
+
+def kind_of(text, section):
+    return Document(text).value(f"{section}.kind") if form_of(section).kinds else ""
+
+
+@pytest.mark.parametrize(
+    ("key", "typed", "words"),
+    [
+        ("limits.max_height", "120", 'limits.max_height = "120" needs a unit; write for example "120 um"'),
+        ("limits.max_height", "120 kg", 'has the unit "kg", which does not measure in mm'),
+        ("limits.max_height", "", 'is missing; write for example max_height = "120 um"'),
+        ("lattice.pitch", "1,5 mm", "write decimals with a point"),
+        ("lattice.shape", "8", "write for example shape = [8, 8]"),
+        ("lattice.shape", "8 x y", "must be a whole number"),
+        ("material.poisson_ratio", "half", "must be a number"),
+        ("material.poisson_ratio", "0.5\nx = 1", "must be a number"),
+        ("material.poisson_ratio", "0.7", "0.5"),
+        ("layout.follow_law", "maybe", "must be true or false"),
+        ("layout.seed", "-1", "must be at least 0"),
+        ("model.kind", "rigid", "is unknown"),
+        ("target.load_range", "0.1 N", "load_range"),
+        ("part.formats", "stl, dwg", "dwg"),
+    ],
+)
+def test_what_is_wrong_is_said_by_the_parser_at_the_key(key, typed, words):
+    found = problems(with_field(LINEAR, key, typed))
+    assert list(found) == [key]
+    assert words in found[key]
+
+
+@pytest.mark.parametrize(
+    ("text", "key", "typed", "value"),
+    [
+        (LINEAR, "lattice.shape", "7 x 8", [7, 8]),
+        (LINEAR, "lattice.shape", "[8, 6]", [8, 6]),
+        (LINEAR, "target.slope", "7", 7),
+        (LINEAR, "target.slope", "7.", 7.0),
+        (LINEAR, "material.poisson_ratio", " .45 ", 0.45),
+        (LINEAR, "layout.follow_law", "true", True),
+        (LINEAR, "target.load_range", "0.1 N, 0.4 N", ["0.1 N", "0.4 N"]),
+        (LINEAR, "target.load_range", '"0.1 N"; "0.4 N"', ["0.1 N", "0.4 N"]),
+        (LINEAR, "part.formats", "stl, 3mf", ["stl", "3mf"]),
+        (LINEAR, "target.load_range", "", None),
+        (MULTILINEAR, "target.slopes", "9, 8.5, 7", [9, 8.5, 7]),
+        (
+            MULTILINEAR,
+            "target.crossover_loads",
+            "[0.07 mm^2, 0.1 mm^2], 0.15 mm^2",
+            [["0.07 mm^2", "0.1 mm^2"], "0.15 mm^2"],
+        ),
+        (ADHESIVE, "contact.cap.kind", "power", "power"),
+    ],
+)
+def test_what_is_typed_becomes_a_value(text, key, typed, value):
+    new = with_field(text, key, typed)
+    assert Document(new).value(key) == value
+    assert not problems(new)
+
+
+def test_another_choice_of_keys_replaces_the_first():
+    new = with_field(LINEAR, "material.young_modulus", "1 MPa")
+    assert "composite_modulus" not in tomllib.loads(new)["material"]
+    assert not problems(new)
+    active = {field.key: field.active for section in fields(new) for field in section.fields}
+    assert (active["material.young_modulus"], active["material.composite_modulus"]) == (True, False)
+    assert {
+        field_of(LINEAR, f"material.{name}").choice for name in ("young_modulus", "composite_modulus")
+    } == {
+        0,
+        1,
+    }
+
+
+def test_kinds_have_a_sentence_each():
+    assert field_of(LINEAR, "target.kind").options["power"].startswith("Friction proportional to a power")
+    assert list(field_of(LINEAR, "model.kind").options)[:3] == ["independent", "mean-field", "half-space"]
+    assert "contact.cap" in [section.name for section in fields(ADHESIVE)]
+    assert "contact.cap" not in [section.name for section in fields(LINEAR)]
+    with pytest.raises(mf.InvalidInput, match="no key"):
+        with_field(LINEAR, "contact.cap.exponent", "3")
+    with pytest.raises(mf.InvalidInput, match="no key"):
+        with_field(LINEAR, "limits.depth", "3 um")
+
+
+@pytest.mark.parametrize("name", [form.name for form in section_forms() if form.optional])
+def test_an_optional_section_comes_and_goes(name):
+    base = ADHESIVE if name == "contact.cap" else LINEAR
+    without = without_section(base, name)
+    assert Document(without).value(name) is None
+    text = with_section(without, name)
+    assert Document(text).value(name)
+    assert with_section(text, name) == text
+    if name not in ("radii", "sites"):
+        assert not problems(text)
+    again = without_section(text, name)
+    assert tomllib.loads(again) == tomllib.loads(without)
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.sampled_from(TEXTS), st.data(), st.text(max_size=12))
+def test_whatever_is_typed_is_kept_or_named(text, data, typed):
+    every = [field for section in fields(text) for field in section.fields]
+    field = data.draw(st.sampled_from(every))
+    try:
+        new = with_field(text, field.key, typed)
+    except mf.InvalidInput as error:
+        assert str(error)  # noqa: PT017 - such as a character that TOML does not have
+        return
+    for key in problems(new):
+        assert key.split(".")[0] == field.key.split(".")[0] or key == ""
