@@ -28,7 +28,8 @@ from metafem.explorer.workshop.panel import workshop_panel
 
 Result = TypeVar("Result")
 
-STYLE = Path(__file__).with_name("page.css")
+# The look of the page, and of its head and fields.
+STYLES = ("page.css", "workshop/workshop.css")
 
 
 class Page:
@@ -131,7 +132,8 @@ class Page:
 
 def build(first: State) -> Page:
     """Make the elements of a page that begins with a state."""
-    ui.add_css(STYLE.read_text("utf-8"))
+    for style in STYLES:
+        ui.add_css(Path(__file__).parent.joinpath(style).read_text("utf-8"))
     page = Page(first)
     header_panel(page)
     with ui.element("main").classes("explorer"):

@@ -5,14 +5,49 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from nicegui import ui
+from nicegui.element import Element
+
+from metafem.errors import InvalidInput
+from metafem.explorer.answer import Answer
+from metafem.explorer.workshop.changes import with_typed
+from metafem.explorer.workshop.header_data import header_data
+from metafem.files import MODELS
 
 if TYPE_CHECKING:
     from metafem.explorer.page import Page
 
 
+class Header(Element, component="header.js"):
+    """Shows the data of `header_data`, and emits ``model``, ``undo`` and ``redo``."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._props["models"] = list(MODELS)
+        self._props["first"] = "independent"
+
+
+def choose(page: Page, model: str) -> None:
+    """Design under another model."""
+    try:
+        page.edit(with_typed(page.state.text, "model.kind", model))
+    except InvalidInput as error:
+        ui.notify(str(error), type="warning")
+
+
 def header_panel(page: Page) -> None:
-    """Make the name of the design, and the buttons for undo and redo."""
-    with ui.row():
-        ui.label("metafem")
-        ui.button("Undo", on_click=page.undo).props("flat dense no-caps")
-        ui.button("Redo", on_click=page.redo).props("flat dense no-caps")
+    """Make the head: the target in words, the status, the model, undo and redo, colours and help."""
+    header = Header()
+    header.on("undo", page.undo)
+    header.on("redo", page.redo)
+    header.on("model", lambda event: choose(page, event.args))
+    shown: dict[str, object] = {}
+
+    def show(answer: Answer) -> None:
+        at, last = page.session.at, len(page.session.states) - 1
+        data = {**header_data(answer), "undo": at > 0, "redo": at < last}
+        changed = {name: value for name, value in data.items() if name not in shown or shown[name] != value}
+        if changed:
+            shown.update(changed)
+            header.run_method("show", changed)
+
+    page.listen(show)

@@ -2,14 +2,87 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
 
 from nicegui import ui
+from nicegui.element import Element
+
+from metafem.errors import InvalidInput
+from metafem.explorer.answer import Answer
+from metafem.explorer.workshop.changes import (
+    with_choice,
+    with_kind,
+    with_section,
+    with_typed,
+    without_section,
+)
+from metafem.explorer.workshop.form import contents, form
 
 if TYPE_CHECKING:
     from metafem.explorer.page import Page
 
+# Seconds between two refreshes while a point is dragged: the law and the heights go first.
+PACE = 0.2
+
+
+class Fields(Element, component="fields.js", esm={"metafem-workshop": "js"}):
+    """The fields of `form`, which emit what is typed and chosen."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._props["parts"] = form()
+
+
+class Workshop:
+    """The fields of a page: they follow its answers, and change its specification."""
+
+    def __init__(self, page: Page) -> None:
+        self.page, self.fields = page, Fields()
+        self.asked = 0
+        self.shown: dict[str, Any] = {}
+        self.waiting: Answer | None = None
+        on = self.fields.on
+        on("typed", lambda event: self._typed(**event.args))
+        on("kind", lambda event: self._change(with_kind, event.args["section"], event.args["kind"]))
+        on("choice", lambda event: self._change(with_choice, event.args["section"], event.args["choice"]))
+        on("with", lambda event: self._change(with_section, event.args["section"]))
+        on("without", lambda event: self._change(without_section, event.args["section"]))
+        self.timer = ui.timer(PACE, self._refresh, active=False)
+        page.listen(self._answered)
+
+    def _typed(self, key: str, text: str, released: bool) -> None:
+        self._change(with_typed, key, text, key=key, released=released)
+
+    def _change(
+        self, change: Callable[..., str], *given: Any, key: str | None = None, released: bool = True
+    ) -> None:
+        key = given[0] if key is None else key
+        try:
+            text = change(self.page.state.text, *given)
+        except InvalidInput as error:
+            self.fields.run_method("refuse", {"key": key, "words": str(error)})
+            return
+        self.asked = self.page.edit(text, released=released)
+
+    def _answered(self, answer: Answer) -> None:
+        """Keep the newest answer; what is older than the last change of a field is not shown."""
+        self.waiting = answer if answer.number >= self.asked else self.waiting
+        if self.waiting is not None and not self.timer.active:
+            self._refresh()
+            self.timer.activate()
+
+    def _refresh(self) -> None:
+        answer, self.waiting = self.waiting, None
+        if answer is None:
+            self.timer.deactivate()
+            return
+        found = contents(answer.state.text, answer.problems)
+        changed = {name: value for name, value in found.items() if self.shown.get(name) != value}
+        self.shown |= changed
+        self.fields.run_method("show", changed)
+
 
 def workshop_panel(page: Page) -> None:
     """Make the fields of the specification."""
-    ui.label("Workshop")
+    Workshop(page)

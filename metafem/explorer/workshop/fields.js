@@ -1,0 +1,156 @@
+// The form of the workshop. What is typed stays in `drafts` until it is used; `values` are those of the specification.
+import { stepped } from "metafem-workshop/step.js";
+
+export default {
+  template: `
+    <form class="fields" @submit.prevent @focusin="told = $event.target.dataset.key ?? told" :aria-busy="busy">
+      <p v-if="broken" class="warn">The text of the specification cannot be read, so its fields are locked: {{ broken }}
+        <button type="button" class="act" @click="$emit('text')">Edit the text</button></p>
+      <p v-for="each in loose" :key="each" class="warn">{{ each }}</p>
+      <div class="parts">
+        <component :is="part.common ? 'section' : 'details'" v-for="part in shown" :key="part.name" :class="['part', { absent: !has(part) }]"
+                   :data-section="part.name" :open="part.common || opened[part.name] || null" @toggle="opened[part.name] = $event.target.open">
+          <component :is="part.common ? 'div' : 'summary'" class="title"><h3>{{ part.title }}</h3>
+            <span v-if="!part.common" class="quiet small brief">{{ brief(part) }}</span></component>
+          <p v-if="problems[part.name]" class="wrong" role="alert">{{ problems[part.name] }}</p>
+          <p v-if="!has(part)" class="quiet small">{{ capital(part.meaning) }}.</p>
+          <div v-if="Object.keys(part.kinds).length && has(part)" class="field">
+            <label :for="id(part.name + '.kind')">kind</label>
+            <div><select class="text" :id="id(part.name + '.kind')" :data-key="part.name + '.kind'" :disabled="!!broken" :value="kind(part)"
+                    @change="$emit('kind', { section: part.name, kind: $event.target.value })">
+              <option v-if="!(kind(part) in part.kinds)" :value="kind(part)">{{ kind(part) || "choose" }}</option>
+              <option v-for="(words, name) in part.kinds" :key="name" :value="name" :title="words">{{ name }}</option></select>
+              <p class="quiet small">{{ part.kinds[kind(part)] }}</p>
+              <p v-if="problems[part.name + '.kind']" class="wrong" role="alert">{{ problems[part.name + ".kind"] }}</p></div>
+          </div>
+          <div v-if="has(part) && choices(part).length > 1" class="field">
+            <label :for="id(part.name + '.given')">given by</label>
+            <select class="text" :id="id(part.name + '.given')" :disabled="!!broken" :value="choice(part)"
+                    @change="$emit('choice', { section: part.name, choice: Number($event.target.value) })">
+              <option v-for="[number, words] in choices(part)" :key="number" :value="number">{{ words }}</option></select>
+          </div>
+          <template v-if="has(part)"><div v-for="field in fields(part)" :key="field.key" class="field" :title="help(field)">
+            <label :for="id(field.key)">{{ field.label }}</label>
+            <div>
+              <span v-if="field.listed && field.names.length" class="row" role="group" :aria-label="field.label">
+                <label v-for="name in field.names" :key="name"><input type="checkbox" :data-key="field.key" :disabled="!!broken"
+                  :checked="among(field).includes(name)" @change="tick(field, name)"> {{ name }}</label></span>
+              <select v-else-if="options(field).length" class="text" :id="id(field.key)" :data-key="field.key" :disabled="!!broken"
+                      :aria-invalid="!!problem(field)" :value="values[field.key] ?? ''" @change="use(field, $event.target.value)">
+                <option v-if="!options(field).some(([value]) => value === (values[field.key] ?? ''))" :value="values[field.key]">{{ values[field.key] }}</option>
+                <option v-for="[value, words] in options(field)" :key="value" :value="value">{{ words }}</option></select>
+              <input v-else class="text" type="text" autocomplete="off" spellcheck="false" :id="id(field.key)" :data-key="field.key" :disabled="!!broken"
+                     :value="drafts[field.key] ?? values[field.key] ?? ''" :placeholder="placeholder(field)" :aria-invalid="!!problem(field)"
+                     :aria-describedby="id(field.key) + '-help ' + id(field.key) + '-wrong'" @input="drafts[field.key] = $event.target.value"
+                     @change="leave(field)" @blur="leave(field)" @keydown="key($event, field)" @keyup="release($event, field)">
+              <span :id="id(field.key) + '-help'" class="unseen">{{ help(field) }}</span>
+              <p :id="id(field.key) + '-wrong'" v-if="problem(field)" class="wrong" role="alert">{{ problem(field) }}
+                <button v-if="remedy(field)" type="button" class="act" @click="use(field, remedy(field))">Use {{ remedy(field) }}</button></p>
+            </div></div></template>
+          <button v-if="part.optional && !part.inner" type="button" class="act" :disabled="!!broken" :aria-label="(has(part) ? 'Remove ' : 'Add ') + part.title"
+                  @click="$emit(has(part) ? 'without' : 'with', { section: part.name })">{{ has(part) ? "Remove" : "Add" }}</button>
+        </component>
+      </div>
+      <p class="told small" aria-hidden="true">{{ telling }}</p>
+    </form>`,
+  props: { parts: Array },
+  data() {
+    return { values: {}, present: [], problems: {}, refused: {}, drafts: {}, opened: {}, broken: "", told: "", busy: true };
+  },
+  computed: {
+    all() {
+      return Object.fromEntries(this.parts.flatMap((part) => Object.values(part.keys).flat()).map((field) => [field.key, field]));
+    },
+    shown() {  // a section inside another one stands where that one is of a kind with it
+      return this.parts.filter((part) => !part.inner || this.values[part.inner.key] === part.inner.kind);
+    },
+    loose() {  // what belongs to none of the fields that are shown
+      const places = this.shown.flatMap((part) => [part.name, `${part.name}.kind`, ...(this.has(part) ? this.fields(part).map((field) => field.key) : [])]);
+      return this.broken ? [] : Object.entries(this.problems).filter(([key]) => !places.includes(key)).map(([, words]) => words);
+    },
+    telling() {
+      const field = this.all[this.told];
+      return field ? this.help(field) : "Each value is used with Enter or on leaving its field. Arrow keys up and down change numbers.";
+    },
+  },
+  methods: {
+    show(data) {
+      Object.assign(this, data);
+      this.refused = {};
+      this.busy = false;
+    },
+    refuse({ key, words }) { this.refused[key] = words; },
+    id(key) { return `field-${key.replaceAll(".", "-")}`; },
+    capital(words) { return words.charAt(0).toUpperCase() + words.slice(1); },
+    has(part) { return !part.optional || this.present.includes(part.name); },
+    kind(part) { return this.values[`${part.name}.kind`] ?? ""; },
+    keys(part) { return part.keys[Object.keys(part.kinds).length ? this.kind(part) : ""] ?? []; },
+    problem(field) { return this.refused[field.key] ?? this.problems[field.key]; },
+    choices(part) {
+      const sets = Map.groupBy(this.keys(part).filter((field) => field.choice !== null), (field) => field.choice);
+      return [...sets].map(([number, fields]) => [number, fields.map((field) => field.label).join(", ")]);
+    },
+    choice(part) {  // the one of which a key is given
+      return this.keys(part).find((field) => field.choice !== null && field.key in this.values)?.choice ?? 0;
+    },
+    fields(part) {
+      const choice = this.choice(part);
+      return this.keys(part).filter((field) => field.choice === null || field.choice === choice || field.key in this.values);
+    },
+    brief(part) {  // what a closed section holds
+      if (!this.has(part)) return "not used";
+      return this.fields(part).map((field) => this.values[field.key]).filter(Boolean).join(" · ");
+    },
+    help(field) {
+      const meaning = field.meaning.replace(/^(either|or|with it): /, "");
+      const rest = [[field.default, "Default"], [field.example, "Example"]].filter(([value]) => value);
+      return `${field.key}: ${meaning}${/[.!?]$/.test(meaning) ? "" : "."} ${rest.map(([value, word]) => `${word}: ${value}.`).join(" ")}`;
+    },
+    placeholder(field) { return field.default || (field.needed ? field.example : ""); },
+    options(field) {
+      const words = field.value === "truth" ? [["true", "yes"], ["false", "no"]] : field.names.map((name) => [name, name]);
+      if (!words.length || field.needed) return words;
+      const usual = words.find(([value]) => value === field.default);
+      return [["", usual ? `default (${usual[1]})` : "default"], ...words];
+    },
+    among(field) { return (this.values[field.key] ?? field.default).split(", ").filter(Boolean); },
+    tick(field, name) {
+      const chosen = this.among(field);
+      this.use(field, field.names.filter((each) => chosen.includes(each) !== (each === name)).join(", "));
+    },
+    remedy(field) {  // a number without a unit, with the one of the value before or of the example
+      const given = this.values[field.key] ?? "";
+      const unit = /[^\d\s.,+-].*$/.exec(field.example.split(",")[0])?.[0];
+      return field.units.length && unit && /^[+-]?\d+(\.\d+)?$/.test(given.trim()) ? `${given.trim()} ${unit}` : "";
+    },
+    use(field, text, released = true) {
+      delete this.drafts[field.key];
+      this.values = { ...this.values, [field.key]: text };
+      this.$emit("typed", { key: field.key, text, released });
+    },
+    leave(field) {
+      const text = this.drafts[field.key];
+      if (text === undefined) return;
+      if (text === (this.values[field.key] ?? "") && !this.problem(field)) delete this.drafts[field.key];
+      else this.use(field, text);
+    },
+    key(event, field) {
+      if (event.key === "Enter") this.leave(field);
+      else if (event.key === "Escape") delete this.drafts[field.key];
+      else if (event.key === "ArrowUp" || event.key === "ArrowDown") {
+        const next = stepped(event.target.value, event.target.selectionStart, (event.key === "ArrowUp" ? 1 : -1) * (event.shiftKey ? 10 : 1), field.value === "integer");
+        if (!next) return;
+        event.preventDefault();
+        this.drafts[field.key] = next.text;
+        this.stepping = field.key;
+        this.$emit("typed", { key: field.key, text: next.text, released: false });
+        this.$nextTick(() => event.target.setSelectionRange(next.caret, next.caret));
+      }
+    },
+    release(event, field) {
+      if (this.stepping !== field.key || !event.key.startsWith("Arrow")) return;
+      this.stepping = null;
+      this.leave(field);
+    },
+  },
+};

@@ -1,0 +1,111 @@
+// The head of the page: the target in words, the status, the model, undo and redo, the colours, help.
+const THEMES = { light: "Light", auto: "Auto", dark: "Dark" };
+const [THEME, HINT] = ["metafem-theme", "metafem-hint"];
+const MAC = navigator.platform.startsWith("Mac");
+const CTRL = MAC ? "⌘" : "Ctrl+";
+const HELP = [
+  ["Law", [
+    ["drag a point", "changes the target law; the heights follow"],
+    ["double click", "adds a point"],
+    ["Tab, arrow keys", "select a point and move it; with Shift ten times as far"],
+    ["a, Delete", "add a point, remove the selected one"],
+    ["drop a CSV file", "draws a measured law beside the others"],
+  ]],
+  ["Surface", [
+    ["tap or click a site", "shows it, and pins its height or leaves it empty"],
+    ["arrow keys", "select the sites beside"],
+  ]],
+  ["Workshop", [
+    ["Enter, Tab", "use the value that was typed; Esc restores the one before"],
+    ["↑, ↓", "change a number by a step; with Shift by ten"],
+  ]],
+  ["Page", [
+    [`${CTRL}Z`, "undo"],
+    [MAC ? "⌘⇧Z" : "Ctrl+Shift+Z, Ctrl+Y", "redo"],
+    ["?", "shows this help"],
+  ]],
+];
+
+// Whether keys that are typed belong to an element.
+const typing = (element) => element?.closest?.("input, textarea, select, [contenteditable='true'], .cm-editor") != null;
+
+export default {
+  template: `
+    <header class="bar">
+      <a class="skip act" href="#law" @click.prevent="skip">Skip to the law</a>
+      <h1>metafem</h1>
+      <p class="title" :title="title">{{ title }}</p>
+      <span :class="['chip', kind]" role="status">{{ status }}</span>
+      <span class="tools">
+        <label class="row"><span>Model</span>
+          <select class="text" aria-label="Model" :value="model" @change="$emit('model', $event.target.value)">
+            <option v-if="!models.includes(model)" :value="model">{{ model }}</option>
+            <option v-for="each in models" :key="each" :value="each">{{ each }}</option>
+          </select>
+        </label>
+        <span class="row pair">
+          <button class="act icon" :disabled="!undo" title="Undo (${CTRL}Z)" aria-label="Undo" @click="$emit('undo')">↶</button>
+          <button class="act icon" :disabled="!redo" title="Redo (${CTRL}${MAC ? "⇧" : "Shift+"}Z)" aria-label="Redo" @click="$emit('redo')">↷</button>
+        </span>
+        <slot></slot>
+        <span class="choice" role="group" aria-label="Colours of the page">
+          <button v-for="(word, name) in themes" :key="name" :aria-pressed="theme === name" @click="choose(name)">{{ word }}</button>
+        </span>
+        <button class="act icon" aria-label="Help" title="Mouse, touch and keys (?)" @click="help">?</button>
+      </span>
+      <p v-if="hint && !undo" class="hint info"><span>Drag a point. The heights follow.</span>
+        <button class="act icon" aria-label="Close the hint" @click="close">✕</button></p>
+      <dialog ref="dialog" aria-labelledby="help-title" @click="outside">
+        <div class="head"><h2 id="help-title">Mouse, touch and keys</h2><button class="act" autofocus @click="$refs.dialog.close()">Close</button></div>
+        <table class="figure-table" v-for="[part, rows] in topics" :key="part"><caption>{{ part }}</caption>
+          <tbody><tr v-for="[keys, words] in rows" :key="keys"><th scope="row"><b>{{ keys }}</b></th><td>{{ words }}</td></tr></tbody>
+        </table>
+      </dialog>
+    </header>`,
+  props: { models: Array, first: String },
+  data() {
+    return {
+      title: "", status: "designing…", kind: "", model: this.first, undo: false, redo: false,
+      theme: localStorage.getItem(THEME) ?? "auto", hint: !localStorage.getItem(HINT), themes: THEMES, topics: HELP,
+    };
+  },
+  mounted() {
+    this.choose(this.theme in THEMES ? this.theme : "auto");
+    document.addEventListener("keydown", this.key);
+  },
+  unmounted() {
+    document.removeEventListener("keydown", this.key);
+  },
+  methods: {
+    show(data) {
+      Object.assign(this, data);
+    },
+    choose(theme) {
+      this.theme = theme;
+      localStorage.setItem(THEME, theme);
+      Quasar.Dark.set(theme === "auto" ? "auto" : theme === "dark");
+    },
+    key(event) {
+      if (event.altKey || event.defaultPrevented || typing(event.target)) return;
+      const [name, control] = [event.key.toLowerCase(), event.ctrlKey || event.metaKey];
+      if (event.key === "?" && !control) this.help();
+      else if (control && (name === "y" || (name === "z" && event.shiftKey))) this.$emit("redo");
+      else if (control && name === "z") this.$emit("undo");
+      else return;
+      event.preventDefault();
+    },
+    help() {
+      if (!this.$refs.dialog.open) this.$refs.dialog.showModal();
+    },
+    outside(event) {  // the ground behind the dialog is the dialog itself
+      if (event.target === this.$refs.dialog) this.$refs.dialog.close();
+    },
+    close() {
+      this.hint = false;
+      localStorage.setItem(HINT, "seen");
+    },
+    skip() {  // not by the fragment of the address, which holds the state
+      document.querySelector(".explorer > .law")?.focus();
+    },
+  },
+};
