@@ -1,0 +1,116 @@
+"""Fields change the specification as its text would be changed by hand."""
+
+import tomllib
+
+import pytest
+
+from metafem.explorer.workshop.changes import (
+    with_choice,
+    with_kind,
+    with_section,
+    with_typed,
+    without_section,
+)
+from metafem.explorer.workshop.form import contents, form
+from metafem.files import demo_text, parsed, section_forms
+
+TEXT = demo_text("operating-points")
+
+
+@pytest.mark.parametrize(
+    ("key", "given", "value"),
+    [
+        ("limits.max_height", "130 um", "130 um"),
+        ("limits.max_height", " 130 ", "130"),
+        ("limits.max_height", "", None),
+        ("target.rescaled_load", "0.1 mm^2, 0.3 mm^2", ["0.1 mm^2", "0.3 mm^2"]),
+        ("lattice.shape", "6, 10", [6, 10]),
+        ("lattice.shape", "six", ["six"]),
+        ("friction.area_ratio", "0.9", 0.9),
+        ("friction.area_ratio", "0,9", "0,9"),
+        ("layout.follow_law", "true", True),
+        ("sites.empty", "3, 17", [3, 17]),
+        ("model.kind", "layer", "layer"),
+        ("part.formats", "stl, obj", ["stl", "obj"]),
+    ],
+)
+def test_a_typed_text_becomes_the_value_of_its_key_alone(key, given, value):
+    section, name = key.split(".")
+    before, after = tomllib.loads(TEXT), tomllib.loads(with_typed(TEXT, key, given))
+    assert after.get(section, {}).get(name) == value
+    before.setdefault(section, {}).pop(name, None)
+    after.setdefault(section, {}).pop(name, None)
+    assert after == before
+
+
+def test_what_is_shown_is_what_was_typed():
+    """Typing what a field shows changes nothing, for the example of every key of every kind."""
+    examples = {
+        (kind, field["key"]): field["example"]
+        for part in form()
+        for kind, fields in part["keys"].items()
+        for field in fields
+    }
+    for section in section_forms():
+        for kind in section.kinds or [""]:
+            text = TEXT
+            if section.name == "contact.cap":
+                text = with_kind(text, "contact", "jkr")
+            text = with_kind(text, section.name, kind) if kind else text
+            for key in section.keys[kind]:
+                if key.value == "section":
+                    continue
+                shown = examples[kind, f"{section.name}.{key.name}"]
+                changed = with_typed(text, f"{section.name}.{key.name}", shown)
+                values = contents(changed, {})["values"]
+                assert values[f"{section.name}.{key.name}"] == shown
+                table = tomllib.loads(changed)
+                for part in section.name.split("."):
+                    table = table[part]
+                assert table[key.name] == key.example
+
+
+@pytest.mark.parametrize("section", [form for form in section_forms() if "." not in form.name])
+def test_each_kind_and_each_choice_gives_a_specification_that_can_be_read(section):
+    tables = {"wanted.csv": b"load_N,friction_force_N\n0.1,0.2\n0.2,0.5\n"}
+    tables |= {"cap.csv": b"rho_um,f_um\n0,0\n200,39\n400,184\n600,600\n"}
+    tables |= {"contact.csv": b"indentation_um,load_mN,area_mm2\n5,0.46,0.0083\n20,3.7,0.033\n90,35,0.15\n"}
+    for kind in section.kinds or [""]:
+        text = with_kind(TEXT, section.name, kind) if kind else with_section(TEXT, section.name)
+        parsed(text, tables)
+        for choice in {key.choice for key in section.keys[kind]} - {None}:
+            parsed(with_choice(text, section.name, choice), tables)
+
+
+@pytest.mark.parametrize(
+    "section", [each.name for each in section_forms() if each.optional and "." not in each.name]
+)
+def test_an_optional_section_is_added_and_removed(section):
+    added = with_section(TEXT, section)
+    assert section in tomllib.loads(added)
+    removed = tomllib.loads(without_section(added, section))
+    assert removed == {name: table for name, table in tomllib.loads(TEXT).items() if name != section}
+
+
+def test_radii_to_choose_from_replace_the_radius_and_give_it_back():
+    text = with_section(TEXT, "radii")
+    assert "radius" not in tomllib.loads(text)["lattice"]
+    assert parsed(text).radii == (0.3, 0.526)
+    assert tomllib.loads(without_section(text, "radii"))["lattice"]["radius"] == "526 um"
+
+
+def test_a_text_that_cannot_be_read_locks_the_fields():
+    found = contents("[limits\n", {"": "whatever"})
+    assert found["broken"].startswith("not valid TOML")
+    assert found["problems"] == {}
+
+
+def test_every_key_has_a_field():
+    keys = {field["key"] for part in form() for fields in part["keys"].values() for field in fields}
+    assert keys == {
+        f"{section.name}.{key.name}"
+        for section in section_forms()
+        for keys in section.keys.values()
+        for key in keys
+        if key.value != "section"
+    }
