@@ -101,7 +101,8 @@ def contents(text: str, problems: Mapping[str, str]) -> dict[str, Any]:
         document = Document(text)
     except InvalidInput as error:
         return {"broken": "; ".join(error.problems) or str(error), "problems": {}}
-    values, present = {}, []
+    values: dict[str, str] = {}
+    present: list[str] = []
     for section in section_forms():
         table = document.value(section.name)
         if isinstance(table, dict):
