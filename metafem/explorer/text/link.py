@@ -1,0 +1,88 @@
+"""The state of a page as a short text for the address, and back."""
+
+from __future__ import annotations
+
+import base64
+import binascii
+import json
+import re
+import zlib
+
+from metafem.errors import InvalidInput
+from metafem.explorer.session import State
+
+# First characters of a link: the version of its form.
+VERSION = "1."
+
+# The characters of a link.
+SAFE = re.compile(r"[A-Za-z0-9_-]*")
+
+# Longest link, which browsers still take in an address [characters], and largest state [bytes]. A state of
+# a thousand measured points has 40 kB.
+LONGEST, LARGEST = 2**21, 2**24
+
+
+def to_link(state: State) -> str:
+    """Return a state as a text of letters, digits, hyphens, underscores and a point.
+
+    Raises
+    ------
+    InvalidInput
+        If the state is too large for an address.
+
+    Examples
+    --------
+    >>> link = to_link(State("[layout]\\nseed = 3", newtons=True))
+    >>> len(link) < 100, from_link(link).newtons
+    (True, True)
+    """
+    record = {name: value for name, value in json.loads(state.to_json()).items() if value or name == "text"}
+    plain = json.dumps(record, ensure_ascii=False, separators=(",", ":")).encode("utf-8", "surrogatepass")
+    link = VERSION + base64.urlsafe_b64encode(zlib.compress(plain, 9)).decode("ascii").rstrip("=")
+    if len(plain) > LARGEST or len(link) > LONGEST:
+        raise InvalidInput(
+            f"the state has {len(plain) / 1e6:.2g} MB, too many for a link; send the specification and its "
+            "tables as files"
+        )
+    return link
+
+
+def from_link(link: str) -> State:
+    """Return the state of a link, with or without a number sign before it.
+
+    Raises
+    ------
+    InvalidInput
+        For a link that is cut off, damaged, of another version or too long.
+
+    Examples
+    --------
+    >>> from_link("#1.eJyr")
+    Traceback (most recent call last):
+        ...
+    metafem.errors.InvalidInput: the link is cut off or damaged; copy the whole address again
+    """
+    link = link.strip().removeprefix("#")
+    damaged = InvalidInput("the link is cut off or damaged; copy the whole address again")
+    if len(link) > LONGEST:
+        raise InvalidInput(f"the link has {len(link):,} characters; at most {LONGEST:,} are read")
+    if not link.startswith(VERSION):
+        raise InvalidInput("the link is not one of this version of the explorer")
+    body = link.removeprefix(VERSION)
+    if not SAFE.fullmatch(body):
+        raise damaged
+    reader = zlib.decompressobj()
+    try:
+        packed = base64.urlsafe_b64decode(body + "=" * (-len(body) % 4))
+        plain = reader.decompress(packed, LARGEST + 1)
+        text = plain.decode("utf-8", "surrogatepass")
+    except (binascii.Error, zlib.error, UnicodeDecodeError):
+        raise damaged from None
+    if len(plain) > LARGEST:
+        raise InvalidInput(f"the link holds more than {LARGEST / 2**20:g} MiB")
+    if not reader.eof or reader.unused_data:
+        raise damaged
+    try:
+        return State.from_json(text)
+    except (InvalidInput, TypeError):
+        raise damaged from None
