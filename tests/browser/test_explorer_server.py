@@ -1,0 +1,60 @@
+"""The explorer's server: stopped while its page is open, started again, and asked by others."""
+
+import signal
+import urllib.error
+import urllib.request
+
+import pytest
+
+from metafem.files import demo_text
+from validation.scenes.browser import browser_path, opened
+from validation.scenes.explorer import PATIENCE, served, visited
+
+pytestmark = [
+    pytest.mark.skipif(browser_path() is None, reason="no chromium is installed"),
+    pytest.mark.slow,
+]
+
+
+def status(address, **headers):
+    """The status of a request."""
+    asked = urllib.request.Request(address, headers=headers)
+    try:
+        with urllib.request.urlopen(asked, timeout=PATIENCE) as answer:
+            return answer.status
+    except urllib.error.HTTPError as error:
+        return error.code
+
+
+def test_a_page_outlives_its_server():
+    with opened() as browser, served() as first, visited(browser, first) as visit:
+        port = first.origin.rpartition(":")[2].strip("/")
+        visit.drag(visit.handles()[0], 20, -30)
+        text = visit.text
+        first.process.send_signal(signal.SIGINT)
+        assert first.process.wait(PATIENCE) == 0
+        lost = visit.page.get_by_role("alert").filter(has_text="The server has stopped")
+        lost.wait_for(timeout=1e3 * PATIENCE)
+        with served(None, "--port", port) as second:
+            assert second.address == first.address
+            visit.page.wait_for_event("load", timeout=1e3 * PATIENCE)
+            visit.settled()
+            assert visit.text == text
+            assert not lost.is_visible()
+            before = visit.asked
+            visit.page.get_by_role("button", name="Undo").click()
+            visit.settled(before)
+            assert visit.text == demo_text("operating-points")
+            assert second.said == ""
+
+
+def test_others_are_refused():
+    with served() as server:
+        assert status(server.address) == 200
+        assert status(server.origin) == 403
+        assert status(server.address.replace(server.address.split("/")[3], "0" * 32)) == 403
+        assert status(server.address, Origin="https://example.org") == 403
+        assert status(server.address, Host="example.org") == 403
+        parts = f"{server.address}_nicegui_ws/socket.io/?EIO=4&transport=polling"
+        assert status(parts, Origin="https://example.org") == 403
+    assert server.process.returncode == 143
