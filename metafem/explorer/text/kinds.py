@@ -1,0 +1,209 @@
+"""A target of another kind near the law of the last design."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from metafem._validate import FloatArray
+from metafem.errors import Infeasible, InvalidInput
+from metafem.explorer.text.document import Document
+from metafem.explorer.text.handles import RESOLUTION
+from metafem.explorer.text.marks import Scene
+from metafem.explorer.text.written import rounded
+from metafem.files import Specification, parsed
+from metafem.inversion import Design
+from metafem.models import Independent
+from metafem.models.model import contact_of
+
+# Numbers of operating points to try, and the number of samples of a law.
+POINTS, SAMPLES = (4, 3, 2, 1), 8
+
+# The first load of a law that is given at one load alone, relative to that load.
+START = 0.25
+
+# Distance from the bound of what can be reached in units of the resolution: rounding moves by half of one.
+INSIDE = 4.0
+
+# The members of a target of each kind: slopes and loads in mm^2.
+Numbers = dict[str, Any]
+
+
+def with_target_kind(
+    text: str,
+    specification: Specification | None,
+    design: Design | None,
+    kind: str,
+    resolution: float = RESOLUTION,
+) -> str:
+    """Return the text with a target of another kind near the law of the last design.
+
+    It can be reached by independent asperities where one of the attempts can. Without a design the values are
+    the examples of the manual. Loads in newtons and friction coefficients stay such.
+
+    Raises
+    ------
+    InvalidInput
+        For an unknown kind.
+
+    Examples
+    --------
+    >>> from metafem.files import demo_text
+    >>> text = demo_text("operating-points")
+    >>> specification = parsed(text)
+    >>> new = with_target_kind(text, specification, specification.design(), "power")
+    >>> parsed(new).target
+    PowerLaw(exponent=1.042, load_range=(0.144, 0.649), prefactor=None)
+    """
+    document = Document(text)
+    if kind not in ATTEMPTS:
+        raise InvalidInput(f'the kind of target "{kind:.40}" is unknown (known: {", ".join(ATTEMPTS)})')
+    if specification is None or design is None:
+        return document.with_kind("target", kind)
+    if kind == document.value("target.kind"):
+        return text
+    scene, tables = Scene(document, specification, design), _tables(document, specification)
+    first = ""
+    for numbers in ATTEMPTS[kind](*_present(design)):
+        found = document.with_kind("target", kind, _written(numbers, scene, resolution))
+        first = first or found
+        nearest = _nearest(found, tables)
+        if nearest is None:
+            return found
+        inside = {name: _beyond(numbers[name], getattr(nearest, name, None), resolution) for name in numbers}
+        if all(value is not None for value in inside.values()):
+            found = document.with_kind("target", kind, _written(inside, scene, resolution))
+            if _nearest(found, tables) is None:
+                return found
+    return first
+
+
+def _present(design: Design) -> tuple[Callable[[FloatArray], FloatArray], float, float]:
+    """Return the law of a design, and the loads from which and to which its target is given [mm^2]."""
+    law, ends = design.law, design.target_law.load[[0, -1]]
+    low, high = (float(end) for end in ends)
+    return (
+        lambda load: np.asarray(np.interp(load, law.rescaled_load, law.rescaled_friction)),
+        low if low < high else START * high,
+        high,
+    )
+
+
+Law = Callable[[FloatArray], FloatArray]
+
+
+def _points(law: Law, low: float, high: float) -> Iterator[Numbers]:
+    for count in POINTS:
+        load = np.linspace(low, high, count) if count > 1 else np.array([high])
+        yield {"rescaled_load": load.tolist(), "rescaled_friction": law(load).tolist()}
+
+
+def _sampled(law: Law, low: float, high: float) -> Iterator[Numbers]:
+    load = np.geomspace(low, high, SAMPLES)
+    yield {"rescaled_load": load.tolist(), "rescaled_friction": law(load).tolist()}
+
+
+def _linear(law: Law, low: float, high: float) -> Iterator[Numbers]:
+    yield {"slope": _slope(law, low, high)}
+
+
+def _bilinear(law: Law, low: float, high: float) -> Iterator[Numbers]:
+    for share in (0.5, 0.25):
+        middle = low + share * (high - low)
+        first, second = _slope(law, low, middle), _slope(law, middle, high)
+        yield {"slopes": [first, second], "crossover_load": middle}
+    whole = _slope(law, low, high)
+    for ratio in (4.0 / 3.0, 1.2, 1.1):
+        yield {"slopes": [whole, ratio * whole], "crossover_load": 0.5 * (low + high)}
+
+
+def _power(law: Law, low: float, high: float) -> Iterator[Numbers]:
+    load = np.geomspace(low, high, SAMPLES)
+    yield {
+        "exponent": float(np.polyfit(np.log(load), np.log(law(load)), 1)[0]),
+        "load_range": [low, high],
+    }
+
+
+def _multilinear(law: Law, low: float, high: float) -> Iterator[Numbers]:
+    middle = 0.5 * (low + high)
+    slopes = [_slope(law, low, middle), _slope(law, middle, high)]
+    yield {"slopes": slopes, "crossover_loads": [middle], "load_range": [low, high]}
+    whole = _slope(law, low, high)
+    yield {"slopes": [whole, whole], "crossover_loads": [middle], "load_range": [low, high]}
+
+
+ATTEMPTS: dict[str, Callable[[Law, float, float], Iterator[Numbers]]] = {
+    "operating-points": _points,
+    "linear": _linear,
+    "bilinear": _bilinear,
+    "sampled": _sampled,
+    "power": _power,
+    "multilinear": _multilinear,
+}
+
+
+def _slope(law: Law, low: float, high: float) -> float:
+    """Return the least-squares slope of a law between two loads [-]."""
+    load = np.linspace(low, high, SAMPLES)
+    return float(np.polyfit(load, law(load), 1)[0])
+
+
+def _written(numbers: Numbers, scene: Scene, resolution: float) -> dict[str, Any]:
+    """Return the keys of a target in the units of the one before."""
+    wording = scene.target.wording
+    like = "1 mm^2" if wording.composite_modulus is None else "1 N"
+    forces = wording.per_slope is not None
+    found: dict[str, Any] = {}
+    for name, value in numbers.items():
+        if name == "rescaled_load":
+            key, unit = ("load", "1 N") if forces else (name, "1 mm^2")
+            found[key] = [scene.load(load, unit, resolution) for load in value]
+        elif name == "rescaled_friction":
+            key, unit = ("friction_force", "1 N") if forces else (name, "1 mm^2")
+            found[key] = [scene.friction(friction, unit, resolution) for friction in value]
+        elif name in ("slope", "slopes"):
+            key = wording.keys[name == "slopes"]
+            found[key] = (
+                [scene.slope(slope, resolution) for slope in value]
+                if name == "slopes"
+                else scene.slope(value, resolution)
+            )
+        elif name == "exponent":
+            found[name] = rounded(value, resolution)
+        else:
+            loads = [scene.load(load, like, resolution) for load in np.atleast_1d(value)]
+            found[name] = loads if isinstance(value, list) else loads[0]
+    return found
+
+
+def _nearest(text: str, tables: Mapping[str, bytes]) -> Any:
+    """Return None if independent asperities reach the target of a text, otherwise the nearest."""
+    try:
+        specification = parsed(text, tables)
+        model = Independent(contact_of(specification.model))
+        replace(specification, layout=None, robust=None).design(model)
+    except Infeasible as error:
+        return error.nearest or ()
+    except InvalidInput:
+        return ()
+    return None
+
+
+def _beyond(wanted: Any, nearest: Any, resolution: float) -> Any:
+    """Return numbers of the nearest target, a little further from the wanted ones; None for none."""
+    if nearest is None or np.shape(nearest) != np.shape(wanted):
+        return None
+    near = np.asarray(nearest, dtype=np.float64)
+    moved = near * (1.0 + INSIDE * resolution * np.sign(near - np.asarray(wanted)))
+    return moved.tolist()
+
+
+def _tables(document: Document, specification: Specification) -> dict[str, bytes]:
+    """Return the tables that a text names, by their names there."""
+    places = ("target", "contact", "contact.cap")
+    names = [name for place in places if (name := document.value(f"{place}.file"))]
+    return dict(zip(names, list(specification.files.values())[1:], strict=True))
