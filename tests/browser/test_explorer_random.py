@@ -1,0 +1,161 @@
+"""A thousand random steps on the page: nothing fails, and it shows what `metafem design` computes."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from metafem import cli
+from metafem.errors import Infeasible, InvalidInput
+from metafem.files import demo_text, parsed, result_tables
+from validation.scenes.browser import browser_path, opened
+from validation.scenes.explorer import served, visited
+
+pytestmark = [
+    pytest.mark.skipif(browser_path() is None, reason="no chromium is installed"),
+    pytest.mark.slow,
+]
+
+STEPS, BATCH = 1000, 100
+
+TABLES = ("heights.csv", "law.csv")
+
+# Middles of all handles [pixels].
+MIDDLES = """() => [...document.querySelectorAll('.handle')].map(each => {
+  const box = each.getBoundingClientRect();
+  return [each.dataset.id, box.x + box.width / 2, box.y + box.height / 2];
+})"""
+
+# Clicks a button of the head a few times.
+CLICKED = """([word, times]) => {
+  const named = each => (each.ariaLabel ?? each.innerText).startsWith(word);
+  const button = [...document.querySelectorAll('button')].find(named);
+  for (let i = 0; i < times; i++) button.click();
+}"""
+
+
+class Hand:
+    """Makes random steps with the mouse and the keyboard."""
+
+    def __init__(self, visit, seed):
+        self.visit, self.page, self.rng = visit, visit.page, np.random.default_rng(seed)
+        chances = {
+            self.drag: 0.45, self.nudge: 0.15, self.undo: 0.13, self.redo: 0.08,
+            self.add: 0.06, self.remove: 0.05, self.site: 0.08,
+        }  # fmt: skip
+        self.steps, self.chances = list(chances), list(chances.values())
+
+    def step(self):
+        """Make a step."""
+        self.steps[self.rng.choice(len(self.steps), p=self.chances)]()
+
+    def chosen(self):
+        """Return a random handle with its middle, or None."""
+        found = self.page.evaluate(MIDDLES)
+        return found[self.rng.integers(len(found))] if found else None
+
+    def drag(self):
+        """Drag a handle, at times far out of what can be reached."""
+        if (handle := self.chosen()) is None:
+            return
+        _, x, y = handle
+        self.page.mouse.move(x, y)
+        self.page.mouse.down()
+        reach = 200.0 if self.rng.random() < 0.05 else 12.0
+        for right, down in self.rng.uniform(-reach, reach, (3, 2)):
+            self.page.mouse.move(x + right, y + down)
+        self.page.mouse.up()
+
+    def press(self, key, handle):
+        """Press a key on a handle."""
+        self.page.evaluate("id => document.querySelector(`.handle[data-id='${id}']`)?.focus()", handle)
+        self.page.keyboard.press(key)
+
+    def nudge(self):
+        """Move a handle by the keyboard."""
+        if (handle := self.chosen()) is not None:
+            key = self.rng.choice(["ArrowUp", "ArrowDown", "ArrowLeft", "ArrowRight"])
+            self.press(("Shift+" if self.rng.random() < 0.2 else "") + key, handle[0])
+
+    def add(self):
+        """Add a point."""
+        if (handle := self.chosen()) is not None:
+            self.press("a", handle[0])
+
+    def remove(self):
+        """Remove a point."""
+        if (handle := self.chosen()) is not None:
+            self.press("Delete", handle[0])
+
+    def site(self):
+        """Keep the height of a site, leave it empty, or let the design choose it."""
+        self.page.evaluate("() => document.querySelector('.surface-view svg').focus()")
+        for key in self.rng.choice(["ArrowUp", "ArrowDown", "ArrowLeft", "ArrowRight"], 2):
+            self.page.keyboard.press(key)
+        self.page.keyboard.press(self.rng.choice(["p", "e", "r"]))
+
+    def undo(self, word="Undo"):
+        """Undo a few steps."""
+        self.page.evaluate(CLICKED, [word, int(self.rng.integers(1, 4))])
+
+    def redo(self):
+        """Redo a few steps."""
+        self.undo("Redo")
+
+
+def downloaded(visit, name):
+    """Take a file from the page."""
+    with visit.page.expect_download() as download:
+        visit.page.locator(f'[data-take="{name}"]').click()
+    return Path(download.value.path()).read_bytes()
+
+
+def compared(visit):
+    """Compare what the page shows with the design of its specification; return whether there is one."""
+    text = downloaded(visit, "spec.toml").decode()
+    refused = visit.page.evaluate("() => getElement(document.querySelector('.law-plot')).plot.data.refusal")
+    words, tables = "", {}
+    try:
+        specification = parsed(text, {})
+        tables = result_tables(specification.design(), specification.part)
+    except (InvalidInput, Infeasible) as error:
+        words = str(error)
+    assert bool(refused) == bool(words), (refused, words)
+    if words:
+        return False
+    assert {name: downloaded(visit, name) for name in TABLES} == {
+        name: tables[name].encode() for name in TABLES
+    }
+    return True
+
+
+def commanded(visit, folder):
+    """Compare the files of the page with those of `metafem design` of its specification."""
+    spec = folder / "spec.toml"
+    spec.write_bytes(downloaded(visit, "spec.toml"))
+    done = CliRunner().invoke(cli.main, ["design", str(spec), "-o", str(folder / "surface")])
+    assert done.exit_code == 0, done.output
+    for name in TABLES:
+        assert downloaded(visit, name) == (folder / "surface" / name).read_bytes()
+
+
+def test_random_steps_fail_nowhere_and_end_at_the_design_of_the_specification(tmp_path):
+    # without a part: no block can be made of a summit that random steps lead to the base plane
+    text = re.sub(r"\[(block|part)\].*?(?=\n\[|\Z)", "", demo_text("operating-points"), flags=re.DOTALL)
+    spec = tmp_path / "points.toml"
+    spec.write_text(text, "utf-8")
+    with opened() as browser, served(spec) as server, visited(browser, server) as visit:
+        visit.page.get_by_role("tab", name="Take it").click()
+        hand = Hand(visit, 0)
+        for _ in range(STEPS // BATCH):
+            for _ in range(BATCH):
+                hand.step()
+            visit.at_rest()
+            while not compared(visit):
+                hand.undo()
+                visit.at_rest()
+            assert visit.errors == []
+            assert server.said == ""
+        commanded(visit, tmp_path)
