@@ -12,8 +12,10 @@ from metafem.explorer.answer import Answer
 from metafem.explorer.newest import Newest
 from metafem.explorer.surface.contact_data import contact_data
 from metafem.explorer.surface.edits import edited
-from metafem.explorer.surface.surface_data import layout_data, site_data
+from metafem.explorer.surface.surface_data import layout_data, message, same_layout, site_data
 from metafem.explorer.surface.surface_view import SurfaceView
+from metafem.inversion import Design
+from metafem.surface import Surface
 
 if TYPE_CHECKING:
     from metafem.explorer.page import Page
@@ -28,7 +30,8 @@ class Views:
         self.page = page
         self.view = SurfaceView()
         self.contacts: Newest[Answer, dict[str, Any]] = Newest(self._contacts, self.view.contact)
-        self.layout: dict[str, Any] = {}
+        self.template: Surface | None = None
+        self.shown: tuple[Design | None, str] = (None, "")
         self.sensitive = False
         self.view.on_event("sites", self._edit)
         self.view.on_event("colour", self._colour)
@@ -36,12 +39,15 @@ class Views:
 
     def show(self, answer: Answer) -> None:
         """Show the surface of an answer."""
-        data = site_data(answer)
+        shown = answer.design, answer.state.text
+        again = all(one is other for one, other in zip(shown, self.shown, strict=True))
+        data = {"number": answer.number, "message": message(answer)} if again else site_data(answer)
         if answer.design is not None:
-            layout = layout_data(answer.design)
-            if layout != self.layout:
-                self.layout = data["layout"] = layout
+            if self.template is None or not same_layout(self.template, answer.design.template):
+                data["layout"] = layout_data(answer.design)
+            self.template = answer.design.template
             self.contacts.put(answer)
+        self.shown = shown
         self.view.show(data)
 
     def _contacts(self, answer: Answer) -> dict[str, Any]:

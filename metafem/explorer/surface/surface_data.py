@@ -31,6 +31,11 @@ def layout_data(design: Design) -> dict[str, Any]:
     }
 
 
+def same_layout(one: Surface, other: Surface) -> bool:
+    """Whether two templates have the same sites and block."""
+    return one.block == other.block and np.array_equal(one.position, other.position)
+
+
 def least_distance(surface: Surface) -> float:
     """Return the least distance between two sites [mm]; of a single one, four radii."""
     if surface.count == 1:
@@ -71,9 +76,7 @@ def message(answer: Answer) -> str:
         return "There is no surface yet." if answer.problems or answer.refusal else ""
     asked = asked_sites(answer.state.text)
     if answer.refusal or answer.problems:
-        about = [words for key, words in answer.problems.items() if key.startswith("sites")]
-        reason = " ".join([answer.refusal, *about]) if _any(asked) else ""
-        return f"These are the heights of the last surface that was found. {reason}".strip()
+        return "These are the heights of the last surface that was found. Beside the law stands why."
     if _any(asked) and answer.design.status is DesignStatus.MISSED:
         return (
             f"With these sites kept or empty the target law is missed by {misfit_text(answer.design.misfit)}."

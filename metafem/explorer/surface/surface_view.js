@@ -39,7 +39,7 @@ export default {
         <button type="button" class="act" :disabled="times === 1" @click="times = 1; exaggerate()">True proportions</button>
         <button type="button" class="act" @click="reset">Reset the view</button>
       </div>
-      <p class="legend" v-if="tab === 'map' && spoken">{{ spoken }}</p>
+      <p class="legend spoken" v-if="tab === 'map' && spoken">{{ spoken }}</p>
       <p class="legend" v-else-if="tab === 'map'"><span><i class="disc"></i> contact, to scale</span> <span>◆ kept height</span> <span><i class="ring"></i> empty, × as specified</span></p>
       <p class="legend" v-else-if="!missing"><span><i class="disc coloured"></i> contact</span> <span>Caps are drawn undeformed, cut off at the glass.</span></p>
       <span class="unseen" aria-live="polite">{{ spoken }}</span>
@@ -58,7 +58,7 @@ export default {
   mounted() {
     const map = new SiteMap(this.$refs.map, { hover: (site, event) => this.hover(site, event), pick: (sites, add) => this.pick(sites, add), key: (event) => this.key(event) });
     map.svg.setAttribute("aria-label", `Map of the heights. ${HELP}`);
-    map.svg.addEventListener("focus", () => this.go(map.active ?? map.next(0, 0)));
+    map.svg.addEventListener("focus", () => { if (!map.from) this.go(map.active ?? map.next(0, 0)); }); // not by a click
     map.svg.addEventListener("blur", () => { this.spoken = ""; });
     this.views.map = map;
     // The switch between light and dark.
@@ -74,7 +74,7 @@ export default {
       if (data.layout) this.layout = data.layout;
       this.message = data.message;
       this.number = data.number;
-      if (data.height) this.surface = { ...data, empty: new Set(data.empty) };
+      if (data.height) this.surface = { ...data, empty: new Set(data.empty) }; // otherwise it is as before
       this.draw();
     },
     contact(data) {
@@ -94,6 +94,7 @@ export default {
           if (this.tab === "map") this.views.map.show(layout, surface, fitting);
           else this.views.relief?.show(layout, surface, fitting, this.what);
           if (this.menu) this.describe();
+          if (this.spoken) this.spoken = words(this.views.map.active, surface, fitting).join(", ");
         }
         if (this.number) this.$el.dataset.answered = this.number;
       });
@@ -141,6 +142,7 @@ export default {
       sites.forEach((site) => (single ? map.selected.delete(site) : map.selected.add(site)));
       if (sites.length) map.active = sites.at(-1);
       this.tip = null;
+      this.spoken = "";
       if (map.selected.size) this.openMenu(); else this.close();
       map.draw();
     },

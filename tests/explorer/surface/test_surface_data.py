@@ -6,7 +6,13 @@ import pytest
 from metafem.explorer.answer import Answer, answered
 from metafem.explorer.session import State
 from metafem.explorer.surface.sites_text import emptied_text
-from metafem.explorer.surface.surface_data import kept_height, layout_data, least_distance, site_data
+from metafem.explorer.surface.surface_data import (
+    kept_height,
+    layout_data,
+    least_distance,
+    same_layout,
+    site_data,
+)
 from metafem.files import demo_text
 from metafem.surface import Material, Surface
 
@@ -72,3 +78,10 @@ def test_empty_sites_of_the_text_are_named(answer):
 def test_without_a_surface_there_is_only_a_message():
     data = site_data(answered(State("nothing"), 1))
     assert data == {"number": 1, "message": "There is no surface yet."}
+
+
+def test_layouts_differ_by_sites_and_by_block(answer):
+    template = answer.design.template
+    assert same_layout(template, template.replaced(height=template.height + 0.1))
+    assert not same_layout(template, template.replaced(position=template.position + 0.1))
+    assert not same_layout(template, template.replaced(block=None))

@@ -52,8 +52,10 @@ export class Relief {
   clear() {
     for (const each of this.things ?? []) {
       this.scene.remove(each);
-      each.geometry.dispose();
-      each.material.dispose();
+      each.traverse((part) => {
+        part.geometry.dispose();
+        part.material.dispose();
+      });
       each.dispose?.();
     }
     this.things = [];
@@ -160,6 +162,7 @@ export class Relief {
       new THREE.PlaneGeometry(...sites),
       new THREE.MeshBasicMaterial({ color: 0x7fb4cc, transparent: true, opacity: 0.22, depthWrite: false, side: THREE.DoubleSide }),
     );
+    this.glass.add(new THREE.LineSegments(new THREE.EdgesGeometry(this.glass.geometry), new THREE.LineBasicMaterial({ color: 0x4f8fae })));
     this.glass.position.set(...middle, 0);
     this.things = [this.block, this.caps, this.lids, this.contacts, this.glass];
     this.scene.add(...this.things);

@@ -38,9 +38,9 @@ export function words(i, surface, contacts) {
   const radius = contacts?.radius?.[i];
   if (radius > 0) {
     lines.push(`contact radius ${digits(1e3 * radius)} µm`);
-    lines.push(`load ${digits(contacts.force[i])} mN, mean pressure ${digits(contacts.pressure[i])} MPa`);
+    lines.push(`load ${digits(contacts.force[i])} mN`, `mean pressure ${digits(contacts.pressure[i])} MPa`);
   } else if (radius === 0) lines.push("not in contact");
   const sensitivity = contacts?.sensitivity?.[i];
-  if (sensitivity !== undefined && sensitivity !== null) lines.push(`sensitivity ${sensitivity > 0 ? "+" : ""}${digits(sensitivity)} % of the friction per µm`);
+  if (sensitivity !== undefined && sensitivity !== null) lines.push(`sensitivity ${sensitivity > 0 ? "+" : ""}${digits(sensitivity)} % of friction per µm`);
   return lines;
 }
