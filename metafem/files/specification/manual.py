@@ -99,8 +99,8 @@ def remark(meaning: str, optional: bool, default: Any) -> str:
 
 
 def default_of(field: FieldInfo) -> Any:
-    """Return the default of an optional key as it is printed, None if there is none."""
-    default: Any = None if field.is_required() else field.default
+    """Return the default of an optional key as it is printed, None if there is none or an empty list."""
+    default: Any = None if field.is_required() or field.default == () else field.default
     return default.model_dump() if hasattr(default, "model_dump") else default  # of a section
 
 

@@ -108,7 +108,7 @@ class SitesSection(Section):
 
     empty: Annotated[
         tuple[Site, ...],
-        says("sites without an asperity; site 0 has the lowest x and y, then along x, row by row", [17]),
+        says("sites without an asperity, from 0 along x, then row by row along y", [17]),
     ] = ()
     pinned: Annotated[tuple[Site, ...], says("sites whose heights are given", [9, 12])] = ()
     heights: Annotated[
