@@ -11,6 +11,7 @@ import pytest
 from click.testing import CliRunner
 
 from metafem import _caches, cli
+from metafem.files import demo_text, read_spec
 from validation import laboratory
 
 ROOT = Path(__file__).parent.parent
@@ -28,6 +29,18 @@ def test_printed_output_is_what_the_example_prints():
     with contextlib.redirect_stdout(io.StringIO()) as printed:
         exec(compile(code, "README.md", "exec"), {})
     assert printed.getvalue() == output
+
+
+def test_sites_of_the_guide_are_those_of_a_design(tmp_path):
+    sites = re.search(r"```toml\n(.*?)```", guide("design"), re.S).group(1)
+    path = tmp_path / "spec.toml"
+    path.write_text(demo_text("linear") + sites, "utf-8")
+    result = read_spec(path).design()
+    heights = dict(zip(result.sites.tolist(), result.surface.height.tolist(), strict=True))
+    assert {site: heights.get(site) for site in (3, 17, 9, 12)} == {3: None, 17: None, 9: 0.15, 12: 0.12}
+    assert any(
+        note.text.startswith("with the heights of 2 sites given the misfit is ") for note in result.notes
+    )
 
 
 @pytest.mark.slow

@@ -60,6 +60,25 @@ def test_a_robust_design_is_made_from_a_specification(run):
     assert '<tr><td>robust.angle</td><td class="number">0.05</td><td>°</td></tr>' in report
 
 
+@pytest.mark.slow
+@pytest.mark.usefixtures("plain_reports")
+def test_empty_sites_and_given_heights_are_designed(run):
+    sites = '[sites]\nempty = [3]\npinned = [9]\nheights = ["150 um"]\n'
+    Path("sites.toml").write_text(demo_text("linear").replace("[8, 8]", "[6, 6]") + sites, "utf-8")
+    result = run("design", "sites.toml", "-o", "sites")
+    assert result.exit_code == 0, result.output
+    assert "with the height of 1 site given the misfit is" in " ".join(result.output.split())
+    rows = [row.split(",") for row in Path("sites/heights.csv").read_text("utf-8").splitlines()[1:]]
+    heights = {int(row[0]): row[3] for row in rows}
+    assert (len(rows), heights[9], 3 in heights) == (35, "0.15", False)
+    holes = {row.split(",")[2]: row for row in Path("sites/mould.csv").read_text("utf-8").splitlines()[1:]}
+    assert holes["9"].split(",")[5] == "0.15"
+    assert "3" not in holes
+    report = Path("sites/report.html").read_text("utf-8")
+    assert '<tr><td>given height of site 9</td><td class="number">150</td><td>µm</td></tr>' in report
+    assert dict(mf.load("sites").pinned) == {3: None, 9: 0.15}
+
+
 @pytest.mark.parametrize(
     "command",
     [
