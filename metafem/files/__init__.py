@@ -34,7 +34,7 @@ from metafem.files.result.study import stored_studies, study_data, study_path, w
 from metafem.files.result.tables import is_law_table, law_table, read_surface
 from metafem.files.schema.document import place_schema, schema_text, write_schema
 from metafem.files.schema.forms import KeyForm, SectionForm, section_forms
-from metafem.files.specification.demos import demo_text
+from metafem.files.specification.demos import DEMOS, demo_text
 from metafem.files.specification.manual import all_keys, manual
 from metafem.files.specification.models import MODELS
 from metafem.files.specification.named_tables import measured_pairs
@@ -50,6 +50,7 @@ from metafem.files.specification.words import problem_key
 from metafem.files.units import member_names, option_names, quantity
 
 __all__ = [
+    "DEMOS",
     "MODELS",
     "CalibrationData",
     "HandedOn",

@@ -7,7 +7,7 @@ from typing import Any
 
 from metafem.errors import InvalidInput
 from metafem.explorer.text.document import Document
-from metafem.explorer.workshop.values import typed
+from metafem.explorer.text.fields import shown
 from metafem.files import KeyForm, SectionForm, section_forms
 
 # Sections in the order of the form with their titles; the first ones are always open.
@@ -77,8 +77,8 @@ def _field(section: str, key: KeyForm) -> dict[str, Any]:
         "key": name,
         "label": LABELS.get(name, key.name.replace("_", " ")),
         "meaning": key.meaning,
-        "example": typed(key.example),
-        "default": typed(key.default),
+        "example": shown(key.example),
+        "default": shown(key.default),
         "value": key.value,
         "units": key.units,
         "names": key.names,
@@ -108,7 +108,7 @@ def contents(text: str, problems: Mapping[str, str]) -> dict[str, Any]:
         if isinstance(table, dict):
             present.append(section.name)
             values |= {
-                f"{section.name}.{name}": typed(value)
+                f"{section.name}.{name}": shown(value)
                 for name, value in table.items()
                 if not isinstance(value, dict)
             }

@@ -1,4 +1,7 @@
 // The head of the page: the target in words, the status, the model, undo and redo, the colours, help.
+// It also takes the files that are dropped beside everything that wants them.
+import { filesOf } from "metafem-workshop/files.js";
+
 const THEMES = { light: "Light", auto: "Auto", dark: "Dark" };
 const [THEME, HINT] = ["metafem-theme", "metafem-hint"];
 const MAC = navigator.platform.startsWith("Mac");
@@ -72,9 +75,13 @@ export default {
   mounted() {
     this.choose(this.theme in THEMES ? this.theme : "auto");
     document.addEventListener("keydown", this.key);
+    document.addEventListener("dragover", this.over);
+    document.addEventListener("drop", this.drop);
   },
   unmounted() {
     document.removeEventListener("keydown", this.key);
+    document.removeEventListener("dragover", this.over);
+    document.removeEventListener("drop", this.drop);
   },
   methods: {
     show(data) {
@@ -99,6 +106,14 @@ export default {
     },
     outside(event) {  // the ground behind the dialog is the dialog itself
       if (event.target === this.$refs.dialog) this.$refs.dialog.close();
+    },
+    over(event) {
+      if (event.dataTransfer?.types.includes("Files")) event.preventDefault();
+    },
+    async drop(event) {  // the browser would leave the page and open the file
+      if (event.defaultPrevented || !event.dataTransfer?.types.includes("Files")) return;
+      event.preventDefault();
+      this.$emit("load", { files: await filesOf(event.dataTransfer) });
     },
     close() {
       this.hint = false;

@@ -9,7 +9,8 @@ from nicegui.element import Element
 
 from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer
-from metafem.explorer.workshop.changes import with_typed
+from metafem.explorer.text.fields import with_field
+from metafem.explorer.workshop.editor import load
 from metafem.explorer.workshop.header_data import header_data
 from metafem.files import MODELS
 
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from metafem.explorer.page import Page
 
 
-class Header(Element, component="header.js"):
+class Header(Element, component="header.js", esm={"metafem-workshop": "js"}):
     """Shows the data of `header_data`, and emits ``model``, ``undo`` and ``redo``."""
 
     def __init__(self) -> None:
@@ -29,7 +30,7 @@ class Header(Element, component="header.js"):
 def choose(page: Page, model: str) -> None:
     """Design under another model."""
     try:
-        page.edit(with_typed(page.state.text, "model.kind", model))
+        page.edit(with_field(page.state.text, "model.kind", model))
     except InvalidInput as error:
         ui.notify(str(error), type="warning")
 
@@ -39,6 +40,7 @@ def header_panel(page: Page) -> None:
     header = Header()
     header.on("undo", page.undo)
     header.on("redo", page.redo)
+    header.on("load", lambda event: load(page, event.args["files"]))
     header.on("model", lambda event: choose(page, event.args))
     shown: dict[str, object] = {}
 

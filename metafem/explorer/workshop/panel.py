@@ -10,13 +10,8 @@ from nicegui.element import Element
 
 from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer
-from metafem.explorer.workshop.changes import (
-    with_choice,
-    with_kind,
-    with_section,
-    with_typed,
-    without_section,
-)
+from metafem.explorer.text.fields import with_field
+from metafem.explorer.workshop.changes import with_choice, with_section, without_section
 from metafem.explorer.workshop.form import contents, form
 
 if TYPE_CHECKING:
@@ -26,7 +21,7 @@ if TYPE_CHECKING:
 PACE = 0.2
 
 
-class Fields(Element, component="fields.js", esm={"metafem-workshop": "js"}):
+class Fields(Element, component="fields.js"):
     """The fields of `form`, which emit what is typed and chosen."""
 
     def __init__(self) -> None:
@@ -44,7 +39,7 @@ class Workshop:
         self.waiting: Answer | None = None
         on = self.fields.on
         on("typed", lambda event: self._typed(**event.args))
-        on("kind", lambda event: self._change(with_kind, event.args["section"], event.args["kind"]))
+        on("kind", lambda event: self._typed(event.args["section"] + ".kind", event.args["kind"], True))
         on("choice", lambda event: self._change(with_choice, event.args["section"], event.args["choice"]))
         on("with", lambda event: self._change(with_section, event.args["section"]))
         on("without", lambda event: self._change(without_section, event.args["section"]))
@@ -52,7 +47,7 @@ class Workshop:
         page.listen(self._answered)
 
     def _typed(self, key: str, text: str, released: bool) -> None:
-        self._change(with_typed, key, text, key=key, released=released)
+        self._change(with_field, key, text, key=key, released=released)
 
     def _change(
         self, change: Callable[..., str], *given: Any, key: str | None = None, released: bool = True

@@ -4,13 +4,8 @@ import tomllib
 
 import pytest
 
-from metafem.explorer.workshop.changes import (
-    with_choice,
-    with_kind,
-    with_section,
-    with_typed,
-    without_section,
-)
+from metafem.explorer.text.fields import with_field
+from metafem.explorer.workshop.changes import with_choice, with_section, without_section
 from metafem.explorer.workshop.form import contents, form
 from metafem.files import demo_text, parsed, section_forms
 
@@ -25,7 +20,7 @@ TEXT = demo_text("operating-points")
         ("limits.max_height", "", None),
         ("target.rescaled_load", "0.1 mm^2, 0.3 mm^2", ["0.1 mm^2", "0.3 mm^2"]),
         ("lattice.shape", "6, 10", [6, 10]),
-        ("lattice.shape", "six", ["six"]),
+        ("lattice.shape", "8 x 12", [8, 12]),
         ("friction.area_ratio", "0.9", 0.9),
         ("friction.area_ratio", "0,9", "0,9"),
         ("layout.follow_law", "true", True),
@@ -36,7 +31,7 @@ TEXT = demo_text("operating-points")
 )
 def test_a_typed_text_becomes_the_value_of_its_key_alone(key, given, value):
     section, name = key.split(".")
-    before, after = tomllib.loads(TEXT), tomllib.loads(with_typed(TEXT, key, given))
+    before, after = tomllib.loads(TEXT), tomllib.loads(with_field(TEXT, key, given))
     assert after.get(section, {}).get(name) == value
     before.setdefault(section, {}).pop(name, None)
     after.setdefault(section, {}).pop(name, None)
@@ -55,13 +50,13 @@ def test_what_is_shown_is_what_was_typed():
         for kind in section.kinds or [""]:
             text = TEXT
             if section.name == "contact.cap":
-                text = with_kind(text, "contact", "jkr")
-            text = with_kind(text, section.name, kind) if kind else text
+                text = with_field(text, "contact.kind", "jkr")
+            text = with_field(text, f"{section.name}.kind", kind) if kind else text
             for key in section.keys[kind]:
                 if key.value == "section":
                     continue
                 shown = examples[kind, f"{section.name}.{key.name}"]
-                changed = with_typed(text, f"{section.name}.{key.name}", shown)
+                changed = with_field(text, f"{section.name}.{key.name}", shown)
                 values = contents(changed, {})["values"]
                 assert values[f"{section.name}.{key.name}"] == shown
                 table = tomllib.loads(changed)
@@ -76,7 +71,7 @@ def test_each_kind_and_each_choice_gives_a_specification_that_can_be_read(sectio
     tables |= {"cap.csv": b"rho_um,f_um\n0,0\n200,39\n400,184\n600,600\n"}
     tables |= {"contact.csv": b"indentation_um,load_mN,area_mm2\n5,0.46,0.0083\n20,3.7,0.033\n90,35,0.15\n"}
     for kind in section.kinds or [""]:
-        text = with_kind(TEXT, section.name, kind) if kind else with_section(TEXT, section.name)
+        text = with_field(TEXT, f"{section.name}.kind", kind) if kind else with_section(TEXT, section.name)
         parsed(text, tables)
         for choice in {key.choice for key in section.keys[kind]} - {None}:
             parsed(with_choice(text, section.name, choice), tables)

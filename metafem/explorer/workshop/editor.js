@@ -1,0 +1,133 @@
+// The specification as text. What is typed is used half a second after the last key, or when the editor is left.
+import { textsOf } from "metafem-workshop/files.js";
+
+const PAUSE = 500;
+const LOOK = {
+  "&": { height: "100%", color: "var(--ink)", backgroundColor: "var(--paper)" },
+  "&.cm-focused": { outline: "2px solid var(--accent)", outlineOffset: "-2px" },
+  ".cm-scroller": { overflow: "auto", fontFamily: "ui-monospace, 'DejaVu Sans Mono', monospace", fontSize: "13px" },
+  ".cm-gutters": { color: "var(--quiet)", backgroundColor: "var(--shade)", borderRight: "1px solid var(--line)" },
+  ".cm-activeLine, .cm-activeLineGutter": { backgroundColor: "color-mix(in srgb, var(--accent) 9%, transparent)" },
+  ".cm-cursor": { borderLeftColor: "var(--ink)" },
+  "&.cm-focused > .cm-scroller > .cm-selectionLayer .cm-selectionBackground, .cm-selectionBackground": { backgroundColor: "color-mix(in srgb, var(--accent) 30%, transparent)" },
+  ".cm-wrong": { backgroundColor: "var(--tint-warn)" },
+  ".cm-panels": { color: "var(--ink)", backgroundColor: "var(--shade)" },
+};
+// Colours by the names of syntax tags: sections, values, remarks.
+const COLOURS = [
+  [["comment"], { color: "var(--quiet)", fontStyle: "italic" }],
+  [["string"], { color: "var(--good)" }],
+  [["atom", "literal", "keyword"], { color: "var(--accent)", fontWeight: "600" }],
+];
+
+export default {
+  template: `
+    <div class="editor">
+      <div class="row">
+        <button type="button" class="act" @click="$refs.files.click()">Load…</button>
+        <input ref="files" type="file" hidden multiple accept=".toml,.csv,.txt,.tsv" aria-label="Specification and tables" @change="chosen">
+        <label class="row">Start from <select class="text" aria-label="Start from an example" @change="demo">
+          <option value="">an example</option><option v-for="name in demos" :key="name" :value="name">{{ name }}</option></select></label>
+        <span v-if="tables.length" class="quiet small">with {{ tables.join(", ") }}</span>
+        <span class="quiet small">A specification, its tables or a result folder can be dropped onto the page.</span>
+      </div>
+      <div class="both">
+        <div ref="frame" class="frame"></div>
+        <ul v-if="problems.length" class="problems warn" aria-label="Problems of the specification">
+          <li v-for="each in problems" :key="each.words"><button v-if="each.line" type="button" class="act" @click="jump(each.line)">Line {{ each.line }}</button>
+            {{ each.words }}</li></ul>
+      </div>
+    </div>`,
+  props: { demos: Array },
+  data() {
+    return { problems: [], tables: [] };
+  },
+  async mounted() {
+    this.CM = await import("nicegui-codemirror");
+    if (!this.$refs.frame) return;
+    this.editor = new this.CM.EditorView({ doc: "", parent: this.$refs.frame, extensions: this.extensions() });
+    this.$emit("opened");
+  },
+  activated() {
+    if (this.editor) this.$emit("opened");
+  },
+  deactivated() {
+    this.use();
+    this.$emit("closed");
+  },
+  beforeUnmount() {
+    clearTimeout(this.timer);
+    this.editor?.destroy();
+  },
+  methods: {
+    extensions() {
+      const CM = this.CM;
+      this.mark = CM.StateEffect.define();
+      const wrong = CM.StateField.define({
+        create: () => CM.Decoration.none,
+        update: (set, change) => change.effects.reduce((marked, effect) => (effect.is(this.mark) ? effect.value : marked), set.map(change.changes)),
+        provide: (field) => CM.EditorView.decorations.from(field),
+      });
+      const styles = CM.defaultHighlightStyle.specs.flatMap(({ tag }) => [tag].flat()).flatMap((tag) =>
+        COLOURS.filter(([names]) => names.includes(String(tag))).map(([, style]) => ({ tag, ...style })));
+      const language = new CM.Compartment();
+      CM.languages.find(({ name }) => name === "TOML").load().then((toml) => this.editor?.dispatch({ effects: language.reconfigure(toml) }));
+      return [
+        CM.Prec.high(CM.syntaxHighlighting(CM.HighlightStyle.define(styles))), CM.basicSetup, wrong, language.of([]),
+        CM.EditorView.theme(LOOK), CM.EditorView.contentAttributes.of({ "aria-label": "Specification" }),
+        CM.EditorView.updateListener.of((update) => { if (update.docChanged && !this.showing) this.typed(); }),
+        CM.EditorView.domEventHandlers({ blur: () => this.use() }),
+      ];
+    },
+    typed() {
+      this.dirty = true;
+      clearTimeout(this.timer);
+      this.timer = setTimeout(this.use, PAUSE);
+    },
+    use() {
+      clearTimeout(this.timer);
+      if (!this.dirty) return;
+      this.dirty = false;
+      const text = this.editor.state.doc.toString();
+      this.$emit("changed", { text: this.crlf ? text.replaceAll("\n", "\r\n") : text });
+    },
+    show({ text, problems, tables }) {
+      if (!this.editor || this.dirty) return;  // what is being typed stays
+      Object.assign(this, { problems, tables });
+      this.crlf = text.includes("\r\n");
+      this.replace(text.replaceAll("\r\n", "\n"));
+      const doc = this.editor.state.doc;
+      const lines = [...new Set(problems.map(({ line }) => line))].filter((line) => line > 0 && line <= doc.lines).sort((a, b) => a - b);
+      const marked = lines.map((line) => this.CM.Decoration.line({ class: "cm-wrong" }).range(doc.line(line).from));
+      this.editor.dispatch({ effects: this.mark.of(this.CM.Decoration.set(marked)) });
+    },
+    replace(text) {  // only what differs, so that the cursor and the scrolled place stay
+      const old = this.editor.state.doc.toString();
+      if (old === text) return;
+      let [from, end] = [0, 0];
+      const least = Math.min(old.length, text.length);
+      while (from < least && old[from] === text[from]) from++;
+      while (end < least - from && old.at(-1 - end) === text.at(-1 - end)) end++;
+      this.showing = true;
+      this.editor.dispatch({
+        changes: { from, to: old.length - end, insert: text.slice(from, text.length - end) },
+        annotations: this.CM.Transaction.addToHistory.of(false),
+      });
+      this.showing = false;
+    },
+    jump(number) {
+      const line = this.editor.state.doc.line(Math.min(number, this.editor.state.doc.lines));
+      this.editor.dispatch({ selection: { anchor: line.from, head: line.to }, effects: this.CM.EditorView.scrollIntoView(line.from, { y: "center" }) });
+      this.editor.focus();
+    },
+    async chosen(event) {
+      const files = [...event.target.files];
+      event.target.value = "";
+      this.$emit("load", { files: await textsOf(files) });
+    },
+    demo(event) {
+      if (event.target.value) this.$emit("demo", { name: event.target.value });
+      event.target.value = "";
+    },
+  },
+};

@@ -1,0 +1,39 @@
+// Files that were chosen or dropped, as texts. A dropped folder gives its specification and its tables.
+const LARGEST = 900_000;  // bytes: the server refuses messages of a megabyte
+const MOST = 40;          // files of a folder
+
+async function textOf(file) {
+  if (file.size > LARGEST) return { name: file.name, why: `is larger than ${LARGEST / 1000} kB, the limit for a file` };
+  try {
+    return { name: file.name, text: new TextDecoder("utf-8", { fatal: true }).decode(await file.arrayBuffer()) };
+  } catch (error) {
+    return { name: file.name, why: error instanceof TypeError ? "is not a text in UTF-8" : "could not be read" };
+  }
+}
+
+const inFolder = (entry) => new Promise((done) => {
+  const [reader, found] = [entry.createReader(), []];
+  const next = () => reader.readEntries((entries) => {
+    found.push(...entries);
+    if (entries.length && found.length < 1000) next();
+    else done(found.filter((each) => each.isFile && /^spec\.toml$|\.csv$/i.test(each.name)).slice(0, MOST));
+  }, () => done(found));
+  next();
+});
+
+export async function filesOf(transfer) {
+  // Entries must be taken before the first wait: the browser empties the transfer afterwards.
+  const entries = [...transfer.items ?? []].map((item) => item.webkitGetAsEntry?.()).filter(Boolean);
+  const [files, folder] = [[...transfer.files], entries.find((entry) => entry.isDirectory)];
+  if (!folder) return textsOf(files);
+  const found = await inFolder(folder);
+  if (!found.some((entry) => entry.name.toLowerCase() === "spec.toml")) return [{ name: folder.name, why: "is a folder without a spec.toml" }];
+  return textsOf(await Promise.all(found.map((entry) => new Promise((done, failed) => entry.file(done, failed)))));
+}
+
+// Those that cannot be read say why; together they fit into one message.
+export async function textsOf(files) {
+  const texts = await Promise.all([...files].slice(0, MOST).map(textOf));
+  let size = 0;
+  return texts.filter((each) => (size += each.text?.length ?? 0) < LARGEST || /\.toml$/i.test(each.name));
+}

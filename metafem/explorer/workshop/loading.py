@@ -1,0 +1,98 @@
+"""Files that are loaded into a page: a specification with its tables, or a table that it names."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+from metafem.errors import InvalidInput
+from metafem.explorer.session import State
+from metafem.files import section_forms
+
+# The name of the specification in a result folder.
+KEPT = "spec.toml"
+
+
+@dataclass(frozen=True)
+class Given:
+    """A file that was chosen or dropped: its text, or why it could not be read."""
+
+    name: str
+    text: str = ""
+    why: str = ""
+
+
+def loaded(state: State, files: list[Given]) -> State:
+    """Return the state with the specification of files, or with tables that its specification names.
+
+    Raises
+    ------
+    InvalidInput
+        If there is no specification or table that can be used among them, with the reason for a person.
+    """
+    unread = [f"{each.name} {each.why}." for each in files if each.why]
+    texts = {each.name: each.text for each in files if not each.why}
+    specifications = {name: text for name, text in texts.items() if name.lower().endswith(".toml")}
+    tables = {name: text for name, text in texts.items() if name.lower().endswith((".csv", ".txt", ".tsv"))}
+    if len(specifications) > 1:
+        specifications = {name: text for name, text in specifications.items() if name == KEPT}
+        if not specifications:
+            raise InvalidInput("These are several specifications. Load one of them, with its tables.")
+    if specifications:
+        ((name, text),) = specifications.items()
+        _refuse_foreign(name, text)
+        return replace(state, text=text, tables=_named(text, tables))
+    named = _named(state.text, tables)
+    if named:
+        return replace(state, tables={**state.tables, **named})
+    if tables:
+        raise InvalidInput(_unnamed(next(iter(tables)), table_names(state.text)))
+    others = [f"{name} is no specification." for name in texts]
+    remedy = f"Load a .toml file, such as the {KEPT} of a result folder, with the tables that it names."
+    raise InvalidInput(" ".join([*unread, *others, remedy]))
+
+
+def table_names(text: str) -> tuple[str, ...]:
+    """Return the names of the tables that a specification names.
+
+    Examples
+    --------
+    >>> table_names('[target]\\nfile = "wanted.csv"')
+    ('wanted.csv',)
+    """
+    try:
+        table = tomllib.loads(text.removeprefix("\ufeff"))
+    except (ValueError, RecursionError):
+        return ()
+    contact = table.get("contact")
+    cap = contact.get("cap") if isinstance(contact, dict) else None
+    places: list[Any] = [table.get("target"), contact, cap]
+    found = [place.get("file") for place in places if isinstance(place, dict)]
+    return tuple(name for name in found if isinstance(name, str))
+
+
+def _named(text: str, tables: Mapping[str, str]) -> dict[str, str]:
+    """Return the tables that a specification names, under the names by which it does."""
+    last = {name: re.split(r"[/\\]", name)[-1] for name in table_names(text)}
+    return {name: tables[part] for name, part in last.items() if part in tables}
+
+
+def _unnamed(name: str, known: tuple[str, ...]) -> str:
+    needs = f"The specification names {', '.join(known)}." if known else "The specification names no table."
+    return (
+        f'{name} is a table. {needs} To use it, write file = "{name}" into [target] or [contact] first. '
+        "To compare with a measured law, drop it onto the plot of the law."
+    )
+
+
+def _refuse_foreign(name: str, text: str) -> None:
+    """Refuse a text that has no section of a specification; one with errors is loaded and repaired here."""
+    sections = "|".join(form.name for form in section_forms() if "." not in form.name)
+    if not re.search(rf"^\s*\[\s*({sections})\b|^\s*({sections})\s*[.=]", text, re.MULTILINE):
+        raise InvalidInput(
+            f"{name} is no specification: it has none of the sections, such as [target]. "
+            "Examples to start from stand above the text."
+        )

@@ -1,0 +1,50 @@
+"""Where the problems of a specification stand in its text."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from typing import Any
+
+# Places in the messages of a parser.
+LINE = re.compile(r"\bline (\d+)")
+
+# A dotted key.
+DOTTED = re.compile(r"[\w-]+(?:\.[\w-]+)+")
+
+HEADER = re.compile(r"\s*\[\s*([^\[\]]+?)\s*\]\s*(?:#.*)?")
+
+
+def line_of(text: str, key: str) -> int:
+    """Return the line of a key, or else of its section, counted from 1; 0 if there is neither.
+
+    Examples
+    --------
+    >>> text = "[limits]\\nmax_height = '120'\\n[model]"
+    >>> line_of(text, "limits.max_height"), line_of(text, "limits.offset"), line_of(text, "block.width")
+    (2, 1, 0)
+    """
+    section, found = "", {"": 0}
+    for number, line in enumerate(text.splitlines(), 1):
+        header = HEADER.fullmatch(line)
+        if header:
+            section = re.sub(r"[\s\"']", "", header[1])
+            found.setdefault(section, number)
+        elif "=" in line and not line.lstrip().startswith("#"):
+            name = re.sub(r"[\s\"']", "", line.partition("=")[0])
+            found.setdefault(f"{section}.{name}" if section else name, number)
+    while key and key not in found:
+        key = key.rpartition(".")[0]
+    return found[key]
+
+
+def placed(text: str, problems: Mapping[str, str], refusal: str = "") -> list[dict[str, Any]]:
+    """Return the problems of a text with their lines, the first line first."""
+    given = list(problems.items()) + ([("target", refusal)] if refusal else [])
+    found = []
+    for key, words in given:
+        for each in words.splitlines():
+            said, named = LINE.search(each), DOTTED.match(each)  # a key that is unknown stands in the words
+            line = int(said[1]) if said and not key else line_of(text, named[0] if named else key)
+            found.append({"line": line, "key": key, "words": each})
+    return sorted(found, key=lambda problem: int(problem["line"]))
