@@ -1,0 +1,221 @@
+"""Studies of the shown surface that take seconds to minutes; each runs in a process of its own."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from metafem._validate import FloatArray
+from metafem._values import percent
+from metafem.errors import InvalidInput
+from metafem.inversion import Design
+from metafem.notes import Note
+from metafem.prediction import Tolerances
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from metafem.report.comparison import Comparison
+    from metafem.studies import Summary
+
+# Standard deviations of the heights that are studied, in multiples of that of the part; and where none is
+# stated, those of a good and of a common machine [mm].
+MULTIPLES, DEVIATIONS = (0.5, 1.0, 2.0), (0.001, 0.003)
+
+# Draws; the largest angle of Fig. S2 of the source paper, doi:10.1126/science.adk4234, in degrees; and the
+# random placements that it is compared with, as by `metafem study misalignment`.
+DRAWS, ANGLE, SHUFFLES = 1000, 0.1, 20
+
+# Loads at which contacts are resolved, as fractions of the largest.
+RESOLVED_LOADS = (0.2, 0.6, 1.0)
+
+
+@dataclass(frozen=True)
+class Found:
+    """What a study found, in words, numbers and a picture; all are plain texts."""
+
+    answer: str
+    title: str
+    columns: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    notes: tuple[Note, ...] = ()
+    picture: str = ""  # an SVG element, whose colours are those of the page
+
+
+@dataclass(frozen=True)
+class LongStudy:
+    """A study: its question, how long it takes with 64 asperities, and the function that runs it."""
+
+    title: str
+    question: str
+    duration: str
+    run: Callable[[Design, Tolerances | None], Found]
+    hindered: Callable[[Design], str] = lambda design: ""  # why it cannot run; "" if it can
+
+
+def made_surfaces(design: Design, tolerances: Tolerances | None) -> Found:
+    """Draw surfaces with errors of their heights, radii and sites."""
+    from metafem.report.study_figures import manufacturing_figure
+    from metafem.studies import manufacturing, summary
+
+    sd = 0.0 if tolerances is None else tolerances.height_sd
+    others = {} if tolerances is None else {n: getattr(tolerances, n) for n in ("radius_sd", "position_sd")}
+    levels = [factor * sd for factor in MULTIPLES] if sd else list(DEVIATIONS)
+    study = manufacturing(design.surface, levels, draws=DRAWS, model=design.law.model, **others)
+    return _found(summary(study), manufacturing_figure({"": study}))
+
+
+def misaligned(design: Design, tolerances: Tolerances | None) -> Found:
+    """Tilt the surface."""
+    from metafem.report.study_figures import misalignment_figure
+    from metafem.studies import misalignment, summary
+
+    study = misalignment(design.surface, math.radians(ANGLE), model=design.law.model, shuffles=SHUFFLES)
+    return _found(summary(study), misalignment_figure({"": study}))
+
+
+def true_block(design: Design, tolerances: Tolerances | None) -> Found:
+    """Compare the law under all models, that of the true block among them."""
+    from metafem.report.comparison import compared
+    from metafem.report.figures import comparison_figure
+    from metafem.studies import fidelity, summary
+
+    study = fidelity(design, elements=False)
+    found = _found(summary(study), comparison_figure(compared(design)[0]))
+    if "block" not in study.model.values:
+        return found
+    change = study.area_change.sel(model="block").values
+    layer = study.area.sel(model="block").values / study.area.sel(model="layer").values - 1.0
+    answer = (
+        f"On the true block the interaction changes A0 by {percent(_rms(change))} rms and by up to "
+        f"{percent(_largest(change), '+.2g')}; the bonded layer differs from it by up to "
+        f"{percent(abs(_largest(layer)))}."
+    )
+    return Found(answer, found.title, found.columns, found.rows, found.notes, found.picture)
+
+
+def resolved(design: Design, tolerances: Tolerances | None) -> Found:
+    """Resolve the contacts by boundary elements at a few loads."""
+    from metafem.drawing.inline import drawn
+    from metafem.files.specification.models import model_named
+    from metafem.models import Independent, Interacting
+    from metafem.models.model import contact_of
+    from metafem.prediction import friction_law
+    from metafem.progress import each
+    from metafem.report.comparison import Comparison
+    from metafem.report.figures import comparison_figure
+
+    law = contact_of(design.law.model)
+    load = np.array(RESOLVED_LOADS) * design.law.load[-1]
+    third = Interacting(order=law.largest_order, contact=law)
+    models = {"alone": Independent(contact=law), "third": third, "own": design.law.model}
+    laws = {name: friction_law(design.surface, model, load=load) for name, model in models.items()}
+    model = model_named("resolved", law)
+    parts = [friction_law(design.surface, model, load=[each_load]) for each_load in each("load", list(load))]
+    area, separation = (np.concatenate([getattr(part, n) for part in parts]) for n in ("area", "separation"))
+    change, apart = area / laws["own"].area - 1.0, area / laws["third"].area - 1.0
+    alone = laws["alone"]
+    compared: list[Comparison] = [
+        Comparison(name, of, of_area / alone.area - 1.0, alone.separation - distance)
+        for name, of, of_area, distance in (
+            ("order 3 on the half-space", laws["third"], laws["third"].area, laws["third"].separation),
+            ("resolved contacts", laws["third"], area, separation),
+        )
+    ]
+    columns = ("load [N]", "A0 of the design [mm²]", "resolved [mm²]", "change [%]")
+    rows = tuple(
+        (
+            f"{load[i]:.3g}", f"{laws['own'].area[i]:.4g}", f"{area[i]:.4g}", f"{100.0 * change[i]:+.2f}",
+            f"{100.0 * apart[i]:+.2f}",
+        )
+        for i in range(len(load))
+    )  # fmt: skip
+    answer = (
+        f"With resolved contacts on the half-space A0 differs from the law of this design by up to "
+        f"{percent(_largest(change), '+.2g')}, and from order 3 of the interaction by up to "
+        f"{percent(_largest(apart), '+.2g')}."
+    )
+    notes = tuple(dict.fromkeys(note for part in parts for note in part.notes))
+    picture = drawn(comparison_figure(tuple(compared)), "Change of A0 by interaction").svg
+    return Found(answer, "A0 with resolved contacts", columns, rows, notes, picture)
+
+
+def element_checks(design: Design, tolerances: Tolerances | None) -> Found:
+    """Check the finite elements, and press the tallest cap of the design."""
+    from metafem.report.elements import elements_section
+
+    section = elements_section(design)
+    passed = [row[4] for row in section["rows"]]
+    rows = tuple(
+        (f"{group}: {name}", computed, expected, "passed" if good else "missed")
+        for group, name, computed, expected, good, _ in section["rows"]
+    )
+    answer = f"{sum(passed)} of {len(passed)} checks of the finite elements pass. {section['left_out']}"
+    columns = ("check", "computed", "expected", "result")
+    picture = section["figures"][-1].svg
+    return Found(answer.strip(), "Finite elements against closed forms", columns, rows, (), picture)
+
+
+def _needs_block(design: Design) -> str:
+    return "" if design.surface.block else "It needs the section [block]: width, length and thickness."
+
+
+def _needs_profile(design: Design) -> str:
+    from metafem.models.boundary_elements.model import resolvable
+    from metafem.models.model import contact_of
+
+    return "" if resolvable(contact_of(design.law.model)) else "This contact law cannot be resolved."
+
+
+def _needs_depth(design: Design) -> str:
+    level = float(np.ptp(design.surface.height)) == 0.0
+    return "All summits have one height, so a slope has no range of loads." if level else ""
+
+
+STUDIES: dict[str, LongStudy] = {
+    "draws": LongStudy(
+        f"Draw {DRAWS:,} surfaces", "How exact must the heights be?", "some seconds", made_surfaces,
+        _needs_depth,
+    ),
+    "misalignment": LongStudy(
+        "Misalignment", "How level must the plane be?", "some seconds; a minute with interaction", misaligned,
+        _needs_depth,
+    ),
+    "block": LongStudy(
+        "True block", "What does the finite block change?", "a minute the first time, then some seconds",
+        true_block, _needs_block,
+    ),
+    "resolved": LongStudy(
+        "Resolved contacts", "What do point contacts leave out?", "ten seconds", resolved, _needs_profile
+    ),
+    "elements": LongStudy(
+        "Finite-element check", "Do the finite elements meet closed forms?", "about a minute", element_checks
+    ),
+}  # fmt: skip
+
+
+def run(name: str, design: Design, tolerances: Tolerances | None) -> Found:
+    """Run a study by its name."""
+    reason = STUDIES[name].hindered(design)
+    if reason:
+        raise InvalidInput(reason)
+    return STUDIES[name].run(design, tolerances)
+
+
+def _found(summary: Summary, figure: Figure) -> Found:
+    from metafem.drawing.inline import drawn
+
+    picture = drawn(figure, summary.title).svg
+    return Found(summary.answer, summary.title, summary.columns, summary.rows, summary.notes, picture)
+
+
+def _rms(change: FloatArray) -> float:
+    return math.sqrt(float((change**2).mean()))
+
+
+def _largest(change: FloatArray) -> float:
+    return float(change[np.abs(change).argmax()])
