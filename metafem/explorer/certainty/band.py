@@ -10,7 +10,8 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from weakref import WeakKeyDictionary
+from typing import Generic, TypeVar
+from weakref import finalize
 
 import numpy as np
 
@@ -30,11 +31,12 @@ EVERY = 3
 # at each load: 13 ms for 64 of them, and about a second for this number.
 MOST_ALONE, MOST_COUPLED = 100_000, 400
 
-# Draws, and how many are solved between two questions whether they are still wanted; seed of the draws.
-DRAWS, AT_ONCE, SEED = 200, 20, 0
+# Draws, the fewest with a solution, and the seed of all.
+DRAWS, FEWEST, SEED = 200, 100, 0
 
-# Draws are given up after this many seconds if there are at least two parts of them by then.
-LONGEST = 20.0
+# Draws that are solved first, to see how long they take; seconds between two questions whether they are still
+# wanted, in which a newer law waits for them; and the longest time of all draws.
+FIRST, PART, LONGEST = 2, 0.05, 20.0
 
 Band = tuple[FloatArray, FloatArray, FloatArray]
 
@@ -58,9 +60,33 @@ class Drawn:
         return float(np.sqrt(((self.linear - self.sd) ** 2).sum() / (self.sd**2).sum()))
 
 
-# What is known of the answers that are shown.
-_LINEAR: WeakKeyDictionary[Answer, Linear | None] = WeakKeyDictionary()
-_DRAWN: WeakKeyDictionary[Answer, Drawn] = WeakKeyDictionary()
+Value = TypeVar("Value")
+
+
+class Known(Generic[Value]):
+    """What is known of designs, as long as they live; to hash a design would compute all of its notes."""
+
+    def __init__(self) -> None:
+        self._values: dict[int, Value] = {}
+
+    def __contains__(self, design: Design) -> bool:
+        return id(design) in self._values
+
+    def get(self, design: Design | None) -> Value | None:
+        """Return what is known of a design, or None."""
+        return self._values.get(id(design))
+
+    def keep(self, design: Design, value: Value) -> Value:
+        """Keep and return a value of a design."""
+        if design not in self:
+            finalize(design, self._values.pop, id(design), None)
+        self._values[id(design)] = value
+        return value
+
+
+# What is known of the designs that are shown.
+_LINEAR: Known[Linear | None] = Known()
+_DRAWN: Known[Drawn] = Known()
 
 
 def tolerances_of(answer: Answer) -> Tolerances | None:
@@ -102,7 +128,7 @@ def tolerance_band(answer: Answer) -> Band | None:
     By draws where `draw` has finished for this answer, by linear response otherwise. None where the part has
     no stated errors, or too many asperities to have a band at once.
     """
-    drawn = _DRAWN.get(answer)
+    drawn = drawn_of(answer)
     if drawn is not None:
         return drawn.load, drawn.mean - drawn.sd, drawn.mean + drawn.sd
     found = linear(answer)
@@ -117,7 +143,7 @@ def band_words(answer: Answer) -> str:
     tolerances = tolerances_of(answer)
     if tolerances is None:
         return ""
-    drawn = _DRAWN.get(answer)
+    drawn = drawn_of(answer)
     if drawn is None:
         return f"± 1 SD of made surfaces, linear response to {tolerance_words(tolerances)}"
     apart = f"; linear response differs by {percent(drawn.difference)} of it" if drawn.linear.any() else ""
@@ -126,20 +152,18 @@ def band_words(answer: Answer) -> str:
 
 def drawn_of(answer: Answer) -> Drawn | None:
     """Return the finished draws of an answer."""
-    return _DRAWN.get(answer)
+    return _DRAWN.get(answer.design)
 
 
 def linear(answer: Answer) -> Linear | None:
     """Return rescaled load, A0 and its standard deviation by linear response [mm^2]; None as for the band."""
-    if answer not in _LINEAR:
-        _LINEAR[answer] = _linear(answer)
-    return _LINEAR[answer]
-
-
-def _linear(answer: Answer) -> Linear | None:
     design, tolerances = answer.design, tolerances_of(answer)
     if design is None or tolerances is None:
         return None
+    return _LINEAR.get(design) if design in _LINEAR else _LINEAR.keep(design, _linear(design, tolerances))
+
+
+def _linear(design: Design, tolerances: Tolerances) -> Linear | None:
     model, surface = design.law.model.gradient_model, design.surface
     if surface.count > (MOST_COUPLED if model.couples else MOST_ALONE):
         return None
@@ -165,8 +189,8 @@ def loads_of(design: Design) -> FloatArray:
 def draw(answer: Answer, wanted: Callable[[], bool]) -> Drawn | None:
     """Draw made surfaces of an answer, and keep their moments as its band.
 
-    None, and nothing is kept, where they are no longer wanted, the part has no stated errors, or too few
-    surfaces have a solution within the time.
+    None, and nothing is kept, where they are no longer wanted or would take long, the part has no stated
+    errors, or too few surfaces have a solution.
     """
     design, tolerances = answer.design, tolerances_of(answer)
     if design is None or tolerances is None:
@@ -174,23 +198,26 @@ def draw(answer: Answer, wanted: Callable[[], bool]) -> Drawn | None:
     model, load, start = design.law.model.gradient_model, loads_of(design), time.monotonic()
     unit = np.random.default_rng(SEED).random((DRAWS, tolerances.dimensions(design.surface)))
     parts: list[FloatArray] = []
-    for rows in np.array_split(unit, DRAWS // AT_ONCE):
+    done, size = 0, FIRST
+    while done < DRAWS:
         if not wanted():
             return None
-        if time.monotonic() - start > LONGEST:
-            break
         try:
-            parts.append(_areas(model, design.surface, load, tolerances, rows))
+            parts.append(_areas(model, design.surface, load, tolerances, unit[done : done + size]))
         except MetafemError:  # the model does not hold for a drawn surface
             return None
+        done += size
+        each = (time.monotonic() - start) / done
+        if each * DRAWS > LONGEST:
+            return None
+        size = max(1, int(PART / max(each, PART / DRAWS)))
     area = np.concatenate(parts)
     area = area[np.isfinite(area).all(axis=1)]
-    if len(area) < 2 * AT_ONCE:
+    if len(area) < FEWEST:
         return None
     first = linear(answer)
     sd = np.zeros(len(load)) if first is None else first[2]
-    _DRAWN[answer] = found = Drawn(load, area.mean(axis=0), area.std(axis=0, ddof=1), sd, len(area))
-    return found
+    return _DRAWN.keep(design, Drawn(load, area.mean(axis=0), area.std(axis=0, ddof=1), sd, len(area)))
 
 
 def _areas(

@@ -19,6 +19,7 @@ from metafem.prediction import Tolerances
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from metafem.models import Model
     from metafem.report.comparison import Comparison
     from metafem.studies import Summary
 
@@ -112,7 +113,7 @@ def resolved(design: Design, tolerances: Tolerances | None) -> Found:
     law = contact_of(design.law.model)
     load = np.array(RESOLVED_LOADS) * design.law.load[-1]
     third = Interacting(order=law.largest_order, contact=law)
-    models = {"alone": Independent(contact=law), "third": third, "own": design.law.model}
+    models: dict[str, Model] = {"alone": Independent(contact=law), "third": third, "own": design.law.model}
     laws = {name: friction_law(design.surface, model, load=load) for name, model in models.items()}
     model = model_named("resolved", law)
     parts = [friction_law(design.surface, model, load=[each_load]) for each_load in each("load", list(load))]

@@ -2,14 +2,155 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import asyncio
+from collections.abc import Callable, Coroutine
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-from nicegui import ui
+from nicegui import background_tasks, ui
+from nicegui.element import Element
+
+from metafem.errors import MetafemError
+from metafem.explorer.answer import Answer
+from metafem.explorer.certainty import band
+from metafem.explorer.certainty.long_studies import STUDIES, Found, run
+from metafem.explorer.certainty.panel_data import figure_data, found_data, list_data, study_data
 
 if TYPE_CHECKING:
     from metafem.explorer.page import Page
 
+STYLE = Path(__file__).with_name("certainty.css")
+
+TAB = "How sure"
+
+# Seconds without a new answer after which the figures are computed, and after which surfaces are drawn.
+PAUSE, REST = 0.3, 1.0
+
+
+class SureFigures(Element, component="sure_figures.js"):
+    """The table of the figures; emits ``ready`` when it can be written."""
+
+
+class SureStudies(Element, component="sure_studies.js"):
+    """The long studies; emits ``ready``, ``start`` and ``stop`` with the name of a study."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._props["studies"] = list_data()
+
+
+class Rest:
+    """Starts a task when nothing has happened for some seconds."""
+
+    def __init__(self, seconds: float, task: Callable[[], Coroutine[Any, Any, None]]) -> None:
+        self.seconds, self.task = seconds, task
+        self.timer: asyncio.TimerHandle | None = None
+
+    def begin(self) -> None:
+        """Wait from now on."""
+        self.end()
+        loop = asyncio.get_running_loop()
+        self.timer = loop.call_later(self.seconds, lambda: background_tasks.create(self.task()))
+
+    def end(self) -> None:
+        """Wait no longer."""
+        if self.timer is not None:
+            self.timer.cancel()
+
+
+class Certainty:
+    """Figures and studies of one page; both follow its answers at their own pace."""
+
+    def __init__(self, page: Page) -> None:
+        self.page, self.visible, self.ready = page, False, False
+        self.client = ui.context.client
+        self.pause, self.rest = Rest(PAUSE, self._figures), Rest(REST, self._draw)
+        with ui.element("div").classes("certainty"):
+            self.table, self.studies = SureFigures(), SureStudies()
+        self.studies.on("ready", self._opened)
+        self.studies.on("start", lambda event: self._start(event.args))
+        self.studies.on("stop", lambda event: self._stop(event.args))
+        page.listen(self._answered)
+        page.listen_tab(self._turned)
+        self.client.on_delete(self._left)
+
+    def _answered(self, answer: Answer) -> None:
+        self.pause.begin()
+        self.rest.begin()
+
+    def _turned(self, tab: str) -> None:
+        self.visible = tab == TAB
+        if self.visible:
+            self.pause.begin()
+
+    def _opened(self) -> None:
+        """The elements are in the page: the browser makes them when the tab is first opened."""
+        self.ready = self.visible = True
+        background_tasks.create(self._figures())
+
+    def _left(self) -> None:
+        self.pause.end()
+        self.rest.end()
+
+    async def _figures(self) -> None:
+        if not (self.visible and self.ready) or self.client.is_deleted:
+            return
+        answer = self.page.answer
+        data = await self.page.in_thread(figure_data, answer)
+        if answer is self.page.answer:
+            self.table.run_method("show", data)
+            self.studies.run_method("follow", study_data(answer))
+
+    async def _draw(self) -> None:
+        """Draw made surfaces while nothing changes, for the band of the law."""
+        answer = self.page.answer
+
+        def wanted() -> bool:
+            return answer.design is self.page.answer.design and not self.client.is_deleted
+
+        if (
+            band.drawn_of(answer) is None
+            and await self.page.in_thread(band.draw, answer, wanted)
+            and wanted()
+        ):
+            self.page.complete()
+            await self._figures()
+
+    def _start(self, name: Any) -> None:
+        answer = self.page.answer
+        if name not in STUDIES:
+            return
+        reason = study_data(answer)["hindered"][name]
+        if reason or answer.design is None:
+            self._tell(name, {"error": reason})
+            return
+        shown = study_data(answer)["shown"]
+
+        def on_step(step: str, done: float | None) -> None:
+            self._tell(name, {"step": step, "done": done})
+
+        def on_done(found: Found) -> None:
+            self._tell(name, {"running": False, "found": found_data(found, shown)})
+
+        def on_error(error: MetafemError) -> None:
+            self._tell(name, {"running": False, "error": str(error)})
+
+        self._tell(name, {"running": True, "step": "starting a process", "done": None, "error": ""})
+        given = name, answer.design, band.tolerances_of(answer)
+        self.page.tasks.start(name, run, given, on_step, on_done, on_error)
+
+    def _stop(self, name: Any) -> None:
+        if name in STUDIES:
+            self.page.tasks.stop(name)
+            self._tell(name, {"running": False})
+
+    def _tell(self, name: str, change: dict[str, Any]) -> None:
+        """Change what is shown of a study."""
+        if not self.client.is_deleted:
+            self.studies.run_method("change", name, change)
+
 
 def certainty_panel(page: Page) -> None:
-    """Make the figures of the design's errors."""
-    ui.label("How sure")
+    """Make the figures of the design's errors, and the studies that tell more."""
+    ui.add_css(STYLE.read_text("utf-8"))
+    Certainty(page)

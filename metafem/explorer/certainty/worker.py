@@ -15,7 +15,7 @@ from metafem.errors import MetafemError
 from metafem.progress import listening
 
 # Seconds between two reports of progress; a page shows no more of them.
-SHOWN_EVERY = 0.1
+SHOWN_EVERY = 0.25
 
 # Niceness of the process: the page, whose designs are awaited at every move of a point, comes first.
 NICENESS = 5

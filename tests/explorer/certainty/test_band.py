@@ -78,7 +78,7 @@ def test_draws_are_the_same_each_time_and_end_when_nobody_waits(linear_demo):
     first, again = (band.draw(answer_of(linear_demo.state.text), lambda: True) for _ in range(2))
     assert (first.sd == again.sd).all()
     answer = answer_of(linear_demo.state.text)
-    wanted = iter([True, True, False])
+    wanted = iter([True, False])
     assert band.draw(answer, lambda: next(wanted)) is None
     assert band.drawn_of(answer) is None
 

@@ -1,0 +1,70 @@
+"""The figures of an answer as data of their table."""
+
+from __future__ import annotations
+
+from hashlib import sha256
+from typing import Any
+
+from metafem.explorer.answer import Answer
+from metafem.explorer.certainty import band
+from metafem.explorer.certainty.figures import Standing, figures
+from metafem.explorer.certainty.long_studies import STUDIES, Found
+from metafem.explorer.certainty.places import remarks
+from metafem.explorer.session import State
+
+NOT_CURRENT = "These are the figures of the last surface that was found, not of the target law that is shown."
+# What needs attention stands first.
+ORDER = (Standing.WARNING, Standing.REMARK, Standing.UNKNOWN, Standing.GOOD)
+
+NO_DESIGN = "No surface has been found yet, so there is nothing to judge."
+
+
+def figure_data(answer: Answer) -> dict[str, Any]:
+    """Return rows, notes and the words above them."""
+    words = NO_DESIGN if answer.design is None else "" if answer.current else NOT_CURRENT
+    return {
+        "words": words,
+        "rows": [
+            {
+                "name": each.name,
+                "value": each.value,
+                "bound": each.bound,
+                "standing": each.standing.value,
+                "sentence": each.sentence,
+            }
+            for each in sorted(figures(answer), key=lambda each: ORDER.index(each.standing))
+        ],
+        "notes": [{"text": str(note), "warns": note.warns} for note in remarks(answer)],
+        "band": band.band_words(answer),
+    }
+
+
+def study_data(answer: Answer) -> dict[str, Any]:
+    """Return the state that is shown, by a hash, and why each study cannot run, "" where it can."""
+    design = answer.design
+    reason = "It needs a surface: correct the specification or the target first."
+    hindered = {
+        name: reason if design is None or not answer.current else study.hindered(design)
+        for name, study in STUDIES.items()
+    }
+    return {"shown": fingerprint(answer.state), "hindered": hindered}
+
+
+def list_data() -> list[dict[str, str]]:
+    """Return names, titles, questions and durations of the studies."""
+    return [
+        {"key": key, "title": each.title, "question": each.question, "duration": each.duration}
+        for key, each in STUDIES.items()
+    ]
+
+
+def found_data(found: Found, fingerprint: str) -> dict[str, Any]:
+    """Return what a study found of the state with a fingerprint."""
+    notes = [{"text": str(note), "warns": note.warns} for note in found.notes]
+    return {**vars(found), "notes": notes, "of": fingerprint}
+
+
+def fingerprint(state: State) -> str:
+    """Return a hash of all that the design of a state depends on."""
+    parts = [state.text, *(part for name in sorted(state.tables) for part in (name, state.tables[name]))]
+    return sha256("\0".join(parts).encode("utf-8")).hexdigest()[:16]
