@@ -108,11 +108,10 @@ class Certainty:
         def wanted() -> bool:
             return answer.design is self.page.answer.design and not self.client.is_deleted
 
-        if (
-            band.drawn_of(answer) is None
-            and await self.page.in_thread(band.draw, answer, wanted)
-            and wanted()
-        ):
+        if band.drawn_of(answer) is not None:
+            return
+        await self.page.in_thread(band.draw, answer, wanted)
+        if band.drawn_of(answer) is not None and wanted():
             self.page.complete()
             await self._figures()
 
