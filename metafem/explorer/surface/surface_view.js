@@ -26,9 +26,9 @@ export default {
           <b>{{ title }}</b>
           <button type="button" class="away" aria-label="Close" @click="close">×</button>
           <button v-if="filled" type="button" class="act" data-action="pin" @click="send('pin')">{{ kept ? "Keep this height: " + kept : "Keep these heights" }}</button>
-          <form @submit.prevent="send('pin', typed)"><label>Height <input class="text" v-model="typed" inputmode="decimal" :placeholder="kept || '150.0 µm'" aria-label="Height in micrometres"></label>
-            <button type="submit" class="act" data-action="type">Set</button></form>
           <button v-if="asked" type="button" class="act" data-action="release" @click="send('release')">{{ filled ? "Let the design choose" : "Fill " + these }}</button>
+          <form @submit.prevent="send('pin', typed)"><label>Height <input class="text" v-model="typed" required inputmode="decimal" :placeholder="kept || '150.0 µm'" aria-label="Height in micrometres"></label>
+            <button type="submit" class="act" data-action="type">Set</button></form>
           <button v-if="filled" type="button" class="act" data-action="empty" @click="send('empty')">Leave {{ these }} empty</button>
           <label class="small"><input type="checkbox" v-model="adding"> Select more sites</label>
         </div>
@@ -127,9 +127,10 @@ export default {
       this.spoken = "";
       this.tip = { lines: words(site, this.surface, this.contacts), style: this.beside(event.clientX - box.left, event.clientY - box.top) };
     },
-    // Beside a point, on the side where there is room.
-    beside(x, y) {
+    // Beside a point, on the side where there is room; or in the corner away from it, where the sites around it stay free.
+    beside(x, y, away = false) {
       const { clientWidth: width, clientHeight: height } = this.$refs.map;
+      if (away) return { [x > width / 2 ? "left" : "right"]: 0, [y > height / 2 ? "top" : "bottom"]: 0 };
       return {
         ...(x > width / 2 ? { right: `${width - x + 14}px` } : { left: `${x + 14}px` }),
         ...(y > height / 2 ? { bottom: `${Math.max(0, height - y - 10)}px` } : { top: `${Math.max(0, y - 10)}px` }),
@@ -150,7 +151,7 @@ export default {
       const { map } = this.views;
       this.typed = "";
       this.describe();
-      this.menu = this.beside(map.view.px(this.layout.x[map.active]), map.view.py(this.layout.y[map.active]));
+      this.menu = this.beside(map.view.px(this.layout.x[map.active]), map.view.py(this.layout.y[map.active]), map.selected.size > 1);
     },
     describe() {
       const { surface, views: { map } } = this;
