@@ -78,7 +78,7 @@ class ErrorNames:
         name = name.partition("[")[0]
         default = unit_of(name), 1.0
         unit, size = self.units.get(f"{self.section}.{name}") or self.units.get(name, default)
-        return f"{value / size:g} {unit}".removesuffix(" 1").rstrip()
+        return f"{float(value) / size:g} {unit}".removesuffix(" 1").rstrip()
 
     def label(self, name: str) -> str:
         """Return the file's name of an argument or of an entry, such as ``radius[3]``."""

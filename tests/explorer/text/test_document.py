@@ -50,7 +50,7 @@ def texts():
     )
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None)
 @given(texts(), st.sampled_from(KEYS), VALUES)
 def test_a_value_that_is_set_is_read_back_and_all_else_stays(text, key, value):
     new = Document(text).with_value(key, value)
@@ -69,7 +69,7 @@ def test_a_value_that_is_set_is_read_back_and_all_else_stays(text, key, value):
         assert new.endswith("\n") == text.endswith("\n")
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=20, deadline=None)
 @given(texts(), st.sampled_from(KEYS))
 def test_a_key_that_is_removed_leaves_all_else(text, key):
     new = Document(text).without(key)

@@ -158,7 +158,7 @@ def test_an_optional_section_comes_and_goes(name):
     assert tomllib.loads(again) == tomllib.loads(without)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=20, deadline=None)
 @given(st.sampled_from(TEXTS), st.data(), st.text(max_size=12))
 def test_whatever_is_typed_is_kept_or_named(text, data, typed):
     every = [field for section in fields(text) for field in section.fields]

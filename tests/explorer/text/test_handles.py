@@ -232,7 +232,7 @@ def test_what_is_optional_is_removed_by_its_handle():
     assert target_of(removed(text, specification, "prefactor")).prefactor is None
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=30)
 @given(
     st.sampled_from(sorted(TARGETS)),
     st.lists(

@@ -32,7 +32,7 @@ def linked(plain):
     return "1." + base64.urlsafe_b64encode(zlib.compress(plain)).decode().rstrip("=")
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=25, deadline=None)
 @given(STATES)
 def test_a_state_comes_back_from_its_link(state):
     link = to_link(state)
@@ -45,7 +45,7 @@ def test_the_link_of_a_demo_is_shorter_than_its_text():
     assert len(to_link(State(text))) < 0.75 * len(text)
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(st.data())
 def test_damaged_links_are_refused(data):
     link = to_link(State(demo_text("linear"), newtons=True))
