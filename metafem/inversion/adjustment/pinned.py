@@ -21,8 +21,9 @@ are zero, and so are those of heights at a limit that a step down the gradient `
 (a projected gradient). Points are met to rounding from heights that are stretched off the kinks of the law,
 and if that fails with asperities added on all sites. Where the misfit stays large, the search goes on from
 random changes of the best heights, by which asperities are added on sites that are left over, or removed.
-Given heights that equal those of their sites leave the whole design as it is. The search ends at the misfit
-that the heights have without the given ones.
+Given heights that equal those of their sites leave the whole design as it is, and those that raise the misfit
+by less than a tenth leave the other heights as they are. The search ends at the misfit that the heights have
+without the given ones.
 """
 
 from __future__ import annotations
@@ -51,8 +52,8 @@ SAME = 1e-9
 # that of other searches, and the misfits are the same.
 SMALL_STEPS = 1.0
 
-# Another initial guess or a random change counts if the misfit is smaller by this factor, and none is tried
-# if the misfit is larger by less than its inverse than without the given heights: the others stay near.
+# Another initial guess or a random change counts if the misfit is smaller by this factor. None is tried, and
+# the others stay, if the misfit is larger by no more than its inverse than without the given heights.
 BETTER = 0.9
 
 
@@ -77,17 +78,21 @@ def with_pinned(
         return same, same
     problem = replace(problem, options=replace(problem.options, start_damping=SMALL_STEPS))
     with doing("adjusting the heights to the given ones"):
-        result = replace(_best(problem, unrounded, rng), unpinned=unpinned, stepped=False)
+        result = replace(_best(problem, unrounded, unpinned, rng), unpinned=unpinned, stepped=False)
     return rounded_to_steps(problem, result), result
 
 
-def _best(problem: Problem, candidate: Candidate, rng: np.random.Generator) -> Candidate:
-    """Return the candidate with the given heights and the other ones adjusted to them."""
+def _best(problem: Problem, candidate: Candidate, unpinned: float, rng: np.random.Generator) -> Candidate:
+    """Return the candidate with the given heights, and the other ones adjusted to them if they miss."""
     options, exact = problem.options, candidate.lowest_level is not None
     least = options.refined_goal if problem.model.couples else options.goal
     goal = options.point_goal if exact else max(least, _rms(problem, candidate))
     enough = EXACT if exact else max(goal / BETTER, options.close)
     first = _in_place(candidate, problem.pins.rows, problem.pins.heights, problem.limits.span)
+    first = first.with_heights(first.height)
+    before = np.inf if exact else model_misfit(first, first.surface(problem.template), problem.model)
+    if before <= unpinned / BETTER:
+        return first
     best, chosen = np.inf, first
     for start in _starts(problem, candidate, first):
         found = _adjusted(problem, start, goal)
@@ -101,9 +106,8 @@ def _best(problem: Problem, candidate: Candidate, rng: np.random.Generator) -> C
     if exact or not (candidate.branches or candidate.target_law.pointwise):
         return chosen
     # the misfit is not the mean square that is lowered, but a largest difference or that of a slope
-    put = first.with_heights(first.height)
-    trials = [put, chosen]
-    return min(trials, key=lambda each: model_misfit(each, each.surface(problem.template), problem.model))
+    after = model_misfit(chosen, chosen.surface(problem.template), problem.model)
+    return chosen if after < before else first
 
 
 def _changed(problem: Problem, start: Candidate, goal: float, rng: np.random.Generator) -> Candidate:

@@ -56,6 +56,20 @@ def test_a_layout_reads_back_with_its_design():
     assert same(through_json(result), result)
 
 
+def test_given_heights_and_empty_sites_read_back_with_their_design():
+    result = mf.design(mf.OperatingPoints([0.1], [0.84]), TEMPLATE, pinned={9: 0.1, 3: None})
+    again = through_json(result)
+    assert same(again, result)
+    assert dict(again.pinned) == {3: None, 9: 0.1}
+
+
+@pytest.mark.parametrize("pinned", [{"nine": 0.1}, {"9": "high"}, {"3": 0.05}, {"9": None}, [9]])
+def test_damaged_heights_of_a_record_are_refused(pinned):
+    result = mf.design(mf.OperatingPoints([0.1], [0.84]), TEMPLATE, pinned={9: 0.1, 3: None})
+    with pytest.raises(mf.InvalidInput, match=r"pinned|site 3|site 9"):
+        from_record({**json.loads(json.dumps(to_record(result))), "pinned": pinned})
+
+
 @given(st.lists(st.tuples(finite, finite, finite, size), min_size=1, max_size=6, unique_by=lambda t: t[:2]))
 def test_any_surface_reads_back_to_the_bit(rows):
     x, y, height, radius = (np.array(column) for column in zip(*rows, strict=True))

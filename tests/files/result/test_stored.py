@@ -35,7 +35,7 @@ def folder(request):
 
 
 def test_all_stored_results_are_found():
-    assert len(FOLDERS) == 17
+    assert len(FOLDERS) == 18
 
 
 def test_a_stored_design_is_what_its_files_state(folder):
