@@ -1,8 +1,8 @@
 """Nonlinear least squares by the Levenberg–Marquardt method, with unknowns that are lengths within limits.
 
-Step size rule: the step is ``-J' (J J' + c s I)^-1 r`` with the damping c and the mean square s of the rows
-of J. After a step that lowers the sum of squares c is divided by `SearchOptions.damping_factor`; any other
-step is discarded and c multiplied by it.
+Step size rule: the step is ``-J' (J J' + c s I)^-1 r``, which equals ``-(J' J + c s I)^-1 J' r``, with the
+damping c and the mean square s of the rows of J. After a step that lowers the sum of squares c is divided by
+`SearchOptions.damping_factor`; any other step is discarded and c multiplied by it.
 """
 
 from __future__ import annotations
@@ -84,12 +84,14 @@ def _step(
     """
     count, held = len(r), np.empty(0, dtype=np.int64)
     while True:
-        product = jacobian @ jacobian.T
+        # the smaller of the two systems is solved
+        wide = count <= jacobian.shape[1]
+        product = jacobian @ jacobian.T if wide else jacobian.T @ jacobian
         size = float(np.trace(product)) / count
         if size == 0.0:
             return None
-        # the same step as with J' J, but the system is (k, k)
-        step = -jacobian.T @ np.linalg.solve(product + damping * size * np.eye(count), r)
+        product[np.diag_indices(len(product))] += damping * size
+        step = -jacobian.T @ _solved(product, r) if wide else -_solved(product, jacobian.T @ r)
         step[held] = step[tallest]
         sinks = step[foot] < step[tallest]
         if not sinks.any():
@@ -99,6 +101,14 @@ def _step(
         jacobian[:, tallest] += jacobian[:, new].sum(axis=1)
         jacobian[:, new] = 0.0
         held = np.append(held, new)
+
+
+def _solved(matrix: FloatArray, right: FloatArray) -> FloatArray:
+    """Return the solution of a damped system, by Cholesky's method unless rounding makes it indefinite."""
+    from scipy.linalg.lapack import dposv
+
+    _, found, failed = dposv(matrix, right)
+    return np.asarray(np.linalg.solve(matrix, right) if failed else found)
 
 
 class Space(Protocol):

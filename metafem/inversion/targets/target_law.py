@@ -67,7 +67,7 @@ class TargetLaw:
         law = area
         for _ in range(ROUNDS):
             scale = np.sqrt(self.weight) / law
-            c = np.linalg.lstsq(scale[:, None] * self.free, scale * (area - self.base), rcond=None)[0]
+            c = _nearest(scale[:, None] * self.free, scale * (area - self.base))
             law = self.base + self.free @ c
             if law.min() <= 0.0:  # far from any law of this kind
                 return np.asarray(np.maximum(law, FAR * area))
@@ -98,13 +98,14 @@ class TargetLaw:
         law = self.law(area)
         scale = np.sqrt(self.weight) / law
         residual = scale * (area - law)
-        q = np.linalg.qr(scale[:, None] * self.free)[0] if self.is_open else None
 
-        def jacobian() -> FloatArray:
-            found = scale[:, None] * gradient()
-            return found if q is None else np.asarray(found - q @ (q.T @ found))
+        def without_open(values: FloatArray) -> FloatArray:
+            if not self.is_open:
+                return values
+            free = scale[:, None] * self.free
+            return np.asarray(values - free @ _nearest(free, values))
 
-        return residual if q is None else residual - q @ (q.T @ residual), jacobian
+        return without_open(residual), lambda: without_open(scale[:, None] * gradient())
 
     def misfit(self, area: FloatArray) -> float:
         """Return the weighted root mean square of the relative differences."""
@@ -113,3 +114,16 @@ class TargetLaw:
     def difference(self, area: FloatArray) -> FloatArray:
         """Return the relative differences of an area curve from the law, (k,) [-]."""
         return np.asarray(area / self.law(area) - 1.0)
+
+
+def _nearest(free: FloatArray, values: FloatArray) -> FloatArray:
+    """Return the coefficients (q, ...) of columns (k, q) nearest to values (k, ...)."""
+    from scipy.linalg.lapack import dgels  # a fifth of the time of `lstsq`
+
+    count = free.shape[1]
+    if len(free) < count:
+        return np.asarray(np.linalg.lstsq(free, values, rcond=None)[0])
+    _, found, failed = dgels(free, values)
+    if failed:  # columns that depend on each other
+        return np.asarray(np.linalg.lstsq(free, values, rcond=None)[0])
+    return np.asarray(found[:count])
