@@ -7,29 +7,31 @@ export default {
       <p v-if="broken" class="warn">The text of the specification cannot be read, so its fields are locked: {{ broken }}
         <button type="button" class="act" @click="$emit('text')">Edit the text</button></p>
       <p v-for="each in loose" :key="each" class="warn">{{ each }}</p>
-      <div class="parts">
-        <component :is="part.common ? 'section' : 'details'" v-for="part in shown" :key="part.name" :class="['part', { absent: !has(part) }]"
+      <div class="parts"><div v-for="(column, number) in columns" :key="number" class="column">
+        <component :is="part.common ? 'section' : 'details'" v-for="part in column.filter(visible)" :key="part.name" class="part"
                    :data-section="part.name" :open="part.common || opened[part.name] || null" @toggle="opened[part.name] = $event.target.open">
           <component :is="part.common ? 'div' : 'summary'" class="title"><h3>{{ part.title }}</h3>
             <span v-if="!part.common" class="quiet small brief">{{ brief(part) }}</span></component>
           <p v-if="problems[part.name]" class="wrong" role="alert">{{ problems[part.name] }}</p>
           <p v-if="!has(part)" class="quiet small">{{ capital(part.meaning) }}.</p>
-          <div v-if="Object.keys(part.kinds).length && has(part)" class="field">
+          <div v-if="kinded(part)" class="field">
             <label :for="id(part.name + '.kind')">kind</label>
             <div><select class="text" :id="id(part.name + '.kind')" :data-key="part.name + '.kind'" :disabled="!!broken" :value="kind(part)"
                     @change="$emit('kind', { section: part.name, kind: $event.target.value })">
-              <option v-if="!(kind(part) in part.kinds)" :value="kind(part)">{{ kind(part) || "choose" }}</option>
+              <option v-if="part.optional" value="">default ({{ Object.keys(part.kinds)[0] }})</option>
+              <option v-if="kind(part) ? !(kind(part) in part.kinds) : !part.optional" :value="kind(part)">{{ kind(part) || "choose" }}</option>
               <option v-for="(words, name) in part.kinds" :key="name" :value="name" :title="words">{{ name }}</option></select>
-              <p class="quiet small">{{ part.kinds[kind(part)] }}</p>
+              <p class="quiet small">{{ part.kinds[kind(part)] ?? part.kinds[Object.keys(part.kinds)[0]] }}</p>
               <p v-if="problems[part.name + '.kind']" class="wrong" role="alert">{{ problems[part.name + ".kind"] }}</p></div>
           </div>
-          <div v-if="has(part) && choices(part).length > 1" class="field">
+          <div v-if="has(part) && choices(part).length > 1" class="field wide">
             <label :for="id(part.name + '.given')">given by</label>
             <select class="text" :id="id(part.name + '.given')" :disabled="!!broken" :value="choice(part)"
                     @change="$emit('choice', { section: part.name, choice: Number($event.target.value) })">
               <option v-for="[number, words] in choices(part)" :key="number" :value="number">{{ words }}</option></select>
           </div>
-          <template v-if="has(part)"><div v-for="field in fields(part)" :key="field.key" class="field" :title="help(field)">
+          <template v-if="has(part)"><div v-for="field in fields(part)" :key="field.key" 
+               :class="['field', { wide: field.listed && field.units.length }]" :title="help(field)">
             <label :for="id(field.key)">{{ field.label }}</label>
             <div>
               <span v-if="field.listed && field.names.length" class="row" role="group" :aria-label="field.label">
@@ -47,25 +49,23 @@ export default {
               <p :id="id(field.key) + '-wrong'" v-if="problem(field)" class="wrong" role="alert">{{ problem(field) }}
                 <button v-if="remedy(field)" type="button" class="act" @click="use(field, remedy(field))">Use {{ remedy(field) }}</button></p>
             </div></div></template>
-          <button v-if="part.optional && !part.inner" type="button" class="act" :disabled="!!broken" :aria-label="(has(part) ? 'Remove ' : 'Add ') + part.title"
+          <button v-if="part.optional && !kinded(part) && (!part.always || (!part.common && present.includes(part.name)))" type="button" class="act" :disabled="!!broken" :aria-label="(has(part) ? 'Remove ' : 'Add ') + part.title"
                   @click="$emit(has(part) ? 'without' : 'with', { section: part.name })">{{ has(part) ? "Remove" : "Add" }}</button>
         </component>
-      </div>
+      </div></div>
       <p class="told small" aria-hidden="true">{{ telling }}</p>
     </form>`,
-  props: { parts: Array },
+  props: { columns: Array },
   data() {
     return { values: {}, present: [], problems: {}, refused: {}, drafts: {}, opened: {}, broken: "", told: "", busy: true };
   },
   computed: {
+    parts() { return this.columns.flat(); },
     all() {
       return Object.fromEntries(this.parts.flatMap((part) => Object.values(part.keys).flat()).map((field) => [field.key, field]));
     },
-    shown() {  // a section inside another one stands where that one is of a kind with it
-      return this.parts.filter((part) => !part.inner || this.values[part.inner.key] === part.inner.kind);
-    },
     loose() {  // what belongs to none of the fields that are shown
-      const places = this.shown.flatMap((part) => [part.name, `${part.name}.kind`, ...(this.has(part) ? this.fields(part).map((field) => field.key) : [])]);
+      const places = this.parts.filter(this.visible).flatMap((part) => [part.name, `${part.name}.kind`, ...(this.has(part) ? this.fields(part).map((field) => field.key) : [])]);
       return this.broken ? [] : Object.entries(this.problems).filter(([key]) => !places.includes(key)).map(([, words]) => words);
     },
     telling() {
@@ -76,15 +76,19 @@ export default {
   methods: {
     show(data) {
       Object.assign(this, data);
-      this.refused = {};
+      if (data.values) this.refused = {};
       this.busy = false;
     },
     refuse({ key, words }) { this.refused[key] = words; },
     id(key) { return `field-${key.replaceAll(".", "-")}`; },
     capital(words) { return words.charAt(0).toUpperCase() + words.slice(1); },
-    has(part) { return !part.optional || this.present.includes(part.name); },
+    visible(part) {  // a section inside another one stands where that one is of a kind with it
+      return !part.inner || this.values[part.inner.key] === part.inner.kind;
+    },
+    kinded(part) { return Object.keys(part.kinds).length > 0; },
+    has(part) { return part.always || this.present.includes(part.name); },
     kind(part) { return this.values[`${part.name}.kind`] ?? ""; },
-    keys(part) { return part.keys[Object.keys(part.kinds).length ? this.kind(part) : ""] ?? []; },
+    keys(part) { return part.keys[this.kinded(part) ? this.kind(part) : ""] ?? []; },
     problem(field) { return this.refused[field.key] ?? this.problems[field.key]; },
     choices(part) {
       const sets = Map.groupBy(this.keys(part).filter((field) => field.choice !== null), (field) => field.choice);
@@ -95,10 +99,10 @@ export default {
     },
     fields(part) {
       const choice = this.choice(part);
-      return this.keys(part).filter((field) => field.choice === null || field.choice === choice || field.key in this.values);
+      return this.keys(part).filter((field) => (field.key !== "lattice.radius" || field.key in this.values || !this.present.includes("radii")) && (field.choice === null || field.choice === choice || field.key in this.values));
     },
     brief(part) {  // what a closed section holds
-      if (!this.has(part)) return "not used";
+      if (!this.present.includes(part.name)) return "not used";
       return this.fields(part).map((field) => this.values[field.key]).filter(Boolean).join(" · ");
     },
     help(field) {
@@ -123,15 +127,18 @@ export default {
       const unit = /[^\d\s.,+-].*$/.exec(field.example.split(",")[0])?.[0];
       return field.units.length && unit && /^[+-]?\d+(\.\d+)?$/.test(given.trim()) ? `${given.trim()} ${unit}` : "";
     },
-    use(field, text, released = true) {
+    use(field, text) {
       delete this.drafts[field.key];
+      delete this.refused[field.key];
       this.values = { ...this.values, [field.key]: text };
-      this.$emit("typed", { key: field.key, text, released });
+      this.$emit("typed", { key: field.key, text, released: true });
     },
     leave(field) {
       const text = this.drafts[field.key];
       if (text === undefined) return;
-      if (text === (this.values[field.key] ?? "") && !this.problem(field)) delete this.drafts[field.key];
+      const stepped = this.stepping === field.key;  // what steps show is not yet a step of the history
+      this.stepping = null;
+      if (text === (this.values[field.key] ?? "") && !this.problem(field) && !stepped) delete this.drafts[field.key];
       else this.use(field, text);
     },
     key(event, field) {
@@ -149,7 +156,6 @@ export default {
     },
     release(event, field) {
       if (this.stepping !== field.key || !event.key.startsWith("Arrow")) return;
-      this.stepping = null;
       this.leave(field);
     },
   },

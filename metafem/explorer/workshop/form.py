@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from typing import Any
 
@@ -10,49 +11,73 @@ from metafem.explorer.text.document import Document
 from metafem.explorer.text.fields import shown
 from metafem.files import KeyForm, SectionForm, section_forms
 
-# Sections in the order of the form with their titles; the first ones are always open.
-COMMON = {
-    "target": "Target law", "lattice": "Sites and radius", "limits": "Heights",
-    "model": "Model", "contact": "Contact law",
-}  # fmt: skip
-FURTHER = {
-    "material": "Material", "friction": "Friction", "radii": "Choice of radii", "block": "Block",
-    "sites": "Pinned and empty sites", "robust": "Errors of the made part", "layout": "Layout",
-    "part": "Part files", "checks": "Checks",
-}  # fmt: skip
+# The columns of the form: their sections with titles, the frequent ones first.
+COLUMNS: tuple[dict[str, str], ...] = (
+    {"target": "Target law", "part": "Part files"},
+    {"lattice": "Sites and radius", "radii": "Choice of radii", "sites": "Given heights, empty sites",
+     "block": "Block"},
+    {"limits": "Heights", "robust": "Errors of the made part", "layout": "Layout"},
+    {"model": "Model", "contact": "Contact law", "contact.cap": "Cap under adhesion",
+     "material": "Material", "friction": "Friction", "checks": "Checks"},
+)  # fmt: skip
 
-# Names of keys in words, where the key itself is not enough.
+# Sections that are always open.
+COMMON = ("target", "lattice", "limits", "model", "contact", "contact.cap")
+
+# Names of keys in words, where the key alone does not say it.
 LABELS = {
     "lattice.shape": "rows, columns",
+    "lattice.radius": "radius of curvature",
     "limits.max_height": "largest height",
     "limits.min_height": "smallest height",
-    "limits.height_sd": "scatter of heights",
+    "limits.height_sd": "scatter when made",
     "model.kind": "model",
+    "material.composite_modulus": "composite modulus E*",
+    "friction.shear_strength": "shear strength σ",
+    "friction.area_ratio": "area ratio B",
+    "radii.range": "any radius within",
+    "radii.mixed": "mixed radii",
+    "robust.height_sd": "scatter of heights",
+    "robust.angle": "largest tilt",
+    "robust.radius_sd": "scatter of radii",
+    "robust.position_sd": "scatter of positions",
+    "layout.seed": "random seed",
+    "layout.follow_law": "against interaction",
+    "layout.tilt": "against a tilt of",
+    "layout.tilt_weight": "weight of the tilt",
+    "sites.empty": "empty sites",
+    "sites.pinned": "sites with given heights",
+    "sites.heights": "their heights",
 }
 
+# What a problem says first: its key and the value, which stand in the field.
+FIRST = re.compile(r"""[\w.-]+(?:\[\d+\])*(?: = (?:"[^"]*"|\[[^\]]*\]|[^\s"\[]+))? """)
 
-def form() -> list[dict[str, Any]]:
-    """Return the sections of the form with their fields, as the browser needs them once."""
+
+def form() -> list[list[dict[str, Any]]]:
+    """Return the columns of the form with their sections and fields, as the browser needs them once."""
     forms = {each.name: each for each in section_forms()}
-    inner = [name for name in forms if "." in name]
-    known = [name for name in (*COMMON, *FURTHER) if name in forms]
-    rest = [name for name in forms if name not in known and name not in inner]
-    names = [*known, *rest]
-    for name in inner:
-        names.insert(names.index(name.partition(".")[0]) + 1, name)
-    return [_section(forms[name]) for name in names]
+    known = [name for column in COLUMNS for name in column]
+    rest = {name: name.rpartition(".")[2].capitalize() for name in forms if name not in known}
+    columns = [*COLUMNS[:-1], {**COLUMNS[-1], **rest}]
+    return [
+        [_section(forms[name], title) for name, title in column.items() if name in forms]
+        for column in columns
+    ]
 
 
-def _section(section: SectionForm) -> dict[str, Any]:
+def _section(section: SectionForm, title: str) -> dict[str, Any]:
     name = section.name
-    title = {**COMMON, **FURTHER}.get(name, name.rpartition(".")[2].capitalize())
+    bare = not section.kinds and not any(key.needed for keys in section.keys.values() for key in keys)
     return {
         "name": name,
         "title": title,
         "meaning": section.meaning,
         "optional": section.optional,
         "inner": _inner(name),
-        "common": name.partition(".")[0] in COMMON,
+        "common": name in COMMON,
+        # Its fields are shown also where the specification has no such section.
+        "always": not section.optional or bare or bool(section.kinds),
         "kinds": section.kinds,
         "keys": {
             kind: [_field(name, key) for key in keys if key.value != "section"]
@@ -112,4 +137,20 @@ def contents(text: str, problems: Mapping[str, str]) -> dict[str, Any]:
                 for name, value in table.items()
                 if not isinstance(value, dict)
             }
-    return {"broken": "", "values": values, "present": present, "problems": dict(problems)}
+    told = {key: _without_key(key, words) for key, words in problems.items()}
+    return {"broken": "", "values": values, "present": present, "problems": told}
+
+
+def _without_key(key: str, problem: str) -> str:
+    """Return a problem without the key and the value, which stand beside it.
+
+    Examples
+    --------
+    >>> _without_key("limits.offset", 'limits.offset = "8" needs a unit')
+    'Needs a unit.'
+    """
+    found = FIRST.match(problem)
+    if "." not in key or not found or not found[0].startswith(key) or "\n" in problem:
+        return problem
+    rest = problem[found.end() :]
+    return f"{rest[:1].upper()}{rest[1:]}{'' if rest.endswith('.') else '.'}"

@@ -26,7 +26,7 @@ class Fields(Element, component="fields.js"):
 
     def __init__(self) -> None:
         super().__init__()
-        self._props["parts"] = form()
+        self._props["columns"] = form()
 
 
 class Workshop:
@@ -39,7 +39,7 @@ class Workshop:
         self.waiting: Answer | None = None
         on = self.fields.on
         on("typed", lambda event: self._typed(**event.args))
-        on("kind", lambda event: self._typed(event.args["section"] + ".kind", event.args["kind"], True))
+        on("kind", lambda event: self._kind(event.args["section"], event.args["kind"]))
         on("choice", lambda event: self._change(with_choice, event.args["section"], event.args["choice"]))
         on("with", lambda event: self._change(with_section, event.args["section"]))
         on("without", lambda event: self._change(without_section, event.args["section"]))
@@ -48,6 +48,12 @@ class Workshop:
 
     def _typed(self, key: str, text: str, released: bool) -> None:
         self._change(with_field, key, text, key=key, released=released)
+
+    def _kind(self, section: str, kind: str) -> None:
+        if kind:
+            self._typed(f"{section}.kind", kind, True)
+        else:
+            self._change(without_section, section)
 
     def _change(
         self, change: Callable[..., str], *given: Any, key: str | None = None, released: bool = True
@@ -58,6 +64,7 @@ class Workshop:
         except InvalidInput as error:
             self.fields.run_method("refuse", {"key": key, "words": str(error)})
             return
+        self.shown.pop("values", None)  # the browser shows what was typed, which the answer may not hold
         self.asked = self.page.edit(text, released=released)
 
     def _answered(self, answer: Answer) -> None:
@@ -74,8 +81,9 @@ class Workshop:
             return
         found = contents(answer.state.text, answer.problems)
         changed = {name: value for name, value in found.items() if self.shown.get(name) != value}
-        self.shown |= changed
-        self.fields.run_method("show", changed)
+        if changed:
+            self.shown |= changed
+            self.fields.run_method("show", changed)
 
 
 def workshop_panel(page: Page) -> None:

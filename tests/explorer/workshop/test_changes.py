@@ -42,7 +42,8 @@ def test_what_is_shown_is_what_was_typed():
     """Typing what a field shows changes nothing, for the example of every key of every kind."""
     examples = {
         (kind, field["key"]): field["example"]
-        for part in form()
+        for column in form()
+        for part in column
         for kind, fields in part["keys"].items()
         for field in fields
     }
@@ -101,7 +102,13 @@ def test_a_text_that_cannot_be_read_locks_the_fields():
 
 
 def test_every_key_has_a_field():
-    keys = {field["key"] for part in form() for fields in part["keys"].values() for field in fields}
+    keys = {
+        field["key"]
+        for column in form()
+        for part in column
+        for fields in part["keys"].values()
+        for field in fields
+    }
     assert keys == {
         f"{section.name}.{key.name}"
         for section in section_forms()
