@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -16,7 +16,7 @@ from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer, answered
 from metafem.explorer.browser import Browser
 from metafem.explorer.certainty.background import Tasks
-from metafem.explorer.certainty.panel import certainty_panel
+from metafem.explorer.certainty.panel import certainty_panel, place_warnings
 from metafem.explorer.law.panel import law_panel
 from metafem.explorer.newest import Newest
 from metafem.explorer.session import Session, State
@@ -42,6 +42,7 @@ class Page:
         self.listeners: list[Callable[[Answer], None]] = []
         self.late_listeners: list[Callable[[Answer], None]] = []
         self.tab_listeners: list[Callable[[str], None]] = []
+        self.warning_listeners: list[Callable[[Mapping[str, list[str]]], None]] = []
         self.newest: Newest[tuple[int, State], Answer] = Newest(self._work, self._show)
         self.browser = Browser(self._restored)
         self.tasks = Tasks()
@@ -73,6 +74,15 @@ class Page:
         """Tell the panels that a tab was opened."""
         for callback in self.tab_listeners:
             callback(name)
+
+    def listen_warnings(self, callback: Callable[[Mapping[str, list[str]]], None]) -> None:
+        """Call a function with the warnings of an answer by where they belong, when they are known."""
+        self.warning_listeners.append(callback)
+
+    def warn(self, places: Mapping[str, list[str]]) -> None:
+        """Show the warnings of the answer that is shown."""
+        for callback in self.warning_listeners:
+            callback(places)
 
     def edit(self, text: str, *, released: bool = True) -> int:
         """Answer another text of the specification; a released one is a step of the history.
@@ -139,8 +149,10 @@ def build(first: State) -> Page:
     with ui.element("main").classes("explorer"):
         with _part("law", "Law"):
             law_panel(page)
+            place_warnings(page, "law")
         with _part("surface", "Surface"):
             surface_panel(page)
+            place_warnings(page, "surface")
         with _part("below", "Workshop and results"):
             _tabs(page)
     return page

@@ -16,6 +16,7 @@ from metafem._values import percent
 from metafem.errors import MetafemError
 from metafem.explorer.answer import Answer
 from metafem.explorer.certainty import band
+from metafem.explorer.certainty.band import MOST_COUPLED
 from metafem.inversion import Design
 from metafem.inversion.assessment import MISSED, REACHED, DesignStatus
 from metafem.inversion.feasibility import ELASTIC_LIMIT
@@ -31,7 +32,6 @@ from metafem.prediction.validity import (
     reference_of,
 )
 from metafem.report import fit_table, misfit_words
-from metafem.report.comparison import MOST_COMPARED
 from metafem.studies.sampling.slope import Slope
 from metafem.studies.summaries.tolerances import ALLOWED
 from metafem.substrate import HalfSpace
@@ -131,9 +131,11 @@ def _interaction(design: Design) -> Figure:
     """State how much the interaction of the asperities changes A0, at equal load."""
     name, surface, model = "effect of elastic interaction", design.surface, design.law.model
     law, load = contact_of(model), design.law.rescaled_load
-    most = MOST_ADHESIVE if law.adhesive else MOST_COMPARED
+    most = MOST_ADHESIVE if law.adhesive else MOST_COUPLED
     if surface.count > most:
-        words = f"It is not computed for more than {most:,} asperities; `metafem study interaction` does."
+        words = (
+            f"It is not computed at once for more than {most:,} asperities; `metafem study interaction` does."
+        )
         return Figure(name, "unknown", "", Standing.UNKNOWN, words)
     alone = Independent(contact=law)
     reference = reference_of(surface, alone)
@@ -162,7 +164,7 @@ def _scatter(answer: Answer, design: Design) -> list[Figure]:
         return [Figure(name, "not stated", "", Standing.REMARK, words, ("limits.height_sd",))]
     bound, errors = f"at most {percent(ALLOWED, 'g')}", band.tolerance_words(tolerances)
     key = "robust" if tolerances == design.robust else "limits.height_sd"
-    places, finer = ("law", key), " Make the part more exactly, or its lowest summits higher."
+    places, finer = ("law", key), " Make the part more exactly, or use more asperities."
 
     def judged(name: str, sd: float, words: str) -> Figure:
         within = sd <= ALLOWED

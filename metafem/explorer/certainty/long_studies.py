@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from metafem._validate import FloatArray
 from metafem._values import percent
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, MetafemWarning
 from metafem.inversion import Design
 from metafem.notes import Note
 from metafem.prediction import Tolerances
@@ -200,11 +201,15 @@ STUDIES: dict[str, LongStudy] = {
 
 
 def run(name: str, design: Design, tolerances: Tolerances | None) -> Found:
-    """Run a study by its name."""
+    """Run a study by its name, in a process that runs nothing else; its warnings are notes."""
     reason = STUDIES[name].hindered(design)
     if reason:
         raise InvalidInput(reason)
-    return STUDIES[name].run(design, tolerances)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", MetafemWarning)
+        found = STUDIES[name].run(design, tolerances)
+    own = [Note(str(each.message)) for each in caught if issubclass(each.category, MetafemWarning)]
+    return replace(found, notes=tuple(dict.fromkeys((*found.notes, *own))))
 
 
 def _found(summary: Summary, figure: Figure) -> Found:

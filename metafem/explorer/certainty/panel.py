@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Coroutine
+from collections.abc import Callable, Coroutine, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +14,8 @@ from metafem.errors import MetafemError
 from metafem.explorer.answer import Answer
 from metafem.explorer.certainty import band
 from metafem.explorer.certainty.long_studies import STUDIES, Found, run
-from metafem.explorer.certainty.panel_data import figure_data, found_data, list_data, study_data
+from metafem.explorer.certainty.panel_data import at_once, figure_data, found_data, list_data, study_data
+from metafem.explorer.certainty.places import warnings_by_place
 
 if TYPE_CHECKING:
     from metafem.explorer.page import Page
@@ -37,6 +38,10 @@ class SureStudies(Element, component="sure_studies.js"):
     def __init__(self) -> None:
         super().__init__()
         self._props["studies"] = list_data()
+
+
+class PlaceWarnings(Element, component="place_warnings.js"):
+    """The warnings that belong to a part of the page."""
 
 
 class Rest:
@@ -93,13 +98,21 @@ class Certainty:
         self.rest.end()
 
     async def _figures(self) -> None:
-        if not (self.visible and self.ready) or self.client.is_deleted:
+        """Show what is known of the answer: its warnings always, the figures where they are seen."""
+        answer, seen = self.page.answer, self.visible and self.ready
+        if self.client.is_deleted:
             return
-        answer = self.page.answer
-        data = await self.page.in_thread(figure_data, answer)
-        if answer is self.page.answer:
-            self.table.run_method("show", data)
-            self.studies.run_method("follow", study_data(answer))
+        if seen or at_once(answer):
+            places = await self.page.in_thread(warnings_by_place, answer)
+            data = await self.page.in_thread(figure_data, answer) if seen else None
+            if answer is not self.page.answer:
+                return
+            self.page.warn(places)
+            if data is not None:
+                self.table.run_method("show", data)
+                self.studies.run_method("follow", study_data(answer))
+        else:
+            self.page.warn({})
 
     async def _draw(self) -> None:
         """Draw made surfaces while nothing changes, for the band of the law."""
@@ -153,3 +166,17 @@ def certainty_panel(page: Page) -> None:
     """Make the figures of the design's errors, and the studies that tell more."""
     ui.add_css(STYLE.read_text("utf-8"))
     Certainty(page)
+
+
+def place_warnings(page: Page, place: str) -> None:
+    """Make the line of warnings of a part of the page, "law" or "surface"."""
+    line = PlaceWarnings()
+    shown: list[str] = []
+
+    def show(warnings: Mapping[str, list[str]]) -> None:
+        nonlocal shown
+        if warnings.get(place, []) != shown:
+            shown = warnings.get(place, [])
+            line.run_method("show", shown)
+
+    page.listen_warnings(show)

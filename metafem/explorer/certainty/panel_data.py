@@ -39,6 +39,11 @@ def figure_data(answer: Answer) -> dict[str, Any]:
     }
 
 
+def at_once(answer: Answer) -> bool:
+    """Whether the figures of an answer take some tens of milliseconds."""
+    return answer.design is not None and answer.design.surface.count <= band.MOST_COUPLED
+
+
 def study_data(answer: Answer) -> dict[str, Any]:
     """Return the state that is shown, by a hash, and why each study cannot run, "" where it can."""
     design = answer.design
