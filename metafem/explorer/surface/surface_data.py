@@ -76,12 +76,16 @@ def message(answer: Answer) -> str:
         return "There is no surface yet." if answer.problems or answer.refusal else ""
     asked = asked_sites(answer.state.text)
     if answer.refusal or answer.problems:
-        return "These are the heights of the last surface that was found. Beside the law stands why."
+        of_sites = [words for key, words in answer.problems.items() if key.startswith("sites")]
+        reason = "\n".join(of_sites) or "The reason stands beside the law."
+        return f"These are the heights of the last surface that was found. {reason}"
     if _any(asked) and answer.design.status is DesignStatus.MISSED:
-        return (
-            f"With these sites kept or empty the target law is missed by {misfit_text(answer.design.misfit)}."
-        )
+        return f"With these sites kept or empty the target law is missed by {_percent(answer.design.misfit)}."
     return ""
+
+
+def _percent(misfit: float) -> str:
+    return misfit_text(misfit) if misfit < 1.0 else f"{100.0 * misfit:.0f} %"
 
 
 def _any(asked: Asked) -> bool:

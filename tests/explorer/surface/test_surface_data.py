@@ -5,7 +5,7 @@ import pytest
 
 from metafem.explorer.answer import Answer, answered
 from metafem.explorer.session import State
-from metafem.explorer.surface.sites_text import emptied_text
+from metafem.explorer.surface.sites_text import emptied_text, pinned_text
 from metafem.explorer.surface.surface_data import (
     kept_height,
     layout_data,
@@ -67,6 +67,18 @@ def test_a_surface_that_is_older_says_so(answer):
     data = site_data(broken)
     assert "last surface that was found" in data["message"]
     assert data["height"] == site_data(answer)["height"]
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (pinned_text(TEXT, {3: "400 um"}), "sites.heights[0] = 400 um must be at most 270 um"),
+        (pinned_text(TEXT, {i: "200 um" for i in range(64)}), "the target law is missed by 121 %"),
+        (emptied_text(TEXT, range(20)), "The reason stands beside the law"),
+    ],
+)
+def test_kept_heights_that_do_not_reach_the_target_say_so(answer, text, words):
+    assert words in site_data(answered(State(text), 2, answer))["message"]
 
 
 def test_empty_sites_of_the_text_are_named(answer):

@@ -1,7 +1,11 @@
 // The map of the sites: draws them, finds the one under the pointer, moves between them by keys.
 import { drawAxes, drawBar, element, viewOf } from "./frame.js";
-import { CanvasMarks, MARKER, MOST_ELEMENTS, SvgMarks } from "./marks.js";
+import { MARKER, MOST_ELEMENTS, SvgMarks } from "./marks.js";
+import { PixelMarks } from "./pixels.js";
 import { colouring } from "./values.js";
+
+// Fill of sites without a value, in both themes.
+const PLAIN = { light: "rgb(236 239 242)", dark: "rgb(52 60 69)" };
 
 // A drag that is shorter than this is a click [pixels].
 const CLICK = 5;
@@ -14,7 +18,7 @@ export class SiteMap {
     this.svg = element("svg", { tabindex: 0, role: "application", "aria-roledescription": "map of the sites" });
     box.append(this.canvas, this.svg);
     [this.axes, this.bar] = [element("g", { class: "axes" }, this.svg), element("g", { class: "axes" }, this.svg)];
-    this.marks = { svg: new SvgMarks(this.svg), canvas: new CanvasMarks(this.canvas) };
+    this.marks = { svg: new SvgMarks(this.svg), canvas: new PixelMarks(this.canvas) };
     this.rectangle = element("rect", { class: "rectangle", visibility: "hidden" }, this.svg);
     this.selected = new Set();
     this.active = null;
@@ -65,8 +69,8 @@ export class SiteMap {
       if (surface.pinned[i] !== undefined) names.push("pinned");
       if (selected.has(i)) names.push("selected");
       if (this.active === i) names.push("active");
-      const fill = colours.shown(i) ? colours.scale.css(colours.values[i]) : height === null ? "none" : "var(--shade)";
-      return { fill: fill.startsWith("var") && this.used === this.marks.canvas ? "#8a8f9860" : fill, classes: names.join(" "), contact: height === null ? 0 : disc(i) };
+      const fill = colours.shown(i) ? colours.scale.css(colours.values[i]) : height === null ? "none" : dark ? PLAIN.dark : PLAIN.light;
+      return { fill, classes: names.join(" "), contact: height === null ? 0 : disc(i) };
     });
     const scale = colours.scale && [colours.name, colours.scale.low, colours.scale.high, dark, view.box.top, view.box.bottom, view.box.right].join();
     if (scale !== this.drawnScale) drawBar(this.bar, view, colours);

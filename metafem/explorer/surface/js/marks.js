@@ -1,4 +1,4 @@
-// The sites of the map: as SVG, or on a canvas where there are too many elements for a browser.
+// The sites of the map as SVG.
 import { element } from "./frame.js";
 
 // Above this number a redraw of SVG takes longer than a frame of a slow machine.
@@ -46,57 +46,5 @@ export class SvgMarks {
       if (seen.classes !== classes) site.group.setAttribute("class", (seen.classes = classes));
       if (seen.contact !== contact) site.contact.setAttribute("r", (seen.contact = contact));
     });
-  }
-}
-
-export class CanvasMarks {
-  constructor(canvas) {
-    this.canvas = canvas;
-    this.context = canvas.getContext("2d");
-  }
-
-  place(layout, view, width, height) {
-    const fine = window.devicePixelRatio || 1;
-    this.canvas.width = fine * width;
-    this.canvas.height = fine * height;
-    this.context.setTransform(fine, 0, 0, fine, 0, 0);
-    [this.width, this.height] = [width, height];
-    this.r = Math.max(1, MARKER * layout.spacing * view.scale);
-    this.at = layout.x.map((x, i) => [view.px(x), view.py(layout.y[i])]);
-  }
-
-  clear() {
-    this.canvas.width = 0;
-    this.at = [];
-  }
-
-  draw(look) {
-    const { context, r, at } = this;
-    const style = getComputedStyle(this.canvas);
-    const [ink, accent, paper] = ["--ink", "--accent", "--paper"].map((name) => style.getPropertyValue(name));
-    context.clearRect(0, 0, this.width, this.height);
-    const marked = [];
-    at.forEach(([x, y], i) => {
-      const { fill, classes, contact } = look(i);
-      if (classes !== "site") marked.push([x, y, classes]);
-      context.fillStyle = fill;
-      if (fill !== "none") context.fillRect(x - r, y - r, 2 * r, 2 * r);
-      if (!contact) return;
-      context.beginPath();
-      context.arc(x, y, contact, 0, 2 * Math.PI);
-      context.fillStyle = paper;
-      context.fill();
-      context.lineWidth = Math.min(1, r / 5);
-      context.strokeStyle = ink;
-      context.stroke();
-    });
-    for (const [x, y, classes] of marked) {
-      const [chosen, pinned] = [/selected|active/.test(classes), classes.includes("pinned")];
-      context.lineWidth = chosen ? 2 : 1;
-      context.strokeStyle = chosen ? accent : ink;
-      if (chosen || classes.includes("empty")) context.strokeRect(x - r, y - r, 2 * r, 2 * r);
-      context.fillStyle = ink;
-      if (pinned) context.fillRect(x + r / 3, y - r, (2 * r) / 3, (2 * r) / 3);
-    }
   }
 }
