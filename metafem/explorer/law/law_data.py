@@ -11,7 +11,7 @@ from metafem._validate import FloatArray
 from metafem.explorer.answer import Answer
 from metafem.explorer.law.reach import Band
 from metafem.explorer.law.shown import EDITED, Units, numbers
-from metafem.explorer.law.stand_in import Handle
+from metafem.explorer.text.handles import Handle
 from metafem.inversion import Design, OperatingPoints, SampledLaw, Target
 from metafem.inversion.targets.straight import StraightLaw
 
@@ -35,11 +35,8 @@ def law_data(answer: Answer, handles: Sequence[Handle] = (), request: int | None
         "marked": isinstance(target, OperatingPoints),
         "nearest": None,
         "refusal": answer.refused,
-        "tolerance": None,
         # None: those of a text with problems are not known
         "handles": None if target is None else [_handle(handle, units) for handle in handles],
-        "others": [],
-        "measured": None,
         "cursor": None if answer.state.load is None else numbers([units.load * answer.state.load], EDITED)[0],
     }
     if answer.design is not None:

@@ -4,6 +4,7 @@ import { Plot } from "metafem-law/plot.js";
 export default {
   template: `
     <div class="law-plot" data-answered="0">
+      <div class="law-tools head"></div>
       <div class="law-stage">
         <svg class="law-svg" role="group" aria-label="Target law and achieved law. Points can be dragged, or moved with the arrow keys; the key a adds one, Delete removes one."></svg>
         <output class="law-readout" aria-hidden="true"></output>
@@ -18,6 +19,6 @@ export default {
     draw(data) { this.plot.draw(data); },
     refuse(number, words) { this.plot.refuse(number, words); },
     say(words, wrong) { this.plot.say(words, wrong); },
-    choose() { this.plot.files.choose(); },
+    more(data) { this.plot.more(data); },
   },
 };

@@ -12,7 +12,7 @@ from nicegui.element import Element
 class LawPlot(Element, component="law_plot.js", esm={"metafem-law": "js"}):
     """Draws the data of `law_data`, and emits what hands and keys do.
 
-    The events are ``drag``, ``add``, ``remove``, ``cursor``, ``nearest`` and ``dropped``.
+    Each event has a handler of its name.
     """
 
     def __init__(self, **handlers: Callable[[Any], None]) -> None:
@@ -25,6 +25,10 @@ class LawPlot(Element, component="law_plot.js", esm={"metafem-law": "js"}):
         # sent as a statement: `run_method` sends a value to be returned, which the browser parses twice
         self.client.run_javascript(f'runMethod({self.id}, "draw", [{json.dumps(data)}])')
 
+    def more(self, data: dict[str, Any]) -> None:
+        """Draw what belongs beside an answer."""
+        self.run_method("more", data)
+
     def refuse(self, request: int, words: str) -> None:
         """Tell why a request of the plot changed nothing."""
         self.run_method("refuse", request, words)
@@ -32,7 +36,3 @@ class LawPlot(Element, component="law_plot.js", esm={"metafem-law": "js"}):
     def say(self, words: str, *, wrong: bool = False) -> None:
         """Say something below the plot."""
         self.run_method("say", words, wrong)
-
-    def choose(self) -> None:
-        """Let the user choose a table of a measured law."""
-        self.run_method("choose")

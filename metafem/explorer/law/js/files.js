@@ -1,7 +1,7 @@
 // A table of a measured law, dropped onto the plot or chosen by a button.
 
-// Largest file that is sent [bytes]; the server takes messages of at most a megabyte.
-const MOST = 500_000;
+// Largest file that is shown [bytes], some thousand points: the browser keeps it with every state of the history.
+const MOST = 100_000;
 
 export class Files {
   constructor(root, emit, say) {
@@ -37,7 +37,7 @@ export class Files {
     }
     const [file] = files;
     if (file.size > MOST) {
-      this.say(`${file.name} has ${(file.size / 1e6).toFixed(1)} MB; a table of a measured law has at most ${MOST / 1e6} MB.`, true);
+      this.say(`${file.name} has ${Math.ceil(file.size / 1e3)} kB; a table of a measured law may have ${MOST / 1e3} kB.`, true);
       return;
     }
     let text;

@@ -14,7 +14,7 @@ export function entries(data) {
   return found;
 }
 
-export function drawLegend(list, data) {
+export function drawLegend(list, data, emit) {
   const found = entries(data);
   const text = JSON.stringify(found);
   if (list.dataset.text === text) return; // most answers change nothing here
@@ -24,6 +24,13 @@ export function drawLegend(list, data) {
     const key = document.createElement("span");
     key.className = `key ${kind}`;
     item.append(key, words);
+    if (kind === "measured") item.append(button("Use as target", "use", emit), button("Remove", "remove", emit));
     return item;
   }));
+}
+
+function button(words, action, emit) {
+  const made = Object.assign(document.createElement("button"), { type: "button", textContent: words });
+  made.addEventListener("click", () => emit("measured", { action }));
+  return made;
 }

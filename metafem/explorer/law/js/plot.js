@@ -6,6 +6,7 @@ import { drawLegend } from "./legend.js";
 import { Picture } from "./picture.js";
 import { Requests } from "./requests.js";
 import { made } from "./svg.js";
+import { Tools } from "./tools.js";
 import { MARGIN, View } from "./view.js";
 
 // Pixels that a pointer may move during a click.
@@ -15,6 +16,7 @@ export class Plot {
   view = new View();
   data = null;
   band = null;
+  beside = { tolerance: null, others: [] };
 
   constructor(root, emit) {
     const find = (name) => root.querySelector(`.${name}`);
@@ -27,6 +29,7 @@ export class Plot {
     this.cursor = new Cursor(this, made("g", {}, this.svg), find("law-readout"));
     this.hand = new Hand(this, made("g", {}, this.svg));
     this.files = new Files(root, emit, (words, wrong) => this.say(words, wrong));
+    this.tools = new Tools(find("law-tools"), emit, this.files, (words, wrong) => this.say(words, wrong));
     for (const button of root.querySelectorAll(".law-use")) button.addEventListener("click", () => this.use());
     this.listen();
     this.observer = new ResizeObserver(() => this.resize());
@@ -95,16 +98,30 @@ export class Plot {
     const unknown = data.handles === null; // the text has problems: what is held stays
     const wanted = unknown && held ? this.data?.wanted : data.wanted;
     const marked = unknown && held ? this.data?.marked : data.marked;
-    this.data = { ...data, wanted, marked, band: this.band, handles: data.handles ?? [] };
+    // the tolerance band and further laws stay until those of this answer come
+    this.data = { ...data, ...this.beside, wanted, marked, band: this.band, handles: data.handles ?? [] };
     const asked = data.request === null ? undefined : this.requests.answered(data.request);
     this.hand.answered(data.request ?? -1, asked, data.refusal);
     if (!unknown || !this.hand.held) this.hand.take(this.data.handles);
     if (this.hand.held) this.offer = data.refusal !== "" && data.nearest !== null;
     if (!this.hand.held) this.fit();
     this.cursor.x = data.cursor;
-    drawLegend(this.legend, this.data);
+    this.tools.draw(data.tools);
+    drawLegend(this.legend, this.data, this.emit);
     this.paint();
     this.root.dataset.answered = data.number;
+  }
+
+  // Draws what comes a moment after an answer: the tolerance band and the laws under further models.
+  more({ number, errors, block, ...curves }) {
+    this.tools.drawBlock(block);
+    if (number !== this.data?.number) return;
+    Object.assign(this.data, curves);
+    this.beside = curves;
+    if (errors.length) this.say(errors.join(" "), true);
+    drawLegend(this.legend, this.data, this.emit);
+    this.paint();
+    this.root.dataset.beside = number;
   }
 
   // Takes the refusal of a request that changed nothing.
@@ -176,5 +193,6 @@ export class Plot {
   close() {
     this.observer.disconnect();
     this.requests.close();
+    this.tools.forget();
   }
 }

@@ -1,0 +1,81 @@
+"""What is drawn beside the law a moment later: the tolerance band, and the laws under further models."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from metafem.explorer.answer import Answer
+from metafem.explorer.certainty.background import Tasks
+from metafem.explorer.certainty.band import Band, band_words, tolerance_band
+from metafem.explorer.law.others import QUICK, Block, Other, other_law, own_name
+from metafem.explorer.law.shown import Units, numbers
+from metafem.explorer.law.tools import block_data
+from metafem.explorer.newest import Newest
+from metafem.inversion import Design
+
+# An answer, its tolerance band and what that is, and the laws under further models.
+More = tuple[Answer, Band | None, str, tuple[Other, ...]]
+
+
+class Beside:
+    """Computes off the event loop what is shown beside the newest law, and hands it to the plot."""
+
+    def __init__(self, tasks: Tasks, draw: Callable[[dict[str, Any]], None]) -> None:
+        self.draw = draw
+        self.newest: Newest[Answer, More] = Newest(self._computed, self._show)
+        self.block = Block(tasks, self._renew)
+        self.design: Design | None = None
+        self.laws: dict[str, Other] = {}
+        self.last: More | None = None
+
+    def put(self, answer: Answer) -> None:
+        """Compute what belongs to an answer, unless a newer one follows."""
+        if answer.design is not None:
+            self.newest.put(answer)
+
+    def _computed(self, answer: Answer) -> More:
+        """Return what is shown beside an answer; laws of the design before are used again."""
+        design = answer.design
+        assert design is not None
+        laws = self.laws if design is self.design else {}
+        wanted = [name for name in QUICK if name in answer.state.models]
+        names = [name for name in wanted if name != own_name(design)] if wanted else []
+        laws = {name: laws.get(name) or other_law(design, name) for name in names}
+        self.design, self.laws = design, laws
+        return answer, tolerance_band(answer), band_words(answer), tuple(laws.values())
+
+    def _show(self, more: More) -> None:
+        self.last = more
+        self._renew()
+
+    def _renew(self) -> None:
+        """Draw what is known."""
+        if self.last is None:
+            return
+        answer, band, words, laws = self.last
+        units = Units.of(answer, answer.state.newtons)
+        block = self.block.of(answer.design)
+        found = [*laws, *([] if block is None else [block])]
+        self.draw(
+            {
+                "number": answer.number,
+                "tolerance": None if band is None else _band(band, units) | {"name": words},
+                "others": [
+                    units.curve(each.load, each.friction) | {"name": each.words}
+                    for each in found
+                    if not each.error
+                ],
+                "errors": [each.error for each in found if each.error],
+                "block": block_data(self.block, answer.design),
+            }
+        )
+
+
+def _band(band: Band, units: Units) -> dict[str, Any]:
+    load, low, high = band
+    return {
+        "x": numbers(units.load * load),
+        "low": numbers(units.friction * low),
+        "high": numbers(units.friction * high),
+    }

@@ -1,0 +1,176 @@
+"""Measured points from a table that was dropped onto the law."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+
+from metafem._validate import FloatArray
+from metafem._values import percent
+from metafem.errors import InvalidInput
+from metafem.explorer.answer import Answer
+from metafem.explorer.law.kinds import points
+from metafem.explorer.law.shown import EDITED, Units, numbers
+from metafem.explorer.text.document import Document
+from metafem.files import read_measured_law
+from metafem.files.columns import TARGET, columns_of
+from metafem.files.units import converted
+from metafem.inversion import Design
+from metafem.progress import listening
+from metafem.surface import Friction, Material
+
+# Most points of a table: more are not told apart on a plot.
+MOST = 2000
+
+# Name of the table in the folder in which it is read.
+COPY = "dropped.csv"
+
+# What a table of a target law has and one of a measured law has not.
+RESCALED = "rescaled_load"
+
+# What a message for the command line says, and for the page.
+COMMAND, PAGE = "state them (--shear-strength, --area-ratio)", "add [friction] to the specification"
+
+
+@dataclass(frozen=True, eq=False)
+class Points:
+    """Points of a measured law, rescaled [mm^2], in the order of their loads; arrays (k,)."""
+
+    name: str
+    load: FloatArray
+    friction: FloatArray
+    load_sd: FloatArray | None = None
+    friction_sd: FloatArray | None = None
+    remarks: tuple[str, ...] = ()
+
+    def difference(self, design: Design) -> tuple[float, int]:
+        """Return the rms of the relative differences of a design's law, and at how many points.
+
+        They are points with a friction, within the loads of the law.
+        """
+        law = design.law
+        rows = (self.load >= law.rescaled_load[0]) & (self.load <= law.rescaled_load[-1])
+        rows &= self.friction > 0.0
+        if not rows.any():
+            return 0.0, 0
+        achieved = np.interp(self.load[rows], law.rescaled_load, law.area)
+        return float(np.sqrt(((achieved / self.friction[rows] - 1.0) ** 2).mean())), int(rows.sum())
+
+    def words(self, design: Design | None) -> str:
+        """Return the name of the points and how far the law of a design is from them."""
+        count = len(self.load)
+        if design is None:
+            return f"{self.name}: {count} points"
+        difference, near = self.difference(design)
+        if not near:
+            return f"{self.name}: {count} points, none at the loads of the achieved law"
+        at = f"{count} points" if near == count else f"{near} of {count} points"
+        return f"{self.name}: the achieved law differs by {percent(difference)} (rms at {at})"
+
+    def data(self, units: Units, design: Design | None) -> dict[str, Any]:
+        """Return the points in the units that are shown."""
+        x_sd, y_sd = self.load_sd, self.friction_sd
+        return {
+            "name": self.words(design),
+            "x": numbers(units.load * self.load),
+            "y": numbers(units.friction * self.friction),
+            "x_sd": None if x_sd is None else numbers(units.load * x_sd),
+            "y_sd": None if y_sd is None else numbers(units.friction * y_sd),
+        }
+
+
+def read_points(name: str, text: str, material: Material, friction: Friction | None) -> Points:
+    """Return the points of a table of a measured law or of a target law.
+
+    Raises
+    ------
+    InvalidInput
+        For every other text; the message names the table.
+    """
+    remarks: list[str] = []
+    if "\0" in text:
+        raise InvalidInput(f"{name} is not a table: it holds null characters")
+    with listening(lambda step, done: None, remarks.append):
+        first = next((line for line in text.splitlines() if line.strip() and not line.startswith("#")), "")
+        found = _rescaled(name, text) if RESCALED in first else _measured(name, text, material, friction)
+    if len(found.load) > MOST:
+        raise InvalidInput(f"{name} has {len(found.load):,} points; at most {MOST:,} are shown")
+    return Points(name, found.load, found.friction, found.load_sd, found.friction_sd, tuple(remarks))
+
+
+def as_target(answer: Answer, found: Points) -> str:
+    """Return the text of an answer with the points as a target law, met in the least-squares sense.
+
+    Points of equal loads are replaced by their mean, and those without load or friction are left out.
+    """
+    rows = (found.load > 0.0) & (found.friction > 0.0)
+    load = np.unique(found.load[rows])
+    if not load.size:
+        raise InvalidInput(f"{found.name} has no point with a load and a friction above 0")
+    friction = np.array([found.friction[rows][found.load[rows] == each].mean() for each in load])
+    values = points(load, friction, Units.of(answer, answer.state.newtons), EDITED)
+    return Document(answer.state.text).with_kind("target", "sampled", values)
+
+
+def _rescaled(name: str, text: str) -> Points:
+    columns = columns_of(name, text.encode("utf-8"), TARGET)
+    load, friction = (
+        np.array([converted(entry, "mm^2") for entry in columns[key]])
+        for key in (RESCALED, "rescaled_friction")
+    )
+    return Points(name, load, friction)
+
+
+def _measured(name: str, text: str, material: Material, friction: Friction | None) -> Points:
+    with TemporaryDirectory() as folder:
+        path = Path(folder, COPY)
+        path.write_bytes(text.encode("utf-8", "surrogatepass"))
+        try:
+            law = read_measured_law(path, material, friction)
+        except InvalidInput as error:
+            raise InvalidInput(str(error).replace(str(path), name).replace(COMMAND, PAGE)) from None
+    header = next(line for line in text.splitlines() if line.strip() and not line.startswith("#"))
+    stated = ("load_sd" in header, "friction_force_sd" in header or "area_sd" in header)
+    known = np.isfinite(law.rescaled_friction)
+    sds = (law.rescaled_load_sd, law.rescaled_friction_sd)
+    x_sd, y_sd = (sd[known] if given else None for sd, given in zip(sds, stated, strict=True))
+    return Points(name, law.rescaled_load[known], law.rescaled_friction[known], x_sd, y_sd)
+
+
+class Measured:
+    """The points of a state; they are read again only where they or the material pair have changed."""
+
+    def __init__(self) -> None:
+        self.key: Any = None
+        self.points: Points | None = None
+        self.problem = ""
+
+    def data(self, answer: Answer, units: Units) -> dict[str, Any] | None:
+        """Return the points of an answer in the units that are shown, None where it has none.
+
+        `problem` is then why they cannot be read.
+        """
+        self._read(answer)
+        return None if self.points is None else self.points.data(units, answer.design)
+
+    def _read(self, answer: Answer) -> None:
+        state, known = answer.state, answer.design if answer.specification is None else answer.specification
+        template = None if known is None else known.template
+        pair = None if template is None else (template.material, template.friction)
+        key = (state.measured, state.measured_name, pair)
+        self.problem = ""
+        if key == self.key:
+            return
+        self.key, self.points = key, None
+        if not state.measured or template is None:
+            return
+        try:
+            self.points = read_points(
+                state.measured_name, state.measured, template.material, template.friction
+            )
+        except InvalidInput as error:
+            self.problem = str(error)

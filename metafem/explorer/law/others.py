@@ -1,0 +1,127 @@
+"""Laws of the surface that is shown under further models."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from metafem._validate import FloatArray
+from metafem._values import percent
+from metafem.errors import MetafemError
+from metafem.explorer.certainty.background import Tasks
+from metafem.files import chosen_model
+from metafem.inversion import Design
+from metafem.models import Model
+from metafem.prediction import friction_law
+from metafem.surface import Surface
+
+# Models whose laws take milliseconds, and the one whose process takes seconds to a minute the first time.
+QUICK, SLOW = ("independent", "half-space", "layer"), "block"
+
+# Every n-th load of the law is solved: 34 of 100, between which a law is drawn as a line.
+EVERY = 3
+
+
+@dataclass(frozen=True, eq=False)
+class Other:
+    """The law of a surface under a further model, or why there is none."""
+
+    name: str
+    load: FloatArray  # rescaled [mm^2]
+    friction: FloatArray  # rescaled [mm^2]
+    difference: float = 0.0  # rms of the relative differences from the law of the design
+    error: str = ""
+
+    @property
+    def words(self) -> str:
+        """The model and how far its law is from that of the design."""
+        return f"{self.name}, differs by {percent(self.difference)} (rms)"
+
+
+def own_name(design: Design) -> str:
+    """Return the name of the model of a design in specifications, "" for one with other options."""
+    model = design.law.model
+    names = (*QUICK, SLOW)
+    return next((name for name in names if chosen_model(model, name, None) == model), "")
+
+
+def law_under(surface: Surface, model: Model, load: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return rescaled loads and the friction of a surface under a model at loads P [N]."""
+    law = friction_law(surface, model, load=load)
+    return law.rescaled_load, law.rescaled_friction
+
+
+def other_law(design: Design, name: str) -> Other:
+    """Return the law of a design's surface under another model with the same law of contacts."""
+    try:
+        return compared(design, name, law_under(*given(design, name)))
+    except MetafemError as error:
+        return Other(name, np.empty(0), np.empty(0), error=f"{name}: {error}")
+
+
+def given(design: Design, name: str) -> tuple[Surface, Model, FloatArray]:
+    """Return the arguments of `law_under` for a design and the name of a model."""
+    model = chosen_model(design.law.model, name, None)
+    return design.surface, model, design.law.load[::-EVERY][::-1]
+
+
+def compared(design: Design, name: str, found: tuple[FloatArray, FloatArray]) -> Other:
+    """Return the law of another model with its difference from the law of the design."""
+    load, friction = found
+    own = design.law.area[::-EVERY][::-1]
+    return Other(name, load, friction, float(np.sqrt(((friction / own - 1.0) ** 2).mean())))
+
+
+class Block:
+    """The law of the block, computed in a process that can be stopped."""
+
+    def __init__(self, tasks: Tasks, changed: Callable[[], None]) -> None:
+        self.tasks, self.changed = tasks, changed
+        self.design: Design | None = None
+        self.law: Other | None = None
+        self.step = ""
+
+    @property
+    def running(self) -> bool:
+        """Whether the law is computed."""
+        return self.tasks.running(SLOW)
+
+    def start(self, design: Design) -> None:
+        """Begin the law of a design."""
+        self.design, self.law, self.step = design, None, "starting"
+        self.tasks.start(SLOW, law_under, given(design, SLOW), self._stepped, self._found, self._failed)
+        self.changed()
+
+    def stop(self) -> None:
+        """End the computation."""
+        self.tasks.stop(SLOW)
+        self.changed()
+
+    def of(self, design: Design | None) -> Other | None:
+        """Return the law for a design, None where it was computed for another one."""
+        return self.law if self._is_of(design) else None
+
+    def state(self, design: Design | None) -> dict[str, Any]:
+        """Return what the page says of it."""
+        words = f"The law under the block: {self.step} …" if self.running else ""
+        return {"running": self.running, "step": words, "shown": self.of(design) is not None}
+
+    def _is_of(self, design: Design | None) -> bool:
+        """Whether the law was computed for a design; after undo that is an equal one."""
+        return self.design is not None and (design is self.design or design == self.design)
+
+    def _stepped(self, name: str, done: float | None) -> None:
+        self.step = name if done is None else f"{name}, {percent(done)}"
+        self.changed()
+
+    def _found(self, found: tuple[FloatArray, FloatArray]) -> None:
+        if self.design is not None:
+            self.law = compared(self.design, SLOW, found)
+        self.changed()
+
+    def _failed(self, error: MetafemError) -> None:
+        self.law = Other(SLOW, np.empty(0), np.empty(0), error=f"{SLOW}: {error}")
+        self.changed()

@@ -1,0 +1,35 @@
+"""The choices above the plot, as data."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from metafem.explorer.answer import Answer
+from metafem.explorer.law.kinds import KINDS, kind_of
+from metafem.explorer.law.others import QUICK, SLOW, Block, own_name
+from metafem.inversion import Design
+
+# Why the axes cannot be in newtons, and why there is no law under the block.
+NO_FORCES = "Newtons need the section [friction] with shear_strength and area_ratio in the specification."
+NO_BLOCK = "The block needs the section [block] with width, length and thickness in the specification."
+
+
+def tools_data(answer: Answer, block: Block) -> dict[str, Any]:
+    """Return the kinds of targets, axes and models that can be chosen, and which are."""
+    design = answer.design
+    template = None if design is None else design.template
+    own = "" if design is None else own_name(design)
+    return {
+        "kind": kind_of(answer.state.text),
+        "kinds": [[kind, words] for kind, words in KINDS.items()],
+        "newtons": answer.state.newtons,
+        "no_forces": NO_FORCES if template is None or template.friction is None else "",
+        "models": [{"name": name, "on": name in answer.state.models} for name in QUICK if name != own],
+        "block": None if own == SLOW else block_data(block, design),
+    }
+
+
+def block_data(block: Block, design: Design | None) -> dict[str, Any]:
+    """Return what can be done with the law under the block."""
+    missing = design is None or design.template.block is None
+    return {**block.state(design), "missing": NO_BLOCK if missing else ""}
