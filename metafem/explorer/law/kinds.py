@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -118,7 +119,7 @@ def _friction(law: FrictionLaw, load: FloatArray) -> FloatArray:
 def _slopes(law: FrictionLaw, last: float, ends: tuple[float, ...], units: Units) -> list[float]:
     """Return the slope of the law between neighbouring ends, or the friction coefficients."""
     found = []
-    for low, high in zip(ends[:-1], ends[1:], strict=True):
+    for low, high in pairwise(ends):
         load = np.linspace(low * last, high * last, 20)
         slope = float(np.polyfit(load, _friction(law, load), 1)[0]) * units.friction / units.load
         found.append(float(f"{slope:.{DIGITS}g}"))

@@ -2,60 +2,79 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Mapping
 from typing import Any
 
-import numpy as np
-
+from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
-from metafem.explorer.answer import Answer, specification_of
+from metafem.explorer.answer import Answer
 from metafem.explorer.law.kinds import points
 from metafem.explorer.law.shown import Units
 from metafem.explorer.text.document import Document
-from metafem.explorer.text.handles import handles, moved
 from metafem.explorer.text.written import stated
-from metafem.inversion import OperatingPoints, SampledLaw
+from metafem.files import Specification
+from metafem.inversion import OperatingPoints, SampledLaw, Target
 
-# Relative resolution of the values: the nearest law is inside its bound by a millionth.
-RESOLUTION = 1e-9
+# Relative resolution of the values, and their digits: the nearest law is inside its bound by a millionth.
+RESOLUTION, DIGITS = 1e-9, 10
 
 
 def with_nearest(answer: Answer) -> str:
     """Return the text of a refused answer with the nearest law that can be designed as its target."""
-    target, specification, text = answer.nearest_target, answer.specification, answer.state.text
+    target, specification = answer.nearest_target, answer.specification
     if target is None or specification is None:
         raise InvalidInput("no nearest law is known")
-    if isinstance(target, (OperatingPoints, SampledLaw)):
-        return _with_points(answer, target)
-    for place in handles(text, replace(specification, target=target), answer.design):
-        now = specification_of(replace(answer.state, text=text))
-        at = place.load, place.friction
-        text = moved(text, now, answer.design, place.id, *at, resolution=RESOLUTION)
-    return text
-
-
-def _with_points(answer: Answer, target: OperatingPoints | SampledLaw) -> str:
-    """Return the text with other points, in the units of those before."""
-    assert answer.specification is not None
-    template, section = answer.specification.template, Document(answer.state.text).value("target")
-    stress = None
-    if template.friction is not None:
-        stress = template.friction.shear_strength * template.friction.area_ratio
-    forces = "load" in section
-    loads, frictions = ("load", "friction_force") if forces else ("rescaled_load", "rescaled_friction")
-    values: dict[str, Any]
-    if len(section.get(loads, ())) == len(target.rescaled_load):
-        modulus = template.material.composite_modulus
-        columns = ((loads, target.rescaled_load, modulus), (frictions, target.rescaled_friction, stress))
-        values = {
-            name: [
-                stated(float(value), like, factor, RESOLUTION)
-                for value, like in zip(column, section[name], strict=True)
-            ]
-            for name, column, factor in columns
-        }
-    else:  # the points of a table
-        digits = round(1 - np.log10(RESOLUTION))
-        values = {"file": None, **points(target.rescaled_load, target.rescaled_friction, Units(), digits)}
     document = Document(answer.state.text)
+    section = document.value("target")
+    if isinstance(target, (OperatingPoints, SampledLaw)):
+        values = _points(section, specification, target)
+    else:
+        values = _parameters(section, specification, target)
     return document.with_values({f"target.{name}": value for name, value in values.items()})
+
+
+def _points(
+    section: Mapping[str, Any], specification: Specification, target: OperatingPoints | SampledLaw
+) -> dict[str, Any]:
+    """Return the keys of points, in the units of those before."""
+    given = [(target.rescaled_load, True), (target.rescaled_friction, False)]
+    names = ("load", "friction_force") if "load" in section else ("rescaled_load", "rescaled_friction")
+    if len(section.get(names[0], ())) != len(target.rescaled_load):  # the points of a table
+        return {"file": None, **points(target.rescaled_load, target.rescaled_friction, Units(), DIGITS)}
+    return {
+        name: _stated(column, section[name], specification, loads)
+        for name, (column, loads) in zip(names, given, strict=True)
+    }
+
+
+def _parameters(section: Mapping[str, Any], specification: Specification, target: Target) -> dict[str, Any]:
+    """Return the keys of the parameters of a law that differ from those of the text."""
+    values: dict[str, Any] = {}
+    for name in ("exponent", "prefactor", "slope", "slopes", "crossover_load", "load_range"):
+        new = getattr(target, name, None)
+        if new is None or new == getattr(specification.target, name):
+            continue
+        if name.startswith("slope"):
+            key = name if name in section else name.replace("slope", "friction_coefficient")
+            told = target.wording.coefficient
+            values[key] = [told(slope) for slope in new] if name == "slopes" else told(new)
+        elif name in ("exponent", "prefactor"):
+            values[name] = new
+        elif name == "crossover_load":
+            values[name] = _stated([new], [section[name]], specification, True)[0]
+        else:
+            values[name] = _stated(new, section[name], specification, True)
+    return values
+
+
+def _stated(
+    values: FloatArray | list[float], like: list[str], specification: Specification, loads: bool
+) -> list[str]:
+    """Return rescaled loads or frictions in the units of others."""
+    template = specification.template
+    stress: float | None = template.material.composite_modulus
+    if not loads:
+        pair = template.friction
+        stress = None if pair is None else pair.shear_strength * pair.area_ratio
+    pairs = zip(values, like, strict=True)
+    return [stated(float(value), other, stress, RESOLUTION) for value, other in pairs]

@@ -1,14 +1,15 @@
 // The legend: what is drawn, in words.
 
-// Returns [class of the key, words] of all that an answer shows.
+// Returns [class of the key, words, further words] of all that an answer shows.
 export function entries(data) {
   const found = [];
-  const add = (shown, kind, words) => { if (shown) found.push([kind, words]); };
+  const add = (shown, kind, words, more = "") => { if (shown) found.push([kind, words, more]); };
   add(data.wanted || data.handles.length, data.marked ? "point" : "wanted", "target law");
   add(data.achieved, data.refusal ? "achieved old" : "achieved", data.refusal ? "last law that was found" : `achieved law (${data.model})`);
   add(data.nearest, "nearest", "nearest law that can be designed");
   add(data.band, "band", "reach of any surface within the limits");
-  add(data.tolerance, "tolerance", data.tolerance?.name ?? "tolerance band");
+  // the errors of the part are told where the pointer rests
+  add(data.tolerance, "tolerance", data.tolerance?.name.split(",")[0], data.tolerance?.name);
   (data.others ?? []).forEach((each, i) => add(true, `other other-${i}`, each.name));
   add(data.measured, "measured", data.measured?.name);
   return found;
@@ -19,10 +20,11 @@ export function drawLegend(list, data, emit) {
   const text = JSON.stringify(found);
   if (list.dataset.text === text) return; // most answers change nothing here
   list.dataset.text = text;
-  list.replaceChildren(...found.map(([kind, words]) => {
+  list.replaceChildren(...found.map(([kind, words, more]) => {
     const item = document.createElement("li");
     const key = document.createElement("span");
     key.className = `key ${kind}`;
+    if (more) item.title = more;
     item.append(key, words);
     if (kind === "measured") item.append(button("Use as target", "use", emit), button("Remove", "remove", emit));
     return item;

@@ -28,7 +28,7 @@ export class Picture {
   // Draws the data of an answer; `wanted` is the target's curve as it is dragged here.
   draw(view, data, wanted) {
     set(this.svg, { viewBox: `0 0 ${view.width} ${view.height}` });
-    set(this.clip, { x: MARGIN.left, y: MARGIN.top - 4, width: view.wide + 4, height: view.tall + 8 });
+    set(this.clip, { x: MARGIN.left, y: MARGIN.top, width: view.wide, height: view.tall });
     this.drawAxes(view, data);
     set(this.band, { d: area(view, data.band) });
     set(this.tolerance, { d: area(view, data.tolerance) });
