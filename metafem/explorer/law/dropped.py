@@ -27,7 +27,7 @@ from metafem.surface import Friction, Material
 MOST = 2000
 
 # Name of the table in the folder in which it is read.
-COPY = "dropped.csv"
+COPY = "metafem-dropped.csv"
 
 # What a table of a target law has and one of a measured law has not.
 RESCALED = "rescaled_load"
@@ -99,7 +99,9 @@ def read_points(name: str, text: str, material: Material, friction: Friction | N
         found = _rescaled(name, text) if RESCALED in first else _measured(name, text, material, friction)
     if len(found.load) > MOST:
         raise InvalidInput(f"{name} has {len(found.load):,} points; at most {MOST:,} are shown")
-    return Points(name, found.load, found.friction, found.load_sd, found.friction_sd, tuple(remarks))
+    # the copy is unknown to the user
+    told = tuple(name + said.partition(COPY)[2] if COPY in said else said for said in remarks)
+    return Points(name, found.load, found.friction, found.load_sd, found.friction_sd, told)
 
 
 def as_target(answer: Answer, found: Points) -> str:
