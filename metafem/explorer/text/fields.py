@@ -1,17 +1,15 @@
-"""Fields of a form that edits a specification: what each key means, and what stands there."""
+"""Values of a specification as a form shows them, and as a person types them."""
 
 from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping
-from dataclasses import dataclass, field
 from typing import Any
 
 from metafem.errors import InvalidInput
 from metafem.explorer.text.document import Document
 from metafem.explorer.text.order import form_of
-from metafem.files import KeyForm, SectionForm, section_forms, toml_table
+from metafem.files import KeyForm, SectionForm, toml_table
 
 # A decimal number that TOML refuses for want of a digit before or behind the point.
 SHORT_NUMBER = re.compile(r"[+-]?(\d+\.|\.\d+)")
@@ -22,92 +20,6 @@ CROSS = re.compile(r"[,;\nx×]")
 
 # Brackets that group two entries of a list.
 GROUPS = re.compile(r"\[[^\[\]]*\]")
-
-
-@dataclass(frozen=True)
-class Field:
-    """A key of a specification as a field of a form.
-
-    Attributes
-    ----------
-    key : str
-        Dotted, such as "limits.max_height".
-    label : str
-        Its name in words.
-    meaning : str
-    value : str
-        What stands in the text; "" for nothing.
-    example : str
-        A valid value.
-    default : str
-        Its value where it is left out; "" for none.
-    optional : bool
-        Whether it may be left out. Of keys with a `choice` one choice is needed.
-    form : str
-        "quantity", "number", "integer", "truth", "text" or "kind".
-    listed : bool
-        Whether it holds several values, separated by commas.
-    units : tuple of str
-        Usual units of a quantity.
-    options : mapping of str to str
-        The values that are allowed, each with a sentence, which may be ""; empty for any value.
-    choice : int or None
-        Number of the choice to which it belongs: of those of a section one is given.
-    active : bool
-        Whether the choice is the one of the text; without any in the text, the first.
-    """
-
-    key: str
-    label: str
-    meaning: str
-    value: str
-    example: str
-    default: str
-    optional: bool
-    form: str
-    listed: bool = False
-    units: tuple[str, ...] = ()
-    options: Mapping[str, str] = field(default_factory=dict)
-    choice: int | None = None
-    active: bool = True
-
-
-@dataclass(frozen=True)
-class FieldSection:
-    """A section of a specification as a group of fields; `present` if the text has it."""
-
-    name: str
-    label: str
-    meaning: str
-    optional: bool
-    present: bool
-    fields: tuple[Field, ...]
-
-
-def fields(text: str) -> tuple[FieldSection, ...]:
-    """Return the sections of a specification with their fields, in the order of the manual.
-
-    A section with kinds has the keys of the kind that it has in the text.
-
-    Raises
-    ------
-    InvalidInput
-        If the text is not valid TOML.
-
-    Examples
-    --------
-    >>> from metafem.files import demo_text
-    >>> sections = {section.name: section for section in fields(demo_text("linear"))}
-    >>> field = sections["limits"].fields[0]
-    >>> field.key, field.label, field.value, field.units[1:3], field.meaning
-    ('limits.max_height', 'max height', '120 um', ('um', 'mm'), 'of the summits, above the offset')
-    """
-    document = Document(text)
-    return tuple(
-        _section(form, document)
-        for form in section_forms()
-        if "." not in form.name or _is_of_kind(form.name, document)
-    )
 
 
 def with_field(text: str, key: str, typed: str) -> str:
@@ -229,28 +141,6 @@ def _typed_entry(form: KeyForm, typed: str) -> Any:
     return value if len(read) == 1 and isinstance(value, (bool, int, float)) else typed
 
 
-def _is_of_kind(name: str, document: Document) -> bool:
-    """Whether the kind of a section has a key for the section inside it."""
-    section, _, key = name.rpartition(".")
-    form = form_of(section)
-    return form is not None and any(other.name == key for other in _keys(form, document))
-
-
-def _section(form: SectionForm, document: Document) -> FieldSection:
-    value = document.value(form.name)
-    present = value if isinstance(value, dict) else {}
-    keys = _keys(form, document)
-    begun = {key.choice for key in keys if key.choice is not None and key.name in present}
-    found = [_kind_field(form, str(present.get("kind", "")))] if form.kinds else []
-    found += [
-        _field(form.name, key, present.get(key.name), key.choice is None or key.choice in (begun or {0}))
-        for key in keys
-        if key.value != "section"
-    ]
-    label = form.name.rpartition(".")[2].replace("_", " ")
-    return FieldSection(form.name, label, form.meaning, form.optional, isinstance(value, dict), tuple(found))
-
-
 def _keys(form: SectionForm, document: Document) -> tuple[KeyForm, ...]:
     """Return the keys of a section of the kind that it has in the text; none of an unknown kind."""
     kind = document.value(f"{form.name}.kind") if form.kinds else ""
@@ -259,28 +149,3 @@ def _keys(form: SectionForm, document: Document) -> tuple[KeyForm, ...]:
 
 def _key_form(form: SectionForm, document: Document, name: str) -> KeyForm | None:
     return next((key for key in _keys(form, document) if key.name == name), None)
-
-
-def _kind_field(form: SectionForm, kind: str) -> Field:
-    default = next(iter(form.kinds)) if form.optional else ""
-    example = next(iter(form.kinds))
-    key, meaning = f"{form.name}.kind", form.meaning
-    return Field(key, "kind", meaning, kind, example, default, form.optional, "kind", options=form.kinds)
-
-
-def _field(section: str, key: KeyForm, value: Any, active: bool) -> Field:
-    return Field(
-        key=f"{section}.{key.name}",
-        label=key.name.replace("_", " "),
-        meaning=key.meaning,
-        value=shown(value),
-        example=shown(key.example),
-        default=shown(key.default),
-        optional=key.optional,
-        form=key.value,
-        listed=key.listed,
-        units=key.units,
-        options=dict.fromkeys(key.names, ""),
-        choice=key.choice,
-        active=active,
-    )

@@ -16,6 +16,7 @@ from metafem.explorer.text.marks import Scene
 from metafem.explorer.text.written import rounded
 from metafem.files import Specification, parsed
 from metafem.inversion import Design
+from metafem.inversion.targets.wording import RESCALED, Wording
 from metafem.models import Independent
 from metafem.models.model import contact_of
 
@@ -37,12 +38,14 @@ def with_target_kind(
     specification: Specification | None,
     design: Design | None,
     kind: str,
+    newtons: bool | None = None,
     resolution: float = RESOLUTION,
 ) -> str:
     """Return the text with a target of another kind near the law of the last design.
 
     It can be reached by independent asperities where one of the attempts can. Without a design the values are
-    the examples of the manual. Loads in newtons and friction coefficients stay such.
+    the examples of the manual. With `newtons` the values are forces and friction coefficients where the
+    specification has a friction; default: as in the target before.
 
     Raises
     ------
@@ -66,16 +69,20 @@ def with_target_kind(
     if kind == document.value("target.kind"):
         return text
     scene, tables = Scene(document, specification, design), _tables(document, specification)
+    wording, template = scene.target.wording, specification.template
+    if newtons is not None:
+        friction = template.friction if newtons else None
+        wording = RESCALED if friction is None else Wording.of(template.material, friction)
     first = ""
     for numbers in ATTEMPTS[kind](*_present(design)):
-        found = document.with_kind("target", kind, _written(numbers, scene, resolution))
+        found = document.with_kind("target", kind, _written(numbers, scene, wording, resolution))
         first = first or found
         nearest = _nearest(found, tables)
         if nearest is None:
             return found
         inside = {name: _beyond(numbers[name], getattr(nearest, name, None), resolution) for name in numbers}
         if all(value is not None for value in inside.values()):
-            found = document.with_kind("target", kind, _written(inside, scene, resolution))
+            found = document.with_kind("target", kind, _written(inside, scene, wording, resolution))
             if _nearest(found, tables) is None:
                 return found
     return first
@@ -152,29 +159,25 @@ def _slope(law: Law, low: float, high: float) -> float:
     return float(np.polyfit(load, law(load), 1)[0])
 
 
-def _written(numbers: Numbers, scene: Scene, resolution: float) -> dict[str, Any]:
-    """Return the keys of a target in the units of the one before."""
-    wording = scene.target.wording
-    like = "1 mm^2" if wording.composite_modulus is None else "1 N"
-    forces = wording.per_slope is not None
+def _written(numbers: Numbers, scene: Scene, wording: Wording, resolution: float) -> dict[str, Any]:
+    """Return the keys of a target in the units of a wording."""
+    rescaled, forces = wording.composite_modulus is None, wording.per_slope is not None
     found: dict[str, Any] = {}
     for name, value in numbers.items():
         if name == "rescaled_load":
-            key, unit = ("load", "1 N") if forces else (name, "1 mm^2")
-            found[key] = [scene.load(load, unit, resolution) for load in value]
+            key, like = ("load", "1 N") if forces else (name, "1 mm^2")
+            found[key] = [scene.load(load, like, resolution) for load in value]
         elif name == "rescaled_friction":
-            key, unit = ("friction_force", "1 N") if forces else (name, "1 mm^2")
-            found[key] = [scene.friction(friction, unit, resolution) for friction in value]
-        elif name in ("slope", "slopes"):
-            key = wording.keys[name == "slopes"]
-            found[key] = (
-                [scene.slope(slope, resolution) for slope in value]
-                if name == "slopes"
-                else scene.slope(value, resolution)
-            )
+            key, like = ("friction_force", "1 N") if forces else (name, "1 mm^2")
+            found[key] = [scene.friction(friction, like, resolution) for friction in value]
         elif name == "exponent":
             found[name] = rounded(value, resolution)
+        elif name == "slope":
+            found[wording.keys[0]] = rounded(wording.coefficient(value), resolution)
+        elif name == "slopes":
+            found[wording.keys[1]] = [rounded(wording.coefficient(slope), resolution) for slope in value]
         else:
+            like = "1 mm^2" if rescaled else "1 N"
             loads = [scene.load(load, like, resolution) for load in np.atleast_1d(value)]
             found[name] = loads if isinstance(value, list) else loads[0]
     return found

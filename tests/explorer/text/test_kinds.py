@@ -52,6 +52,19 @@ def test_the_units_stay():
     assert keys["linear"] == {"kind": "linear", "friction_coefficient": 1.55}
 
 
+@pytest.mark.parametrize("kind", ["operating-points", "bilinear", "multilinear"])
+def test_newtons_can_be_chosen(kind):
+    text = demo_text("linear")
+    specification = parsed(text)
+    design = specification.design()
+    rescaled, newtons = (
+        Document(with_target_kind(text, specification, design, kind, forces)).value("target")
+        for forces in (False, True)
+    )
+    assert ("mm^2" in str(rescaled), "mm^2" in str(newtons)) == (True, False)
+    assert newtons.keys() & {"load", "friction_coefficients"}
+
+
 def test_without_a_design_the_values_are_examples():
     text = demo_text("linear")
     new = with_target_kind(text, parsed(text), None, "power")
