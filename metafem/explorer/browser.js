@@ -20,21 +20,30 @@ export default {
     const { first, end, at } = JSON.parse(sessionStorage.getItem(KEY) ?? "{}");
     const states = [];
     for (let number = first; number < end; number++) states.push(sessionStorage.getItem(entry(number)));
-    this.$emit("stored", { first, at, states });
+    this.$emit("stored", { first, at, states, link: location.hash.slice(1) });
+    addEventListener("hashchange", this.linked);
     this.$nextTick(() => { // the socket is made when all elements are mounted
       window.socket.on("disconnect", () => { this.$refs.lost.hidden = false; });
       window.socket.on("connect", () => { this.$refs.lost.hidden = true; });
     });
   },
+  unmounted() {
+    removeEventListener("hashchange", this.linked);
+  },
   methods: {
+    // Another link was pasted into the address.
+    linked() {
+      this.$emit("linked", location.hash.slice(1));
+    },
     // Keeps the state that is shown, of the number `at`; the history holds those from `first` to before `end`.
-    keep({ first, end, at, state, asked }) {
+    keep({ first, end, at, state, link, asked }) {
       const before = JSON.parse(sessionStorage.getItem(KEY) ?? "{}");
       for (let old = before.first ?? first; old < (before.end ?? first); old++) {
         if (old < first || old >= end) sessionStorage.removeItem(entry(old));
       }
       store(entry(at), state);
       store(KEY, JSON.stringify({ first, end, at }));
+      history.replaceState(null, "", link ? `#${link}` : location.pathname);
       this.$el.dataset.asked = asked; // tests wait until the pictures show this answer
     },
   },

@@ -14,7 +14,7 @@ from nicegui.element import Element
 
 from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer, answered
-from metafem.explorer.browser import Browser
+from metafem.explorer.browser import Browser, link_of
 from metafem.explorer.certainty.background import Tasks
 from metafem.explorer.certainty.panel import certainty_panel, place_warnings
 from metafem.explorer.law.panel import law_panel
@@ -22,6 +22,7 @@ from metafem.explorer.newest import Newest
 from metafem.explorer.session import Session, State
 from metafem.explorer.surface.panel import surface_panel
 from metafem.explorer.take.panel import take_panel
+from metafem.explorer.text.link import from_link
 from metafem.explorer.workshop.editor import editor_panel
 from metafem.explorer.workshop.header import header_panel
 from metafem.explorer.workshop.panel import workshop_panel
@@ -44,7 +45,7 @@ class Page:
         self.tab_listeners: list[Callable[[str], None]] = []
         self.warning_listeners: list[Callable[[Mapping[str, list[str]]], None]] = []
         self.newest: Newest[tuple[int, State], Answer] = Newest(self._work, self._show)
-        self.browser = Browser(self._restored)
+        self.browser = Browser(self._restored, self.open_link)
         self.tasks = Tasks()
         ui.context.client.on_delete(self.tasks.stop_all)
 
@@ -131,10 +132,20 @@ class Page:
         for callback in self.listeners:
             callback(answer)
 
+    def open_link(self, link: str) -> None:
+        """Show the state of a link, as a step of the history."""
+        try:
+            self._ask(from_link(link), True)
+        except InvalidInput as error:
+            ui.notify(str(error), type="warning")
+
     def _restored(self, kept: Any) -> None:
-        """Show what the browser kept, or the first state."""
+        """Show what the browser kept and what the address holds, or the first state."""
         try:
             self.session = Session.restored(kept) or self.session
+            link = kept.get("link") if isinstance(kept, dict) else ""
+            if link and link != link_of(self.session):
+                self.session.commit(from_link(link))
         except InvalidInput as error:
             ui.notify(str(error), type="warning")
         self._ask(self.state, True)

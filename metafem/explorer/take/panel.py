@@ -137,6 +137,11 @@ def take_panel(page: Page) -> None:
         with _card("To keep and to repeat the design"):
             add(File(ARCHIVE, "Everything: the result folder of metafem design"))
             _button(SPECIFICATION_FILE, partial(_specification, page, making))
+            copy = ui.button("Copy link", icon="link", on_click=partial(_copied, making))
+            copy.props("no-caps flat dense align=left")
+            # in the browser, which allows it within the click alone
+            copy.on("click", js_handler="() => navigator.clipboard.writeText(location.href)")
+            ui.label("The address of this page, which holds all of its state").classes("small")
             add(MADE[0])
         with _card("Data"):
             for file in (*TABLES[1:], *MADE[4:]):
@@ -169,6 +174,10 @@ def _button(file: File, take: Callable[[], None]) -> ui.button:
     button.props(f'no-caps flat dense align=left data-take="{file.name}"')
     ui.label(file.meaning).classes("small")
     return button
+
+
+def _copied(making: Making) -> None:
+    making.say("The address of this page was copied. It opens the same state while metafem explore runs.")
 
 
 def _table(page: Page, making: Making, name: str) -> None:
