@@ -74,8 +74,9 @@ def moved(
     --------
     >>> from metafem.files import demo_text, parsed
     >>> text = demo_text("operating-points")
-    >>> parsed(moved(text, parsed(text), None, "point-1", 0.40004, 1.9)).target.rescaled_load[1]
-    0.4
+    >>> new = moved(text, parsed(text), None, "point-1", 0.40004, 1.9)
+    >>> parsed(new).target.rescaled_load
+    array([0.144, 0.4  , 0.649])
     """
     _refuse_negative(load, friction)
     marks = _marks(text, specification, design)
