@@ -134,11 +134,10 @@ def design(
     sensitivities the expectations are those of its `gradient_model`. The misfit of the exact heights
     increases in general.
 
-    With `pinned`, heights are first found without the given ones, which then stand for the heights that are
-    nearest to them. The other heights are adjusted by the Levenberg–Marquardt method, each of them between
-    the foot and the largest height above the base plane. A note states the misfits with and without the given
-    heights. Heights that equal those of the design without them leave it as it is. A given height need not
-    be on a height step.
+    With `pinned`, the heights and their layout are first found without the given ones. These then stand for
+    the nearest heights, with their radii, and need not be on a height step. The others are adjusted by the
+    Levenberg–Marquardt method, each between the foot and the largest height, and stay where the misfit rises
+    by less than a tenth. A note states the misfits with and without the given heights.
 
     Examples
     --------
@@ -167,9 +166,8 @@ def design(
     Site 9 has a height of 0.1 mm, and site 3 no asperity.
 
     >>> result = mf.design(mf.PowerLaw(0.9, (0.1, 0.2)), template, pinned={9: 0.1, 3: None})
-    >>> heights = dict(zip(result.sites.tolist(), result.surface.height.tolist()))
-    >>> heights[9], 3 in heights, result.misfit < 0.01
-    (0.1, False, True)
+    >>> result.surface.height[result.sites == 9], 3 in result.sites, result.misfit < 0.01
+    (array([0.1]), False, True)
     """
     problem = Problem.checked(target, template, model, limits, layout, radii, robust, pinned)
     generator = check.generator(rng)
