@@ -88,6 +88,10 @@ def test_values_are_typed_refused_where_they_stand_and_undone(browser, server):
         field.press("ArrowUp")
         visit.settled(before)
         assert value(visit, "limits.max_height") == "320 um"
+        before = visit.asked
+        field.press("Control+z")
+        visit.settled(before)
+        assert value(visit, "limits.max_height") == "310 um"
         assert visit.errors == []
 
 

@@ -1,6 +1,9 @@
 // The form of the workshop. What is typed stays in `drafts` until it is used; `values` are those of the specification.
 import { stepped } from "metafem-workshop/step.js";
 
+// The unit behind a number.
+const UNIT = /[^\d\s.,+-].*$/;
+
 export default {
   template: `
     <form class="fields" @submit.prevent @focusin="told = $event.target.dataset.key ?? told" :aria-busy="busy">
@@ -42,7 +45,7 @@ export default {
                 <option v-if="!options(field).some(([value]) => value === (values[field.key] ?? ''))" :value="values[field.key]">{{ values[field.key] }}</option>
                 <option v-for="[value, words] in options(field)" :key="value" :value="value">{{ words }}</option></select>
               <input v-else class="text" type="text" autocomplete="off" spellcheck="false" :id="id(field.key)" :data-key="field.key" :disabled="!!broken"
-                     :value="drafts[field.key] ?? values[field.key] ?? ''" :placeholder="placeholder(field)" :aria-invalid="!!problem(field)"
+                     :value="drafts[field.key] ?? values[field.key] ?? ''" :placeholder="placeholder(field)" :data-clean="field.key in drafts ? null : ''" :aria-invalid="!!problem(field)"
                      :aria-describedby="id(field.key) + '-help ' + id(field.key) + '-wrong'" @input="drafts[field.key] = $event.target.value"
                      @change="leave(field)" @blur="leave(field)" @keydown="key($event, field)" @keyup="release($event, field)">
               <span :id="id(field.key) + '-help'" class="unseen">{{ help(field) }}</span>
@@ -57,7 +60,7 @@ export default {
     </form>`,
   props: { columns: Array },
   data() {
-    return { values: {}, present: [], problems: {}, refused: {}, drafts: {}, opened: {}, broken: "", told: "", busy: true };
+    return { values: {}, present: [], problems: {}, refused: {}, drafts: {}, opened: {}, broken: "", told: "", busy: true, units: {} };
   },
   computed: {
     parts() { return this.columns.flat(); },
@@ -124,10 +127,12 @@ export default {
     },
     remedy(field) {  // a number without a unit, with the one of the value before or of the example
       const given = this.values[field.key] ?? "";
-      const unit = /[^\d\s.,+-].*$/.exec(field.example.split(",")[0])?.[0];
+      const unit = this.units[field.key] ?? UNIT.exec(field.example.split(",")[0])?.[0];
       return field.units.length && unit && /^[+-]?\d+(\.\d+)?$/.test(given.trim()) ? `${given.trim()} ${unit}` : "";
     },
     use(field, text) {
+      const unit = field.listed ? null : UNIT.exec(this.values[field.key] ?? "")?.[0];
+      if (unit) this.units[field.key] = unit;
       delete this.drafts[field.key];
       delete this.refused[field.key];
       this.values = { ...this.values, [field.key]: text };

@@ -50,8 +50,14 @@ LABELS = {
     "sites.heights": "their heights",
 }
 
+# What a problem says of a table that must be loaded.
+NOT_GIVEN = "names a table that is not given"
+
+# A value in a problem: a text in quotes, a list, a number with its unit, or any other.
+GIVEN = r"""(?:"[^"]*"|'[^']*'|\[[^\]]*\]|[+-]?[\d.]+ [^\d\s]\S*(?= must)|[^\s"'\[]+)"""
+
 # What a problem says first: its key and the value, which stand in the field.
-FIRST = re.compile(r"""[\w.-]+(?:\[\d+\])*(?: = (?:"[^"]*"|\[[^\]]*\]|[^\s"\[]+))? """)
+FIRST = re.compile(rf"[\w.-]+(?: = {GIVEN})? ")
 
 
 def form() -> list[list[dict[str, Any]]]:
@@ -103,7 +109,7 @@ def _field(section: str, key: KeyForm) -> dict[str, Any]:
         "label": LABELS.get(name, key.name.replace("_", " ")),
         "meaning": key.meaning,
         "example": shown(key.example),
-        "default": shown(key.default),
+        "default": _default(key),
         "value": key.value,
         "units": key.units,
         "names": key.names,
@@ -111,6 +117,12 @@ def _field(section: str, key: KeyForm) -> dict[str, Any]:
         "choice": key.choice,
         "needed": not key.optional,
     }
+
+
+def _default(key: KeyForm) -> str:
+    """Return the default of a key; one of a quantity is 0, in the unit of the example."""
+    text = shown(key.default)
+    return f"0 {key.example.partition(' ')[2]}" if key.value == "quantity" and text == "0" else text
 
 
 def contents(text: str, problems: Mapping[str, str]) -> dict[str, Any]:
@@ -153,4 +165,5 @@ def _without_key(key: str, problem: str) -> str:
     if "." not in key or not found or not found[0].startswith(key) or "\n" in problem:
         return problem
     rest = problem[found.end() :]
-    return f"{rest[:1].upper()}{rest[1:]}{'' if rest.endswith('.') else '.'}"
+    remedy = "; load it with Load… above the text of the specification" if NOT_GIVEN in rest else ""
+    return f"{rest[:1].upper()}{rest[1:]}{remedy}."

@@ -12,11 +12,13 @@ const HELP = [
     ["double click", "adds a point"],
     ["Tab, arrow keys", "select a point and move it; with Shift ten times as far"],
     ["a, Delete", "add a point, remove the selected one"],
+    ["drag the triangle", "chooses the load at which contacts are shown"],
     ["drop a CSV file", "draws a measured law beside the others"],
   ]],
   ["Surface", [
-    ["tap or click a site", "shows it, and pins its height or leaves it empty"],
-    ["arrow keys", "select the sites beside"],
+    ["tap or click a site", "shows it, keeps its height or leaves it empty"],
+    ["arrow keys, Enter", "select a site and open its menu; with Shift several"],
+    ["p, e, r", "keep its height, leave it empty, release it"],
   ]],
   ["Workshop", [
     ["Enter, Tab", "use the value that was typed; Esc restores the one before"],
@@ -29,8 +31,10 @@ const HELP = [
   ]],
 ];
 
-// Whether keys that are typed belong to an element.
-const typing = (element) => element?.closest?.("input, textarea, select, [contenteditable='true'], .cm-editor") != null;
+// Whether keys that are typed belong to an element. A field in which nothing has been typed leaves undo to the page.
+const TEXTS = "input:not([type=checkbox], [type=radio], [type=range], [data-clean]), textarea, [contenteditable='true'], .cm-editor";
+const typing = (element) => element?.closest?.(TEXTS) != null;
+const writing = (element) => typing(element) || element?.matches?.("[data-clean], select");
 
 export default {
   template: `
@@ -95,7 +99,7 @@ export default {
     key(event) {
       if (event.altKey || event.defaultPrevented || typing(event.target)) return;
       const [name, control] = [event.key.toLowerCase(), event.ctrlKey || event.metaKey];
-      if (event.key === "?" && !control) this.help();
+      if (event.key === "?" && !control && !writing(event.target)) this.help();
       else if (control && (name === "y" || (name === "z" && event.shiftKey))) this.$emit("redo");
       else if (control && name === "z") this.$emit("undo");
       else return;

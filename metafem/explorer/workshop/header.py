@@ -18,6 +18,10 @@ if TYPE_CHECKING:
     from metafem.explorer.page import Page
 
 
+# Seconds after which a design that is not finished is announced.
+LATE = 0.5
+
+
 class Header(Element, component="header.js", esm={"metafem-workshop": "js"}):
     """Shows the data of `header_data`, and emits ``model``, ``undo`` and ``redo``."""
 
@@ -35,8 +39,11 @@ def choose(page: Page, model: str) -> None:
         ui.notify(str(error), type="warning")
 
 
-def header_panel(page: Page) -> None:
-    """Make the head: the target in words, the status, the model, undo and redo, colours and help."""
+def header_panel(page: Page) -> Header:
+    """Make the head: the target in words, the status, the model, undo and redo, colours and help.
+
+    What is made within the returned element stands behind undo and redo.
+    """
     header = Header()
     header.on("undo", page.undo)
     header.on("redo", page.redo)
@@ -52,4 +59,15 @@ def header_panel(page: Page) -> None:
             shown.update(changed)
             header.run_method("show", changed)
 
+    def wait() -> None:
+        """Say that a design takes longer."""
+        late = page.number if page.number > page.answer.number else 0
+        if late and late == waited.get("for"):
+            shown.pop("status", None)
+            header.run_method("show", {"status": "designing…", "kind": ""})
+        waited["for"] = late
+
+    waited: dict[str, int] = {}
+    ui.timer(LATE, wait)
     page.listen(show)
+    return header

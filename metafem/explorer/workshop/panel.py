@@ -8,11 +8,14 @@ from typing import TYPE_CHECKING, Any
 from nicegui import ui
 from nicegui.element import Element
 
-from metafem.errors import InvalidInput
+from metafem.errors import InvalidInput, MetafemError
 from metafem.explorer.answer import Answer
 from metafem.explorer.text.fields import with_field
+from metafem.explorer.text.kinds import with_target_kind
 from metafem.explorer.workshop.changes import with_choice, with_section, without_section
 from metafem.explorer.workshop.form import contents, form
+from metafem.files import Specification
+from metafem.inversion import Design
 
 if TYPE_CHECKING:
     from metafem.explorer.page import Page
@@ -49,11 +52,18 @@ class Workshop:
     def _typed(self, key: str, text: str, released: bool) -> None:
         self._change(with_field, key, text, key=key, released=released)
 
-    def _kind(self, section: str, kind: str) -> None:
-        if kind:
-            self._typed(f"{section}.kind", kind, True)
-        else:
+    async def _kind(self, section: str, kind: str) -> None:
+        """Change the kind of a section; a target of another kind is near the present law."""
+        if not kind:
             self._change(without_section, section)
+        elif section == "target":
+            text, answer = self.page.state.text, self.page.answer
+            given = text, answer.specification, answer.design, kind
+            found = await self.page.in_thread(_near, *given)
+            if self.page.state.text == text:
+                self._change(lambda _, __: found, "target.kind")
+        else:
+            self._typed(f"{section}.kind", kind, True)
 
     def _change(
         self, change: Callable[..., str], *given: Any, key: str | None = None, released: bool = True
@@ -84,6 +94,14 @@ class Workshop:
         if changed:
             self.shown |= changed
             self.fields.run_method("show", changed)
+
+
+def _near(text: str, specification: Specification | None, design: Design | None, kind: str) -> str:
+    """Return the text with a target of another kind, near the law of a design where one is found."""
+    try:
+        return with_target_kind(text, specification, design, kind)
+    except MetafemError:
+        return with_field(text, "target.kind", kind)
 
 
 def workshop_panel(page: Page) -> None:

@@ -4,6 +4,7 @@ import tomllib
 
 import pytest
 
+from metafem.errors import InvalidInput
 from metafem.explorer.text.fields import with_field
 from metafem.explorer.workshop.changes import with_choice, with_section, without_section
 from metafem.explorer.workshop.form import contents, form
@@ -116,3 +117,22 @@ def test_every_key_has_a_field():
         for key in keys
         if key.value != "section"
     }
+
+
+@pytest.mark.parametrize(
+    ("key", "given", "words"),
+    [
+        ("lattice.pitch", "2", 'Needs a unit; write for example "1.5 mm".'),
+        ("limits.max_height", "-1 um", "Must be greater than 0 um."),
+        ("friction.area_ratio", "0,9", "Must be a number, without quotes and unit"),
+        ("lattice.shape", "8, a b", "lattice.shape[1] = "),
+        ("target.kind", "linar", 'Is unknown; did you mean linear? (known: '),
+    ],
+)  # fmt: skip
+def test_a_problem_at_its_field_leaves_out_what_stands_there(key, given, words):
+    text = TEXT.replace('kind = "operating-points"', f'kind = "{given}"')
+    text = text if key == "target.kind" else with_field(TEXT, key, given)
+    with pytest.raises(InvalidInput) as caught:
+        parsed(text)
+    found = contents(text, {key: caught.value.problems[0]})
+    assert found["problems"][key].startswith(words)
