@@ -168,8 +168,8 @@ export class Hand {
       event.preventDefault();
       const i = this.handles.findIndex((each) => each.id === id);
       this.plot.emit("remove", { id });
-      const next = this.handles[i + 1] ?? this.handles[i - 1]; // the focus stays among the handles
-      this.nodes.get(next?.id)?.focus();
+      // the handles behind it take its place and its name; the focus stays among them
+      if (i === this.handles.length - 1) this.nodes.get(this.handles[i - 1]?.id)?.focus();
     }
   }
 }

@@ -1,0 +1,202 @@
+"""The law in a browser: moved by mouse, keys and touch, refused, compared, and measured points dropped."""
+
+import pytest
+
+from metafem.explorer.answer import answered
+from metafem.explorer.session import State
+from validation.scenes.browser import browser_path, opened
+from validation.scenes.explorer import served, visited
+
+pytestmark = pytest.mark.skipif(browser_path() is None, reason="no chromium is installed")
+
+FORCES = "load_N,friction_force_N,friction_force_sd_N\n0.1,0.12,0.02\n0.3,0.4,0.02\n0.6,0.8,0.02\n"
+
+# A file that is dropped onto the plot.
+DROPPED = """([name, content]) => {
+  const files = new DataTransfer();
+  files.items.add(new File([new Uint8Array(content)], name));
+  document.querySelector('.law-plot').dispatchEvent(
+    new DragEvent('drop', { dataTransfer: files, bubbles: true, cancelable: true }));
+}"""
+
+
+@pytest.fixture(scope="module")
+def browser():
+    """The browser, closed after the tests of this file: its event loop would disturb those of others."""
+    with opened() as started:
+        yield started
+
+
+@pytest.fixture(scope="module")
+def server():
+    """An explorer of the demo."""
+    with served() as running:
+        yield running
+
+
+@pytest.fixture
+def visit(browser, server):
+    """A page of its own, which makes no errors."""
+    with visited(browser, server) as opened_page:
+        yield opened_page
+        assert opened_page.errors == []
+    assert server.said == ""
+
+
+def target(visit):
+    """Return the target of the text."""
+    return answered(State(visit.text), 1).specification.target
+
+
+def said(visit):
+    """Return what stands below the plot."""
+    return visit.page.locator(".law-live span").inner_text()
+
+
+def test_a_dragged_point_changes_the_text_and_a_refused_one_returns(visit):
+    visit.drag("point-1", 12, -20)
+    moved = target(visit)
+    assert moved.rescaled_friction[1] > 1.7
+    before = visit.asked
+    x, y = visit.middle("point-1")
+    visit.page.mouse.move(x, y)
+    visit.page.mouse.down()
+    visit.page.mouse.move(x, y - 60, steps=4)
+    visit.page.mouse.move(20.0, y - 160, steps=4)
+    visit.page.locator(".handle.refused").wait_for()
+    assert "mm^2" in visit.page.locator(".law-refusal span").inner_text()
+    assert visit.page.locator("path.achieved.old").count() == 1
+    visit.page.mouse.up()
+    visit.settled(before)
+    visit.page.wait_for_function("() => document.querySelector('.law-refusal').hidden")
+    assert said(visit).startswith("Refused. The point is back to")
+    assert answered(State(visit.text), 1).current
+
+
+@pytest.mark.slow
+def test_points_are_moved_added_and_removed_by_keys(visit):
+    page = visit.page
+    page.locator('.handle[data-id="point-1"]').focus()
+    for keys, change in (("ArrowUp", 0.01), ("Shift+ArrowUp", 0.1)):
+        before, friction = visit.asked, target(visit).rescaled_friction[1]
+        page.keyboard.press(keys)
+        visit.settled(before)
+        assert target(visit).rescaled_friction[1] - friction == pytest.approx(change, rel=0.5)
+        assert said(visit).startswith("point 2 of 3: load 0.336 mm², friction ")
+    before = visit.asked
+    page.keyboard.press("a")
+    visit.settled(before)
+    assert len(visit.handles()) == 4
+    page.locator('.handle[data-id="point-2"]').focus()
+    before = visit.asked
+    page.keyboard.press("Delete")
+    visit.settled(before)
+    assert len(visit.handles()) == 3
+    assert page.evaluate("() => document.activeElement.classList.contains('handle')")
+    page.locator(".load-knob").focus()
+    before, text = visit.asked, visit.text
+    page.keyboard.press("Shift+ArrowLeft")
+    visit.settled(before)
+    assert visit.text == text
+    assert float(page.locator(".load-knob").get_attribute("aria-valuenow")) < 0.7
+
+
+@pytest.mark.slow
+def test_the_nearest_law_is_taken_and_every_kind_can_be_dragged(visit):
+    page = visit.page
+    for kind in ("linear", "bilinear", "power", "multilinear", "sampled", "operating-points"):
+        before = visit.asked
+        page.locator(".law-kind").select_option(kind)
+        visit.settled(before)
+        visit.drag(visit.handles()[-1], 8, -6)
+        answer = answered(State(visit.text), 1)
+        assert answer.current, (kind, answer.refused)
+    x, y = visit.middle("point-2")
+    before = visit.asked
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x, 100, steps=5)
+    page.locator(".handle.refused").wait_for()
+    page.mouse.up()
+    visit.settled(before)
+    kept, before = target(visit), visit.asked
+    page.locator(".law-live .law-use").click()
+    visit.settled(before)
+    assert target(visit) != kept
+    assert answered(State(visit.text), 1).current
+
+
+@pytest.mark.slow
+def test_further_models_and_newtons_are_shown_beside_the_law(visit):
+    page = visit.page
+    page.locator(".law-beside summary").click()
+    for name in ("half-space", "layer"):
+        page.get_by_label(name, exact=True).check()
+    page.locator("path.other").nth(1).wait_for(state="attached")
+    legend = page.locator(".law-legend").inner_text()
+    assert "half-space, differs by" in legend
+    assert "layer, differs by" in legend
+    page.keyboard.press("Escape")
+    text = visit.text
+    page.get_by_role("button", name="N", exact=True).click()
+    page.locator("text.title", has_text="friction force F [N]").wait_for(state="attached")
+    assert visit.text == text
+    before = visit.asked
+    visit.drag("point-0", 5, -3)
+    assert visit.asked > before
+    assert "mm^2" in visit.text.split("[material]")[0].split("rescaled_load =")[1]
+
+
+@pytest.mark.slow
+def test_measured_points_are_shown_used_and_removed(visit):
+    page = visit.page
+    before = visit.asked
+    page.evaluate(DROPPED, ["m.csv", list(FORCES.encode())])
+    visit.settled(before)
+    assert page.locator(".measured g").count() == 3
+    assert "m.csv: the achieved law differs by" in page.locator(".law-legend").inner_text()
+    before = visit.asked
+    page.get_by_role("button", name="Use as target").click()
+    visit.settled(before)
+    assert type(target(visit)).__name__ == "SampledLaw"
+    before = visit.asked
+    page.get_by_role("button", name="Remove", exact=True).first.click()
+    visit.settled(before)
+    assert page.locator(".measured g").count() == 0
+
+
+@pytest.mark.slow
+def test_other_files_are_refused_and_change_nothing(visit):
+    text = visit.text
+    for content, words in (
+        (b"\x89PNG\r\n\x1a\n\xff\xfe", "is not a text file"),
+        (b"", "is empty"),
+        (b"a,b\n1,2\n", "name its columns"),
+        (b"load_N,friction_force_N\n0.1,nan\n", "is not a finite number"),
+        (b"x" * 100_001, "100 kB"),
+    ):
+        visit.page.evaluate(DROPPED, ["m.csv", list(content)])
+        visit.page.locator(".law-live.wrong span", has_text=words).wait_for()
+        assert "m.csv" in said(visit)
+    assert visit.text == text
+    assert visit.page.locator(".measured g").count() == 0
+
+
+@pytest.mark.slow
+def test_points_are_dragged_by_touch(browser, server):
+    with visited(browser, server, 390, 844) as visit:
+        x, y = visit.middle("point-1")
+        session = visit.page.context.new_cdp_session(visit.page)
+        before = visit.asked
+
+        def touch(kind, *points):
+            session.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": list(points)})
+
+        touch("touchStart", {"x": x, "y": y})
+        for i in range(1, 6):
+            touch("touchMove", {"x": x + i, "y": y - 2 * i})
+        touch("touchEnd")
+        visit.settled(before)
+        assert target(visit).rescaled_friction[1] > 1.68
+        width = visit.page.evaluate("() => document.documentElement.scrollWidth")
+        assert width <= 390
