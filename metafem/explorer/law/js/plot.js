@@ -11,6 +11,8 @@ import { MARGIN, View } from "./view.js";
 
 // Pixels that a pointer may move during a click.
 const STILL = 4;
+// Pixels between a point and the reason of its refusal.
+const APART = 18;
 
 export class Plot {
   view = new View();
@@ -107,7 +109,7 @@ export class Plot {
     if (!this.hand.held) this.fit();
     this.cursor.x = data.cursor;
     this.tools.draw(data.tools);
-    drawLegend(this.legend, this.data, this.emit);
+    this.drawLegend();
     this.paint();
     this.root.dataset.answered = data.number;
   }
@@ -119,7 +121,7 @@ export class Plot {
     Object.assign(this.data, curves);
     this.beside = curves;
     if (errors.length) this.say(errors.join(" "), true);
-    drawLegend(this.legend, this.data, this.emit);
+    this.drawLegend();
     this.paint();
     this.root.dataset.beside = number;
   }
@@ -151,6 +153,11 @@ export class Plot {
     this.drawRefusal();
   }
 
+  // A legend of other lines would change the height of the plot, and so the scale under the hand.
+  drawLegend() {
+    if (!this.hand.held) drawLegend(this.legend, this.data, this.emit);
+  }
+
   // The target's curve, whose corners at handles follow the hand.
   wanted() {
     const { wanted } = this.data;
@@ -169,11 +176,20 @@ export class Plot {
     if (this.reason.textContent !== data.refusal) this.reason.textContent = data.refusal;
     refusal.querySelector(".law-use").hidden = data.nearest === null || Boolean(hand.held);
     refusal.classList.toggle("passive", Boolean(hand.held));
-    const handle = hand.held && hand.current;
-    const left = handle ? view.px(handle.x) + 16 : MARGIN.left + 16;
-    const top = handle ? view.py(handle.y) + 16 : MARGIN.top + 8;
+    refusal.querySelector(".law-nearest").hidden = data.nearest === null || !hand.held; // else in the legend
+    const [left, top] = this.besideOf(hand.held && hand.current, refusal.offsetWidth, refusal.offsetHeight);
     refusal.style.left = `${Math.max(4, Math.min(left, view.width - refusal.offsetWidth - 4))}px`;
     refusal.style.top = `${Math.max(4, Math.min(top, view.height - refusal.offsetHeight - 4))}px`;
+  }
+
+  // Where a box covers no law, which rises from the left to the right: above it and to the left of a point, or
+  // below it and to the right.
+  besideOf(handle, width, height) {
+    if (!handle) return [MARGIN.left + 16, MARGIN.top + 8];
+    const [x, y] = [this.view.px(handle.x), this.view.py(handle.y)];
+    if (handle.x / this.view.x > handle.y / this.view.y) return [x + APART, y + APART];
+    const left = x - width - APART;
+    return left < MARGIN.left ? [left, y - height - APART] : [left, y - APART];
   }
 
   // Says something below the plot, also to screen readers.
