@@ -29,6 +29,9 @@ START = 0.25
 # Distance from the bound of what can be reached in units of the resolution: rounding moves by half of one.
 INSIDE = 4.0
 
+# Most sites for which designs are tried: with more, each takes longer than a person waits for a click.
+MOST_TRIED = 256
+
 # The members of a target of each kind: slopes and loads in mm^2.
 Numbers = dict[str, Any]
 
@@ -43,9 +46,9 @@ def with_target_kind(
 ) -> str:
     """Return the text with a target of another kind near the law of the last design.
 
-    It can be reached by independent asperities where one of the attempts can. Without a design the values are
-    the examples of the manual. With `newtons` the values are forces and friction coefficients where the
-    specification has a friction; default: as in the target before.
+    Up to 256 sites it can be reached by independent asperities where one of the attempts can. Without a
+    design the values are the examples of the manual. With `newtons` the values are forces and friction
+    coefficients where the specification has a friction; default: as in the target before.
 
     Raises
     ------
@@ -63,10 +66,10 @@ def with_target_kind(
     """
     document = Document(text)
     if kind not in ATTEMPTS:
-        raise InvalidInput(f'the kind of target "{kind:.40}" is unknown (known: {", ".join(ATTEMPTS)})')
+        raise InvalidInput(f'kind = "{kind:.40}" is unknown (known: {", ".join(ATTEMPTS)})')
     if specification is None or design is None:
         return document.with_kind("target", kind)
-    if kind == document.value("target.kind"):
+    if kind == document.value("target.kind") and newtons is None:
         return text
     scene, tables = Scene(document, specification, design), _tables(document, specification)
     wording, template = scene.target.wording, specification.template
@@ -77,7 +80,7 @@ def with_target_kind(
     for numbers in ATTEMPTS[kind](*_present(design)):
         found = document.with_kind("target", kind, _written(numbers, scene, wording, resolution))
         first = first or found
-        nearest = _nearest(found, tables)
+        nearest = _nearest(found, tables) if template.count <= MOST_TRIED else None
         if nearest is None:
             return found
         inside = {name: _beyond(numbers[name], getattr(nearest, name, None), resolution) for name in numbers}
