@@ -87,7 +87,9 @@ def answered(state: State, number: int, before: Answer | None = None) -> Answer:
 
 def specification_of(state: State) -> Specification:
     """Return the specification of a state, or raise InvalidInput."""
-    return parsed(state.text, {name: text.encode("utf-8") for name, text in state.tables.items()})
+    # half a pair of surrogates, which a browser can send, is then refused as not UTF-8
+    tables = {name: text.encode("utf-8", "surrogatepass") for name, text in state.tables.items()}
+    return parsed(state.text, tables)
 
 
 def _designs_the_same(one: State, other: State) -> bool:

@@ -78,3 +78,10 @@ def test_a_table_is_read_from_the_state():
     table = "rescaled_load_mm2,rescaled_friction_mm2\n0.1,0.5\n0.2,1.0\n0.3,1.6\n"
     assert answered(State(text, {"wanted.csv": table}), 1).current
     assert "wanted.csv" in answered(State(text), 1).refused
+
+
+def test_a_table_with_half_a_character_is_a_problem_of_its_key():
+    text = demo_text("linear").replace('"linear"', '"sampled"').replace("slope = 6.87", 'file = "a.csv"')
+    (problem,) = answered(State(text, {"a.csv": "load_N,\ud800"}), 1).problems.items()
+    assert problem[0] == "target.file"
+    assert "is not UTF-8" in problem[1]
