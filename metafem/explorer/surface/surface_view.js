@@ -6,6 +6,9 @@ import { words } from "metafem-surface/values.js";
 const HELP = "Arrow keys move between the sites, with Shift they select. Enter opens the menu, p keeps the height, e leaves the site empty, r lets the design choose, Escape ends the selection.";
 const MOVES = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 
+// Room beside a site that the menu needs [pixels].
+const MENU = 270;
+
 export default {
   template: `
     <div class="surface-view fill" data-answered="0">
@@ -151,7 +154,9 @@ export default {
       const { map } = this.views;
       this.typed = "";
       this.describe();
-      this.menu = this.beside(map.view.px(this.layout.x[map.active]), map.view.py(this.layout.y[map.active]), map.selected.size > 1);
+      const x = map.view.px(this.layout.x[map.active]);
+      const room = Math.max(x, this.$refs.map.clientWidth - x);
+      this.menu = this.beside(x, map.view.py(this.layout.y[map.active]), map.selected.size > 1 || room < MENU);
     },
     describe() {
       const { surface, views: { map } } = this;

@@ -7,6 +7,9 @@ export const EXAGGERATION = { first: 4, most: 20 };
 // Direction from which the camera looks first, and its field of view [degrees].
 const [FROM, FIELD] = [[-0.55, -1, 0.8], 32];
 
+// Milliseconds without new data after which the picture is drawn, and after which it is drawn in any case.
+const [QUIET, LONGEST] = [200, 1000];
+
 // Segments of a cap: fewer for many, of which each is small.
 const segments = (count) => (count > 1500 ? [12, 4] : count > 200 ? [20, 6] : [40, 12]);
 
@@ -43,6 +46,8 @@ export class Relief {
   }
 
   end() {
+    clearTimeout(this.timer);
+    this.ended = true;
     this.observer?.disconnect();
     this.controls?.dispose();
     this.clear();
@@ -79,16 +84,18 @@ export class Relief {
     });
   }
 
-  // Takes the newest data when the browser has nothing else to do.
+  // Takes the newest data when none have come for a while and the browser has nothing else to do: a picture with each
+  // step of a drag would delay the law where the graphics are computed by the processor.
   show(layout, surface, contacts, what) {
     this.newest = { layout, surface, contacts, what };
-    if (this.waiting) return;
-    this.waiting = true;
-    const idle = window.requestIdleCallback ?? ((call) => setTimeout(call, 50));
-    idle(() => {
-      this.waiting = false;
-      this.draw();
-    }, { timeout: 2000 });
+    const now = performance.now();
+    this.since ??= now;
+    clearTimeout(this.timer);
+    const idle = window.requestIdleCallback ?? ((call) => call());
+    this.timer = setTimeout(() => idle(() => {
+      this.since = null;
+      if (!this.ended) this.draw();
+    }, { timeout: LONGEST }), Math.max(0, Math.min(QUIET, this.since + LONGEST - now)));
   }
 
   draw() {
