@@ -1,7 +1,9 @@
 """Settings, scenes and results that tests share."""
 
+import fcntl
 import gc
 import json
+import os
 from collections import Counter
 from functools import cache
 from pathlib import Path
@@ -80,16 +82,23 @@ def rough(template):
 def demo_results(tmp_path_factory):
     """A function that returns the folder in which a demo ran, and the data that it printed.
 
-    Each demo runs once, with ``--json``. The folder is read only: copy what a test changes.
+    Each demo runs once for all processes, with ``--json``. The folder is read only: copy what a test changes.
     """
+    base = tmp_path_factory.getbasetemp()
+    shared = base.parent if "PYTEST_XDIST_WORKER" in os.environ else base
 
     @cache
     def made(name):
-        folder = tmp_path_factory.mktemp(name)
-        with pytest.MonkeyPatch.context() as patch:
-            patch.chdir(folder)
-            result = CliRunner().invoke(cli.main, ["demo", name, "--json"])
-        assert result.exit_code == 0, result.output
-        return folder, json.loads(result.stdout)
+        folder, printed = shared / f"demo-{name}", shared / f"demo-{name}.json"
+        with (shared / f"demo-{name}.lock").open("w") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)  # until the file is closed
+            if not printed.exists():
+                folder.mkdir()
+                with pytest.MonkeyPatch.context() as patch:
+                    patch.chdir(folder)
+                    result = CliRunner().invoke(cli.main, ["demo", name, "--json"])
+                assert result.exit_code == 0, result.output
+                printed.write_text(result.stdout, "utf-8")
+        return folder, json.loads(printed.read_text("utf-8"))
 
     return made

@@ -123,7 +123,7 @@ def test_demo_writes_the_specification_and_the_whole_folder(demo, name):
     assert mf.load(name).misfit == data["misfit"]
 
 
-def test_existing_files_are_kept_without_force(run, demo):
+def test_existing_files_are_kept_without_force(run, demo, request):
     Path("linear.toml").write_text("mine", "utf-8")
     result = run("demo", "linear")
     assert (result.exit_code, "linear.toml exists" in result.output) == (2, True)
@@ -133,6 +133,7 @@ def test_existing_files_are_kept_without_force(run, demo):
     assert Path("linear.toml").read_text("utf-8") == "mine"
     Path("linear.toml").unlink()
     demo("linear")
+    request.getfixturevalue("plain_reports")  # the demo of all tests has its pictures
     Path("metafem.schema.json").write_text("mine", "utf-8")
     assert "metafem.schema.json exists and differs" in run("demo", "linear", "--force").stderr
     assert Path("metafem.schema.json").read_text("utf-8") == "mine"
@@ -327,6 +328,7 @@ def test_a_model_without_its_block_names_the_section(run, model):
     assert (result.exit_code, "add [block]" in result.output) == (2, True), result.output
 
 
+@pytest.mark.usefixtures("plain_reports")
 @pytest.mark.usefixtures("plain_reports")
 @pytest.mark.parametrize(
     ("changes", "words"),

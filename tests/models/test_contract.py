@@ -242,7 +242,7 @@ def test_layers_of_every_thickness_and_poisson_ratio(thickness, poisson_ratio):
     st.floats(0.0, 1.5),
     st.sampled_from([*MODELS, *LAW_OF]),
 )
-@settings(max_examples=200)
+@settings(max_examples=120)
 def test_random_scenes_converge(count, seed, approach, spread, decades, model):
     rng = np.random.default_rng(seed)
     place = 1.5 * np.column_stack([np.arange(count) % 4, np.arange(count) // 4])

@@ -15,6 +15,7 @@ from metafem.report.sections.exactness import exactness_section
 from metafem.studies.sampling.store import Store
 
 
+@pytest.mark.usefixtures("plain_reports")
 def test_study_prints_its_table_and_keeps_its_file(run):
     text = demo_text("linear").replace("[8, 8]", "[3, 3]").replace('height_step = "6 um"', "")
     Path("small.toml").write_text(text, "utf-8")
