@@ -14,6 +14,7 @@ import sys
 import threading
 import weakref
 from collections.abc import Callable
+from contextlib import suppress
 from functools import partial
 from typing import Any
 
@@ -80,7 +81,8 @@ class Background:
         except (OSError, pickle.PicklingError, TypeError, AttributeError) as error:
             self._report(self._end, self.on_error, MetafemError(f"no process could be started: {error}"))
             return
-        with process:
+        # closing the input of a process that has ended writes what is left of the request
+        with suppress(BrokenPipeError), process:
             self._exchange(process, request)
             process.kill()
 

@@ -118,6 +118,12 @@ def test_a_stopped_process_ends_and_reports_nothing_more():
     assert (task.running, code, reports) == (False, -signal.SIGKILL, [])
 
 
+def test_a_process_that_ends_before_it_has_read_its_request_is_reported(monkeypatch):
+    monkeypatch.setattr("metafem.explorer.certainty.background._program", lambda: "raise SystemExit(3)")
+    with pytest.raises(MetafemError, match=r"exit code 3"):
+        asyncio.run(outcome(printing, "0.12 mm" * 100_000))
+
+
 def test_a_computation_that_is_stopped_at_once_never_begins():
     async def scene():
         reports = []
