@@ -118,6 +118,14 @@ def test_kinds_and_sections_are_changed(browser, server):
         assert visit.errors == []
 
 
+# Drops a file of a name and a text.
+DROP = """(place, [name, text]) => {
+  const dataTransfer = new DataTransfer();
+  dataTransfer.items.add(new File([text], name));
+  place.dispatchEvent(new DragEvent('drop', { dataTransfer, bubbles: true, cancelable: true }));
+}"""
+
+
 def test_the_text_and_the_fields_follow_each_other(browser, server, tmp_path):
     with visited(browser, server) as visit:
         page = visit.page
@@ -145,6 +153,12 @@ def test_the_text_and_the_fields_follow_each_other(browser, server, tmp_path):
         page.locator('input[type="file"][accept*=".toml"]').set_input_files(tmp_path / "picture.toml")
         page.get_by_text("picture.toml is not a text in UTF-8.").wait_for()
         assert visit.text == demo_text("linear")
+        before = visit.asked
+        page.locator(".law-svg").evaluate(DROP, ["bilinear.toml", demo_text("bilinear")])
+        visit.settled(before)
+        assert visit.text == demo_text("bilinear")
+        page.locator(".bar").evaluate(DROP, ["law.csv", "load_N,friction_force_N\n1,2\n"])
+        page.get_by_text("law.csv is a table.").wait_for()
         assert visit.errors == []
 
 

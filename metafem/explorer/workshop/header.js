@@ -1,6 +1,6 @@
 // The head of the page: the target in words, the status, the model, undo and redo, the colours, help.
-// It also takes the files that are dropped beside everything that wants them.
-import { filesOf } from "metafem-workshop/files.js";
+// It also takes the files that are dropped, but for tables on the plot of the law.
+import { filesOf, holdsSpecification } from "metafem-workshop/files.js";
 
 const THEMES = { light: "Light", auto: "Auto", dark: "Dark" };
 const [THEME, HINT] = ["metafem-theme", "metafem-hint"];
@@ -80,12 +80,12 @@ export default {
     this.choose(this.theme in THEMES ? this.theme : "auto");
     document.addEventListener("keydown", this.key);
     document.addEventListener("dragover", this.over);
-    document.addEventListener("drop", this.drop);
+    document.addEventListener("drop", this.drop, true);
   },
   unmounted() {
     document.removeEventListener("keydown", this.key);
     document.removeEventListener("dragover", this.over);
-    document.removeEventListener("drop", this.drop);
+    document.removeEventListener("drop", this.drop, true);
   },
   methods: {
     show(data) {
@@ -115,8 +115,11 @@ export default {
       if (event.dataTransfer?.types.includes("Files")) event.preventDefault();
     },
     async drop(event) {  // the browser would leave the page and open the file
-      if (event.defaultPrevented || !event.dataTransfer?.types.includes("Files")) return;
+      if (!event.dataTransfer?.types.includes("Files")) return;
+      if (event.target.closest?.(".law-plot") && !holdsSpecification(event.dataTransfer)) return;  // a measured law
       event.preventDefault();
+      event.stopPropagation();
+      event.target.closest?.(".dropping")?.dispatchEvent(new Event("dragleave"));
       this.$emit("load", { files: await filesOf(event.dataTransfer) });
     },
     close() {

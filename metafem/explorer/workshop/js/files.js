@@ -21,6 +21,11 @@ const inFolder = (entry) => new Promise((done) => {
   next();
 });
 
+// Whether what was dropped is a specification or a folder.
+export function holdsSpecification(transfer) {
+  return [...transfer.files].some((file) => /\.toml$/i.test(file.name)) || [...transfer.items ?? []].some((item) => item.webkitGetAsEntry?.()?.isDirectory);
+}
+
 export async function filesOf(transfer) {
   // Entries must be taken before the first wait: the browser empties the transfer afterwards.
   const entries = [...transfer.items ?? []].map((item) => item.webkitGetAsEntry?.()).filter(Boolean);
