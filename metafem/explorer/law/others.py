@@ -96,8 +96,9 @@ class Block:
         self.changed()
 
     def stop(self) -> None:
-        """End the computation."""
+        """End the computation, and show its law no longer."""
         self.tasks.stop(SLOW)
+        self.design = self.law = None
         self.changed()
 
     def of(self, design: Design | None) -> Other | None:

@@ -163,7 +163,7 @@ class LawPanel:
 
     @telling
     def on_block(self, event: Event) -> None:
-        """Start or stop the law under the block."""
+        """Start the law under the block, or stop or hide it."""
         design = self.page.answer.design
         if event["on"] and design is not None:
             self.beside.block.start(design)

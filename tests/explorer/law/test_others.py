@@ -80,6 +80,8 @@ def test_the_law_under_the_block_belongs_to_one_surface(answer):
     assert block.of(answered(State(TEXT.replace("0.84", "0.85")), 7).design) is None
     block._failed(mf.errors.NotConverged("no solution"))
     assert block.of(design).error == "block: no solution"
+    block.stop()
+    assert block.of(design) is None
     assert (
         compared(design, "x", (design.law.rescaled_load[::-3][::-1], design.law.area[::-3][::-1])).difference
         == 0.0

@@ -36,7 +36,7 @@ export class Tools {
     this.block = made("button", { type: "button", className: "act law-block" });
     this.block.addEventListener("click", () => {
       if (this.missing) say(this.missing, true);
-      else emit("block", { on: !this.running });
+      else emit("block", { on: !this.running && !this.shown });
     });
     this.step = made("span", { className: "small quiet law-step" });
   }
@@ -78,10 +78,9 @@ export class Tools {
   // The law under the block takes seconds to a minute, in a process that can be stopped.
   drawBlock(block) {
     if (!block) return;
-    [this.running, this.missing] = [block.running, block.missing];
-    const words = block.running ? "Stop the block" : block.shown ? "block: shown" : "Compute the block";
+    [this.running, this.shown, this.missing] = [block.running, block.shown, block.missing];
+    const words = block.running ? "Stop the block" : block.shown ? "Hide the block" : "Compute the block";
     if (this.block.textContent !== words) this.block.textContent = words;
-    this.block.disabled = block.shown && !block.running;
     this.block.ariaDisabled = String(block.missing !== "");
     if (this.step.textContent !== block.step) this.step.textContent = block.step;
     this.models.querySelector("summary").textContent = block.running ? "Other models (block is computed …)" : "Other models";
