@@ -17,6 +17,10 @@ from metafem.inversion.targets.straight import StraightLaw
 
 Line = tuple[FloatArray, FloatArray]
 
+# What the shaded band is: its bounds are proven for independent asperities.
+INDEPENDENT = "reach of any surface within the limits"
+COUPLED = "reach of independent asperities within the limits"
+
 
 def law_data(answer: Answer, handles: Sequence[Handle] = (), request: int | None = None) -> dict[str, Any]:
     """Return the curves and handles of an answer in the units that are shown.
@@ -31,6 +35,7 @@ def law_data(answer: Answer, handles: Sequence[Handle] = (), request: int | None
         **units.axes(),
         "achieved": None,
         "model": "",
+        "reach": INDEPENDENT,
         "wanted": None,
         "marked": isinstance(target, OperatingPoints),
         "nearest": None,
@@ -43,6 +48,7 @@ def law_data(answer: Answer, handles: Sequence[Handle] = (), request: int | None
         law = answer.design.law
         data["achieved"] = units.curve(law.rescaled_load, law.rescaled_friction)
         data["model"] = law.model.name
+        data["reach"] = COUPLED if law.model.couples else INDEPENDENT
     if answer.nearest is not None:
         data["nearest"] = units.curve(*answer.nearest) | {"marked": data["marked"]}
     if target is not None:

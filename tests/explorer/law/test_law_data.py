@@ -91,6 +91,12 @@ def test_adhesion_has_no_proven_reach():
     assert Reach().of(answered(State(text), 1).specification) is None
 
 
+def test_the_reach_is_told_as_that_of_independent_asperities_where_they_interact(answer):
+    text = TEXT.replace('kind = "independent"', 'kind = "half-space"')
+    assert law_data(answer)["reach"] == "reach of any surface within the limits"
+    assert "independent asperities" in law_data(answered(State(text), 1))["reach"]
+
+
 def test_curves_have_a_bounded_number_of_points_and_no_nan():
     x = np.linspace(0.0, 1.0, 5001)
     curve = Units().curve(x, x**2)
