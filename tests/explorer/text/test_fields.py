@@ -10,12 +10,11 @@ import metafem as mf
 from metafem.explorer.text.document import Document
 from metafem.explorer.text.fields import shown, typed_value, with_field, with_section, without_section
 from metafem.files import demo_text, parsed, problem_key, section_forms
-from metafem.files.specification.demos import DEMOS
 
 LINEAR = demo_text("linear")
 MULTILINEAR = Document(LINEAR).with_kind("target", "multilinear")
 ADHESIVE = Document(LINEAR).with_kind("contact", "jkr")
-TEXTS = [*map(demo_text, DEMOS), MULTILINEAR, ADHESIVE, Document(LINEAR).with_kind("target", "sampled")]
+TEXTS = [demo_text("operating-points"), MULTILINEAR, ADHESIVE]
 
 
 def keys_of(text):

@@ -168,6 +168,7 @@ def test_a_point_stays_between_its_neighbours():
     assert 0.0 < target.rescaled_load[0] < 1e-3
 
 
+@settings(max_examples=40)
 @given(
     st.floats(0.0, 10.0), st.floats(1e-9, 10.0), st.floats(1e-12, 1.0), st.sampled_from([1e-2, 1e-3, 1e-6])
 )
@@ -232,7 +233,7 @@ def test_what_is_optional_is_removed_by_its_handle():
     assert target_of(removed(text, specification, "prefactor")).prefactor is None
 
 
-@settings(deadline=None, max_examples=30)
+@settings(deadline=None, max_examples=20)
 @given(
     st.sampled_from(sorted(TARGETS)),
     st.lists(
