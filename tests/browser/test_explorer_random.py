@@ -28,6 +28,27 @@ MIDDLES = """() => [...document.querySelectorAll('.handle')].map(each => {
   return [each.dataset.id, box.x + box.width / 2, box.y + box.height / 2];
 })"""
 
+# Keys and texts of all fields, apart from the numbers of asperities, which set the time of a design.
+FIELDS = """() => [...document.querySelectorAll('.fields input.text')]
+  .filter(each => each.dataset.key !== 'lattice.shape').map(each => [each.dataset.key, each.value])"""
+
+# Types a text into a field and leaves it.
+TYPED = """([key, text]) => {
+  const field = document.querySelector(`.fields input[data-key="${key}"]`);
+  field.focus();
+  field.value = text;
+  field.dispatchEvent(new Event('input', { bubbles: true }));
+  field.dispatchEvent(new Event('change', { bubbles: true }));
+}"""
+
+# Chooses an entry of a list by a number from 0 to 1.
+CHOSEN = """([name, part]) => {
+  const list = document.querySelector(name);
+  if (!list || list.disabled) return;
+  list.selectedIndex = Math.floor(part * list.options.length);
+  list.dispatchEvent(new Event('change', { bubbles: true }));
+}"""
+
 # Clicks a button of the head a few times.
 CLICKED = """([word, times]) => {
   const named = each => (each.ariaLabel ?? each.innerText).startsWith(word);
@@ -42,8 +63,8 @@ class Hand:
     def __init__(self, visit, seed):
         self.visit, self.page, self.rng = visit, visit.page, np.random.default_rng(seed)
         chances = {
-            self.drag: 0.45, self.nudge: 0.15, self.undo: 0.13, self.redo: 0.08,
-            self.add: 0.06, self.remove: 0.05, self.site: 0.08,
+            self.drag: 0.40, self.nudge: 0.14, self.undo: 0.13, self.redo: 0.08, self.add: 0.05,
+            self.remove: 0.04, self.site: 0.07, self.field: 0.06, self.kind: 0.02, self.model: 0.01,
         }  # fmt: skip
         self.steps, self.chances = list(chances), list(chances.values())
 
@@ -96,6 +117,27 @@ class Hand:
             self.page.keyboard.press(key)
         self.page.keyboard.press(self.rng.choice(["p", "e", "r"]))
 
+    def field(self):
+        """Type a value into a field: a number near the present one, or at times what it cannot be."""
+        fields = self.page.evaluate(FIELDS)
+        key, given = fields[self.rng.integers(len(fields))]
+        number = re.search(r"[\d.]+", given)
+        if number is None or self.rng.random() < 0.2:
+            text = self.rng.choice(["", "12", "abc", "-5 um", "1e400 mm", "]", '"'])
+        else:
+            near = f"{float(number[0]) * self.rng.uniform(0.9, 1.1):.3g}"
+            text = given.replace(number[0], near, 1)
+        self.page.evaluate(TYPED, [key, text])
+
+    def kind(self):
+        """Choose another kind of target."""
+        self.page.evaluate(CHOSEN, ['select[data-key="target.kind"]', self.rng.random()])
+
+    def model(self):
+        """Choose another model among those that take milliseconds."""
+        model = self.rng.choice(["independent", "mean-field", "half-space", "layer"])
+        self.page.locator('select[aria-label="Model"]').select_option(model)
+
     def undo(self, word="Undo"):
         """Undo a few steps."""
         self.page.evaluate(CLICKED, [word, int(self.rng.integers(1, 4))])
@@ -114,6 +156,7 @@ def downloaded(visit, name):
 
 def compared(visit):
     """Compare what the page shows with the design of its specification; return whether there is one."""
+    visit.page.get_by_role("tab", name="Take it").click()
     text = downloaded(visit, "spec.toml").decode()
     refused = visit.page.evaluate("() => getElement(document.querySelector('.law-plot')).plot.data.refusal")
     words, tables = "", {}
@@ -147,9 +190,9 @@ def test_random_steps_fail_nowhere_and_end_at_the_design_of_the_specification(tm
     spec = tmp_path / "points.toml"
     spec.write_text(text, "utf-8")
     with opened() as browser, served(spec) as server, visited(browser, server) as visit:
-        visit.page.get_by_role("tab", name="Take it").click()
         hand = Hand(visit, 0)
         for _ in range(STEPS // BATCH):
+            visit.page.get_by_role("tab", name="Workshop").click()
             for _ in range(BATCH):
                 hand.step()
             visit.at_rest()
@@ -157,5 +200,5 @@ def test_random_steps_fail_nowhere_and_end_at_the_design_of_the_specification(tm
                 hand.undo()
                 visit.at_rest()
             assert visit.errors == []
-            assert server.said == ""
+            assert server.said == "", server.said
         commanded(visit, tmp_path)
