@@ -43,7 +43,9 @@ HISTORY = """() => {
 
 # Times of pointer moves, and of the frames after which the answers are on the screen.
 WATCH = """() => {
-  const seen = { moves: [], drawn: [] };
+  const seen = { moves: [], drawn: [], sent: 0 };
+  const emit = socket.emit;
+  socket.emit = function (...given) { seen.sent += given[0] === 'event'; return emit.apply(this, given); };
   addEventListener('pointermove', () => seen.moves.push(performance.now()), true);
   const all = () => [...document.querySelectorAll('[data-answered]')];
   const shown = () => all().filter(each => each.checkVisibility());
@@ -74,6 +76,11 @@ MOVED = """async ([x, y, count]) => {
     if (waits()) throw Error(`move ${i} of a handle was not answered`);
   }
 }"""
+
+
+# Whether a move has been answered, or has asked for nothing: the handle stays where it can go no further.
+DRAWN = """([drawn, sent]) => seen.drawn.length > drawn
+  || (seen.sent === sent && performance.now() > seen.moves.at(-1) + 200)"""
 
 
 @dataclass
@@ -229,17 +236,18 @@ def latencies(visit: Visit, handle: str, moves: list[tuple[float, float]]) -> li
     page = visit.page
     page.evaluate(WATCH)
     x, y = visit.middle(handle)
-    before = visit.asked
+    asked = visit.asked
     page.mouse.move(x, y)
     page.mouse.down()
-    times = []
+    times: list[float] = []
     for right, down in moves:
-        count = page.evaluate("() => { seen.moves = []; return seen.drawn.length; }")
+        before = page.evaluate("() => { seen.moves = []; return [seen.drawn.length, seen.sent]; }")
         page.mouse.move(x + right, y + down)
-        page.wait_for_function("count => seen.drawn.length > count", arg=count, polling=5)
-        times.append(float(page.evaluate("() => seen.drawn.at(-1) - seen.moves.at(-1)")))
+        page.wait_for_function(DRAWN, arg=before, polling=5)
+        count, taken = page.evaluate("() => [seen.drawn.length, seen.drawn.at(-1) - seen.moves.at(-1)]")
+        times += [float(taken)] if count > before[0] else []
     page.mouse.up()
-    visit.settled(before)
+    visit.settled(asked)
     return times
 
 
