@@ -199,15 +199,21 @@ def _two_branches(
             replace(target, slopes=(first, first / 0.75), crossover_load=0.5 * full_load),
         )
 
+    # Where all the mass lies above a crossover height that is `depth` below the top, each asperity carries
+    # less than at that depth: the smallest depth. Beyond it the mass above decreases with the depth.
+    shallow = float(at_load(mixture.law, np.array([crossover / carrying]), mixture.radius)[0][0])
+    if float(plain.rescaled_load(top - shallow, carrying, *single)) == 0.0:
+        raise Infeasible(
+            f"{wording.slopes(first)} puts so few asperities near the top that double precision resolves no "
+            f"load at the crossover; lower the {wording.name()}"
+        )
+
     def weight(middle: float) -> float:
         return crossover / float(plain.rescaled_load(middle, carrying, *single))  # eq. S8, P_c/E*
 
     def upper_mass(depth: float) -> float:
         return weight(top - depth) * float(plain.mass(top - depth, top))
 
-    # Where all the mass lies above a crossover height that is `depth` below the top, each asperity carries
-    # less than at that depth: the smallest depth. Beyond it the mass above decreases with the depth.
-    shallow = float(at_load(mixture.law, np.array([crossover / carrying]), mixture.radius)[0][0])
     deepest = top * (1.0 - INSIDE)
     ends = []
     for share in (1.0 - 0.5 / count, 0.5 / count):  # each branch keeps at least half an asperity

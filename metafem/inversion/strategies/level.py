@@ -31,6 +31,10 @@ SETTLED = 8.0 * np.finfo(float).eps
 # the radius of a contact with the whole area.
 MOST_STEPS, MOST_DEPTH = 100, 1e3
 
+# More asperities than any surface has. Where the search passes it, those of the earlier levels exceed the
+# load, and no number meets the point.
+MOST_ASPERITIES = 1e12
+
 
 @dataclass(frozen=True)
 class Level:
@@ -98,7 +102,8 @@ class Step:
             low, high = np.where(excess <= 0.0, depth, low), np.where(excess >= 0.0, depth, high)
             if (np.abs(excess) <= SETTLED * self.friction).all():
                 break
-            moved = depth - excess / growth
+            with np.errstate(divide="ignore", invalid="ignore"):  # no step where no area grows: halved
+                moved = depth - excess / growth
             depth = np.where((moved > low) & (moved < high), moved, 0.5 * (low + high))
         return np.asarray(depth)
 
@@ -117,7 +122,7 @@ class Step:
         return float(model.curve_of(height, radii, np.array([self.load])).area[0])
 
     def needed(self, radius: float) -> float:
-        """Least number of new asperities, the adjustment asperity included, that meets the point."""
+        """Least number of new asperities, one adjusted included, that meets the point; inf if none does."""
 
         def excess(number: float) -> float:
             new = np.array([[number]]), np.array([radius])
@@ -125,6 +130,8 @@ class Step:
 
         low, high = float(self.fewest), 1.0
         while excess(high) > 0.0:
+            if high > MOST_ASPERITIES:
+                return math.inf
             low, high = high, 2.0 * high
         return math.floor(brentq(excess, low, high)) + 1 if excess(low) > 0.0 else low
 

@@ -7,6 +7,7 @@ the points and no bound excludes them, heights without levels are searched for.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -160,7 +161,8 @@ def _unmet(target: OperatingPoints, i: int, step: Step, tools: tuple[float, ...]
         nearest = low
     elif step.friction > high:
         needed = min(step.needed(radius) for radius in tools)
-        reason = f"at least {needed:.0f} more asperities are needed, {left} are left"
+        more = "more than can be made" if math.isinf(needed) else f"at least {needed:.0f} more asperities"
+        reason = f"{more} are needed, {left} are left"
         # below the bound by more than rounding, so that no further asperity is needed
         nearest = max(high * (1.0 - 1e-9), low)
     else:
