@@ -144,6 +144,13 @@ def test_the_text_and_the_fields_follow_each_other(browser, server, tmp_path):
         entered(visit, "limits.height_step", "6 um")
         page.get_by_role("tab", name="Specification").click()
         text.get_by_text('height_step = "6 um"').wait_for()
+        before = visit.asked
+        text.get_by_text("[limits]").click()
+        page.keyboard.type("[")
+        visit.settled(before)
+        page.get_by_role("tab", name="Workshop").click()
+        page.get_by_role("button", name="Edit the text").click()
+        text.wait_for()
         (tmp_path / "mine.toml").write_text(demo_text("linear"), "utf-8")
         (tmp_path / "picture.toml").write_bytes(bytes(range(256)))
         before = visit.asked

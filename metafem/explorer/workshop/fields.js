@@ -8,7 +8,7 @@ export default {
   template: `
     <form class="fields" @submit.prevent @focusin="told = $event.target.dataset.key ?? told" :aria-busy="busy">
       <p v-if="broken" class="warn">The text of the specification cannot be read, so its fields are locked: {{ broken }}
-        <button type="button" class="act" @click="$emit('text')">Edit the text</button></p>
+        <button type="button" class="act" @click="edit">Edit the text</button></p>
       <p v-for="each in loose" :key="each" class="warn">{{ each }}</p>
       <div class="parts"><div v-for="(column, number) in columns" :key="number" class="column">
         <component :is="part.common ? 'section' : 'details'" v-for="part in column.filter(visible)" :key="part.name" class="part"
@@ -82,6 +82,7 @@ export default {
       if (data.values) this.refused = {};
       this.busy = false;
     },
+    edit() { [...document.querySelectorAll("[role=tab]")].find((tab) => tab.textContent.trim() === "Specification")?.click(); },
     refuse({ key, words }) { this.refused[key] = words; },
     id(key) { return `field-${key.replaceAll(".", "-")}`; },
     capital(words) { return words.charAt(0).toUpperCase() + words.slice(1); },
