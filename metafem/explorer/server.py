@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import asyncio
 import webbrowser
 
+from metafem.errors import InvalidInput
 from metafem.explorer.access import Guard
 from metafem.explorer.last_run import HOST, token_and_port
 from metafem.explorer.session import State
@@ -11,6 +13,12 @@ from metafem.explorer.session import State
 # Seconds for which a page whose connection broke finds its own state on the server; later it is loaded again,
 # with the state that the browser kept.
 RECONNECTION = 10.0
+
+# Seconds between two looks at whether the server listens: the address is shown no sooner.
+POLLED = 0.01
+
+# Exit code of uvicorn where it could not listen.
+STARTUP_FAILURE = 3
 
 # Messages to a page that are sent again after its connection broke; each drag sends two of some 20 kB.
 HISTORY = 100
@@ -20,22 +28,31 @@ def serve(first: State, port: int | None, show: bool) -> None:
     """Serve pages that begin with a state, until Ctrl-C."""
     token, port = token_and_port(port)
     address = f"http://{HOST}:{port}/{token}/"
-    from nicegui import app, ui
+    from nicegui import app, background_tasks, ui
+    from nicegui.server import Server
 
     from metafem.explorer.page import build
 
     def root() -> None:
         build(first)
 
-    def started() -> None:
+    async def announce() -> None:
+        while not Server.instance.started:
+            await asyncio.sleep(POLLED)
         print(f"Open {address} in a browser of this machine.\nPress Ctrl-C to end.", flush=True)
         if show:
             webbrowser.open(address)
 
     app.add_middleware(Guard, token=token, port=port)
-    app.on_startup(started)
-    ui.run(
-        root, host=HOST, port=port, title="metafem", dark=None, language="en-US", reload=False, show=False,
-        show_welcome_message=False, favicon="◠", reconnect_timeout=RECONNECTION, tailwind=False,
-        message_history_length=HISTORY, binding_refresh_interval=None,
-    )  # fmt: skip
+    app.on_startup(lambda: background_tasks.create(announce()))
+    try:
+        ui.run(
+            root, host=HOST, port=port, title="metafem", dark=None, language="en-US", reload=False,
+            show=False, show_welcome_message=False, favicon="◠", reconnect_timeout=RECONNECTION,
+            tailwind=False, message_history_length=HISTORY, binding_refresh_interval=None,
+        )  # fmt: skip
+    except SystemExit as end:
+        if end.code != STARTUP_FAILURE:
+            raise
+        taken = f"port = {port} was taken by another program in the meantime; run the command again"
+        raise InvalidInput(taken) from None
