@@ -7,7 +7,10 @@ from metafem.explorer.session import State
 from validation.scenes.browser import browser_path, opened
 from validation.scenes.explorer import served, visited
 
-pytestmark = pytest.mark.skipif(browser_path() is None, reason="no chromium is installed")
+pytestmark = [
+    pytest.mark.skipif(browser_path() is None, reason="no chromium is installed"),
+    pytest.mark.slow,
+]
 
 FORCES = "load_N,friction_force_N,friction_force_sd_N\n0.1,0.12,0.02\n0.3,0.4,0.02\n0.6,0.8,0.02\n"
 
@@ -73,7 +76,6 @@ def test_a_dragged_point_changes_the_text_and_a_refused_one_returns(visit):
     assert answered(State(visit.text), 1).current
 
 
-@pytest.mark.slow
 def test_points_are_moved_added_and_removed_by_keys(visit):
     page = visit.page
     page.locator('.handle[data-id="point-1"]').focus()
@@ -101,7 +103,6 @@ def test_points_are_moved_added_and_removed_by_keys(visit):
     assert float(page.locator(".load-knob").get_attribute("aria-valuenow")) < 0.7
 
 
-@pytest.mark.slow
 def test_the_nearest_law_is_taken_and_every_kind_can_be_dragged(visit):
     page = visit.page
     for kind in ("linear", "bilinear", "power", "multilinear", "sampled", "operating-points"):
@@ -126,7 +127,6 @@ def test_the_nearest_law_is_taken_and_every_kind_can_be_dragged(visit):
     assert answered(State(visit.text), 1).current
 
 
-@pytest.mark.slow
 def test_further_models_and_newtons_are_shown_beside_the_law(visit):
     page = visit.page
     page.locator(".law-beside summary").click()
@@ -153,7 +153,6 @@ def test_further_models_and_newtons_are_shown_beside_the_law(visit):
     assert "mm^2" in visit.text.split("[material]")[0].split("rescaled_load =")[1]
 
 
-@pytest.mark.slow
 def test_measured_points_are_shown_used_and_removed(visit):
     page = visit.page
     before = visit.asked
@@ -171,7 +170,6 @@ def test_measured_points_are_shown_used_and_removed(visit):
     assert page.locator(".measured g").count() == 0
 
 
-@pytest.mark.slow
 def test_other_files_are_refused_and_change_nothing(visit):
     text = visit.text
     for content, words in (
@@ -188,7 +186,6 @@ def test_other_files_are_refused_and_change_nothing(visit):
     assert visit.page.locator(".measured g").count() == 0
 
 
-@pytest.mark.slow
 def test_points_are_dragged_by_touch(browser, server):
     with visited(browser, server, 390, 844) as visit:
         x, y = visit.middle("point-1")

@@ -234,7 +234,7 @@ def test_layers_of_every_thickness_and_poisson_ratio(thickness, poisson_ratio):
         assert (np.diff(law.area) > 0.0).all()
 
 
-@given(
+RANDOM_SCENES = given(
     st.integers(1, 12),
     st.integers(0, 2**32 - 1),
     st.floats(1e-9, 0.3),
@@ -242,8 +242,22 @@ def test_layers_of_every_thickness_and_poisson_ratio(thickness, poisson_ratio):
     st.floats(0.0, 1.5),
     st.sampled_from([*MODELS, *LAW_OF]),
 )
-@settings(max_examples=120)
+
+
+@settings(max_examples=60)
+@RANDOM_SCENES
 def test_random_scenes_converge(count, seed, approach, spread, decades, model):
+    assert_converges(count, seed, approach, spread, decades, model)
+
+
+@pytest.mark.slow
+@settings(max_examples=200)
+@RANDOM_SCENES
+def test_many_random_scenes_converge(count, seed, approach, spread, decades, model):
+    assert_converges(count, seed, approach, spread, decades, model)
+
+
+def assert_converges(count, seed, approach, spread, decades, model):
     rng = np.random.default_rng(seed)
     place = 1.5 * np.column_stack([np.arange(count) % 4, np.arange(count) // 4])
     place = place + rng.uniform(-0.4, 0.4, place.shape)

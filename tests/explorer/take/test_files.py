@@ -53,6 +53,7 @@ def test_tables_are_those_of_the_command_to_the_byte(state, tmp_path, monkeypatc
     assert {name: files[name] for name in tables} == tables
 
 
+@pytest.mark.slow
 def test_all_files_are_those_of_the_command_to_the_byte(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     made = made_files(STATE.text, STATE.tables)

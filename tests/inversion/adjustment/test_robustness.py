@@ -2,7 +2,6 @@
 
 import math
 import sys
-import time
 
 import numpy as np
 import pytest
@@ -109,9 +108,7 @@ def test_made_surfaces_have_a_smaller_expected_misfit(law):
 @pytest.mark.parametrize("law", LAWS)
 def test_made_surfaces_on_the_layer_have_a_smaller_expected_misfit(law):
     plain = mf.design(LAWS[law], TEMPLATE, LAYER)
-    start = time.process_time()
     robust = mf.design(LAWS[law], TEMPLATE, LAYER, robust=TOLERANCES)
-    assert time.process_time() - start < 30.0
     gain = expected(plain, 99) - expected(robust, 99)
     assert gain.mean() > 3.0 * gain.std(ddof=1) / math.sqrt(len(gain))
 
