@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Generic, TypeVar
 
 from metafem.progress import listening
@@ -12,6 +13,9 @@ from metafem.progress import listening
 # Seconds after which a computation ends for a newer request. Quicker ones are finished, so that what is shown
 # follows a steady stream of requests; ten frames a second still look like motion.
 PATIENCE = 0.1
+
+# Errors of the program are written to the terminal, with the place where they happened.
+LOG = logging.getLogger(__name__)
 
 Request = TypeVar("Request")
 Result = TypeVar("Result")
@@ -25,13 +29,20 @@ class Newest(Generic[Request, Result]):
     """Answers requests off the event loop, in threads.
 
     A request that arrives while another is computed replaces the one that waits, and ends the running one at
-    its next step of progress.
+    its next step of progress. An error of the program is logged and handed to `failed` with its request; the
+    next request is answered all the same. `step` is what is computed at the moment, in words.
     """
 
-    def __init__(self, work: Callable[[Request], Result], done: Callable[[Result], None]) -> None:
-        self.work, self.done = work, done
+    def __init__(
+        self,
+        work: Callable[[Request], Result],
+        done: Callable[[Result], None],
+        failed: Callable[[Request, Exception], None],
+    ) -> None:
+        self.work, self.done, self.failed = work, done, failed
         self.waiting: Request | None = None
         self.running = False
+        self.step = ""
 
     def put(self, request: Request) -> None:
         """Ask for an answer, with which `done` is called unless a newer request replaces it."""
@@ -44,11 +55,16 @@ class Newest(Generic[Request, Result]):
         try:
             while self.waiting is not None:
                 request, self.waiting = self.waiting, None
+                self.step = ""
                 try:
                     result = await asyncio.to_thread(self._computed, request)
                 except Dropped:
                     continue
-                self.done(result)
+                except Exception as error:
+                    LOG.exception("a request of the page was not answered")
+                    self.failed(request, error)
+                else:
+                    self.done(result)
         finally:
             self.running = False
 
@@ -56,8 +72,32 @@ class Newest(Generic[Request, Result]):
         start = time.monotonic()
 
         def on_step(step: str, done: float | None) -> None:
+            self.step = step
             if self.waiting is not None and time.monotonic() - start > PATIENCE:
                 raise Dropped
 
         with listening(on_step):
             return self.work(request)
+
+
+def all_told(listeners: Iterable[Callable[[Result], None]], value: Result) -> str:
+    """Call functions with a value; return the errors of those that failed, in words, "" for none.
+
+    One that fails is logged, and the others are called all the same.
+    """
+    failures: list[str] = []
+    for listener in listeners:
+        try:
+            listener(value)
+        except Exception as error:
+            LOG.exception("a part of the page was not shown")
+            failures.append(in_words(error))
+    return " ".join(failures)
+
+
+def in_words(error: Exception) -> str:
+    """Return an error of the program as a sentence of the page."""
+    return (
+        f"This is an error of the program, not of your input: {type(error).__name__}: {error}. The terminal "
+        "of metafem explore shows where it happened. Undo leads back."
+    )

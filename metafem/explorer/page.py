@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -18,7 +18,7 @@ from metafem.explorer.browser import Browser, link_of
 from metafem.explorer.certainty.background import Tasks
 from metafem.explorer.certainty.panel import certainty_panel, place_warnings
 from metafem.explorer.law.panel import law_panel
-from metafem.explorer.newest import Newest
+from metafem.explorer.newest import Newest, all_told, in_words
 from metafem.explorer.session import Session, State
 from metafem.explorer.surface.panel import surface_panel
 from metafem.explorer.take.panel import take_panel
@@ -28,6 +28,7 @@ from metafem.explorer.workshop.header import header_panel
 from metafem.explorer.workshop.panel import workshop_panel
 
 Result = TypeVar("Result")
+Told = TypeVar("Told")
 
 # The look of the page, and of its head and fields.
 STYLES = ("page.css", "workshop/workshop.css")
@@ -44,10 +45,11 @@ class Page:
         self.late_listeners: list[Callable[[Answer], None]] = []
         self.tab_listeners: list[Callable[[str], None]] = []
         self.warning_listeners: list[Callable[[Mapping[str, list[str]]], None]] = []
-        self.newest: Newest[tuple[int, State], Answer] = Newest(self._work, self._show)
+        self.newest: Newest[tuple[int, State], Answer] = Newest(self._work, self._show, self._failed)
         self.browser = Browser(self._restored, self.open_link)
         self.tasks = Tasks()
-        ui.context.client.on_delete(self.tasks.stop_all)
+        self.client = ui.context.client
+        self.client.on_delete(self.tasks.stop_all)
 
     @property
     def state(self) -> State:
@@ -68,13 +70,11 @@ class Page:
 
     def complete(self) -> None:
         """Show what has become known of the answer that is shown."""
-        for callback in self.late_listeners:
-            callback(self.answer)
+        self._tell(self.late_listeners, self.answer)
 
     def open_tab(self, name: str) -> None:
         """Tell the panels that a tab was opened."""
-        for callback in self.tab_listeners:
-            callback(name)
+        self._tell(self.tab_listeners, name)
 
     def listen_warnings(self, callback: Callable[[Mapping[str, list[str]]], None]) -> None:
         """Call a function with the warnings of an answer by where they belong, when they are known."""
@@ -82,8 +82,7 @@ class Page:
 
     def warn(self, places: Mapping[str, list[str]]) -> None:
         """Show the warnings of the answer that is shown."""
-        for callback in self.warning_listeners:
-            callback(places)
+        self._tell(self.warning_listeners, places)
 
     def edit(self, text: str, *, released: bool = True) -> int:
         """Answer another text of the specification; a released one is a step of the history.
@@ -129,8 +128,19 @@ class Page:
 
     def _show(self, answer: Answer) -> None:
         self.answer = answer
-        for callback in self.listeners:
-            callback(answer)
+        self._tell(self.listeners, answer)
+
+    def _failed(self, request: tuple[int, State], error: Exception) -> None:
+        """Show an error of the program, with the last surface that was found."""
+        number, state = request
+        self._show(replace(self.answer, number=number, state=state, problems={"": in_words(error)}))
+
+    def _tell(self, listeners: Iterable[Callable[[Told], None]], value: Told) -> None:
+        """Call listeners, and say which errors they made."""
+        failures = all_told(listeners, value)
+        if failures:
+            with self.client:
+                ui.notify(failures, type="negative", multi_line=True, close_button="Close", timeout=0)
 
     def open_link(self, link: str) -> None:
         """Show the state of a link, as a step of the history."""

@@ -4,8 +4,13 @@ import asyncio
 import threading
 
 from metafem.explorer import newest
-from metafem.explorer.newest import Newest
+from metafem.explorer.newest import Newest, all_told, in_words
 from metafem.progress import doing
+
+
+def failures_of_none(request, error):
+    """Fail: no request of these tests has an error."""
+    raise AssertionError(request) from error
 
 
 def test_requests_that_wait_are_replaced_by_newer_ones():
@@ -17,7 +22,7 @@ def test_requests_that_wait_are_replaced_by_newer_ones():
         return number
 
     async def run():
-        requests = Newest(work, answers.append)
+        requests = Newest(work, answers.append, failures_of_none)
         requests.put(1)
         await asyncio.to_thread(started.wait, 10.0)
         for number in range(2, 20):
@@ -42,7 +47,7 @@ def test_a_long_computation_ends_at_its_next_step(monkeypatch):
         return number
 
     async def run():
-        requests = Newest(work, answers.append)
+        requests = Newest(work, answers.append, failures_of_none)
         requests.put(1)
         await asyncio.to_thread(started.wait, 10.0)
         requests.put(2)
@@ -52,3 +57,58 @@ def test_a_long_computation_ends_at_its_next_step(monkeypatch):
 
     asyncio.run(run())
     assert answers == steps == [2]
+
+
+def test_an_error_of_the_program_is_told_and_the_next_request_is_answered(caplog):
+    answers, failures = [], []
+
+    def work(number):
+        if number == 1:
+            raise ZeroDivisionError("of the first")
+        return number
+
+    async def run():
+        requests = Newest(work, answers.append, lambda request, error: failures.append((request, str(error))))
+        for number in (1, 2):
+            requests.put(number)
+            while requests.running:
+                await asyncio.sleep(0)
+
+    asyncio.run(run())
+    assert failures == [(1, "of the first")]
+    assert answers == [2]
+    assert "ZeroDivisionError" in caplog.text
+    assert __file__ in caplog.text
+
+
+def test_a_listener_that_fails_leaves_the_others_alone(caplog):
+    told = []
+
+    def failing(value):
+        raise KeyError(value)
+
+    words = all_told([told.append, failing, told.append], 3)
+    assert told == [3, 3]
+    assert words == in_words(KeyError(3))
+    assert "not of your input: KeyError: 3. The terminal" in words
+    assert "KeyError" in caplog.text
+    assert all_told([told.append], 4) == ""
+
+
+def test_the_step_that_is_computed_is_known():
+    steps = []
+
+    async def run():
+        requests = Newest(lambda number: number, lambda _: steps.append(requests.step), failures_of_none)
+
+        def work(number):
+            with doing("searching the order"):
+                return number
+
+        requests.work = work
+        requests.put(1)
+        while requests.running:
+            await asyncio.sleep(0)
+
+    asyncio.run(run())
+    assert steps == ["searching the order"]

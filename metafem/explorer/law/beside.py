@@ -11,7 +11,7 @@ from metafem.explorer.certainty.band import Band, band_words, tolerance_band
 from metafem.explorer.law.others import QUICK, Block, Other, other_law, own_name
 from metafem.explorer.law.shown import Units, numbers
 from metafem.explorer.law.tools import block_data
-from metafem.explorer.newest import Newest
+from metafem.explorer.newest import Newest, in_words
 from metafem.inversion import Design
 
 # An answer, its tolerance band and what that is, and the laws under further models.
@@ -23,7 +23,7 @@ class Beside:
 
     def __init__(self, tasks: Tasks, draw: Callable[[dict[str, Any]], None]) -> None:
         self.draw = draw
-        self.newest: Newest[Answer, More] = Newest(self._computed, self._show)
+        self.newest: Newest[Answer, More] = Newest(self._computed, self._show, self._failed)
         self.block = Block(tasks, self._renew)
         self.design: Design | None = None
         self.laws: dict[str, Other] = {}
@@ -48,6 +48,18 @@ class Beside:
     def _show(self, more: More) -> None:
         self.last = more
         self._renew()
+
+    def _failed(self, answer: Answer, error: Exception) -> None:
+        """Say that nothing can be shown beside an answer."""
+        self.draw(
+            {
+                "number": answer.number,
+                "tolerance": None,
+                "others": [],
+                "errors": [in_words(error)],
+                "block": block_data(self.block, answer.design),
+            }
+        )
 
     def _renew(self) -> None:
         """Draw what is known."""

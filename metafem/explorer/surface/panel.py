@@ -9,7 +9,7 @@ from nicegui import ui
 
 from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer
-from metafem.explorer.newest import Newest
+from metafem.explorer.newest import Newest, in_words
 from metafem.explorer.surface.contact_data import contact_data
 from metafem.explorer.surface.edits import edited
 from metafem.explorer.surface.surface_data import layout_data, message, same_layout, site_data
@@ -29,7 +29,9 @@ class Views:
     def __init__(self, page: Page) -> None:
         self.page = page
         self.view = SurfaceView()
-        self.contacts: Newest[Answer, dict[str, Any]] = Newest(self._contacts, self.view.contact)
+        self.contacts: Newest[Answer, dict[str, Any]] = Newest(
+            self._contacts, self.view.contact, self._failed
+        )
         self.template: Surface | None = None
         self.shown: tuple[Design | None, str] = (None, "")
         self.sensitive = False
@@ -53,6 +55,11 @@ class Views:
     def _contacts(self, answer: Answer) -> dict[str, Any]:
         assert answer.design is not None
         return contact_data(answer.design, answer.state.load, self.sensitive)
+
+    def _failed(self, answer: Answer, error: Exception) -> None:
+        """Say that the contacts are not known."""
+        with self.view:
+            ui.notify(in_words(error), type="negative", multi_line=True, close_button="Close", timeout=0)
 
     def _edit(self, given: Any) -> None:
         """Keep heights or empty sites, as the menu says."""

@@ -72,7 +72,7 @@ export default {
   props: { models: Array, first: String },
   data() {
     return {
-      title: "", status: "designing…", kind: "", model: this.first, undo: false, redo: false,
+      title: "", status: "designing …", kind: "", model: this.first, undo: false, redo: false,
       theme: localStorage.getItem(THEME) ?? "auto", hint: !localStorage.getItem(HINT), themes: THEMES, topics: HELP,
     };
   },

@@ -64,7 +64,10 @@ def header_panel(page: Page) -> Header:
         late = page.number if page.number > page.answer.number else 0
         if late and late == waited.get("for"):
             shown.pop("status", None)
-            header.run_method("show", {"status": "designing…", "kind": ""})
+            step = page.newest.step
+            header.run_method(
+                "show", {"status": f"designing: {step} …" if step else "designing …", "kind": ""}
+            )
         waited["for"] = late
 
     waited: dict[str, int] = {}
