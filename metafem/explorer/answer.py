@@ -37,6 +37,8 @@ class Answer:
         The target of that law.
     milliseconds : float
         Duration of the computation.
+    draft : bool
+        Whether the design is that of a quick search, while a handle is moved.
     """
 
     number: int
@@ -48,10 +50,11 @@ class Answer:
     nearest: tuple[FloatArray, FloatArray] | None = None
     milliseconds: float = 0.0
     nearest_target: Target | None = None
+    draft: bool = False
 
     @property
     def current(self) -> bool:
-        """Whether the design is that of the state."""
+        """Whether the design is that of the state, or a draft of it."""
         return self.design is not None and not self.problems and not self.refusal
 
     @property
@@ -60,10 +63,13 @@ class Answer:
         return self.refusal or "\n".join(self.problems.values())
 
 
-def answered(state: State, number: int, before: Answer | None = None) -> Answer:
-    """Return the answer to a state; the design of the answer before stays where there is no new one."""
+def answered(state: State, number: int, before: Answer | None = None, draft: bool = False) -> Answer:
+    """Return the answer to a state; the design of the answer before stays where there is no new one.
+
+    A draft is the design of a quick search, which can also refuse what the whole search reaches.
+    """
     start = time.perf_counter()
-    if before is not None and before.current and _designs_the_same(before.state, state):
+    if before is not None and before.current and _serves(before, state, draft):
         elapsed = 1e3 * (time.perf_counter() - start)
         return replace(before, number=number, state=state, milliseconds=elapsed)
     specification, design = None, None if before is None else before.design
@@ -71,18 +77,20 @@ def answered(state: State, number: int, before: Answer | None = None) -> Answer:
     refusal, nearest, nearest_target = "", None, None
     try:
         specification = specification_of(state)
-        design = specification.design()
+        design = specification.design(draft=draft)
     except InvalidInput as error:
         problems = _problems(error)
     except Infeasible as error:
         refusal = str(error)
         if specification is not None and error.nearest is not None:
             nearest_target = error.nearest
-            nearest = _law_of(specification, error.nearest)
+            nearest = _law_of(specification, error.nearest, draft)
     except MetafemError as error:
         problems[""] = str(error)
     elapsed = 1e3 * (time.perf_counter() - start)
-    return Answer(number, state, specification, design, problems, refusal, nearest, elapsed, nearest_target)
+    return Answer(
+        number, state, specification, design, problems, refusal, nearest, elapsed, nearest_target, draft
+    )
 
 
 def specification_of(state: State) -> Specification:
@@ -92,8 +100,10 @@ def specification_of(state: State) -> Specification:
     return parsed(state.text, tables)
 
 
-def _designs_the_same(one: State, other: State) -> bool:
-    return one.text == other.text and one.tables == other.tables
+def _serves(before: Answer, state: State, draft: bool) -> bool:
+    """Whether the design of an answer is that of another state, too."""
+    same = before.state.text == state.text and before.state.tables == state.tables
+    return same and (draft or not before.draft)
 
 
 def _problems(error: InvalidInput) -> dict[str, str]:
@@ -105,7 +115,9 @@ def _problems(error: InvalidInput) -> dict[str, str]:
     return found
 
 
-def _law_of(specification: Specification, target: Target) -> tuple[FloatArray, FloatArray] | None:
+def _law_of(
+    specification: Specification, target: Target, draft: bool
+) -> tuple[FloatArray, FloatArray] | None:
     """Return the law of a target; where only slopes are given, that of its design."""
     try:
         law = target.curve()
@@ -114,7 +126,7 @@ def _law_of(specification: Specification, target: Target) -> tuple[FloatArray, F
     except InvalidInput:
         pass  # a target without a range of loads, whose law depends on the surface
     try:
-        found = replace(specification, target=target).design().law
+        found = replace(specification, target=target).design(draft=draft).law
     except MetafemError:
         return None
     return found.rescaled_load, found.rescaled_friction

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import fcntl
 import json
 import os
 import secrets
 import socket
 from contextlib import suppress
 from pathlib import Path
+from typing import TextIO
 
 from metafem._caches import cache_folder
 from metafem.errors import InvalidInput
@@ -18,16 +20,39 @@ HOST = "127.0.0.1"
 TOKEN_BYTES = 16
 
 
+# The lock of this run: it is held until the process ends.
+_HELD: list[TextIO] = []
+
+
 def token_and_port(wanted: int | None) -> tuple[str, int]:
     """Return the token, and the wanted port, that of the last run, or any that is free; keep both.
 
-    They are kept in the cache folder, readable by the user alone. Where that is impossible, they are new.
+    They are kept in the cache folder, readable by the user alone. Where that is impossible, they are new. Of
+    several runs at once, the first alone has the port of the last run and keeps its own.
     """
     token, last = _kept()
-    port = _free(wanted) if wanted is not None else _first_free(last)
+    first = wanted is not None or _is_first()
+    port = _free(wanted) if wanted is not None else _first_free(last if first else 0)
     with suppress(OSError):
-        _keep(token, port)
+        _keep(token, port if first else last)
     return token, port
+
+
+def _is_first() -> bool:
+    """Whether no other run holds the lock, which this one then does."""
+    try:
+        path = cache_folder() / "explorer.lock"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        file = path.open("a", encoding="utf-8")
+    except OSError:
+        return False
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        file.close()
+        return False
+    _HELD.append(file)
+    return True
 
 
 def _kept() -> tuple[str, int]:

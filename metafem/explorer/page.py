@@ -45,7 +45,7 @@ class Page:
         self.late_listeners: list[Callable[[Answer], None]] = []
         self.tab_listeners: list[Callable[[str], None]] = []
         self.warning_listeners: list[Callable[[Mapping[str, list[str]]], None]] = []
-        self.newest: Newest[tuple[int, State], Answer] = Newest(self._work, self._show, self._failed)
+        self.newest: Newest[tuple[int, State, bool], Answer] = Newest(self._work, self._show, self._failed)
         self.browser = Browser(self._restored, self.open_link)
         self.tasks = Tasks()
         self.client = ui.context.client
@@ -87,7 +87,7 @@ class Page:
     def edit(self, text: str, *, released: bool = True) -> int:
         """Answer another text of the specification; a released one is a step of the history.
 
-        Returns the number of the request.
+        The answer to one that is not released is a draft. Returns the number of the request.
         """
         return self._ask(replace(self.state, text=text), released)
 
@@ -119,20 +119,20 @@ class Page:
         if released:
             self.session.commit(state)
             self.browser.keep(self.session, self.number)
-        self.newest.put((self.number, state))
+        self.newest.put((self.number, state, not released))
         return self.number
 
-    def _work(self, request: tuple[int, State]) -> Answer:
-        number, state = request
-        return answered(state, number, self.answer)
+    def _work(self, request: tuple[int, State, bool]) -> Answer:
+        number, state, draft = request
+        return answered(state, number, self.answer, draft)
 
     def _show(self, answer: Answer) -> None:
         self.answer = answer
         self._tell(self.listeners, answer)
 
-    def _failed(self, request: tuple[int, State], error: Exception) -> None:
+    def _failed(self, request: tuple[int, State, bool], error: Exception) -> None:
         """Show an error of the program, with the last surface that was found."""
-        number, state = request
+        number, state, _ = request
         self._show(replace(self.answer, number=number, state=state, problems={"": in_words(error)}))
 
     def _tell(self, listeners: Iterable[Callable[[Told], None]], value: Told) -> None:

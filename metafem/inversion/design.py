@@ -51,6 +51,7 @@ def design(
     common_radius: bool = False,
     robust: Tolerances | None = None,
     pinned: Pinned | None = None,
+    draft: bool = False,
 ) -> Design:
     """Find heights, and radii where there is a choice, whose friction law is the target.
 
@@ -96,6 +97,9 @@ def design(
     pinned : mapping of int to float or None, optional
         Heights [mm] above the base plane of some sites, by their numbers in the template, or None for a site
         that stays empty. The other heights are adjusted to the given ones, see Notes. Default: none.
+    draft : bool
+        Whether to search for a short time only, with few random changes, as for a view that follows a hand.
+        What a draft does not reach can still be designed. Default: False.
 
     Returns
     -------
@@ -169,11 +173,11 @@ def design(
     >>> result.surface.height[result.sites == 9], 3 in result.sites, result.misfit < 0.01
     (array([0.1]), False, True)
     """
-    problem = Problem.checked(target, template, model, limits, layout, radii, robust, pinned)
+    problem = Problem.checked(target, template, model, limits, layout, radii, robust, pinned, draft)
     generator = check.generator(rng)
     check.instance("common_radius", common_radius, bool, "True or False")
     if common_radius:
-        return _with_common_radius(problem, generator)
+        return _with_common_radius(problem, generator, draft)
     _refuse_infeasible(problem)
     permutation = problem.pins.placed(generator.permutation(template.count))
     with doing("inverting the law"):
@@ -229,7 +233,7 @@ def _refuse_infeasible(problem: Problem) -> None:
         problem.target.refuse(problem, margin)
 
 
-def _with_common_radius(problem: Problem, rng: np.random.Generator) -> Design:
+def _with_common_radius(problem: Problem, rng: np.random.Generator, draft: bool) -> Design:
     """Return the design with the best common radius, which does not depend on the layout."""
     choice, pins, seed = problem.radii, problem.pins, rng.integers(2**63)
     found: dict[float, Design] = {}
@@ -241,7 +245,7 @@ def _with_common_radius(problem: Problem, rng: np.random.Generator) -> Design:
             try:
                 found[radius] = design(
                     problem.target, part, problem.model, problem.limits, again, layout, robust=robust,
-                    pinned=pins.pinned,
+                    pinned=pins.pinned, draft=draft,
                 )  # fmt: skip
             except Infeasible as reason:
                 refused[radius] = reason

@@ -15,7 +15,7 @@ from metafem.inversion.limits import Limits
 from metafem.inversion.placement.layout import Layout
 from metafem.inversion.placement.pins import Pinned, Pins
 from metafem.inversion.radii import Radii, RadiusRange
-from metafem.inversion.search.options import DEFAULTS, OTHER_LAWS, SearchOptions
+from metafem.inversion.search.options import DEFAULTS, OTHER_LAWS, SearchOptions, drafted
 from metafem.inversion.targets.target import Target
 from metafem.models import Independent, Model
 from metafem.models.model import contact_of, has_paraboloids
@@ -54,6 +54,7 @@ class Problem:
         radii: RadiusRange | Sequence[float] | None = None,
         robust: Tolerances | None = None,
         pinned: Pinned | None = None,
+        draft: bool = False,
     ) -> Problem:
         """Return the arguments with defaults, or raise InvalidInput for one of the wrong kind.
 
@@ -73,7 +74,9 @@ class Problem:
         pins = Pins.given(pinned, template, bounds)
         template = pins.reduced
         choice = Radii.given(radii, template)
+        check.instance("draft", draft, bool, "True or False")
         options = DEFAULTS if has_paraboloids(solver) else OTHER_LAWS
+        options = drafted(options) if draft else options
         return cls(target, template, choice, solver, bounds, pins, layout, robust, options)
 
     @cached_property

@@ -85,3 +85,17 @@ def test_a_table_with_half_a_character_is_a_problem_of_its_key():
     (problem,) = answered(State(text, {"a.csv": "load_N,\ud800"}), 1).problems.items()
     assert problem[0] == "target.file"
     assert "is not UTF-8" in problem[1]
+
+
+def test_a_draft_is_followed_by_the_design_of_the_command():
+    text = demo_text("linear").replace('kind = "independent"', 'kind = "layer"')
+    draft = answered(State(text), 1, draft=True)
+    assert draft.draft
+    assert draft.current
+    again = answered(State(text), 2, draft, draft=True)
+    assert again.design is draft.design
+    found = answered(State(text), 3, draft)
+    assert not found.draft
+    assert found.design == parsed(text).design()
+    assert answered(State(text), 4, found, draft=True).design is found.design
+    assert draft.design.misfit < 1.25 * found.design.misfit

@@ -5,7 +5,22 @@ import socket
 import pytest
 
 from metafem.errors import InvalidInput
-from metafem.explorer.last_run import HOST, token_and_port
+from metafem.explorer import last_run
+from metafem.explorer.last_run import HOST
+
+
+def ended():
+    """End all runs: their locks are free again."""
+    while last_run._HELD:
+        last_run._HELD.pop().close()
+
+
+def token_and_port(wanted):
+    """Those of a run after all others have ended, which then ends as well."""
+    ended()
+    found = last_run.token_and_port(wanted)
+    ended()
+    return found
 
 
 @pytest.fixture(autouse=True)
@@ -20,7 +35,17 @@ def test_the_next_run_has_the_token_and_the_port_of_the_last(folder):
     assert len(token) == 32
     assert token_and_port(None) == (token, port)
     assert (folder / "explorer.json").stat().st_mode & 0o777 == 0o600
-    assert [each.name for each in folder.iterdir()] == ["explorer.json"]
+    assert {each.name for each in folder.iterdir()} == {"explorer.json", "explorer.lock"}
+
+
+def test_of_runs_at_the_same_time_the_first_alone_keeps_its_port():
+    token, port = token_and_port(None)
+    assert last_run.token_and_port(None) == (token, port)
+    others = [last_run.token_and_port(None) for _ in range(3)]
+    assert {each for each, _ in others} == {token}
+    assert port not in [free for _, free in others]
+    ended()
+    assert token_and_port(None) == (token, port)
 
 
 def test_a_port_in_use_is_left_to_its_owner():

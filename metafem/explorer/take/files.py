@@ -30,7 +30,7 @@ def specification_file(state: State) -> tuple[str, bytes]:
 
 def tables_of(answer: Answer) -> dict[str, bytes]:
     """Return the tables of the design of an answer, none if there is no design of its state."""
-    if not answer.current or answer.design is None or answer.specification is None:
+    if not answer.current or answer.draft or answer.design is None or answer.specification is None:
         return {}
     tables = result_tables(answer.design, answer.specification.part)
     return {name: text.encode("utf-8") for name, text in tables.items()}

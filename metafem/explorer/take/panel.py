@@ -63,7 +63,7 @@ class Making:
     def take(self, name: str) -> None:
         """Download a file of the design that is shown, or the archive of all."""
         state = self.page.answer.state
-        if not self.page.answer.current:
+        if not self.page.answer.current or self.page.answer.draft:
             self.say("There is no design to take: the target or a field must be changed first.")
         elif same_files(self.state, state):
             self.download(name)

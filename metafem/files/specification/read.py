@@ -97,10 +97,11 @@ class Specification:
     sha256: str
     files: Mapping[str, bytes] = field(default_factory=dict)
 
-    def design(self, model: Model | None = None) -> Design:
+    def design(self, model: Model | None = None, *, draft: bool = False) -> Design:
         """Design the target of the file; default model: that of the file.
 
-        With a hardness the contacts stay elastic, or a note states that they do not: `design_for_hardness`.
+        With a hardness the contacts stay elastic, or a note states that they do not: `design_for_hardness`. A
+        draft leaves out the hardness, robustness and most of the search.
         """
         chosen = self.model if model is None else model
         remedy = "add [block] with width, length and thickness"
@@ -111,11 +112,11 @@ class Specification:
         options: dict[str, Any] = {
             "radii": self.radii,
             "common_radius": common,
-            "robust": self.robust,
+            "robust": None if draft else self.robust,
             "pinned": self.pinned,
         }
-        if self.hardness is None:
-            return design(self.target, self.template, *rest, **options)
+        if self.hardness is None or draft:
+            return design(self.target, self.template, *rest, **options, draft=draft)
         return design_for_hardness(self.target, self.template, self.hardness, *rest, **options)
 
     def with_chord_error(self, chord_error: float) -> Specification:
