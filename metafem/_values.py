@@ -48,8 +48,17 @@ def span(values: NDArray[Any], unit: str) -> str:
 
 
 def percent(fraction: float, form: str = ".2g") -> str:
-    """Return a fraction as percent, for texts."""
-    return f"{100.0 * fraction:{form}} %"
+    """Return a fraction as percent, for texts; a large one as a whole number, without an exponent.
+
+    Examples
+    --------
+    >>> percent(0.0123), percent(1.234), percent(12.0)
+    ('1.2 %', '123 %', '1200 %')
+    """
+    text = f"{100.0 * fraction:{form}}"
+    if "e+" in text:
+        text = f"{100.0 * fraction:{'+' if form.startswith('+') else ''}.0f}"
+    return f"{text} %"
 
 
 def _comparable(value: Any) -> Any:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import metafem as mf
+from metafem._values import percent
 from metafem.notes import counted
 
 LIMITS = mf.Limits(0.16, offset=0.084)
@@ -127,3 +128,17 @@ def test_copies_of_a_design_are_equal_and_read_only(copied, result):
     assert again == result
     assert not again.sites.flags.writeable
     assert not again.parameters["levels"].flags.writeable
+
+
+@pytest.mark.parametrize(
+    ("fraction", "form", "text"),
+    [
+        (0.0123, ".2g", "1.2 %"),
+        (0.999, ".2g", "100 %"),
+        (1.234, ".2g", "123 %"),
+        (12.0, "+.2g", "+1200 %"),
+        (1e-12, ".2g", "1e-10 %"),
+    ],
+)
+def test_percent_has_no_positive_exponent(fraction, form, text):
+    assert percent(fraction, form) == text

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer
 from metafem.explorer.certainty.figures import Figure, figures
+from metafem.files import planned
+from metafem.models.model import contact_of
 from metafem.notes import Note
 from metafem.report import all_notes
 
@@ -41,12 +44,26 @@ def remarks(answer: Answer) -> tuple[Note, ...]:
     return all_notes(answer.design, hardness)
 
 
-def warnings_by_place(answer: Answer) -> dict[str, list[str]]:
-    """Return the warnings of an answer by where they belong: "law", "surface", or keys of the specification.
+def part_problem(answer: Answer) -> str:
+    """Return why no part can be made of the design of an answer, "" where one can."""
+    design, specification = answer.design, answer.specification
+    if not answer.current or design is None or specification is None:
+        return ""
+    try:
+        planned(design.surface, design.template, specification.part, contact_of(design.law.model))
+    except InvalidInput as error:
+        return f"no part can be made: {error}"
+    return ""
 
-    One warning can belong to several places.
+
+def warnings_by_place(answer: Answer) -> dict[str, list[str]]:
+    """Return the warnings of an answer by where they belong: "law", "surface", "take", or keys.
+
+    "take" is the tab of the files. One warning can belong to several places.
     """
     places: dict[str, list[str]] = {}
+    if problem := part_problem(answer):
+        places |= {"surface": [problem], "take": [problem]}
     warnings = [(figure.places, _text(figure)) for figure in figures(answer) if figure.warns]
     warnings += [
         (_places(str(note)), str(note))

@@ -80,12 +80,10 @@ def message(answer: Answer) -> str:
         reason = "\n".join(of_sites) or "The reason stands beside the law."
         return f"These are the heights of the last surface that was found. {reason}"
     if _any(asked) and answer.design.status is DesignStatus.MISSED:
-        return f"With these sites kept or empty the target law is missed by {_percent(answer.design.misfit)}."
+        return (
+            f"With these sites kept or empty the target law is missed by {misfit_text(answer.design.misfit)}."
+        )
     return ""
-
-
-def _percent(misfit: float) -> str:
-    return misfit_text(misfit) if misfit < 1.0 else f"{100.0 * misfit:.0f} %"
 
 
 def _any(asked: Asked) -> bool:

@@ -12,6 +12,8 @@ from nicegui.element import Element
 
 from metafem.errors import MetafemError
 from metafem.explorer.answer import Answer
+from metafem.explorer.certainty.panel import place_warnings
+from metafem.explorer.certainty.places import part_problem
 from metafem.explorer.session import State
 from metafem.explorer.take.command import command_of, script_of
 from metafem.explorer.take.files import archive, made_files, specification_file, tables_of
@@ -125,6 +127,7 @@ def take_panel(page: Page) -> None:
     """Make the buttons that download the design, and the command that gives the same result."""
     ui.add_css(Path(__file__).with_name("take.css"))
     making, buttons = Making(page), list[ui.button]()
+    place_warnings(page, "take")
 
     def add(file: File) -> None:
         take = partial(_table, page, making) if file in TABLES else making.take
@@ -181,9 +184,12 @@ def _copied(making: Making) -> None:
 
 
 def _table(page: Page, making: Making, name: str) -> None:
-    """Download a table of the design that is shown."""
+    """Download a table of the design that is shown; one of a mould only where it can be made."""
     tables = tables_of(page.answer)
-    if name in tables:
+    problem = part_problem(page.answer) if name == "mould.csv" else ""
+    if problem:
+        making.say(f"{name} was not downloaded: {problem}")
+    elif name in tables:
         ui.download.content(tables[name], name)
         making.say(f"{name} was downloaded.")
     else:

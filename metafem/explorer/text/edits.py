@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 import tomlkit
@@ -9,6 +10,10 @@ from tomlkit.container import Container
 from tomlkit.items import Array, Item, String, Table
 
 from metafem.explorer.text.order import key_order, section_order
+
+# A comma without a space, which tomlkit leaves where it adds an entry, and what is not a list of numbers, in
+# which a comma could be one of a text or of a comment.
+CLOSE, OTHER = re.compile(r",(?! )"), re.compile(r"[^\d, \[\]]")
 
 
 def set_value(
@@ -31,6 +36,8 @@ def set_value(
         _insert(container, name, _item(value), order, careful)
     elif careful and isinstance(old, Array) and isinstance(value, list) and value:
         _update(old, value)
+        if CLOSE.search(old.as_string()) and not OTHER.search(old.as_string()):
+            container[name] = tomlkit.value(CLOSE.sub(", ", old.as_string()))
     else:
         new = _item(value, old)
         container[name] = new

@@ -14,9 +14,9 @@ from metafem.files import KeyForm, SectionForm, toml_table
 # A decimal number that TOML refuses for want of a digit before or behind the point.
 SHORT_NUMBER = re.compile(r"[+-]?(\d+\.|\.\d+)")
 
-# What separates the entries of a list; rows and columns also a cross.
+# What separates the entries of a list; rows and columns also a cross, or an x that belongs to no word.
 SEPARATORS = re.compile(r"[,;\n]")
-CROSS = re.compile(r"[,;\nx×]")
+CROSS = re.compile(r"[,;\n×]|(?<![^\W\d])[xX](?![^\W\d])")
 
 # Brackets that group two entries of a list.
 GROUPS = re.compile(r"\[[^\[\]]*\]")

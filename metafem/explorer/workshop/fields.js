@@ -49,6 +49,7 @@ export default {
                      :aria-describedby="id(field.key) + '-help ' + id(field.key) + '-wrong'" @input="drafts[field.key] = $event.target.value"
                      @change="leave(field)" @blur="leave(field)" @keydown="key($event, field)" @keyup="release($event, field)">
               <span :id="id(field.key) + '-help'" class="unseen">{{ help(field) }}</span>
+              <p v-for="each in warnings[field.key]" :key="each" class="cautious small">{{ each }}</p>
               <p :id="id(field.key) + '-wrong'" v-if="problem(field)" class="wrong" role="alert">{{ problem(field) }}
                 <button v-if="remedy(field)" type="button" class="act" @click="use(field, remedy(field))">Use {{ remedy(field) }}</button></p>
             </div></div></template>
@@ -60,7 +61,7 @@ export default {
     </form>`,
   props: { columns: Array },
   data() {
-    return { values: {}, present: [], problems: {}, refused: {}, drafts: {}, opened: {}, broken: "", told: "", busy: true, units: {} };
+    return { values: {}, present: [], problems: {}, warnings: {}, refused: {}, drafts: {}, opened: {}, broken: "", told: "", busy: true, units: {} };
   },
   computed: {
     parts() { return this.columns.flat(); },

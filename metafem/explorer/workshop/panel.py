@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from nicegui import ui
@@ -48,6 +48,7 @@ class Workshop:
         on("without", lambda event: self._change(without_section, event.args["section"]))
         self.timer = ui.timer(PACE, self._refresh, active=False)
         page.listen(self._answered)
+        page.listen_warnings(self._warned)
 
     def _typed(self, key: str, text: str, released: bool) -> None:
         self._change(with_field, key, text, key=key, released=released)
@@ -83,6 +84,13 @@ class Workshop:
         if self.waiting is not None and not self.timer.active:
             self._refresh()
             self.timer.activate()
+
+    def _warned(self, places: Mapping[str, list[str]]) -> None:
+        """Show the warnings that belong to fields."""
+        warnings = {key: texts for key, texts in places.items() if "." in key}
+        if warnings != self.shown.get("warnings", {}):
+            self.shown["warnings"] = warnings
+            self.fields.run_method("show", {"warnings": warnings})
 
     def _refresh(self) -> None:
         answer, self.waiting = self.waiting, None

@@ -23,6 +23,21 @@ def test_a_site_is_kept_or_empty_or_free():
     assert asked_sites(released_text(emptied_text(text, [3]), [3, 4])) == asked_sites(TEXT)
 
 
+@pytest.mark.parametrize("given", ["[10, 24, 60]", "[10,24,60]", "[ 10, 24, 60 ]"])
+def test_lists_of_sites_are_written_with_spaces(given):
+    text = f"[sites]\nempty = {given}  # by hand\n"
+    for site in (5, 17, 70):
+        line = emptied_text(text, [site]).splitlines()[1]
+        listed = line.split(" = ")[1].split("  #")[0].strip("[] ")
+        assert listed == ", ".join(map(str, sorted([10, 24, 60, site])))
+        assert line.endswith("  # by hand")
+
+
+def test_a_list_of_several_lines_keeps_them():
+    text = "[sites]\nempty = [\n  10, # a,b\n  60,\n]\n"
+    assert emptied_text(text, [17]) == text.replace("  60", "  17,\n  60")
+
+
 def test_released_sites_leave_the_text_as_it_was():
     assert released_text(pinned_text(TEXT, {3: "100 um"}), [3]) == TEXT
 

@@ -58,6 +58,7 @@ def test_every_key_takes_its_example(text):
         ("lattice.pitch", "1,5 mm", "write decimals with a point"),
         ("lattice.shape", "8", "write for example shape = [8, 8]"),
         ("lattice.shape", "8 x y", "must be a whole number"),
+        ("lattice.shape", "six x 8", "'six'"),
         ("material.poisson_ratio", "half", "must be a number"),
         ("material.poisson_ratio", "0.5\nx = 1", "must be a number"),
         ("material.poisson_ratio", "0.7", "0.5"),
@@ -78,6 +79,7 @@ def test_what_is_wrong_is_said_by_the_parser_at_the_key(key, typed, words):
     ("text", "key", "typed", "value"),
     [
         (LINEAR, "lattice.shape", "7 x 8", [7, 8]),
+        (LINEAR, "lattice.shape", "7x8", [7, 8]),
         (LINEAR, "lattice.shape", "[8, 6]", [8, 6]),
         (LINEAR, "target.slope", "7", 7),
         (LINEAR, "target.slope", "7.", 7.0),

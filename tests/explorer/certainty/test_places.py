@@ -1,0 +1,31 @@
+"""Warnings at the places of the page to which they belong."""
+
+from dataclasses import replace
+
+from metafem.explorer.answer import answered
+from metafem.explorer.certainty.places import part_problem, warnings_by_place
+from metafem.explorer.session import State
+from metafem.files import demo_text
+
+TEXT = demo_text("operating-points")
+
+
+def test_a_part_that_can_be_made_has_no_problem():
+    answer = answered(State(TEXT), 1)
+    assert part_problem(answer) == ""
+    assert "take" not in warnings_by_place(answer)
+
+
+def test_a_summit_at_the_base_plane_is_told_at_the_surface_and_at_the_files():
+    answer = answered(State(TEXT), 1)
+    height = answer.design.surface.height.copy()
+    height[7] = 0.0
+    answer = replace(
+        answer, design=replace(answer.design, surface=answer.design.surface.replaced(height=height))
+    )
+    words = part_problem(answer)
+    assert words.startswith("no part can be made: asperity 7 at (")
+    assert "has the height 0 mm; a cap of radius 0.526 mm needs a height above 0" in words
+    places = warnings_by_place(answer)
+    assert words in places["surface"]
+    assert places["take"] == [words]
