@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import Any
+from zlib import crc32
 
 import numpy as np
 
@@ -32,6 +33,8 @@ def law_data(answer: Answer, handles: Sequence[Handle] = (), request: int | None
     data: dict[str, Any] = {
         "number": answer.number,
         "request": request,
+        # stands for the text: what is said below the plot is valid for it
+        "state": crc32(answer.state.text.encode()),
         **units.axes(),
         "achieved": None,
         "model": "",

@@ -43,7 +43,7 @@ export default {
         <button type="button" class="act" @click="reset">Reset the view</button>
       </div>
       <p class="legend spoken" v-if="tab === 'map' && spoken">{{ spoken }}</p>
-      <p class="legend" v-else-if="tab === 'map'"><span><i class="disc"></i> contact, to scale</span> <span>◆ kept height</span> <span><i class="ring"></i> empty, × as specified</span></p>
+      <p class="legend" v-else-if="tab === 'map'"><span><i class="disc"></i> contact, to scale</span> <span>◆ kept height</span> <span><i class="ring"></i> empty site, × kept empty</span></p>
       <p class="legend" v-else-if="!missing"><span><i class="disc coloured"></i> contact</span> <span>Caps are drawn undeformed, cut off at the glass.</span></p>
       <span class="unseen" aria-live="polite">{{ spoken }}</span>
     </div>`,

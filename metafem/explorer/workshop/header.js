@@ -60,7 +60,7 @@ export default {
         </span>
         <button class="act icon" aria-label="Help" title="Mouse, touch and keys (?)" @click="help">?</button>
       </span>
-      <p v-if="hint && !undo" class="hint info"><span>Drag a point. The heights follow.</span>
+      <p v-if="hint && !undo" class="hint info"><span>Drag the points of the target law: the heights follow. The tab “Take it” has the mould table.</span>
         <button class="act icon" aria-label="Close the hint" @click="close">✕</button></p>
       <dialog ref="dialog" aria-labelledby="help-title" @click="outside">
         <div class="head"><h2 id="help-title">Mouse, touch and keys</h2><button class="act" autofocus @click="$refs.dialog.close()">Close</button></div>

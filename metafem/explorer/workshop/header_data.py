@@ -24,7 +24,10 @@ STATUS = {
 def header_data(answer: Answer) -> dict[str, Any]:
     """Return the target in words, the status with its kind, and the model of an answer."""
     status, kind = _status(answer)
-    data = {"status": status, "kind": kind, "model": _model(answer.state.text)}
+    data = {"status": status, "kind": kind}
+    model = _model(answer.state.text)
+    if model is not None:
+        data["model"] = model
     if answer.specification is not None:
         data["title"] = answer.specification.target.title
     return data
@@ -40,11 +43,11 @@ def _status(answer: Answer) -> tuple[str, str]:
     return f"{words}, misfit {misfit_text(answer.design.misfit)}", kind
 
 
-def _model(text: str) -> str:
-    """Return the model that a text names, also where the text has other problems."""
+def _model(text: str) -> str | None:
+    """Return the model that a text names, also where it has other problems; None if it cannot be read."""
     try:
         section = tomllib.loads(text).get("model", {})
     except (ValueError, RecursionError):
-        return ""
-    kind = section.get("kind", "independent") if isinstance(section, dict) else ""
-    return kind if isinstance(kind, str) else ""
+        return None
+    kind = section.get("kind", "independent") if isinstance(section, dict) else None
+    return kind if isinstance(kind, str) else None

@@ -66,25 +66,34 @@ export class Hand {
     held.final = this.plot.requests.now({ id: held.id, ...place, released: true, back });
     const handle = this.handles.find((each) => each.id === held.id);
     if (handle) Object.assign(handle, place);
-    const where = held.good ? "to the last place that a surface reaches" : "to where it was";
-    const told = handle ? this.words(handle) : "";
-    this.plot.say(held.refused ? `Refused. The point is back ${where}: ${told}.` : `${told}.`, held.refused);
+    this.tell(held);
     this.plot.paint();
   }
 
-  // Takes an answer: `asked` is the request that it belongs to, if any.
+  // Says where a drag has ended.
+  tell(held) {
+    const handle = this.handles.find((each) => each.id === held.id);
+    if (!handle) return;
+    const where = held.good ? "to the last place that a surface reaches" : "to where it was";
+    const told = this.words(handle);
+    this.plot.say(held.refused ? `Refused. The point is back ${where}: ${told}.` : `${told}.`, held.refused);
+  }
+
+  // Takes an answer: `asked` is the request that it belongs to, if any. Returns the drag that it ends, or null.
   answered(request, asked, refusal) {
     const held = this.held;
-    if (!held) return;
+    if (!held) return null;
     if (held.final !== null) {
-      if (request >= held.final) this.held = null;
-      return;
+      if (request < held.final) return null;
+      this.held = null;
+      return held;
     }
     if (asked && asked.id === held.id) {
       held.refused = refusal !== "";
       if (!held.refused) held.good = { x: asked.x, y: asked.y };
     }
     if (held.let && this.plot.requests.idle) this.finish(held);
+    return null;
   }
 
   // New handles; the one that is held stays where the hand is.

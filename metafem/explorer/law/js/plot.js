@@ -103,8 +103,10 @@ export class Plot {
     // the tolerance band and further laws stay until those of this answer come
     this.data = { ...data, ...this.beside, wanted, marked, band: this.band, handles: data.handles ?? [] };
     const asked = data.request === null ? undefined : this.requests.answered(data.request);
-    this.hand.answered(data.request ?? -1, asked, data.refusal);
+    const ended = this.hand.answered(data.request ?? -1, asked, data.refusal);
     if (!unknown || !this.hand.held) this.hand.take(this.data.handles);
+    if (ended) this.hand.tell(ended); // a slope is known with its answer
+    else if (!this.hand.held && this.said !== data.state) this.say(""); // what was said belongs to an earlier text
     if (this.hand.held) this.offer = data.refusal !== "" && data.nearest !== null;
     if (!this.hand.held) this.fit();
     this.cursor.x = data.cursor;
@@ -194,7 +196,9 @@ export class Plot {
 
   // Says something below the plot, also to screen readers.
   say(words, wrong = false) {
-    this.live.querySelector("span").textContent = words;
+    this.said = this.data?.state;
+    const line = this.live.querySelector("span");
+    if (line.textContent !== words) line.textContent = words;
     this.live.classList.toggle("wrong", wrong);
     this.live.querySelector(".law-use").hidden = !(wrong && this.offer);
   }
