@@ -142,9 +142,10 @@ def _interaction(design: Design) -> Figure:
     change = reference.curve(surface, load).checked().area / alone.curve(surface, load).checked().area - 1.0
     rms, largest = math.sqrt(float((change**2).mean())), int(np.abs(change).argmax())
     substrate = "half-space" if reference.substrate == HalfSpace() else "layer"
+    way = "lowers" if change[largest] < 0.0 else "raises"
     words = (
-        f"On the {substrate} it {'lowers' if change[largest] < 0.0 else 'raises'} the friction at a given load "
-        f"by up to {percent(abs(change[largest]))}, at {design.law.load[largest]:.3g} N."
+        f"On the {substrate} it {way} the friction at a given load by up to "
+        f"{percent(abs(change[largest]))}, at {design.law.load[largest]:.3g} N."
     )
     value, bound = f"{percent(rms)} rms", f"at most {percent(BOUND, 'g')}"
     if model.couples:

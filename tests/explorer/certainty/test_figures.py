@@ -59,7 +59,8 @@ def test_interaction_is_that_of_the_study(shown):
     )
     assert percentage(found.value) == pytest.approx(np.sqrt((change**2).mean()), rel=0.07)
     largest = change[np.abs(change).argmax()]
-    assert f"by up to {100 * largest:+.2g} %" in found.sentence
+    way = "lowers" if largest < 0 else "raises"
+    assert f"it {way} the friction at a given load by up to {100 * abs(largest):.2g} %" in found.sentence
     assert found.standing is Standing.GOOD
 
 

@@ -74,7 +74,7 @@ def test_a_surface_that_is_older_says_so(answer):
     [
         (pinned_text(TEXT, {3: "400 um"}), "sites.heights[0] = 400 um must be at most 270 um"),
         (pinned_text(TEXT, dict.fromkeys(range(64), "200 um")), "the target law is missed by 121 %"),
-        (emptied_text(TEXT, range(1, 64)), "The reason stands beside the law"),
+        (emptied_text(TEXT, range(1, 64)), "The reason is given in the plot of the law"),
     ],
 )
 def test_kept_heights_that_do_not_reach_the_target_say_so(answer, text, words):
