@@ -2,27 +2,9 @@
 
 import pytest
 
-from validation.scenes.browser import browser_path, opened
-from validation.scenes.explorer import served, visited
+from validation.scenes.explorer import visited
 
-pytestmark = [
-    pytest.mark.skipif(browser_path() is None, reason="no chromium is installed"),
-    pytest.mark.slow,
-]
-
-
-@pytest.fixture(scope="module")
-def browser():
-    """The browser, closed after the tests of this file: its event loop would disturb those of others."""
-    with opened() as started:
-        yield started
-
-
-@pytest.fixture(scope="module")
-def server():
-    """An explorer of the demo."""
-    with served() as running:
-        yield running
+pytestmark = pytest.mark.slow
 
 
 def test_the_page_shows_the_first_law_and_asks_no_other_machine(browser, server):

@@ -8,33 +8,15 @@ from metafem.explorer.answer import answered
 from metafem.explorer.certainty.figures import figures
 from metafem.explorer.session import State
 from metafem.files import demo_text
-from validation.scenes.browser import browser_path, opened
 from validation.scenes.explorer import PATIENCE, served, visited
 
-pytestmark = [
-    pytest.mark.skipif(browser_path() is None, reason="no chromium is installed"),
-    pytest.mark.slow,
-]
+pytestmark = pytest.mark.slow
 
 # Texts of the rows of the table, by their names.
 ROWS = """() => Object.fromEntries([...document.querySelectorAll('tr[data-standing]')].map(row => [
   row.querySelector('th').firstChild.textContent,
   [row.dataset.standing, row.querySelector('td.number').firstChild.textContent],
 ]))"""
-
-
-@pytest.fixture(scope="module")
-def browser():
-    """The browser, closed after the tests of this file: its event loop would disturb those of others."""
-    with opened() as started:
-        yield started
-
-
-@pytest.fixture(scope="module")
-def server():
-    """An explorer of the demo."""
-    with served() as running:
-        yield running
 
 
 def open_tab(visit):
@@ -81,55 +63,47 @@ def ended(visit, server, before):
     return False
 
 
-def test_the_figures_are_those_of_the_specification_and_have_words_for_their_states(browser, server):
-    with visited(browser, server) as visit:
-        open_tab(visit)
-        # the draws of the band have been made
-        visit.page.get_by_text("Of 200 drawn surfaces with errors").wait_for()
-        answer = answered(State(visit.text), 1)
-        expected = {each.name: [each.standing.value, each.value] for each in figures(answer)}
-        shown = {name[:1].lower() + name[1:]: row for name, row in visit.page.evaluate(ROWS).items()}
-        scatter = "scatter of the law of made surfaces"
-        assert shown.keys() == expected.keys()
-        assert {k: v for k, v in shown.items() if k != scatter} == {
-            k: v for k, v in expected.items() if k != scatter
-        }
-        assert visit.page.locator(".sure-figures .chip", has_text="good").count() > 3
-        assert visit.errors == []
-    assert server.said == ""
+def test_the_figures_are_those_of_the_specification_and_have_words_for_their_states(visit):
+    open_tab(visit)
+    # the draws of the band have been made
+    visit.page.get_by_text("Of 200 drawn surfaces with errors").wait_for()
+    answer = answered(State(visit.text), 1)
+    expected = {each.name: [each.standing.value, each.value] for each in figures(answer)}
+    shown = {name[:1].lower() + name[1:]: row for name, row in visit.page.evaluate(ROWS).items()}
+    scatter = "scatter of the law of made surfaces"
+    assert shown.keys() == expected.keys()
+    assert {k: v for k, v in shown.items() if k != scatter} == {
+        k: v for k, v in expected.items() if k != scatter
+    }
+    assert visit.page.locator(".sure-figures .chip", has_text="good").count() > 3
 
 
-def test_a_study_shows_its_answer_which_stays_at_a_reload_and_is_marked_after_a_change(browser, server):
-    with visited(browser, server) as visit:
-        open_tab(visit)
-        started(visit, "misalignment")
-        answer = study(visit, "misalignment").locator(".answer")
-        answer.wait_for()
-        assert answer.inner_text().startswith("With tilts within ±0.087° the slope scatters by less than 1 %")
-        assert study(visit, "misalignment").locator("figure svg").count() == 1
-        visit.page.reload()
-        visit.settled()
-        open_tab(visit)
-        answer.wait_for()
-        stale = study(visit, "misalignment").locator(".stale")
-        visit.page.wait_for_function("() => !document.querySelector('[data-study=misalignment] .stale')")
-        visit.drag(visit.handles()[0], 3, 8)
-        stale.wait_for()
-        assert "of another specification than the one shown" in stale.inner_text()
-        assert visit.errors == []
-    assert server.said == ""
+def test_a_study_shows_its_answer_which_stays_at_a_reload_and_is_marked_after_a_change(visit):
+    open_tab(visit)
+    started(visit, "misalignment")
+    answer = study(visit, "misalignment").locator(".answer")
+    answer.wait_for()
+    assert answer.inner_text().startswith("With tilts within ±0.087° the slope scatters by less than 1 %")
+    assert study(visit, "misalignment").locator("figure svg").count() == 1
+    visit.page.reload()
+    visit.settled()
+    open_tab(visit)
+    answer.wait_for()
+    stale = study(visit, "misalignment").locator(".stale")
+    visit.page.wait_for_function("() => !document.querySelector('[data-study=misalignment] .stale')")
+    visit.drag(visit.handles()[0], 3, 8)
+    stale.wait_for()
+    assert "of another specification than the one shown" in stale.inner_text()
 
 
-def test_a_study_ends_when_it_is_stopped_and_with_its_page(browser, server):
+def test_a_study_ends_when_it_is_stopped_and_with_its_page(visit, server):
     before = children(server)
-    with visited(browser, server) as visit:
-        open_tab(visit)
-        started(visit, "elements")
-        assert children(server) > before
-        study(visit, "elements").get_by_role("button", name="Stop").click()
-        assert ended(visit, server, before)
-        study(visit, "elements").get_by_role("button", name="Run").wait_for()
-        assert visit.errors == []
+    open_tab(visit)
+    started(visit, "elements")
+    assert children(server) > before
+    study(visit, "elements").get_by_role("button", name="Stop").click()
+    assert ended(visit, server, before)
+    study(visit, "elements").get_by_role("button", name="Run").wait_for()
 
 
 def test_a_study_ends_with_the_server(browser):

@@ -4,13 +4,8 @@ import pytest
 
 from metafem.explorer.answer import answered
 from metafem.explorer.session import State
-from validation.scenes.browser import browser_path, opened
-from validation.scenes.explorer import served, visited
 
-pytestmark = [
-    pytest.mark.skipif(browser_path() is None, reason="no chromium is installed"),
-    pytest.mark.slow,
-]
+pytestmark = pytest.mark.slow
 
 FORCES = "load_N,friction_force_N,friction_force_sd_N\n0.1,0.12,0.02\n0.3,0.4,0.02\n0.6,0.8,0.02\n"
 
@@ -21,29 +16,6 @@ DROPPED = """([name, content]) => {
   document.querySelector('.law-plot').dispatchEvent(
     new DragEvent('drop', { dataTransfer: files, bubbles: true, cancelable: true }));
 }"""
-
-
-@pytest.fixture(scope="module")
-def browser():
-    """The browser, closed after the tests of this file: its event loop would disturb those of others."""
-    with opened() as started:
-        yield started
-
-
-@pytest.fixture(scope="module")
-def server():
-    """An explorer of the demo."""
-    with served() as running:
-        yield running
-
-
-@pytest.fixture
-def visit(browser, server):
-    """A page of its own, which makes no errors."""
-    with visited(browser, server) as opened_page:
-        yield opened_page
-        assert opened_page.errors == []
-    assert server.said == ""
 
 
 def target(visit):
@@ -186,20 +158,20 @@ def test_other_files_are_refused_and_change_nothing(visit):
     assert visit.page.locator(".measured g").count() == 0
 
 
-def test_points_are_dragged_by_touch(browser, server):
-    with visited(browser, server, 390, 844) as visit:
-        x, y = visit.middle("point-1")
-        session = visit.page.context.new_cdp_session(visit.page)
-        before = visit.asked
+def test_points_are_dragged_by_touch(visit):
+    visit.anew(390, 844)
+    x, y = visit.middle("point-1")
+    session = visit.page.context.new_cdp_session(visit.page)
+    before = visit.asked
 
-        def touch(kind, *points):
-            session.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": list(points)})
+    def touch(kind, *points):
+        session.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": list(points)})
 
-        touch("touchStart", {"x": x, "y": y})
-        for i in range(1, 6):
-            touch("touchMove", {"x": x + i, "y": y - 2 * i})
-        touch("touchEnd")
-        visit.settled(before)
-        assert target(visit).rescaled_friction[1] > 1.68
-        width = visit.page.evaluate("() => document.documentElement.scrollWidth")
-        assert width <= 390
+    touch("touchStart", {"x": x, "y": y})
+    for i in range(1, 6):
+        touch("touchMove", {"x": x + i, "y": y - 2 * i})
+    touch("touchEnd")
+    visit.settled(before)
+    assert target(visit).rescaled_friction[1] > 1.68
+    width = visit.page.evaluate("() => document.documentElement.scrollWidth")
+    assert width <= 390

@@ -10,13 +10,9 @@ from click.testing import CliRunner
 from metafem import cli
 from metafem.errors import Infeasible, InvalidInput
 from metafem.files import demo_text, parsed, result_tables
-from validation.scenes.browser import browser_path, opened
 from validation.scenes.explorer import served, visited
 
-pytestmark = [
-    pytest.mark.skipif(browser_path() is None, reason="no chromium is installed"),
-    pytest.mark.slow,
-]
+pytestmark = pytest.mark.slow
 
 STEPS, BATCH = 1000, 100
 
@@ -184,12 +180,12 @@ def commanded(visit, folder):
         assert downloaded(visit, name) == (folder / "surface" / name).read_bytes()
 
 
-def test_random_steps_fail_nowhere_and_end_at_the_design_of_the_specification(tmp_path):
+def test_random_steps_fail_nowhere_and_end_at_the_design_of_the_specification(browser, tmp_path):
     # without a part: no block can be made of a summit that random steps lead to the base plane
     text = re.sub(r"\[(block|part)\].*?(?=\n\[|\Z)", "", demo_text("operating-points"), flags=re.DOTALL)
     spec = tmp_path / "points.toml"
     spec.write_text(text, "utf-8")
-    with opened() as browser, served(spec) as server, visited(browser, server) as visit:
+    with served(spec) as server, visited(browser, server) as visit:
         hand = Hand(visit, 0)
         for _ in range(STEPS // BATCH):
             visit.page.get_by_role("tab", name="Workshop").click()

@@ -7,13 +7,9 @@ import urllib.request
 import pytest
 
 from metafem.files import demo_text
-from validation.scenes.browser import browser_path, opened
 from validation.scenes.explorer import PATIENCE, served, visited
 
-pytestmark = [
-    pytest.mark.skipif(browser_path() is None, reason="no chromium is installed"),
-    pytest.mark.slow,
-]
+pytestmark = pytest.mark.slow
 
 
 def status(address, **headers):
@@ -26,8 +22,8 @@ def status(address, **headers):
         return error.code
 
 
-def test_a_page_outlives_its_server():
-    with opened() as browser, served() as first, visited(browser, first) as visit:
+def test_a_page_outlives_its_server(browser):
+    with served() as first, visited(browser, first) as visit:
         port = first.origin.rpartition(":")[2].strip("/")
         visit.drag(visit.handles()[0], 20, -30)
         text = visit.text

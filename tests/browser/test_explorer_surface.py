@@ -6,35 +6,8 @@ import pytest
 
 from metafem.explorer.surface.sites_text import asked_sites
 from metafem.files import parsed
-from validation.scenes.browser import browser_path, opened
-from validation.scenes.explorer import served, visited
 
-pytestmark = [
-    pytest.mark.skipif(browser_path() is None, reason="no chromium is installed"),
-    pytest.mark.slow,
-]
-
-
-@pytest.fixture(scope="module")
-def browser():
-    """The browser, closed after the tests of this file: its event loop would disturb those of others."""
-    with opened() as started:
-        yield started
-
-
-@pytest.fixture(scope="module")
-def server():
-    """An explorer of the demo."""
-    with served() as running:
-        yield running
-
-
-@pytest.fixture
-def visit(browser, server):
-    """A page of its own for each test, which ends without an error."""
-    with visited(browser, server) as opened_page:
-        yield opened_page
-        assert opened_page.errors == []
+pytestmark = pytest.mark.slow
 
 
 def site(visit, number):

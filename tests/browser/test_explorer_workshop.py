@@ -5,27 +5,8 @@ import tomllib
 import pytest
 
 from metafem.files import demo_text
-from validation.scenes.browser import browser_path, opened
-from validation.scenes.explorer import served, visited
 
-pytestmark = [
-    pytest.mark.skipif(browser_path() is None, reason="no chromium is installed"),
-    pytest.mark.slow,
-]
-
-
-@pytest.fixture(scope="module")
-def browser():
-    """The browser, closed after the tests of this file: its event loop would disturb those of others."""
-    with opened() as started:
-        yield started
-
-
-@pytest.fixture(scope="module")
-def server():
-    """An explorer of the demo."""
-    with served() as running:
-        yield running
+pytestmark = pytest.mark.slow
 
 
 def value(visit, key):
@@ -61,61 +42,57 @@ def pressed(visit, keys):
     visit.settled(before)
 
 
-def test_values_are_typed_refused_where_they_stand_and_undone(browser, server):
-    with visited(browser, server) as visit:
-        page = visit.page
-        entered(visit, "limits.max_height", "300 um")
-        assert value(visit, "limits.max_height") == "300 um"
-        field = entered(visit, "limits.max_height", "310")
-        wrong = page.locator("#field-limits-max_height-wrong")
-        wrong.wait_for()
-        assert wrong.inner_text().startswith('Needs a unit; write for example "')
-        assert (field.input_value(), field.get_attribute("aria-invalid")) == ("310", "true")
-        before = visit.asked
-        page.get_by_role("button", name="Use 310 um").click()
-        visit.settled(before)
-        wrong.wait_for(state="detached")
-        entered(visit, "lattice.pitch", "-2 mm")
-        page.locator("#field-lattice-pitch-wrong").wait_for()
-        for _ in range(3):
-            pressed(visit, "Control+z")
-        assert (value(visit, "limits.max_height"), value(visit, "lattice.pitch")) == ("300 um", "1.5 mm")
-        page.wait_for_function("() => document.querySelector('#field-limits-max_height').value === '300 um'")
-        pressed(visit, "Control+y")
-        pressed(visit, "Control+Shift+z")
-        assert value(visit, "limits.max_height") == "310 um"
-        before = visit.asked
-        field.press("ArrowUp")
-        visit.settled(before)
-        assert value(visit, "limits.max_height") == "320 um"
-        before = visit.asked
-        field.press("Control+z")
-        visit.settled(before)
-        assert value(visit, "limits.max_height") == "310 um"
-        assert visit.errors == []
+def test_values_are_typed_refused_where_they_stand_and_undone(visit):
+    page = visit.page
+    entered(visit, "limits.max_height", "300 um")
+    assert value(visit, "limits.max_height") == "300 um"
+    field = entered(visit, "limits.max_height", "310")
+    wrong = page.locator("#field-limits-max_height-wrong")
+    wrong.wait_for()
+    assert wrong.inner_text().startswith('Needs a unit; write for example "')
+    assert (field.input_value(), field.get_attribute("aria-invalid")) == ("310", "true")
+    before = visit.asked
+    page.get_by_role("button", name="Use 310 um").click()
+    visit.settled(before)
+    wrong.wait_for(state="detached")
+    entered(visit, "lattice.pitch", "-2 mm")
+    page.locator("#field-lattice-pitch-wrong").wait_for()
+    for _ in range(3):
+        pressed(visit, "Control+z")
+    assert (value(visit, "limits.max_height"), value(visit, "lattice.pitch")) == ("300 um", "1.5 mm")
+    page.wait_for_function("() => document.querySelector('#field-limits-max_height').value === '300 um'")
+    pressed(visit, "Control+y")
+    pressed(visit, "Control+Shift+z")
+    assert value(visit, "limits.max_height") == "310 um"
+    before = visit.asked
+    field.press("ArrowUp")
+    visit.settled(before)
+    assert value(visit, "limits.max_height") == "320 um"
+    before = visit.asked
+    field.press("Control+z")
+    visit.settled(before)
+    assert value(visit, "limits.max_height") == "310 um"
 
 
-def test_kinds_and_sections_are_changed(browser, server):
-    with visited(browser, server) as visit:
-        page = visit.page
-        chosen(visit, "target.kind", "bilinear")
-        assert page.locator('[data-key="target.slopes"]').count() == 1
-        assert value(visit, "target.kind") == "bilinear"
-        chosen(visit, "contact.kind", "power")
-        entered(visit, "contact.exponent", "2")
-        assert value(visit, "contact") == {"kind": "power", "exponent": 2}
-        chosen(visit, "contact.kind", "")
-        assert value(visit, "contact") is None
-        before = visit.asked
-        page.locator('[data-section="radii"] summary').click()
-        page.get_by_role("button", name="Add Choice of radii").click()
-        visit.settled(before)
-        assert (value(visit, "radii.tools"), value(visit, "lattice.radius")) == (["300 um", "526 um"], None)
-        before = visit.asked
-        page.get_by_role("button", name="Remove Choice of radii").click()
-        visit.settled(before)
-        assert (value(visit, "radii"), value(visit, "lattice.radius")) == (None, "526 um")
-        assert visit.errors == []
+def test_kinds_and_sections_are_changed(visit):
+    page = visit.page
+    chosen(visit, "target.kind", "bilinear")
+    assert page.locator('[data-key="target.slopes"]').count() == 1
+    assert value(visit, "target.kind") == "bilinear"
+    chosen(visit, "contact.kind", "power")
+    entered(visit, "contact.exponent", "2")
+    assert value(visit, "contact") == {"kind": "power", "exponent": 2}
+    chosen(visit, "contact.kind", "")
+    assert value(visit, "contact") is None
+    before = visit.asked
+    page.locator('[data-section="radii"] summary').click()
+    page.get_by_role("button", name="Add Choice of radii").click()
+    visit.settled(before)
+    assert (value(visit, "radii.tools"), value(visit, "lattice.radius")) == (["300 um", "526 um"], None)
+    before = visit.asked
+    page.get_by_role("button", name="Remove Choice of radii").click()
+    visit.settled(before)
+    assert (value(visit, "radii"), value(visit, "lattice.radius")) == (None, "526 um")
 
 
 # Drops a file of a name and a text.
@@ -126,47 +103,45 @@ DROP = """(place, [name, text]) => {
 }"""
 
 
-def test_the_text_and_the_fields_follow_each_other(browser, server, tmp_path):
-    with visited(browser, server) as visit:
-        page = visit.page
-        page.get_by_role("tab", name="Specification").click()
-        text = page.locator(".cm-content")
-        text.get_by_text("max_height").wait_for()
-        before = visit.asked
-        text.get_by_text("[limits]").click()
-        page.keyboard.press("End")
-        page.keyboard.type("\nheight_step = 6")
-        visit.settled(before)
-        page.get_by_role("button", name="Line ").wait_for()
-        assert "height_step = 6 needs a unit" in page.locator(".problems").inner_text()
-        page.get_by_role("tab", name="Workshop").click()
-        page.locator("#field-limits-height_step-wrong").wait_for()
-        entered(visit, "limits.height_step", "6 um")
-        page.get_by_role("tab", name="Specification").click()
-        text.get_by_text('height_step = "6 um"').wait_for()
-        before = visit.asked
-        text.get_by_text("[limits]").click()
-        page.keyboard.type("[")
-        visit.settled(before)
-        page.get_by_role("tab", name="Workshop").click()
-        page.get_by_role("button", name="Edit the text").click()
-        text.wait_for()
-        (tmp_path / "mine.toml").write_text(demo_text("linear"), "utf-8")
-        (tmp_path / "picture.toml").write_bytes(bytes(range(256)))
-        before = visit.asked
-        page.locator('input[type="file"][accept*=".toml"]').set_input_files(tmp_path / "mine.toml")
-        visit.settled(before)
-        assert visit.text == demo_text("linear")
-        page.locator('input[type="file"][accept*=".toml"]').set_input_files(tmp_path / "picture.toml")
-        page.get_by_text("picture.toml is not a text in UTF-8.").wait_for()
-        assert visit.text == demo_text("linear")
-        before = visit.asked
-        page.locator(".law-svg").evaluate(DROP, ["bilinear.toml", demo_text("bilinear")])
-        visit.settled(before)
-        assert visit.text == demo_text("bilinear")
-        page.locator(".bar").evaluate(DROP, ["law.csv", "load_N,friction_force_N\n1,2\n"])
-        page.get_by_text("law.csv is a table.").wait_for()
-        assert visit.errors == []
+def test_the_text_and_the_fields_follow_each_other(visit, tmp_path):
+    page = visit.page
+    page.get_by_role("tab", name="Specification").click()
+    text = page.locator(".cm-content")
+    text.get_by_text("max_height").wait_for()
+    before = visit.asked
+    text.get_by_text("[limits]").click()
+    page.keyboard.press("End")
+    page.keyboard.type("\nheight_step = 6")
+    visit.settled(before)
+    page.get_by_role("button", name="Line ").wait_for()
+    assert "height_step = 6 needs a unit" in page.locator(".problems").inner_text()
+    page.get_by_role("tab", name="Workshop").click()
+    page.locator("#field-limits-height_step-wrong").wait_for()
+    entered(visit, "limits.height_step", "6 um")
+    page.get_by_role("tab", name="Specification").click()
+    text.get_by_text('height_step = "6 um"').wait_for()
+    before = visit.asked
+    text.get_by_text("[limits]").click()
+    page.keyboard.type("[")
+    visit.settled(before)
+    page.get_by_role("tab", name="Workshop").click()
+    page.get_by_role("button", name="Edit the text").click()
+    text.wait_for()
+    (tmp_path / "mine.toml").write_text(demo_text("linear"), "utf-8")
+    (tmp_path / "picture.toml").write_bytes(bytes(range(256)))
+    before = visit.asked
+    page.locator('input[type="file"][accept*=".toml"]').set_input_files(tmp_path / "mine.toml")
+    visit.settled(before)
+    assert visit.text == demo_text("linear")
+    page.locator('input[type="file"][accept*=".toml"]').set_input_files(tmp_path / "picture.toml")
+    page.get_by_text("picture.toml is not a text in UTF-8.").wait_for()
+    assert visit.text == demo_text("linear")
+    before = visit.asked
+    page.locator(".law-svg").evaluate(DROP, ["bilinear.toml", demo_text("bilinear")])
+    visit.settled(before)
+    assert visit.text == demo_text("bilinear")
+    page.locator(".bar").evaluate(DROP, ["law.csv", "load_N,friction_force_N\n1,2\n"])
+    page.get_by_text("law.csv is a table.").wait_for()
 
 
 # Overflow, the order of the parts, the colours, and controls without a name.
@@ -184,35 +159,31 @@ SHAPE = """() => {
 FOCUSED = "() => document.activeElement.ariaLabel ?? document.activeElement.innerText"
 
 
-def test_the_page_fits_wide_and_narrow_windows_light_and_dark(browser, server):
-    with visited(browser, server) as visit:
-        page = visit.page
-        shape = page.evaluate(SHAPE)
-        assert (shape["wide"], shape["high"], shape["dark"], shape["unnamed"]) == (0, 0, False, [])
-        page.get_by_role("button", name="Dark").click()
-        page.reload()
-        visit.settled()
-        assert page.evaluate(SHAPE)["dark"]
-        for width in (768, 390):
-            page.set_viewport_size({"width": width, "height": 900})
-            for tab in ("Specification", "How sure", "Take it", "Workshop"):
-                page.get_by_role("tab", name=tab).click()
-                shape = page.evaluate(SHAPE)
-                assert (shape["wide"], shape["order"], shape["unnamed"]) == (0, sorted(shape["order"]), [])
-        assert visit.errors == []
+def test_the_page_fits_wide_and_narrow_windows_light_and_dark(visit):
+    page = visit.page
+    shape = page.evaluate(SHAPE)
+    assert (shape["wide"], shape["high"], shape["dark"], shape["unnamed"]) == (0, 0, False, [])
+    page.get_by_role("button", name="Dark").click()
+    page.reload()
+    visit.settled()
+    assert page.evaluate(SHAPE)["dark"]
+    for width in (768, 390):
+        page.set_viewport_size({"width": width, "height": 900})
+        for tab in ("Specification", "How sure", "Take it", "Workshop"):
+            page.get_by_role("tab", name=tab).click()
+            shape = page.evaluate(SHAPE)
+            assert (shape["wide"], shape["order"], shape["unnamed"]) == (0, sorted(shape["order"]), [])
 
 
-def test_keys_lead_through_the_head_of_the_page(browser, server):
-    with visited(browser, server) as visit:
-        page, names = visit.page, []
-        for _ in range(6):
-            page.keyboard.press("Tab")
-            names.append(page.evaluate(FOCUSED))
-        assert names == ["Skip to the law", "Model", "Light", "Auto", "Dark", "Help"]
-        page.keyboard.press("?")
-        page.get_by_role("dialog").wait_for()
-        page.keyboard.press("Escape")
-        page.locator(".skip").focus()
-        page.keyboard.press("Enter")
-        assert page.evaluate("() => document.activeElement.className") == "law"
-        assert visit.errors == []
+def test_keys_lead_through_the_head_of_the_page(visit):
+    page, names = visit.page, []
+    for _ in range(6):
+        page.keyboard.press("Tab")
+        names.append(page.evaluate(FOCUSED))
+    assert names == ["Skip to the law", "Model", "Light", "Auto", "Dark", "Help"]
+    page.keyboard.press("?")
+    page.get_by_role("dialog").wait_for()
+    page.keyboard.press("Escape")
+    page.locator(".skip").focus()
+    page.keyboard.press("Enter")
+    assert page.evaluate("() => document.activeElement.className") == "law"

@@ -8,16 +8,7 @@ from metafem.report import page
 from validation.__main__ import main
 from validation.page import write_report
 from validation.results import collected
-from validation.scenes.browser import browser_path, opened, problems
-
-pytestmark = pytest.mark.skipif(browser_path() is None, reason="no chromium is installed")
-
-
-@pytest.fixture(scope="module")
-def browser():
-    """The browser, closed after the tests of this file: its event loop would disturb those of others."""
-    with opened() as started:
-        yield started
+from validation.scenes.browser import problems
 
 
 @pytest.fixture(scope="module")

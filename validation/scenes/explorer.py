@@ -182,6 +182,17 @@ class Visit:
             self.settled(asked - 1)
             before, same = asked, same + 1 if asked == before else 0
 
+    def anew(self, width: int = 1440, height: int = 900) -> None:
+        """Open the page once more as at a first visit: the browser has forgotten what it kept of it."""
+        self.page.mouse.up()
+        self.page.evaluate("() => { sessionStorage.clear(); localStorage.clear(); }")
+        self.page.goto("about:blank")
+        self.page.set_viewport_size({"width": width, "height": height})
+        self.errors.clear()
+        self.requests.clear()
+        self.page.goto(self.server.address)
+        self.settled()
+
     def handles(self) -> list[str]:
         """Return the ids of the handles of the law."""
         found = self.page.locator("[data-answered] .handle").all()
