@@ -1,10 +1,13 @@
 """Answers equal the design of the command, and say what is wrong by key."""
 
+import io
+
 import pytest
 
 import metafem as mf
 from metafem.explorer.answer import answered
 from metafem.explorer.session import State
+from metafem.explorer.text.document import Document
 from metafem.files import demo_text, parsed
 
 TEXT = demo_text("operating-points")
@@ -99,3 +102,24 @@ def test_a_draft_is_followed_by_the_design_of_the_command():
     assert found.design == parsed(text).design()
     assert answered(State(text), 4, found, draft=True).design is found.design
     assert draft.design.misfit < 1.25 * found.design.misfit
+
+
+@pytest.mark.parametrize("section", ["target", "contact"])
+def test_files_of_the_machine_are_not_read(section, tmp_path, monkeypatch):
+    table = tmp_path / "secret.csv"
+    table.write_text("rescaled_load_mm2,rescaled_friction_mm2\n0.05,0.4\n0.1,0.7\n", "utf-8")
+    monkeypatch.chdir(tmp_path)
+
+    def refused(*given, **options):
+        raise AssertionError(f"a file is opened: {given}")
+
+    answered(State(TEXT), 0)  # imports and compiled functions are files too
+    for name in (str(table), "secret.csv", f"../{tmp_path.name}/secret.csv", "/etc/passwd"):
+        kind = "sampled" if section == "target" else "profile"
+        text = Document(TEXT).with_kind(section, kind, {"file": name})
+        with monkeypatch.context() as patched:
+            patched.setattr(io, "open", refused)
+            patched.setattr("builtins.open", refused)
+            answer = answered(State(text), 1)
+        assert answer.specification is None
+        assert "names a table that is not given (given: none)" in answer.problems[f"{section}.file"]

@@ -3,29 +3,44 @@
 from __future__ import annotations
 
 import io
+import re
 import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from metafem.explorer.answer import Answer
+from metafem.errors import InvalidInput
+from metafem.explorer.answer import Answer, specification_of
 from metafem.explorer.session import State
 from metafem.files import parsed, result_folder, result_tables, write_all
 from metafem.report import page
 
-SPECIFICATION = "spec.toml"
+SPECIFICATION, ZIPPED = "spec.toml", "specification.zip"
 
 # Date of all entries of an archive, the first that the format can state: equal contents give equal archives.
 DATE = (1980, 1, 1, 0, 0, 0)
 
 
 def specification_file(state: State) -> tuple[str, bytes]:
-    """Return name and content of the specification; with its tables it is an archive."""
-    text = state.text.encode("utf-8")
+    """Return name and content of the specification; with its tables it is an archive.
+
+    A link can name tables that lie elsewhere, which would be unpacked there. They are then named as in a
+    result folder, without folders.
+    """
     if not state.tables:
-        return SPECIFICATION, text
-    tables = {name: table.encode("utf-8") for name, table in state.tables.items()}
-    return "specification.zip", archive({SPECIFICATION: text, **tables})
+        return SPECIFICATION, state.text.encode("utf-8")
+    files = {name: table.encode("utf-8") for name, table in state.tables.items()}
+    if not all(map(_lies_within, state.tables)):
+        try:
+            return ZIPPED, archive(specification_of(state).files)
+        except InvalidInput:  # the text cannot be read, so no table is known to be wanted
+            files = {}
+    return ZIPPED, archive({**files, SPECIFICATION: state.text.encode("utf-8")})
+
+
+def _lies_within(name: str) -> bool:
+    """Whether a file of an archive is unpacked into its folder, beside the specification."""
+    return name != SPECIFICATION and not re.search(r"^[/.]|\\|:|(^|/)\.\.?(/|$)|/$|^$", name)
 
 
 def tables_of(answer: Answer) -> dict[str, bytes]:

@@ -2,6 +2,7 @@
 
 import io
 import zipfile
+from dataclasses import replace
 
 import pytest
 from click.testing import CliRunner
@@ -11,7 +12,7 @@ from metafem.explorer.answer import answered
 from metafem.explorer.session import State
 from metafem.explorer.take.command import command_of
 from metafem.explorer.take.files import archive, made_files, specification_file, tables_of
-from metafem.files import demo_text
+from metafem.files import demo_text, read_spec
 
 SAMPLED = """
 [target]
@@ -59,6 +60,38 @@ def test_all_files_are_those_of_the_command_to_the_byte(tmp_path, monkeypatch):
     made = made_files(STATE.text, STATE.tables)
     assert made == designed(STATE, tmp_path)
     assert {"report.html", "spec.toml", "wanted.csv", ".metafem-files"} <= made.keys()
+
+
+OUTSIDE = [
+    "../wanted.csv",
+    "a/../../wanted.csv",
+    "/etc/wanted.csv",
+    "..\\wanted.csv",
+    "C:wanted.csv",
+    "spec.toml",
+]
+
+
+@pytest.mark.parametrize("name", OUTSIDE)
+def test_tables_of_a_link_are_not_unpacked_elsewhere(name, tmp_path):
+    text = SAMPLED.replace('"wanted.csv"', f"'{name}'")
+    state = State(text, {name: WANTED})
+    packed, content = specification_file(state)
+    assert packed == "specification.zip"
+    names = zipfile.ZipFile(io.BytesIO(content)).namelist()
+    assert names[0] == "spec.toml"
+    assert len(set(names)) == 2
+    assert not any("/" in each or ".." in each for each in names)
+    zipfile.ZipFile(io.BytesIO(content)).extractall(tmp_path)
+    assert read_spec(tmp_path / "spec.toml").design() == answered(state, 1).design
+    broken = specification_file(replace(state, text=text + "["))[1]
+    assert zipfile.ZipFile(io.BytesIO(broken)).namelist() == ["spec.toml"]
+
+
+def test_tables_in_folders_keep_their_names():
+    state = State(SAMPLED.replace("wanted.csv", "tables/wanted.csv"), {"tables/wanted.csv": WANTED})
+    names = zipfile.ZipFile(io.BytesIO(specification_file(state)[1])).namelist()
+    assert sorted(names) == ["spec.toml", "tables/wanted.csv"]
 
 
 def test_equal_files_give_equal_archives():
