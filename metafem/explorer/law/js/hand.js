@@ -11,6 +11,7 @@ const [STEPS, LONG, TOUCH, MARK] = [400, 10, 18, 6.5];
 export class Hand {
   handles = [];
   held = null;
+  inactive = false; // the handles of the last target law, while the text has problems
   nodes = new Map();
 
   constructor(plot, group) {
@@ -117,7 +118,8 @@ export class Hand {
       const node = this.nodes.get(handle.id) ?? this.make(handle);
       const wrong = refused && handle.id === this.held?.id;
       set(node, {
-        class: `handle moves-${handle.moves}${wrong ? " refused" : ""}`,
+        class: `handle moves-${handle.moves}${wrong ? " refused" : ""}${this.inactive ? " inactive" : ""}`,
+        "aria-disabled": this.inactive,
         transform: `translate(${view.px(handle.x).toFixed(2)} ${view.py(handle.y).toFixed(2)})`,
         "aria-label": this.words(handle), "aria-valuetext": this.words(handle),
         "aria-valuenow": handle.moves === "x" ? handle.x : handle.y, "aria-valuemin": 0,
@@ -141,6 +143,7 @@ export class Hand {
   grab(event, id) {
     if (event.button !== 0) return;
     event.stopPropagation();
+    if (this.inactive) { this.hinder(); return; }
     const { view } = this.plot;
     this.hold(id, event.pointerId);
     const handle = this.current;
@@ -163,8 +166,15 @@ export class Hand {
     if (this.held && !this.held.let && this.held.by === event.pointerId) this.letGo();
   }
 
+  hinder() { this.plot.say("The points cannot be moved while the specification has problems.", true); }
+
   press(event, id) {
     const step = ARROWS[event.key];
+    if (this.inactive && (step || event.key === "Delete" || event.key === "Backspace")) {
+      event.preventDefault();
+      this.hinder();
+      return;
+    }
     if (step && !event.ctrlKey && !event.altKey && !event.metaKey) {
       event.preventDefault();
       if (this.held && this.held.by !== "keys") return;

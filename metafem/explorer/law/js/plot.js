@@ -96,15 +96,18 @@ export class Plot {
   // Draws an answer. An answer without a band has the one of the answer before.
   draw(data) {
     this.band = data.band === undefined ? this.band : data.band;
-    const held = this.hand.held !== null;
-    const unknown = data.handles === null; // the text has problems: what is held stays
-    const wanted = unknown && held ? this.data?.wanted : data.wanted;
-    const marked = unknown && held ? this.data?.marked : data.marked;
+    const unknown = data.handles === null; // the text has problems: the last target law stays
+    const stays = unknown && this.data?.x.unit === data.x.unit;
+    const wanted = stays ? this.data.wanted : data.wanted;
+    const marked = stays ? this.data.marked : data.marked;
+    const handles = data.handles ?? (stays ? this.data.handles : []);
     // the tolerance band and further laws stay until those of this answer come
-    this.data = { ...data, ...this.beside, wanted, marked, band: this.band, handles: data.handles ?? [] };
+    this.data = { ...data, ...this.beside, wanted, marked, band: this.band, handles };
     const asked = data.request === null ? undefined : this.requests.answered(data.request);
     const ended = this.hand.answered(data.request ?? -1, asked, data.refusal);
-    if (!unknown || !this.hand.held) this.hand.take(this.data.handles);
+    // a problem may be one of a step that is held; else a move would change a text that is not understood
+    this.hand.inactive = unknown && !this.hand.held;
+    if (!unknown || !this.hand.held) this.hand.take(handles);
     if (ended) this.hand.tell(ended); // a slope is known with its answer
     else if (!this.hand.held && this.said !== data.state) this.say(""); // what was said belongs to an earlier text
     if (this.hand.held) this.offer = data.refusal !== "" && data.nearest !== null;

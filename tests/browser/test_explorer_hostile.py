@@ -1,0 +1,114 @@
+"""Bad input to the page: texts that would be HTML, wrong files, and a field with an error."""
+
+import pytest
+
+from metafem.explorer.session import State
+from metafem.explorer.text.document import Document
+from metafem.explorer.text.link import to_link
+from metafem.files import demo_text
+from validation.scenes.browser import browser_path, opened
+from validation.scenes.explorer import served, visited
+
+pytestmark = [
+    pytest.mark.skipif(browser_path() is None, reason="no chromium is installed"),
+    pytest.mark.slow,
+]
+
+# What runs if a page takes it for HTML.
+HTML = "</script><img src=x onerror='window.hacked=1'><script>window.hacked=1</script>"
+
+# Types a text into a field and leaves it.
+TYPED = """([key, text]) => {
+  const field = document.querySelector(`.fields input[data-key="${key}"]`);
+  field.focus();
+  field.value = text;
+  field.dispatchEvent(new Event('input', { bubbles: true }));
+  field.dispatchEvent(new Event('change', { bubbles: true }));
+}"""
+
+# Drops a file onto an element.
+DROPPED = """([where, name, content]) => {
+  const files = new DataTransfer();
+  files.items.add(new File([new Uint8Array(content)], name));
+  document.querySelector(where).dispatchEvent(
+    new DragEvent('drop', { dataTransfer: files, bubbles: true, cancelable: true }));
+}"""
+
+
+@pytest.fixture(scope="module")
+def browser():
+    """The browser, closed after the tests of this file: its event loop would disturb those of others."""
+    with opened() as started:
+        yield started
+
+
+@pytest.fixture(scope="module")
+def server():
+    """An explorer of the demo."""
+    with served() as running:
+        yield running
+
+
+@pytest.fixture
+def visit(browser, server):
+    """A page of its own, which makes no errors and asks no other machine."""
+    with visited(browser, server) as opened_page:
+        yield opened_page
+        assert opened_page.errors == []
+        assert [each for each in opened_page.requests if not each.startswith(server.origin)] == []
+    assert server.said == ""
+
+
+def typed(visit, key, text):
+    """Type a value into a field, and wait for its answer."""
+    before = visit.asked
+    visit.page.evaluate(TYPED, [key, text])
+    visit.settled(before)
+
+
+def test_no_text_is_taken_for_html(visit):
+    page = visit.page
+    typed(visit, "lattice.pitch", HTML)
+    page.locator(".chip", has_text="1 problem").wait_for()
+    typed(visit, "lattice.pitch", "1.5 mm")
+    page.evaluate(DROPPED, [".law-plot", f"{HTML}.csv".replace("/", ""), list(b"a,b\n")])
+    page.locator(".law-live.wrong span", has_text="onerror").wait_for()
+    table = b"load_N,friction_force_N\n0.1,0.12\n0.3,0.4\n"
+    page.evaluate(DROPPED, [".law-plot", f"{HTML}.csv".replace("/", ""), list(table)])
+    page.locator(".law-legend li", has_text="onerror").wait_for()
+    page.evaluate(DROPPED, [".explorer", f"{HTML}.png".replace("/", ""), [137, 80, 78, 71]])
+    page.get_by_text("onerror").last.wait_for()
+    text = Document(demo_text("operating-points")).with_values(
+        {"target.kind": HTML, "sites.empty": [HTML], HTML.replace(".", "-"): {"a": 1}}
+    )
+    link = to_link(State(text + f"\n# {HTML}\n", {HTML: HTML}, table.decode(), HTML, False, (HTML,)))
+    page.evaluate("link => { location.hash = link; }", link)
+    page.locator(".chip", has_text="problems in the specification").wait_for()
+    for tab in ("Specification", "How sure", "Take it", "Workshop"):
+        page.get_by_role("tab", name=tab).click()
+    visit.at_rest()
+    assert page.evaluate("() => window.hacked") is None
+    assert page.locator("img[src=x]").count() == 0
+
+
+def test_handles_stay_inactive_while_a_field_is_wrong(visit):
+    page, text = visit.page, visit.text
+    places = [visit.middle(each)[0] for each in visit.handles()]
+    typed(visit, "limits.max_height", "270")
+    wrong = visit.text
+    assert page.locator(".handle.inactive").count() == len(places) == 3
+    assert [visit.middle(each)[0] for each in visit.handles()] == pytest.approx(places, abs=1)
+    page.locator(".handle").first.press("ArrowUp")
+    page.locator(".law-live.wrong span", has_text="cannot be moved").wait_for()
+    x, y = visit.middle("point-1")
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x, y - 20)
+    page.mouse.up()
+    visit.at_rest()
+    assert visit.text == wrong
+    typed(visit, "limits.max_height", "270 um")
+    assert page.locator(".handle.inactive").count() == 0
+    assert visit.text == text
+    visit.drag("point-1", 2, -4)
+    assert visit.text != text
