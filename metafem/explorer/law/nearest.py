@@ -39,10 +39,11 @@ def _points(
     """Return the keys of points, in the units of those before."""
     given = [(target.rescaled_load, True), (target.rescaled_friction, False)]
     names = ("load", "friction_force") if "load" in section else ("rescaled_load", "rescaled_friction")
-    if len(section.get(names[0], ())) != len(target.rescaled_load):  # the points of a table
+    if names[0] not in section:  # the points of a table
         return {"file": None, **points(target.rescaled_load, target.rescaled_friction, Units(), DIGITS)}
+    # the nearest law may end at the point that is not met
     return {
-        name: _stated(column, section[name], specification, loads)
+        name: _stated(column, section[name][: len(column)], specification, loads)
         for name, (column, loads) in zip(names, given, strict=True)
     }
 

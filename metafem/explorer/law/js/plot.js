@@ -178,6 +178,7 @@ export class Plot {
     const { data, refusal, view, hand } = this;
     refusal.hidden = data.refusal === "";
     if (refusal.hidden) return;
+    if (!hand.held) this.live.querySelector(".law-use").hidden = true; // the box has it
     if (this.reason.textContent !== data.refusal) this.reason.textContent = data.refusal;
     refusal.querySelector(".law-use").hidden = data.nearest === null || Boolean(hand.held);
     refusal.classList.toggle("passive", Boolean(hand.held));
