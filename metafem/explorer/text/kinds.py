@@ -23,6 +23,9 @@ from metafem.models.model import contact_of
 # Numbers of operating points to try, and the number of samples of a law.
 POINTS, SAMPLES = (4, 3, 2, 1), 8
 
+# Relative resolution of a target that is stated in other units: its law stays the same on any screen.
+RESTATED = 1e-6
+
 # The first load of a law that is given at one load alone, relative to that load.
 START = 0.25
 
@@ -89,6 +92,20 @@ def with_target_kind(
             if _nearest(found, tables) is None:
                 return found
     return first
+
+
+def restated(document: Document, specification: Specification, newtons: bool) -> dict[str, Any]:
+    """Return the keys of the same target rescaled or by forces; none where a force is not known."""
+    scene, friction = Scene(document, specification, None), specification.template.friction
+    if newtons and friction is None:
+        return {}
+    wording = (
+        RESCALED if friction is None or not newtons else Wording.of(specification.template.material, friction)
+    )
+    names = ("rescaled_load", "rescaled_friction", "slope", "slopes")
+    given = {name: getattr(scene.target, name, None) for name in names}
+    numbers = {name: np.asarray(value).tolist() for name, value in given.items() if value is not None}
+    return _written(numbers, scene, wording, RESTATED)
 
 
 def _present(design: Design) -> tuple[Callable[[FloatArray], FloatArray], float, float]:

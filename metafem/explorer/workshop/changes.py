@@ -6,12 +6,18 @@ from typing import Any
 
 from metafem.explorer.text import fields
 from metafem.explorer.text.document import Document
+from metafem.explorer.text.kinds import restated
 from metafem.explorer.text.order import form_of
-from metafem.files import KeyForm
+from metafem.files import KeyForm, Specification
+
+# The choice of a target's keys that are forces or friction coefficients.
+FORCES = 1
 
 
-def with_choice(text: str, section: str, choice: int) -> str:
-    """Return the text with the keys of another choice of a section, as examples.
+def with_choice(text: str, section: str, choice: int, specification: Specification | None = None) -> str:
+    """Return the text with the keys of another choice of a section.
+
+    A target keeps its law where the specification of the text is given; other keys begin with examples.
 
     Examples
     --------
@@ -23,9 +29,12 @@ def with_choice(text: str, section: str, choice: int) -> str:
     document = Document(text)
     given = document.value(section) or {}
     values: dict[str, Any] = {}
+    same: dict[str, Any] = {}
+    if section == "target" and specification is not None:
+        same = restated(document, specification, newtons=choice == FORCES)
     for key in _keys(document, section):
         if key.choice == choice and key.name not in given:
-            values[f"{section}.{key.name}"] = key.example
+            values[f"{section}.{key.name}"] = same.get(key.name, key.example)
         elif key.choice not in (None, choice) and key.name in given:
             values[f"{section}.{key.name}"] = None
     return document.with_values(values)

@@ -9,7 +9,7 @@ from nicegui import ui
 from nicegui.element import Element
 
 from metafem.errors import InvalidInput, MetafemError
-from metafem.explorer.answer import Answer
+from metafem.explorer.answer import Answer, specification_of
 from metafem.explorer.text.fields import with_field
 from metafem.explorer.text.kinds import with_target_kind
 from metafem.explorer.workshop.changes import with_choice, with_section, without_section
@@ -43,7 +43,7 @@ class Workshop:
         on = self.fields.on
         on("typed", lambda event: self._typed(**event.args))
         on("kind", lambda event: self._kind(event.args["section"], event.args["kind"]))
-        on("choice", lambda event: self._change(with_choice, event.args["section"], event.args["choice"]))
+        on("choice", lambda event: self._choice(event.args["section"], event.args["choice"]))
         on("with", lambda event: self._change(with_section, event.args["section"]))
         on("without", lambda event: self._change(without_section, event.args["section"]))
         self.timer = ui.timer(PACE, self._refresh, active=False)
@@ -65,6 +65,14 @@ class Workshop:
                 self._change(lambda _, __: found, "target.kind")
         else:
             self._typed(f"{section}.kind", kind, True)
+
+    def _choice(self, section: str, choice: int) -> None:
+        """Change how a section is given; a text with problems has examples instead of its own law."""
+        try:
+            specification = specification_of(self.page.state) if section == "target" else None
+        except InvalidInput:
+            specification = None
+        self._change(with_choice, section, choice, specification)
 
     def _change(
         self, change: Callable[..., str], *given: Any, key: str | None = None, released: bool = True

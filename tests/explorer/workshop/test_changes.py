@@ -2,6 +2,7 @@
 
 import tomllib
 
+import numpy as np
 import pytest
 
 from metafem.errors import InvalidInput
@@ -77,6 +78,20 @@ def test_each_kind_and_each_choice_gives_a_specification_that_can_be_read(sectio
         parsed(text, tables)
         for choice in {key.choice for key in section.keys[kind]} - {None}:
             parsed(with_choice(text, section.name, choice), tables)
+
+
+@pytest.mark.parametrize("kind", ["operating-points", "sampled", "linear", "bilinear", "multilinear"])
+def test_a_target_that_is_given_in_other_units_keeps_its_law(kind):
+    text = with_field(TEXT, "target.kind", kind)
+    before = parsed(text)
+    forces = with_choice(text, "target", 1, before)
+    back = with_choice(forces, "target", 0, parsed(forces))
+    for found in (parsed(forces).target, parsed(back).target):
+        for name in ("rescaled_load", "rescaled_friction", "slope", "slopes"):
+            wanted = getattr(before.target, name, None)
+            if wanted is not None:
+                np.testing.assert_allclose(getattr(found, name), wanted, rtol=1e-6)
+    assert "force" in forces or "coefficient" in forces
 
 
 @pytest.mark.parametrize(
