@@ -10,6 +10,8 @@ from validation.page import write_report
 from validation.results import collected
 from validation.scenes.browser import problems
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def look(browser):
@@ -21,7 +23,6 @@ def look(browser):
     return call
 
 
-@pytest.mark.slow
 def test_the_report_of_a_design_is_in_order(look, template, tmp_path):
     design = mf.design(mf.LinearLaw(6.87), template, limits=mf.Limits(0.12, offset=0.084))
     (tmp_path / "report.html").write_text(page(design), "utf-8")
@@ -48,7 +49,6 @@ def test_the_pages_of_the_validation_are_in_order(look, tmp_path):
     look(tmp_path / "index.html", tmp_path / "paper.html")
 
 
-@pytest.mark.slow
 def test_a_report_with_studies_and_finite_elements_is_in_order(look, template, tmp_path):
     design = mf.design(mf.LinearLaw(6.87), template, limits=mf.Limits(0.12, offset=0.084))
     studies = {
@@ -60,7 +60,6 @@ def test_a_report_with_studies_and_finite_elements_is_in_order(look, template, t
     look(tmp_path / "report.html")
 
 
-@pytest.mark.slow
 def test_the_whole_site_is_in_order(look, tmp_path):
     done = CliRunner().invoke(main, ["--site", "-o", str(tmp_path), "bounds", "table_s1", "fig4_linear"])
     assert done.exit_code == 0, done.output

@@ -16,6 +16,7 @@ from validation.timing import kernel_time
 KINDS = ("rows", "long_rows")
 
 
+@pytest.mark.slow
 def test_every_benchmark_is_listed_with_one_line():
     done = subprocess.run(
         [sys.executable, "-m", "validation.benchmark", "--help"], capture_output=True, text=True, check=True

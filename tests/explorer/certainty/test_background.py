@@ -136,6 +136,7 @@ def test_a_computation_that_is_stopped_at_once_never_begins():
     assert asyncio.run(scene()) == []
 
 
+@pytest.mark.slow
 def test_starting_again_stops_the_one_of_that_name_alone():
     async def scene():
         tasks, begun = Tasks(), [asyncio.Event() for _ in range(2)]
@@ -153,11 +154,12 @@ def test_starting_again_stops_the_one_of_that_name_alone():
     assert asyncio.run(scene()) == ((False, True, True), False, False)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "ending",
     [
-        pytest.param("pass", marks=pytest.mark.slow),
-        pytest.param("raise SystemExit(1)", marks=pytest.mark.slow),
+        "pass",
+        "raise SystemExit(1)",
         "os.kill(os.getpid(), signal.SIGKILL)",
     ],
     ids=["end", "error", "kill"],

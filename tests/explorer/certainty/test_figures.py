@@ -52,6 +52,7 @@ def test_misfit_and_slopes_are_those_of_the_report(shown):
     assert slope.sentence.startswith(f"It differs from the target by {row[3]};")
 
 
+@pytest.mark.slow
 def test_interaction_is_that_of_the_study(shown):
     found = figure(shown, "effect of elastic interaction")
     change = (
@@ -64,6 +65,7 @@ def test_interaction_is_that_of_the_study(shown):
     assert found.standing is Standing.GOOD
 
 
+@pytest.mark.slow
 def test_scatter_of_the_slope_is_that_of_the_study(shown):
     study = mf.studies.manufacturing(shown.design.surface, 0.0009, draws=200, model=shown.design.law.model)
     expected = float(study.slope_sd[0] / study.nominal_slope)

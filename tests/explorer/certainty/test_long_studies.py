@@ -22,6 +22,7 @@ def design():
     return mf.design(mf.OperatingPoints([0.05, 0.1], [0.25, 0.45]), template)
 
 
+@pytest.mark.slow
 def test_draws_are_those_of_the_study(design, monkeypatch):
     monkeypatch.setattr(long_studies, "DRAWS", 64)
     found = run("draws", design, TOLERANCES)

@@ -132,9 +132,13 @@ def test_an_optional_section_comes_and_goes(name):
     assert tomllib.loads(again) == tomllib.loads(without)
 
 
-@settings(max_examples=20, deadline=None)
-@given(st.sampled_from(TEXTS), st.data(), st.text(max_size=12))
-def test_whatever_is_typed_is_kept_or_named(text, data, typed):
+@pytest.mark.parametrize("examples", [8, pytest.param(40, marks=pytest.mark.slow)])
+def test_whatever_is_typed_is_kept_or_named(examples):
+    drawn = given(st.sampled_from(TEXTS), st.data(), st.text(max_size=12))
+    settings(max_examples=examples)(drawn(assert_kept_or_named))()
+
+
+def assert_kept_or_named(text, data, typed):
     every = [key for key, _ in keys_of(text)] + ["target.kind", "contact.kind"]
     key = data.draw(st.sampled_from(every))
     try:

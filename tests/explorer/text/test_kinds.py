@@ -12,7 +12,10 @@ from metafem.files import demo_text, parsed, section_forms
 from metafem.files.specification.demos import DEMOS
 
 
-@pytest.fixture(scope="module", params=DEMOS)
+@pytest.fixture(
+    scope="module",
+    params=[name if name == "linear" else pytest.param(name, marks=pytest.mark.slow) for name in DEMOS],
+)
 def demo(request):
     text = demo_text(request.param)
     specification = parsed(text)

@@ -40,6 +40,7 @@ def test_a_typed_text_becomes_the_value_of_its_key_alone(key, given, value):
     assert after == before
 
 
+@pytest.mark.slow
 def test_what_is_shown_is_what_was_typed():
     """Typing what a field shows changes nothing, for the example of every key of every kind."""
     examples = {

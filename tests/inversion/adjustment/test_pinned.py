@@ -72,7 +72,12 @@ def test_every_target_is_met_with_given_heights(name):
 
 @pytest.mark.parametrize(
     ("name", "model"),
-    [("points", "half-space"), ("power", "layer"), ("power", "mean field"), ("linear", "automatic")],
+    [
+        ("points", "half-space"),
+        pytest.param("power", "layer", marks=pytest.mark.slow),
+        ("power", "mean field"),
+        pytest.param("linear", "automatic", marks=pytest.mark.slow),
+    ],
 )
 def test_targets_are_met_under_every_model(name, model):
     pinned = near(designed(TARGETS[name], {3: None}))
@@ -91,6 +96,7 @@ def test_given_heights_that_are_designed_leave_the_design_as_it_is(name):
     assert (after.misfit, after.status, after.law) == (before.misfit, before.status, before.law)
 
 
+@pytest.mark.slow
 def test_they_leave_interacting_heights_on_steps_as_they_are():
     limits = mf.Limits(0.12, offset=0.08, height_step=0.006)
     before = designed(TARGETS["power"], None, MODELS["layer"], limits=limits)

@@ -166,6 +166,7 @@ def test_best_common_radius_is_made_robust():
     assert found.parameters["robust_gain"] > 0.0
 
 
+@pytest.mark.slow
 def test_a_kernel_is_called_within_ten_frames(monkeypatch):
     small = mf.Surface.square_lattice(0.27, (2, 2), radius=0.526, material=SOFT)
     curves, here, depths = continuation.curves, sys._getframe().f_code, []

@@ -57,6 +57,7 @@ def test_a_batch_whose_process_ended_is_computed_again(tmp_path):
     assert (tmp_path / "died").exists()
 
 
+@pytest.mark.slow
 def test_a_batch_that_always_ends_its_process_is_given_up():
     def deadly(batch):
         os.kill(os.getpid(), signal.SIGKILL)
@@ -183,6 +184,7 @@ study(Execution(folder=sys.argv[1]))
 """
 
 
+@pytest.mark.slow
 def test_a_killed_study_goes_on_and_equals_the_uninterrupted_one(tmp_path):
     command = [sys.executable, "-c", KILLED, str(tmp_path)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
