@@ -24,6 +24,33 @@ MIDDLES = """() => [...document.querySelectorAll('.handle')].map(each => {
   return [each.dataset.id, box.x + box.width / 2, box.y + box.height / 2];
 })"""
 
+# Drags a handle through places, some milliseconds apart, by the events of a mouse. The mouse of the driver
+# waits for a frame with each move.
+DRAGGED = """async ([id, places]) => {
+  const node = document.querySelector(`.handle[data-id="${id}"]`);
+  if (!node) return;
+  const said = (kind, [x, y], buttons) => node.dispatchEvent(new PointerEvent(kind, {
+    clientX: x, clientY: y, pointerId: 1, isPrimary: true, button: 0, buttons, bubbles: true }));
+  said('pointerdown', places[0], 1);
+  for (const place of places.slice(1)) {
+    said('pointermove', place, 1);
+    await new Promise(done => setTimeout(done, 5));
+  }
+  said('pointerup', places.at(-1), 0);
+}"""
+
+# Presses keys on an element in focus.
+PRESSED = """([where, keys]) => {
+  const node = document.querySelector(where);
+  node?.focus();
+  for (const name of keys) {
+    const key = { key: name.replace('Shift+', ''), shiftKey: name.startsWith('Shift+') };
+    for (const kind of ['keydown', 'keyup']) {
+      node?.dispatchEvent(new KeyboardEvent(kind, { ...key, bubbles: true, cancelable: true }));
+    }
+  }
+}"""
+
 # Keys and texts of all fields, apart from the numbers of asperities, which set the time of a design.
 FIELDS = """() => [...document.querySelectorAll('.fields input.text')]
   .filter(each => each.dataset.key !== 'lattice.shape').map(each => [each.dataset.key, each.value])"""
@@ -77,18 +104,22 @@ class Hand:
         """Drag a handle, at times far out of what can be reached."""
         if (handle := self.chosen()) is None:
             return
-        _, x, y = handle
+        name, x, y = handle
+        reach = 200.0 if self.rng.random() < 0.05 else 12.0
+        moves = self.rng.uniform(-reach, reach, (3, 2)).tolist()
+        places = [[x, y], *([x + right, y + down] for right, down in moves)]
+        if self.rng.random() < 0.9:
+            self.page.evaluate(DRAGGED, [name, places])
+            return
         self.page.mouse.move(x, y)
         self.page.mouse.down()
-        reach = 200.0 if self.rng.random() < 0.05 else 12.0
-        for right, down in self.rng.uniform(-reach, reach, (3, 2)):
-            self.page.mouse.move(x + right, y + down)
+        for place in places[1:]:
+            self.page.mouse.move(*place)
         self.page.mouse.up()
 
     def press(self, key, handle):
         """Press a key on a handle."""
-        self.page.evaluate("id => document.querySelector(`.handle[data-id='${id}']`)?.focus()", handle)
-        self.page.keyboard.press(key)
+        self.page.evaluate(PRESSED, [f".handle[data-id='{handle}']", [key]])
 
     def nudge(self):
         """Move a handle by the keyboard."""
@@ -108,10 +139,9 @@ class Hand:
 
     def site(self):
         """Keep the height of a site, leave it empty, or let the design choose it."""
-        self.page.evaluate("() => document.querySelector('.surface-view svg').focus()")
-        for key in self.rng.choice(["ArrowUp", "ArrowDown", "ArrowLeft", "ArrowRight"], 2):
-            self.page.keyboard.press(key)
-        self.page.keyboard.press(self.rng.choice(["p", "e", "r"]))
+        keys = self.rng.choice(["ArrowUp", "ArrowDown", "ArrowLeft", "ArrowRight"], 2)
+        last = self.rng.choice(["p", "e", "r"])
+        self.page.evaluate(PRESSED, [".surface-view svg", [*keys.tolist(), str(last)]])
 
     def field(self):
         """Type a value into a field: a number near the present one, or at times what it cannot be."""
