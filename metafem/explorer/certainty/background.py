@@ -8,9 +8,11 @@ from __future__ import annotations
 
 import asyncio
 import atexit
+import os
 import pickle
 import subprocess
 import sys
+import tempfile
 import threading
 import weakref
 from collections.abc import Callable
@@ -76,7 +78,7 @@ class Background:
                     return
                 self._process = process = subprocess.Popen(
                     [sys.executable, "-c", _program()], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
-                    start_new_session=True,  # Ctrl-C in the terminal is for the server alone
+                    cwd=_folder(), start_new_session=True,  # Ctrl-C in the terminal is for the server alone
                 )  # fmt: skip
         except (OSError, pickle.PicklingError, TypeError, AttributeError) as error:
             self._report(self._end, self.on_error, MetafemError(f"no process could be started: {error}"))
@@ -166,6 +168,15 @@ _ALL: weakref.WeakSet[Background] = weakref.WeakSet()
 def _stop_every_one() -> None:
     for task in tuple(_ALL):
         task.stop()
+
+
+def _folder() -> str | None:
+    """Return a folder in which a process can begin: None for that of this one, unless it has been removed."""
+    try:
+        os.getcwd()
+    except OSError:
+        return tempfile.gettempdir()
+    return None
 
 
 def _program() -> str:

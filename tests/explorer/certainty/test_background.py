@@ -1,9 +1,11 @@
 """Computations beside the page, in processes that end with it."""
 
 import asyncio
+import os
 import signal
 import subprocess
 import sys
+import tempfile
 
 import pytest
 
@@ -54,6 +56,14 @@ async def outcome(function, *given):
     future = asyncio.get_running_loop().create_future()
     Background(function, given, on_done=future.set_result, on_error=future.set_exception)
     return await future
+
+
+def test_a_process_begins_also_where_the_folder_of_the_server_has_gone(tmp_path, monkeypatch):
+    gone = tmp_path / "gone"
+    gone.mkdir()
+    monkeypatch.chdir(gone)
+    gone.rmdir()
+    assert asyncio.run(outcome(os.getcwd)) == os.path.realpath(tempfile.gettempdir())
 
 
 def test_the_result_is_that_of_the_function_whatever_it_prints():
