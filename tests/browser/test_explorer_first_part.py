@@ -6,23 +6,12 @@ import sys
 
 import pytest
 
-from validation.scenes.browser import browser_path, opened
 from validation.scenes.explorer import served, visited
 
-pytestmark = [
-    pytest.mark.skipif(browser_path() is None, reason="no chromium is installed"),
-    pytest.mark.slow,
-]
+pytestmark = pytest.mark.slow
 
 # Steps of the hand to the table: three points, the model, the tab, the file.
 MOST_STEPS = 6
-
-
-@pytest.fixture(scope="module")
-def browser():
-    """The browser, closed after the tests of this file: its event loop would disturb those of others."""
-    with opened() as started:
-        yield started
 
 
 class Hand:

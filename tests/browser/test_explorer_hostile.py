@@ -6,13 +6,8 @@ from metafem.explorer.session import State
 from metafem.explorer.text.document import Document
 from metafem.explorer.text.link import to_link
 from metafem.files import demo_text
-from validation.scenes.browser import browser_path, opened
-from validation.scenes.explorer import served, visited
 
-pytestmark = [
-    pytest.mark.skipif(browser_path() is None, reason="no chromium is installed"),
-    pytest.mark.slow,
-]
+pytestmark = pytest.mark.slow
 
 # What runs if a page takes it for HTML.
 HTML = "</script><img src=x onerror='window.hacked=1'><script>window.hacked=1</script>"
@@ -35,28 +30,11 @@ DROPPED = """([where, name, content]) => {
 }"""
 
 
-@pytest.fixture(scope="module")
-def browser():
-    """The browser, closed after the tests of this file: its event loop would disturb those of others."""
-    with opened() as started:
-        yield started
-
-
-@pytest.fixture(scope="module")
-def server():
-    """An explorer of the demo."""
-    with served() as running:
-        yield running
-
-
 @pytest.fixture
-def visit(browser, server):
-    """A page of its own, which makes no errors and asks no other machine."""
-    with visited(browser, server) as opened_page:
-        yield opened_page
-        assert opened_page.errors == []
-        assert [each for each in opened_page.requests if not each.startswith(server.origin)] == []
-    assert server.said == ""
+def visit(visit):
+    """The page, which asks no other machine."""
+    yield visit
+    assert [each for each in visit.requests if not each.startswith(visit.server.origin)] == []
 
 
 def typed(visit, key, text):

@@ -219,6 +219,7 @@ def test_random_steps_fail_nowhere_and_end_at_the_design_of_the_specification(br
         hand = Hand(visit, 0)
         for _ in range(STEPS // BATCH):
             visit.page.get_by_role("tab", name="Workshop").click()
+            visit.page.locator(".fields input.text").first.wait_for()
             for _ in range(BATCH):
                 hand.step()
             visit.at_rest()
