@@ -6,8 +6,6 @@ import sys
 
 import pytest
 
-from validation.scenes.explorer import served, visited
-
 pytestmark = pytest.mark.slow
 
 # Steps of the hand to the table: three points, the model, the tab, the file.
@@ -52,40 +50,37 @@ class Hand:
         return folder / name
 
 
-def test_a_law_of_ones_own_becomes_a_mould_table_in_six_steps(browser, tmp_path):
-    with served() as server, visited(browser, server) as visit:
-        hand = Hand(visit)
-        assert visit.page.get_by_text("The tab “Take it” has the mould table").is_visible()
-        before = visit.text
-        hand.drags("point 1 of 3", -15, 4)
-        hand.drags("point 2 of 3", -10, -12)
-        hand.drags("point 3 of 3", 8, 15)
-        hand.chooses("Model", "layer")
-        assert visit.text != before
-        assert visit.page.get_by_role("status").first.inner_text().startswith("meets the target")
-        hand.opens("Take it")
-        table = hand.takes("mould.csv", tmp_path)
-        assert hand.steps <= MOST_STEPS
-        hand.takes("spec.toml", tmp_path)
-        assert visit.errors == []
+def test_a_law_of_ones_own_becomes_a_mould_table_in_six_steps(visit, tmp_path):
+    hand = Hand(visit)
+    assert visit.page.get_by_text("The tab “Take it” has the mould table").is_visible()
+    before = visit.text
+    hand.drags("point 1 of 3", -15, 4)
+    hand.drags("point 2 of 3", -10, -12)
+    hand.drags("point 3 of 3", 8, 15)
+    hand.chooses("Model", "layer")
+    assert visit.text != before
+    assert visit.page.get_by_role("status").first.inner_text().startswith("meets the target")
+    hand.opens("Take it")
+    table = hand.takes("mould.csv", tmp_path)
+    assert hand.steps <= MOST_STEPS
+    hand.takes("spec.toml", tmp_path)
     command = [sys.executable, "-m", "metafem", "design", "spec.toml", "-o", "surface"]
     subprocess.run(command, cwd=tmp_path, check=True, capture_output=True)
     assert table.read_bytes() == (tmp_path / "surface" / "mould.csv").read_bytes()
     assert 'kind = "layer"' in (tmp_path / "spec.toml").read_text("utf-8")
 
 
-def test_what_was_said_of_a_drag_goes_with_the_next_text(browser):
-    with served() as server, visited(browser, server) as visit:
-        hand, words = Hand(visit), visit.page.get_by_text("Refused. The point is back")
-        hand.drags("point 3 of 3", 0, -150)
-        words.wait_for()
-        field = visit.page.get_by_label("Largest height")
-        before = visit.asked
-        field.fill("280 um")
-        field.press("Enter")
-        visit.settled(before)
-        words.wait_for(state="hidden")
-        hand.chooses("Target", "straight line")
-        hand.drags("slope", 0, -15)
-        slope = re.search(r"^slope = (\S+)", visit.text, re.MULTILINE)[1]
-        visit.page.get_by_text(re.compile(rf"^slope {slope}.*: load")).wait_for()
+def test_what_was_said_of_a_drag_goes_with_the_next_text(visit):
+    hand, words = Hand(visit), visit.page.get_by_text("Refused. The point is back")
+    hand.drags("point 3 of 3", 0, -150)
+    words.wait_for()
+    field = visit.page.get_by_label("Largest height")
+    before = visit.asked
+    field.fill("280 um")
+    field.press("Enter")
+    visit.settled(before)
+    words.wait_for(state="hidden")
+    hand.chooses("Target", "straight line")
+    hand.drags("slope", 0, -15)
+    slope = re.search(r"^slope = (\S+)", visit.text, re.MULTILINE)[1]
+    visit.page.get_by_text(re.compile(rf"^slope {slope}.*: load")).wait_for()

@@ -11,7 +11,7 @@ export default {
         <tbody>
           <tr v-for="row in given?.rows ?? []" :key="row.name" :data-standing="row.standing">
             <td><span :class="['chip', tint(row.standing)]"><span aria-hidden="true">{{ mark(row.standing) }}</span>{{ row.standing }}</span></td>
-            <th scope="row">{{ capital(row.name) }}<span class="quiet small">{{ row.sentence }}</span></th>
+            <th scope="row">{{ capital(row.name) }}<span class="quiet small">{{ joined(row.sentence) }}</span></th>
             <td class="number">{{ row.value }}<span class="quiet small">{{ row.bound }}</span></td>
           </tr>
         </tbody>
@@ -34,6 +34,7 @@ export default {
   },
   methods: {
     show(given) { this.given = Object.freeze(given); },
+    joined(text) { return text.replaceAll(" %", "\u00a0%"); }, // a number and its unit stay on one line
     mark(standing) { return MARKS[standing]; },
     tint(standing) { return TINTS[standing] ?? ""; },
     capital(text) { return text[0].toUpperCase() + text.slice(1); },

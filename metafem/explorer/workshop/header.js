@@ -90,6 +90,7 @@ export default {
   methods: {
     show(data) {
       Object.assign(this, data);
+      if (data.undo) this.hint = false; // also after undo: the page would move under the hand
     },
     choose(theme) {
       this.theme = theme;

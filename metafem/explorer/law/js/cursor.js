@@ -19,7 +19,7 @@ export class Cursor {
     this.line = made("line", { class: "load", "aria-hidden": "true" }, group);
     this.knob = made("g", { class: "load-knob", tabindex: 0, role: "slider" }, group);
     made("rect", { class: "touch", x: -18, y: -6, width: 36, height: 30 }, this.knob);
-    made("path", { class: "mark", d: "M0 0L7 11H-7Z" }, this.knob);
+    made("path", { class: "mark", d: "M0 0L6 9H-6Z" }, this.knob);
     this.knob.addEventListener("pointerdown", (event) => {
       event.stopPropagation();
       this.held = event.pointerId;

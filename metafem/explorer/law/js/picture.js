@@ -51,7 +51,7 @@ export class Picture {
         : made("line", { x1: MARGIN.left, x2: right, y1: view.py(value), y2: view.py(value) }));
     this.axes.replaceChildren(
       made("path", { d: `M${MARGIN.left} ${MARGIN.top}V${bottom}H${right}` }),
-      ...x.values.map((each) => label(each.toFixed(x.decimals), view.px(each), bottom + 16, "middle")),
+      ...x.values.map((each) => label(each.toFixed(x.decimals), view.px(each), bottom + 20, "middle")),
       ...y.values.map((each) => label(each.toFixed(y.decimals), MARGIN.left - 7, view.py(each) + 4, "end")),
     );
     const middle = (MARGIN.top + bottom) / 2;
