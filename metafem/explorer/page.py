@@ -133,7 +133,7 @@ class Page:
     def _failed(self, request: tuple[int, State, bool], error: Exception) -> None:
         """Show an error of the program, with the last surface that was found."""
         number, state, _ = request
-        self._show(replace(self.answer, number=number, state=state, problems={"": in_words(error)}))
+        self._show(Answer(number, state, None, self.answer.design, {"": in_words(error)}))
 
     def _tell(self, listeners: Iterable[Callable[[Told], None]], value: Told) -> None:
         """Call listeners, and say which errors they made."""
