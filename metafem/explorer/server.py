@@ -31,6 +31,7 @@ def serve(first: State, port: int | None, show: bool) -> None:
     from nicegui import app, background_tasks, ui
     from nicegui.server import Server
 
+    from metafem.explorer.answer import answered
     from metafem.explorer.page import build
 
     def root() -> None:
@@ -43,8 +44,13 @@ def serve(first: State, port: int | None, show: bool) -> None:
         if show:
             webbrowser.open(address)
 
+    async def warm_up() -> None:
+        # the first design loads compiled kernels, while the browser still loads the page
+        await asyncio.to_thread(answered, first, 0)
+
     app.add_middleware(Guard, token=token, port=port)
     app.on_startup(lambda: background_tasks.create(announce()))
+    app.on_startup(lambda: background_tasks.create(warm_up()))
     try:
         ui.run(
             root, host=HOST, port=port, title="metafem", dark=None, language="en-US", reload=False,
