@@ -64,6 +64,7 @@ def test_values_are_typed_refused_where_they_stand_and_undone(visit):
     pressed(visit, "Control+y")
     pressed(visit, "Control+Shift+z")
     assert value(visit, "limits.max_height") == "310 um"
+    page.wait_for_function("() => document.querySelector('#field-limits-max_height').value === '310 um'")
     before = visit.asked
     field.press("ArrowUp")
     visit.settled(before)
