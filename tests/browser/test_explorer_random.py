@@ -9,7 +9,8 @@ from click.testing import CliRunner
 
 from metafem import cli
 from metafem.errors import Infeasible, InvalidInput
-from metafem.files import demo_text, parsed, result_tables
+from metafem.files import demo_text, parsed, read_spec, result_tables
+from metafem.inversion import DesignStatus
 from validation.scenes.explorer import served, visited
 
 pytestmark = pytest.mark.slow
@@ -205,7 +206,9 @@ def commanded(visit, folder):
     spec = folder / "spec.toml"
     spec.write_bytes(downloaded(visit, "spec.toml"))
     done = CliRunner().invoke(cli.main, ["design", str(spec), "-o", str(folder / "surface")])
-    assert done.exit_code == 0, done.output
+    # the steps may end at a target that the design misses, for which the command ends with 1
+    missed = read_spec(spec).design().status is DesignStatus.MISSED
+    assert done.exit_code == int(missed), done.output
     for name in TABLES:
         assert downloaded(visit, name) == (folder / "surface" / name).read_bytes()
 
