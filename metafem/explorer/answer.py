@@ -102,8 +102,7 @@ def specification_of(state: State) -> Specification:
 
 def _serves(before: Answer, state: State, draft: bool) -> bool:
     """Whether the design of an answer is that of another state, too."""
-    same = before.state.text == state.text and before.state.tables == state.tables
-    return same and (draft or not before.draft)
+    return before.state.designs_the_same(state) and (draft or not before.draft)
 
 
 def _problems(error: InvalidInput) -> dict[str, str]:

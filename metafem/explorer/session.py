@@ -41,6 +41,10 @@ class State:
     models: tuple[str, ...] = ()
     load: float | None = None
 
+    def designs_the_same(self, other: State) -> bool:
+        """Whether another state has the same specification and tables, and so the same design."""
+        return self.text == other.text and self.tables == other.tables
+
     def to_json(self) -> str:
         """Return the state as JSON."""
         return json.dumps(asdict(self))

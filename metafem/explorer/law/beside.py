@@ -8,8 +8,9 @@ from typing import Any
 from metafem.explorer.answer import Answer
 from metafem.explorer.certainty.background import Tasks
 from metafem.explorer.certainty.band import Band, band_words, tolerance_band
+from metafem.explorer.law.law_data import band_data
 from metafem.explorer.law.others import QUICK, Block, Other, other_law, own_name
-from metafem.explorer.law.shown import Units, numbers
+from metafem.explorer.law.shown import Units
 from metafem.explorer.law.tools import block_data
 from metafem.explorer.newest import Newest, in_words
 from metafem.inversion import Design
@@ -72,7 +73,7 @@ class Beside:
         self.draw(
             {
                 "number": answer.number,
-                "tolerance": None if band is None else _band(band, units) | {"name": words},
+                "tolerance": None if band is None else band_data(band, units) | {"name": words},
                 "others": [
                     units.curve(each.load, each.friction) | {"name": each.words}
                     for each in found
@@ -82,12 +83,3 @@ class Beside:
                 "block": block_data(self.block, answer.design),
             }
         )
-
-
-def _band(band: Band, units: Units) -> dict[str, Any]:
-    load, low, high = band
-    return {
-        "x": numbers(units.load * load),
-        "low": numbers(units.friction * low),
-        "high": numbers(units.friction * high),
-    }

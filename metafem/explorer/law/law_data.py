@@ -61,10 +61,8 @@ def law_data(answer: Answer, handles: Sequence[Handle] = (), request: int | None
     return data
 
 
-def band_data(band: Band | None, units: Units) -> dict[str, Any] | None:
-    """Return the band of all laws in the units that are shown."""
-    if band is None:
-        return None
+def band_data(band: Band, units: Units) -> dict[str, Any]:
+    """Return a band of laws, its loads and its lowest and highest friction, in the units that are shown."""
     load, low, high = band
     return {
         "x": numbers(units.load * load),

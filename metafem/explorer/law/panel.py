@@ -102,7 +102,7 @@ class LawPanel:
             band = self.reach.of(specification)
             if (self.reach.key, units) != self.band_shown:
                 self.band_shown = self.reach.key, units
-                data["band"] = band_data(band, units)
+                data["band"] = None if band is None else band_data(band, units)
         self.plot.draw(data)
         if self.measured.problem:
             self.plot.say(self.measured.problem, wrong=True)

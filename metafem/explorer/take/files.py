@@ -12,7 +12,7 @@ from tempfile import TemporaryDirectory
 from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer, specification_of
 from metafem.explorer.session import State
-from metafem.files import parsed, result_folder, result_tables, write_all
+from metafem.files import result_folder, result_tables, write_all
 from metafem.report import page
 
 SPECIFICATION, ZIPPED = "spec.toml", "specification.zip"
@@ -51,9 +51,9 @@ def tables_of(answer: Answer) -> dict[str, bytes]:
     return {name: text.encode("utf-8") for name, text in tables.items()}
 
 
-def made_files(text: str, tables: Mapping[str, str]) -> dict[str, bytes]:
-    """Return all files of the result folder of a specification, as ``metafem design`` writes them."""
-    specification = parsed(text, {name: table.encode("utf-8") for name, table in tables.items()})
+def made_files(state: State) -> dict[str, bytes]:
+    """Return all files of the result folder of a state, as ``metafem design`` writes them."""
+    specification = specification_of(state)
     with TemporaryDirectory() as parent:
         folder = Path(parent, "surface")
         with result_folder(folder, specification) as fresh:

@@ -67,15 +67,14 @@ class Making:
         state = self.page.answer.state
         if not self.page.answer.current or self.page.answer.draft:
             self.say("There is no design to take: the target or a field must be changed first.")
-        elif same_files(self.state, state):
+        elif self.state is not None and self.state.designs_the_same(state):
             self.download(name)
         else:
             self.wanted, self.state, self.files = name, None, {}
             self.stop.set_visibility(True)
             self.say("The files are being written.")
-            given = (state.text, dict(state.tables))
             self.page.tasks.start(
-                TASK, made_files, given, self.stepped, partial(self.made, state), self.failed
+                TASK, made_files, (state,), self.stepped, partial(self.made, state), self.failed
             )
 
     def stepped(self, step: str, done: float | None) -> None:
@@ -116,11 +115,6 @@ class Making:
         """Show a sentence."""
         if self.label.text != text:
             self.label.text = text
-
-
-def same_files(one: State | None, other: State) -> bool:
-    """Whether two states have the same files."""
-    return one is not None and (one.text, one.tables) == (other.text, other.tables)
 
 
 def take_panel(page: Page) -> None:
