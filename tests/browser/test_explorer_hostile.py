@@ -6,20 +6,12 @@ from metafem.explorer.session import State
 from metafem.explorer.text.document import Document
 from metafem.explorer.text.link import to_link
 from metafem.files import demo_text
+from validation.scenes.explorer import TYPED
 
 pytestmark = pytest.mark.slow
 
 # What runs if a page takes it for HTML.
 HTML = "</script><img src=x onerror='window.hacked=1'><script>window.hacked=1</script>"
-
-# Types a text into a field and leaves it.
-TYPED = """([key, text]) => {
-  const field = document.querySelector(`.fields input[data-key="${key}"]`);
-  field.focus();
-  field.value = text;
-  field.dispatchEvent(new Event('input', { bubbles: true }));
-  field.dispatchEvent(new Event('change', { bubbles: true }));
-}"""
 
 # Drops a file onto an element.
 DROPPED = """([where, name, content]) => {

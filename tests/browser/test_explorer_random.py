@@ -11,7 +11,7 @@ from metafem import cli
 from metafem.errors import Infeasible, InvalidInput
 from metafem.files import demo_text, parsed, read_spec, result_tables
 from metafem.inversion import DesignStatus
-from validation.scenes.explorer import served, visited
+from validation.scenes.explorer import TYPED, served, visited
 
 pytestmark = pytest.mark.slow
 
@@ -55,15 +55,6 @@ PRESSED = """([where, keys]) => {
 # Keys and texts of all fields, apart from the numbers of asperities, which set the time of a design.
 FIELDS = """() => [...document.querySelectorAll('.fields input.text')]
   .filter(each => each.dataset.key !== 'lattice.shape').map(each => [each.dataset.key, each.value])"""
-
-# Types a text into a field and leaves it.
-TYPED = """([key, text]) => {
-  const field = document.querySelector(`.fields input[data-key="${key}"]`);
-  field.focus();
-  field.value = text;
-  field.dispatchEvent(new Event('input', { bubbles: true }));
-  field.dispatchEvent(new Event('change', { bubbles: true }));
-}"""
 
 # Chooses an entry of a list by a number from 0 to 1.
 CHOSEN = """([name, part]) => {

@@ -8,20 +8,7 @@ from metafem.cli import main
 from metafem.errors import InvalidInput
 from metafem.explorer.start import explore, first_state
 from metafem.files import demo_text, save
-
-SAMPLED = """
-[target]
-kind = "sampled"
-file = "wanted.csv"
-[material]
-composite_modulus = "1.36 MPa"
-[lattice]
-shape = [4, 4]
-pitch = "1.5 mm"
-radius = "526 um"
-[limits]
-max_height = "120 um"
-"""
+from tests.explorer.scenes import SAMPLED, WANTED
 
 
 def test_it_is_a_demo_by_default():
@@ -30,7 +17,7 @@ def test_it_is_a_demo_by_default():
 
 def test_a_specification_brings_its_tables(tmp_path):
     (tmp_path / "mine.toml").write_text(SAMPLED)
-    (tmp_path / "wanted.csv").write_text("rescaled_load_mm2,rescaled_friction_mm2\n0.05,0.4\n0.1,0.7\n")
+    (tmp_path / "wanted.csv").write_text(WANTED)
     state = first_state(tmp_path / "mine.toml")
     assert state.text == SAMPLED
     assert list(state.tables) == ["wanted.csv"]

@@ -34,6 +34,15 @@ SETTLED = """before => {
   return asked > before && shown.length > 0 && shown.every(each => Number(each.dataset.answered) >= asked);
 }"""
 
+# Types a text into a field and leaves it.
+TYPED = """([key, text]) => {
+  const field = document.querySelector(`.fields input[data-key="${key}"]`);
+  field.focus();
+  field.value = text;
+  field.dispatchEvent(new Event('input', { bubbles: true }));
+  field.dispatchEvent(new Event('change', { bubbles: true }));
+}"""
+
 # The states that the browser keeps, and which of them is shown.
 HISTORY = """() => {
   const { first, end, at } = JSON.parse(sessionStorage.getItem('metafem'));

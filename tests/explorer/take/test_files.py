@@ -13,21 +13,8 @@ from metafem.explorer.session import State
 from metafem.explorer.take.command import command_of
 from metafem.explorer.take.files import archive, made_files, specification_file, tables_of
 from metafem.files import demo_text, read_spec
+from tests.explorer.scenes import SAMPLED, WANTED
 
-SAMPLED = """
-[target]
-kind = "sampled"
-file = "wanted.csv"
-[material]
-composite_modulus = "1.36 MPa"
-[lattice]
-shape = [3, 3]
-pitch = "1.5 mm"
-radius = "526 um"
-[limits]
-max_height = "120 um"
-"""
-WANTED = "rescaled_load_mm2,rescaled_friction_mm2\n0.01,0.1\n0.03,0.25\n0.05,0.4\n"
 STATE = State(SAMPLED, {"wanted.csv": WANTED})
 
 
@@ -57,7 +44,7 @@ def test_tables_are_those_of_the_command_to_the_byte(state, tmp_path, monkeypatc
 @pytest.mark.slow
 def test_all_files_are_those_of_the_command_to_the_byte(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    made = made_files(STATE.text, STATE.tables)
+    made = made_files(STATE)
     assert made == designed(STATE, tmp_path)
     assert {"report.html", "spec.toml", "wanted.csv", ".metafem-files"} <= made.keys()
 
