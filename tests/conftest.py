@@ -37,22 +37,13 @@ SLOW_EXAMPLES = (
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items):
-    """Mark the examples that take long as slow, and sort the files: large ones first, to end together.
-
-    Those that share a browser follow each other.
-    """
+    """Mark the examples that take long as slow, and sort the files: large ones first, to end together."""
     for item in items:
         if isinstance(item, pytest.DoctestItem) and item.name.endswith(SLOW_EXAMPLES):
             item.add_marker("slow")
     count = Counter(item.path for item in items)
-    folder = Path(__file__).parent
-    first = [folder / name for name in FIRST]
-
-    def place(item):
-        begins = first.index(item.path) if item.path in first else len(first)
-        return begins, item.path.parent != folder / "browser", -count[item.path]
-
-    items.sort(key=place)
+    first = [Path(__file__).parent / name for name in FIRST]
+    items.sort(key=lambda i: (first.index(i.path) if i.path in first else len(first), -count[i.path]))
 
 
 @pytest.hookimpl(wrapper=True)
