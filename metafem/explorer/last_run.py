@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import fcntl
 import json
 import os
 import secrets
 import socket
 from contextlib import suppress
 from pathlib import Path
-from typing import TextIO
 
 from metafem._caches import cache_folder
 from metafem.errors import InvalidInput
+from metafem.files.atomic.claim import locked
 
 HOST = "127.0.0.1"
 
@@ -20,8 +19,8 @@ HOST = "127.0.0.1"
 TOKEN_BYTES = 16
 
 
-# The lock of this run: it is held until the process ends.
-_HELD: list[TextIO] = []
+# The lock of this run, an open file: it is held until the process ends.
+_HELD: list[int] = []
 
 
 def token_and_port(wanted: int | None) -> tuple[str, int]:
@@ -43,16 +42,12 @@ def _is_first() -> bool:
     try:
         path = cache_folder() / "explorer.lock"
         path.parent.mkdir(parents=True, exist_ok=True)
-        file = path.open("a", encoding="utf-8")
+        held = locked(path, os.O_RDWR | os.O_CREAT)
     except OSError:
         return False
-    try:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError:
-        file.close()
-        return False
-    _HELD.append(file)
-    return True
+    if held is not None:
+        _HELD.append(held)
+    return held is not None
 
 
 def _kept() -> tuple[str, int]:

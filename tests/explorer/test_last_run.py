@@ -1,5 +1,6 @@
 """Token and port that an explorer has again."""
 
+import os
 import socket
 
 import pytest
@@ -12,7 +13,7 @@ from metafem.explorer.last_run import HOST
 def ended():
     """End all runs: their locks are free again."""
     while last_run._HELD:
-        last_run._HELD.pop().close()
+        os.close(last_run._HELD.pop())
 
 
 def token_and_port(wanted):

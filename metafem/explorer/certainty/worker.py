@@ -27,7 +27,8 @@ def main() -> None:
     """Read a function and its arguments, and write its steps and its result or error."""
     requests, answers = sys.stdin.buffer, os.fdopen(os.dup(sys.stdout.fileno()), "wb")
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # what the function prints is no answer
-    os.nice(NICENESS)
+    if sys.platform != "win32":  # which has no niceness
+        os.nice(NICENESS)
     function, given = pickle.load(requests)
     threading.Thread(target=_end_with_parent, args=(requests,), daemon=True).start()
     kind, value = computed(function, given, lambda *step: _send(answers, STEP, step))

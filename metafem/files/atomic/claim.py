@@ -68,7 +68,7 @@ def sweep(folder: Path) -> None:
             with suppress(OSError):
                 work.rmdir()  # succeeds if the process was killed before it made the lock
             with suppress(OSError):
-                held = _locked(work / LOCK, os.O_RDWR)
+                held = locked(work / LOCK, os.O_RDWR)
                 if held is not None:
                     _released(work, held)
 
@@ -93,7 +93,7 @@ def _acquired(work: Path, goal: Path) -> int:
         if work.is_symlink():
             raise InvalidInput(f"{work} is a link; remove it, or choose another name")
         with suppress(FileNotFoundError):  # another process has just removed the folder
-            held = _locked(work / LOCK, os.O_RDWR | os.O_CREAT)
+            held = locked(work / LOCK, os.O_RDWR | os.O_CREAT)
             if held is not None:
                 os.ftruncate(held, 0)
                 text = f"process {os.getpid()} on {socket.gethostname()}, since {time.strftime('%H:%M:%S')}"
@@ -115,7 +115,7 @@ def _owner(work: Path) -> str:
     return f" ({owner})" if owner else ""
 
 
-def _locked(path: Path, flags: int) -> int | None:
+def locked(path: Path, flags: int) -> int | None:
     """Return a file opened and locked, None if another process holds it or has just removed it."""
     handle = os.open(path, flags, 0o666)
     try:

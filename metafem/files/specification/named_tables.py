@@ -43,6 +43,12 @@ FILE_KEY = re.compile(
     r"""(\bfile["']?[ \t]*=[ \t]*)(\"{3}.*?\"{3}|'{3}.*?'{3}|"(?:[^"\\\n]|\\.)*"|'[^'\n]*')""", re.DOTALL
 )
 
+# What separates folders on any system, and drives from files.
+SEPARATORS = re.compile(r"[/\\:]")
+
+# Longest name of a table [bytes]: file systems allow 255, and that of its copy may begin with "wanted-".
+LONGEST = 240
+
 
 # Returns the content of the table that a key names, and its name in errors.
 Source = Callable[[str, str], tuple[str, bytes]]
@@ -98,12 +104,27 @@ def with_columns(label: str, section: dict[str, Any], source: Source) -> tuple[d
     name, columns = section["file"], COLUMNS[section["kind"]]
     if not isinstance(name, str):
         raise InvalidInput(f'{label}.file = {shown(name)} must be a text, for example file = "wanted.csv"')
+    _refuse_no_file(f"{label}.file", name)
     rest = {key: value for key, value in section.items() if key != "file"}
     twice = sorted(rest.keys() & {*columns.units, *columns.plain})
     if twice:
         raise InvalidInput(f"{label}.file and {label}.{twice[0]} both give the {columns.what}; keep one")
     title, content = source(f"{label}.file", name)
     return {**rest, **columns_of(title, content, columns)}, content
+
+
+def _refuse_no_file(key: str, name: str) -> None:
+    """Refuse a name of a table that is not that of a file on every system."""
+    last = SEPARATORS.split(name)[-1]
+    wrong = ""
+    if last.strip(" .") == "":
+        wrong = "does not name a file"
+    elif not name.isprintable():
+        wrong = "holds an unprintable character"
+    elif len(last.encode("utf-8")) > LONGEST:
+        wrong = f"has {len(last.encode('utf-8'))} bytes; at most {LONGEST} are allowed"
+    if wrong:
+        raise InvalidInput(f'{key} = "{printable(name, 60)}" {wrong}; write for example file = "wanted.csv"')
 
 
 def _replaced(table: dict[str, Any], place: tuple[str, ...], section: dict[str, Any]) -> dict[str, Any]:
@@ -114,8 +135,8 @@ def _replaced(table: dict[str, Any], place: tuple[str, ...], section: dict[str, 
 
 def _copy_name(name: str, taken: Collection[str]) -> str:
     """Return the name of the copy in a result folder: not hidden, and different from all other files."""
-    copy = Path(name).name
-    while copy.casefold() in RESERVED or copy.startswith(".") or copy in taken:
+    copy, used = SEPARATORS.split(name)[-1], {each.casefold() for each in taken} | RESERVED
+    while copy.casefold() in used or copy.startswith("."):
         copy = f"wanted-{copy.lstrip('.')}"
     return copy
 

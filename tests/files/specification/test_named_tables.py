@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import metafem as mf
+from metafem.files import parsed
 from metafem.files.specification.demos import demo_text
 
 REST = demo_text("linear").split("[material]")[1].replace('height_step = "6 um"', "")
@@ -86,6 +87,28 @@ def test_bad_tables_are_named(tmp_path, target, table, words):
         mf.read_spec(written(tmp_path, f'kind = "sampled"\n{target}', table))
 
 
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        *((f'"{name}"', "does not name a file") for name in ("", ".", "..", "a/", "/", " ", "a/..", "C:")),
+        ("'..\\'", "does not name a file"),
+        *(
+            (f'"{name}"', "holds an unprintable character")
+            for name in (r"a\nb.csv", r"\u0000", r"\u202e.csv")
+        ),
+        (f'"{"µ" * 130}.csv"', "has 264 bytes; at most 240 are allowed"),
+    ],
+)
+def test_a_name_that_is_not_one_of_a_file_is_a_problem_of_its_key(name, words):
+    text = f'[target]\nkind = "sampled"\nfile = {name}\n[material]{REST}'
+    with pytest.raises(mf.InvalidInput) as error:
+        parsed(text, {tomllib.loads(text)["target"]["file"]: SAMPLES.encode()})
+    (problem,) = error.value.problems
+    assert problem.startswith('target.file = "')
+    assert problem.endswith(f'" {words}; write for example file = "wanted.csv"')
+    assert problem.isprintable()
+
+
 def test_the_table_is_kept_beside_the_specification_of_the_result(tmp_path):
     table = "load_N,friction_force_N\n0.1,0.2\n0.2,0.36\n0.3,0.53\n"
     spec = mf.read_spec(written(tmp_path, 'kind = "sampled"\nfile = "wanted.csv"', table))
@@ -128,6 +151,8 @@ SAMPLES = "load_N,friction_force_N\n0.1,0.2\n0.2,0.36\n0.3,0.53\n"
         ("law.csv", "wanted-law.csv"),
         ("sub/SPEC.toml", "wanted-SPEC.toml"),
         (".metafem-files", "wanted-metafem-files"),
+        ("sub/C:w.csv", "w.csv"),
+        (r"sub/..\\w.csv", "w.csv"),
         ("sub/µ \\\" 'a.csv", "µ \" 'a.csv"),
     ],
 )
@@ -138,7 +163,7 @@ def test_a_table_from_anywhere_is_kept_so_that_the_folder_can_be_designed_again(
     home = tmp_path / "home"
     (home / "sub").mkdir(parents=True)
     name = name.format(tmp_path)
-    place = home / name.replace('\\"', '"')
+    place = home / name.replace('\\"', '"').replace("\\\\", "\\")
     place.write_text(SAMPLES, encoding="utf-8")
     remarks = f'# as measured, not file = "other.csv"\nkind = "sampled"\nfile = "{name}"  # of June'
     path = written(home, remarks)
