@@ -16,7 +16,7 @@ def run() -> None:
     chose another number.
     """
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # read once, when numpy is imported
-    with stopped_by_signals():
+    with stopped_by_signals(last=True):
         with report_stop("nothing was written"):
             from metafem.cli.commands import main
         main(prog_name="metafem")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import sys
 import threading
@@ -23,13 +24,15 @@ class Stopped(SystemExit):
 
 
 @contextmanager
-def stopped_by_signals() -> Iterator[None]:
+def stopped_by_signals(last: bool = False) -> Iterator[None]:
     """End the body by an exception on Ctrl-C and SIGTERM, so that it cleans up; the exit code is 130 or 143.
 
     A signal that the parent process set to be ignored stays ignored. Python delivers signals to the main
     thread only, so other threads do not change. Python drops an exception that is raised in a destructor or
-    in the callback of a weak reference; the signal is then repeated.
+    in the callback of a weak reference; the signal is then repeated. The last body of a process has done its
+    work when it ends: a later signal ends the process with the exit code of the body.
     """
+    code = 1  # of an exception other than SystemExit
     before, hook = {}, sys.unraisablehook
     if threading.current_thread() is threading.main_thread():
         for each in (signal.SIGINT, signal.SIGTERM):
@@ -44,9 +47,13 @@ def stopped_by_signals() -> Iterator[None]:
         sys.unraisablehook = lost
     try:
         yield
+        code = 0
+    except SystemExit as end:
+        code = end.code if isinstance(end.code, int) else int(end.code is not None)
+        raise
     finally:
         for each, handler in before.items():
-            signal.signal(each, handler)
+            signal.signal(each, (lambda *_: os._exit(code)) if last else handler)
         sys.unraisablehook = hook
         _repeated.clear()
 

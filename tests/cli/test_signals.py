@@ -17,10 +17,11 @@ from metafem.files import Specification, demo_text
 
 @pytest.fixture(autouse=True)
 def listening():
-    """Shells start jobs in the background with Ctrl-C ignored."""
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    """Shells start jobs in the background with Ctrl-C ignored; the entry point sets handlers for good."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler), signal.getsignal(signal.SIGTERM)
     yield
-    signal.signal(signal.SIGINT, before)
+    signal.signal(signal.SIGINT, before[0])
+    signal.signal(signal.SIGTERM, before[1])
 
 
 @pytest.fixture
@@ -101,6 +102,15 @@ def test_a_command_that_is_stopped_during_its_import_reports_it(number, code, ca
         sys.modules.update(kept)
     assert end.value.code == code
     assert capsys.readouterr().err == "stopped; nothing was written\n"
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize(("body", "code"), [("pass", 0), ("sys.exit(3)", 3), ("raise OSError", 1)])
+def test_a_signal_after_the_end_does_not_change_the_exit_code(body, code, number):
+    late = f"import atexit, signal, sys; atexit.register(signal.raise_signal, signal.{number.name})\n"
+    body = f"from metafem.cli.signals import stopped_by_signals\nwith stopped_by_signals(last=True): {body}"
+    done = subprocess.run([sys.executable, "-c", late + body], capture_output=True)
+    assert done.returncode == code
 
 
 def test_the_entry_point_handles_signals_before_other_imports():

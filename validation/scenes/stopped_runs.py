@@ -117,7 +117,7 @@ def command(arguments: list[str], folder: Path, log: str) -> None:
 
     os.chdir(folder)
     signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell ignores it in the background
-    with stopped_by_signals():  # before the file exists, which shows that the command begins
+    with stopped_by_signals(last=True):  # before the file exists, which shows that the command begins
         handle = os.open(folder.with_name(f"{folder.name}-{log}.log"), os.O_WRONLY | os.O_CREAT)
         os.dup2(handle, 1)
         os.dup2(handle, 2)
