@@ -33,11 +33,14 @@ class Infeasible(MetafemError):
     nearest : target or None
         The nearest target of the same kind that can be designed with the same template and
         limits, if one is known.
+    by_search : bool
+        Whether a search has found no surface although no bound excludes one. A longer search can find one.
     """
 
-    def __init__(self, message: str, nearest: Any = None) -> None:
+    def __init__(self, message: str, nearest: Any = None, by_search: bool = False) -> None:
         super().__init__(message)
         self.nearest = nearest
+        self.by_search = by_search
 
 
 class NotConverged(MetafemError):

@@ -38,7 +38,7 @@ class Answer:
     milliseconds : float
         Duration of the computation.
     draft : bool
-        Whether the design is that of a quick search, while a handle is moved.
+        Whether the design is that of a quick search, while a handle is moved, and not of the whole one.
     """
 
     number: int
@@ -66,7 +66,8 @@ class Answer:
 def answered(state: State, number: int, before: Answer | None = None, draft: bool = False) -> Answer:
     """Return the answer to a state; the design of the answer before stays where there is no new one.
 
-    A draft is the design of a quick search, which can also refuse what the whole search reaches.
+    A draft is the design of a quick search. Where that finds none although no bound excludes the target, the
+    whole search follows, so that a draft refuses nothing that can be designed.
     """
     start = time.perf_counter()
     if before is not None and before.current and _serves(before, state, draft):
@@ -77,7 +78,7 @@ def answered(state: State, number: int, before: Answer | None = None, draft: boo
     refusal, nearest, nearest_target = "", None, None
     try:
         specification = specification_of(state)
-        design = specification.design(draft=draft)
+        design, draft = _designed(specification, draft)
     except InvalidInput as error:
         problems = _problems(error)
     except Infeasible as error:
@@ -98,6 +99,19 @@ def specification_of(state: State) -> Specification:
     # half a pair of surrogates, which a browser can send, is then refused as not UTF-8
     tables = {name: text.encode("utf-8", "surrogatepass") for name, text in state.tables.items()}
     return parsed(state.text, tables)
+
+
+def _designed(specification: Specification, draft: bool) -> tuple[Design, bool]:
+    """Return the design of a specification, and whether it is a draft."""
+    if draft:
+        try:
+            return specification.design(draft=True), True
+        except Infeasible as error:
+            if not error.by_search:
+                raise
+        except MetafemError:
+            pass  # the whole search ends elsewhere, or says the same
+    return specification.design(), False
 
 
 def _serves(before: Answer, state: State, draft: bool) -> bool:

@@ -99,7 +99,8 @@ def design(
         that stays empty. The other heights are adjusted to the given ones, see Notes. Default: none.
     draft : bool
         Whether to search for a short time only, with few random changes, as for a view that follows a hand.
-        What a draft does not reach can still be designed. Default: False.
+        What a draft does not reach can still be designed where the error's `by_search` is True. Default:
+        False.
 
     Returns
     -------

@@ -125,7 +125,8 @@ def design_for_hardness(
     try:
         plastic = under(template, with_contact(solver, law), radii=radii, common_radius=common_radius)
     except Infeasible as error:
-        raise Infeasible(f"{why}, and under {law!r} no surface is found: {error}", error.nearest) from None
+        words = f"{why}, and under {law!r} no surface is found: {error}"
+        raise Infeasible(words, error.nearest, error.by_search) from None
     text = (
         f"{why}; this design is for the law {law!r} of plastic contacts: the first loading flattens the "
         "summits, and later ones differ (friction_law with unloading=True)"

@@ -116,4 +116,5 @@ def unreachable(refused: dict[float, Infeasible]) -> Infeasible:
     smallest, largest = min(refused), max(refused)
     reasons = [f"with a radius of {radius:.4g} mm, {refused[radius]}" for radius in {smallest, largest}]
     nearest = refused[smallest].nearest
-    return Infeasible(f"no radius reaches the target: {'; '.join(sorted(reasons))}", nearest)
+    words = f"no radius reaches the target: {'; '.join(sorted(reasons))}"
+    return Infeasible(words, nearest, any(reason.by_search for reason in refused.values()))

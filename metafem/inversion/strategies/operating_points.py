@@ -45,14 +45,14 @@ def candidate(target: OperatingPoints, problem: Problem, rng: np.random.Generato
         return _with_levels(target, fewest, problem)
     highest = problem.bounds.largest_load(problem.limits)
     broken = broken_bound(target.rescaled_load, target.rescaled_friction, problem.bounds, 0.0)
-    if not last.limited and target.last_load <= highest and broken is None:
+    searched = not last.limited and target.last_load <= highest and broken is None
+    if searched:
         # the extreme radii leave more room for the refinement
         for choice in dict.fromkeys((radii.extremes, radii)):
             if found := _without_levels(target, choice, problem, rng):
                 return found
-    raise (
-        last.refused if last.refused is not None else Infeasible("no heights that meet the points were found")
-    )
+    refused = last.refused or Infeasible("no heights that meet the points were found")
+    raise Infeasible(str(refused), refused.nearest, by_search=searched)
 
 
 def _with_levels(target: OperatingPoints, path: tuple[Level, ...], problem: Problem) -> Candidate:
