@@ -39,6 +39,8 @@ class Answer:
         Duration of the computation.
     draft : bool
         Whether the design is that of a quick search, while a handle is moved, and not of the whole one.
+    failed : bool
+        Whether the computation failed for a specification that may be correct.
     """
 
     number: int
@@ -51,6 +53,7 @@ class Answer:
     milliseconds: float = 0.0
     nearest_target: Target | None = None
     draft: bool = False
+    failed: bool = False
 
     @property
     def current(self) -> bool:
@@ -75,7 +78,7 @@ def answered(state: State, number: int, before: Answer | None = None, draft: boo
         return replace(before, number=number, state=state, milliseconds=elapsed)
     specification, design = None, None if before is None else before.design
     problems: dict[str, str] = {}
-    refusal, nearest, nearest_target = "", None, None
+    refusal, nearest, nearest_target, failed = "", None, None, False
     try:
         specification = specification_of(state)
         design, draft = _designed(specification, draft)
@@ -87,11 +90,10 @@ def answered(state: State, number: int, before: Answer | None = None, draft: boo
             nearest_target = error.nearest
             nearest = _law_of(specification, error.nearest, draft)
     except MetafemError as error:
-        problems[""] = str(error)
+        problems[""], failed = str(error), True
     elapsed = 1e3 * (time.perf_counter() - start)
-    return Answer(
-        number, state, specification, design, problems, refusal, nearest, elapsed, nearest_target, draft
-    )
+    found = Answer(number, state, specification, design, problems, refusal, nearest, elapsed)
+    return replace(found, nearest_target=nearest_target, draft=draft, failed=failed)
 
 
 def specification_of(state: State) -> Specification:

@@ -133,7 +133,7 @@ class Page:
     def _failed(self, request: tuple[int, State, bool], error: Exception) -> None:
         """Show an error of the program, with the last surface that was found."""
         number, state, _ = request
-        self._show(Answer(number, state, None, self.answer.design, {"": in_words(error)}))
+        self._show(Answer(number, state, None, self.answer.design, {"": in_words(error)}, failed=True))
 
     def _tell(self, listeners: Iterable[Callable[[Told], None]], value: Told) -> None:
         """Call listeners, and say which errors they made."""
@@ -167,7 +167,7 @@ def build(first: State) -> Page:
         ui.add_css(Path(__file__).parent.joinpath(style).read_text("utf-8"))
     page = Page(first)
     header_panel(page)
-    with ui.element("main").classes("explorer"):
+    with ui.element().classes("explorer"):
         with _part("law", "Law"):
             law_panel(page)
             place_warnings(page, "law")
@@ -191,7 +191,9 @@ def _tabs(page: Page) -> None:
         "How sure": certainty_panel,
         "Take it": take_panel,
     }
-    with ui.tabs().props("dense no-caps align=left outside-arrows mobile-arrows") as tabs:
+    with ui.tabs().props(
+        'dense no-caps align=left outside-arrows mobile-arrows aria-label="Workshop and results"'
+    ) as tabs:
         for name in panels:
             ui.tab(name)
     tabs.on_value_change(lambda event: page.open_tab(event.value))

@@ -59,7 +59,7 @@ def test_a_law_of_ones_own_becomes_a_mould_table_in_six_steps(visit, tmp_path):
     hand.drags("point 3 of 3", 8, 15)
     hand.chooses("Model", "layer")
     assert visit.text != before
-    assert visit.page.get_by_role("status").first.inner_text().startswith("meets the target")
+    assert visit.page.locator(".bar .chip").inner_text().startswith("meets the target")
     hand.opens("Take it")
     table = hand.takes("mould.csv", tmp_path)
     assert hand.steps <= MOST_STEPS
@@ -80,7 +80,7 @@ def test_what_was_said_of_a_drag_goes_with_the_next_text(visit):
     field.press("Enter")
     visit.settled(before)
     words.wait_for(state="hidden")
-    hand.chooses("Target", "straight line")
+    hand.chooses("Target", "straight line (linear)")
     hand.drags("slope", 0, -15)
     slope = re.search(r"^slope = (\S+)", visit.text, re.MULTILINE)[1]
     visit.page.get_by_text(re.compile(rf"^slope {slope}.*: load")).wait_for()

@@ -178,10 +178,10 @@ def test_the_page_fits_wide_and_narrow_windows_light_and_dark(visit):
 
 def test_keys_lead_through_the_head_of_the_page(visit):
     page, names = visit.page, []
-    for _ in range(6):
+    for _ in range(8):
         page.keyboard.press("Tab")
         names.append(page.evaluate(FOCUSED))
-    assert names == ["Skip to the law", "Model", "Light", "Auto", "Dark", "Help"]
+    assert names == ["Skip to the law", "Model", "Undo", "Redo", "Light", "Auto", "Dark", "Help"]
     page.keyboard.press("?")
     page.get_by_role("dialog").wait_for()
     page.keyboard.press("Escape")

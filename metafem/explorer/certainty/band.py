@@ -147,7 +147,8 @@ def band_words(answer: Answer) -> str:
     if drawn is None:
         return f"± 1 SD of made surfaces, linear response to {tolerance_words(tolerances)}"
     apart = f"; linear response differs by {percent(drawn.difference)} of it" if drawn.linear.any() else ""
-    return f"± 1 SD about the mean of {drawn.count} drawn surfaces, {tolerance_words(tolerances)}{apart}"
+    made = f"{drawn.count} made surfaces, drawn with {tolerance_words(tolerances)}"
+    return f"± 1 SD about the mean of {made}{apart}"
 
 
 def drawn_of(answer: Answer) -> Drawn | None:

@@ -12,12 +12,12 @@ from metafem.explorer.text.document import Document
 from metafem.explorer.text.kinds import with_target_kind
 
 KINDS: Mapping[str, str] = {
-    "operating-points": "points",
-    "linear": "straight line",
-    "bilinear": "two branches",
-    "power": "power",
-    "multilinear": "branches",
-    "sampled": "curve",
+    "operating-points": "operating points",
+    "linear": "straight line (linear)",
+    "bilinear": "two branches (bilinear)",
+    "power": "power law",
+    "multilinear": "several branches (multilinear)",
+    "sampled": "curve (sampled)",
 }
 
 # Digits of points.

@@ -11,7 +11,7 @@ export default {
         <div class="law-refusal" hidden><span></span><div class="law-nearest" hidden><i></i>nearest law that can be designed</div><button type="button" class="law-use">Use the nearest law</button></div>
       </div>
       <ul class="law-legend" aria-label="Legend"></ul>
-      <div class="law-live"><span aria-live="polite"></span><button type="button" class="law-use" hidden>Use the nearest law</button></div>
+      <div class="law-live"><span aria-live="polite"></span><button type="button" class="law-drop" hidden title="Remove this point (Delete)">Remove the point</button><button type="button" class="law-use" hidden>Use the nearest law</button></div>
     </div>`,
   mounted() { this.plot = new Plot(this.$el, (name, data) => this.$emit(name, data)); },
   unmounted() { this.plot.close(); },

@@ -16,8 +16,8 @@ export default {
         <label class="small">Colour <select class="text" v-model="what" @change="recolour" aria-label="Colour of the sites">
           <option value="height">height</option><option value="pressure">contact pressure</option><option value="sensitivity">sensitivity</option>
         </select></label>
-        <div class="choice" role="tablist" aria-label="View of the surface">
-          <button v-for="[name, label] in [['map', 'Map'], ['relief', '3D']]" type="button" role="tab" :aria-selected="tab === name ? 'true' : 'false'"
+        <div class="choice" role="tablist" aria-label="View of the surface" @keydown.left.prevent="turn($event)" @keydown.right.prevent="turn($event)">
+          <button v-for="[name, label] in [['map', 'Map'], ['relief', '3D']]" type="button" role="tab" :aria-selected="tab === name ? 'true' : 'false'" :tabindex="tab === name ? 0 : -1"
                   @click="open(name)">{{ label }}</button>
         </div>
       </div>
@@ -101,6 +101,11 @@ export default {
         }
         if (this.number) this.$el.dataset.answered = this.number;
       });
+    },
+    turn(event) {  // an arrow key on the tab in focus
+      const next = event.target.nextElementSibling ?? event.target.previousElementSibling;
+      next.focus();
+      next.click();
     },
     async open(tab) {
       this.tab = tab;

@@ -145,7 +145,9 @@ def take_panel(page: Page) -> None:
                 add(file)
         with _card("The same by a command"):
             command = ui.code(command_of(page.state), language="bash")
-            ui.code(script_of(), language="python")
+            script = ui.code(script_of(), language="python")
+            for each, name in ((command, "Copy the command"), (script, "Copy the script")):
+                each.copy_button.props(f'aria-label="{name}" title="{name}"')
 
     def show(answer: Answer) -> None:
         for button in buttons:

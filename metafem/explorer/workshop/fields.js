@@ -19,7 +19,7 @@ export default {
           <p v-if="!has(part)" class="quiet small">{{ capital(part.meaning) }}.</p>
           <div v-if="kinded(part)" class="field">
             <label :for="id(part.name + '.kind')">kind</label>
-            <div><select class="text" :id="id(part.name + '.kind')" :data-key="part.name + '.kind'" :disabled="!!broken" :value="kind(part)"
+            <div><select class="text" :aria-label="part.title + ', kind'" :id="id(part.name + '.kind')" :data-key="part.name + '.kind'" :disabled="!!broken" :value="kind(part)"
                     @change="$emit('kind', { section: part.name, kind: $event.target.value })">
               <option v-if="part.optional" value="">default ({{ Object.keys(part.kinds)[0] }})</option>
               <option v-if="kind(part) ? !(kind(part) in part.kinds) : !part.optional" :value="kind(part)">{{ kind(part) || "choose" }}</option>
@@ -83,7 +83,11 @@ export default {
       if (data.values) this.refused = {};
       this.busy = false;
     },
-    edit() { [...document.querySelectorAll("[role=tab]")].find((tab) => tab.textContent.trim() === "Specification")?.click(); },
+    edit() {
+      const tab = [...document.querySelectorAll("[role=tab]")].find((each) => each.textContent.trim() === "Specification");
+      tab?.click();
+      tab?.focus(); // this button is gone
+    },
     refuse({ key, words }) { this.refused[key] = words; },
     id(key) { return `field-${key.replaceAll(".", "-")}`; },
     capital(words) { return words.charAt(0).toUpperCase() + words.slice(1); },
@@ -108,12 +112,16 @@ export default {
     },
     brief(part) {  // what a closed section holds
       if (!this.present.includes(part.name)) return "not used";
-      return this.fields(part).map((field) => this.values[field.key]).filter(Boolean).join(" · ");
+      const told = (field) => { // a number without a unit needs its name
+        const value = this.values[field.key];
+        return value && !UNIT.test(value) ? `${field.label} ${value}` : value;
+      };
+      return this.fields(part).map(told).filter(Boolean).join(" · ");
     },
     help(field) {
       const meaning = field.meaning.replace(/^(either|or|with it): /, "");
       const rest = [[field.default, "Default"], [field.example, "Example"]].filter(([value]) => value);
-      return `${field.key}: ${meaning}${/[.!?]$/.test(meaning) ? "" : "."} ${rest.map(([value, word]) => `${word}: ${value}.`).join(" ")}`;
+      return `${this.capital(field.label)} (${field.key}): ${meaning}${/[.!?]$/.test(meaning) ? "" : "."} ${rest.map(([value, word]) => `${word}: ${value}.`).join(" ")}`;
     },
     placeholder(field) { return field.default || (field.needed ? field.example : ""); },
     options(field) {

@@ -3,22 +3,25 @@
 import { filesOf, holdsSpecification } from "metafem-workshop/files.js";
 
 const THEMES = { light: "Light", auto: "Auto", dark: "Dark" };
+const CALM = 700;  // milliseconds without a new status, after which screen readers are told
 const [THEME, HINT] = ["metafem-theme", "metafem-hint"];
 const MAC = navigator.platform.startsWith("Mac");
 const CTRL = MAC ? "⌘" : "Ctrl+";
 const HELP = [
   ["Law", [
     ["drag a point", "changes the target law; the heights follow"],
-    ["double click", "adds a point"],
+    ["double click, double tap", "adds a point; the line below the plot has a button that removes the selected one"],
     ["Tab, arrow keys", "select a point and move it; with Shift ten times as far"],
-    ["a, Delete", "add a point, remove the selected one"],
-    ["drag the triangle", "chooses the load at which contacts are shown"],
+    ["a, Delete", "add a point after the selected one, remove the selected one"],
+    ["click, drag the triangle", "choose the load at which contacts are shown"],
     ["drop a CSV file", "draws a measured law beside the others"],
   ]],
   ["Surface", [
-    ["tap or click a site", "shows it, keeps its height or leaves it empty"],
-    ["arrow keys, Enter", "select a site and open its menu; with Shift several"],
-    ["p, e, r", "keep its height, leave it empty, release it"],
+    ["click or tap a site", "opens its menu: keep its height, leave it empty"],
+    ["drag across sites, Shift+click", "selects several"],
+    ["arrow keys, Enter", "move between sites and open the menu; with Shift select several"],
+    ["p, e, r", "keep the height, leave the site empty, let the design choose"],
+    ["3D: drag, pinch, arrow keys, + −", "turn the picture and change the distance; Home resets the view"],
   ]],
   ["Workshop", [
     ["Enter, Tab", "use the value that was typed; Esc restores the one before"],
@@ -27,6 +30,8 @@ const HELP = [
   ["Page", [
     [`${CTRL}Z`, "undo"],
     [MAC ? "⌘⇧Z" : "Ctrl+Shift+Z, Ctrl+Y", "redo"],
+    ["←, →", "on a tab: the next one"],
+    ["drop a specification", "opens a .toml file or a result folder"],
     ["?", "shows this help"],
   ]],
 ];
@@ -42,7 +47,8 @@ export default {
       <a class="skip act" href="#law" @click.prevent="skip">Skip to the law</a>
       <h1>metafem</h1>
       <p class="title" :title="title">{{ title }}</p>
-      <span :class="['chip', kind]" role="status">{{ status }}</span>
+      <span :class="['chip', kind]" :title="meaning">{{ status }}<span v-if="measure" class="measure">({{ measure }})</span></span>
+      <span class="unseen" role="status">{{ announced }}</span>
       <span class="tools">
         <label class="row"><span>Model</span>
           <select class="text" aria-label="Model" :value="model" @change="$emit('model', $event.target.value)">
@@ -51,16 +57,16 @@ export default {
           </select>
         </label>
         <span class="row pair">
-          <button class="act icon" :disabled="!undo" title="Undo (${CTRL}Z)" aria-label="Undo" @click="$emit('undo')">↶</button>
-          <button class="act icon" :disabled="!redo" title="Redo (${CTRL}${MAC ? "⇧" : "Shift+"}Z)" aria-label="Redo" @click="$emit('redo')">↷</button>
+          <button class="act icon" :aria-disabled="!undo" title="Undo (${CTRL}Z)" aria-label="Undo" @click="undo && $emit('undo')">↶</button>
+          <button class="act icon" :aria-disabled="!redo" title="Redo (${CTRL}${MAC ? "⇧" : "Shift+"}Z)" aria-label="Redo" @click="redo && $emit('redo')">↷</button>
         </span>
         <slot></slot>
         <span class="choice" role="group" aria-label="Colours of the page">
           <button v-for="(word, name) in themes" :key="name" :aria-pressed="theme === name" @click="choose(name)">{{ word }}</button>
         </span>
-        <button class="act icon" aria-label="Help" title="Mouse, touch and keys (?)" @click="help">?</button>
+        <button class="act" title="Mouse, touch and keys (?)" @click="help">Help</button>
       </span>
-      <p v-if="hint && !undo" class="hint info"><span>Drag the points of the target law: the heights follow. The tab “Take it” has the mould table.</span>
+      <p v-if="hint && !undo" class="hint info"><span>Drag the points of the target law: the heights follow. The tab “Take it” has the mould table. The key ? or Help lists gestures and keys.</span>
         <button class="act icon" aria-label="Close the hint" @click="close">✕</button></p>
       <dialog ref="dialog" aria-labelledby="help-title" @click="outside">
         <div class="head"><h2 id="help-title">Mouse, touch and keys</h2><button class="act" autofocus @click="$refs.dialog.close()">Close</button></div>
@@ -72,7 +78,7 @@ export default {
   props: { models: Array, first: String },
   data() {
     return {
-      title: "", status: "designing …", kind: "", model: this.first, undo: false, redo: false,
+      title: "", status: "designing …", kind: "", measure: "", meaning: "", announced: "", model: this.first, undo: false, redo: false,
       theme: localStorage.getItem(THEME) ?? "auto", hint: !localStorage.getItem(HINT), themes: THEMES, topics: HELP,
     };
   },
@@ -86,6 +92,13 @@ export default {
     document.removeEventListener("keydown", this.key);
     document.removeEventListener("dragover", this.over);
     document.removeEventListener("drop", this.drop, true);
+    clearTimeout(this.timer);
+  },
+  watch: {
+    status() {  // once for a drag or some keys
+      clearTimeout(this.timer);
+      this.timer = setTimeout(() => { this.announced = this.status; }, CALM);
+    },
   },
   methods: {
     show(data) {

@@ -63,10 +63,12 @@ def header_panel(page: Page) -> Header:
         """Say that a design takes longer."""
         late = page.number if page.number > page.answer.number else 0
         if late and late == waited.get("for"):
-            shown.pop("status", None)
+            for name in ("status", "kind", "measure"):
+                shown.pop(name, None)
             step = page.newest.step
             header.run_method(
-                "show", {"status": f"designing: {step} …" if step else "designing …", "kind": ""}
+                "show",
+                {"status": f"designing: {step} …" if step else "designing …", "kind": "", "measure": ""},
             )
         waited["for"] = late
 

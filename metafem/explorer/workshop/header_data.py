@@ -5,9 +5,10 @@ from __future__ import annotations
 import tomllib
 from typing import Any
 
+from metafem._values import percent
 from metafem.explorer.answer import Answer
-from metafem.inversion import DesignStatus
-from metafem.inversion.assessment import misfit_text
+from metafem.inversion import Design, DesignStatus
+from metafem.inversion.assessment import MISSED, REACHED, misfit_text
 
 # Words and kind of each status: "good", "warn" or neither.
 STATUS = {
@@ -15,7 +16,7 @@ STATUS = {
     DesignStatus.REACHED: ("meets the target", "good"),
     DesignStatus.REFINED: ("meets the target", "good"),
     DesignStatus.APPROXIMATE: ("approximate", ""),
-    DesignStatus.ROBUST: ("robust", ""),
+    DesignStatus.ROBUST: ("least expected misfit", ""),
     DesignStatus.UNCORRECTED: ("approximate", ""),
     DesignStatus.MISSED: ("misses the target", "warn"),
 }
@@ -24,7 +25,9 @@ STATUS = {
 def header_data(answer: Answer) -> dict[str, Any]:
     """Return the target in words, the status with its kind, and the model of an answer."""
     status, kind = _status(answer)
-    data = {"status": status, "kind": kind}
+    data = {"status": status, "kind": kind, "measure": "", "meaning": answer.refused}
+    if answer.current and answer.design is not None:
+        data |= _misfit(answer.design)
     model = _model(answer.state.text)
     if model is not None:
         data["model"] = model
@@ -34,6 +37,8 @@ def header_data(answer: Answer) -> dict[str, Any]:
 
 
 def _status(answer: Answer) -> tuple[str, str]:
+    if answer.failed:
+        return "no design: the computation failed", "warn"
     if answer.problems:
         count = len(answer.problems)
         return f"{count} problem{'s' if count > 1 else ''} in the specification", "warn"
@@ -41,6 +46,17 @@ def _status(answer: Answer) -> tuple[str, str]:
         return "refused: no surface reaches the target", "warn"
     words, kind = STATUS[answer.design.status]
     return f"{words}, misfit {misfit_text(answer.design.misfit)}", kind
+
+
+def _misfit(design: Design) -> dict[str, str]:
+    """Return what the misfit of a design measures and up to which value it is good, short and in full."""
+    bound = percent(MISSED if design.density is not None else REACHED, "g")
+    measure, meaning = design.misfit_meaning.partition(" from ")[0], design.misfit_meaning
+    status = f"{design.status.value[:1].upper()}{design.status.value[1:]}"
+    return {
+        "measure": f"{measure}, good up to {bound}",
+        "meaning": f"{status}. The misfit is the {meaning}; up to {bound} is good.",
+    }
 
 
 def _model(text: str) -> str | None:

@@ -70,7 +70,7 @@ def test_draws_replace_the_linear_band_and_agree_with_the_study(linear_demo):
     assert sd == pytest.approx(study.area_sd.values[0], rel=4 / np.sqrt(2 * drawn.count))
     assert before == "± 1 SD of made surfaces, linear response to errors of the heights of 0.9 µm (SD)"
     assert band.band_words(answer).startswith(
-        "± 1 SD about the mean of 200 drawn surfaces, errors of the heights of 0.9 µm (SD); linear response "
+        "± 1 SD about the mean of 200 made surfaces, drawn with errors of the heights of 0.9 µm (SD); "
     )
 
 

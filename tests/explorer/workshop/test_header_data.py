@@ -14,6 +14,9 @@ def test_the_status_of_a_design_has_its_misfit():
     answer = answered(State(TEXT), 1)
     data = header_data(answer)
     assert data["status"] == f"approximate, misfit {100 * answer.design.misfit:.2g} %"
+    assert data["measure"] == "rms difference, good up to 10 %"
+    assert data["meaning"].startswith("Approximate: the heights follow a density")
+    assert data["meaning"].endswith("rms difference from the law of the height density; up to 10 % is good.")
     assert (data["kind"], data["model"]) == ("", "independent")
     assert data["title"] == answer.specification.target.title
 
@@ -23,6 +26,8 @@ def test_problems_and_refusals_come_before_the_design_that_is_still_shown():
     data = header_data(answered(State(TEXT.replace('"120 um"', "120")), 2, before))
     assert (data["status"], data["kind"]) == ("1 problem in the specification", "warn")
     assert "title" not in data
+    failed = header_data(replace(before, problems={"": "no convergence"}, failed=True))
+    assert (failed["status"], failed["meaning"]) == ("no design: the computation failed", "no convergence")
     refused = replace(before, refusal="slope 2 is not above the bound")
     assert header_data(refused)["status"] == "refused: no surface reaches the target"
 

@@ -18,7 +18,8 @@ export class Cursor {
     this.dot = made("circle", { class: "hair-dot", r: 4, "aria-hidden": "true" }, group);
     this.line = made("line", { class: "load", "aria-hidden": "true" }, group);
     this.knob = made("g", { class: "load-knob", tabindex: 0, role: "slider" }, group);
-    made("rect", { class: "touch", x: -18, y: -6, width: 36, height: 30 }, this.knob);
+    // below the axis, so that it does not cover a point there
+    made("rect", { class: "touch", x: -22, y: 0, width: 44, height: 44 }, this.knob);
     made("path", { class: "mark", d: "M0 0L6 9H-6Z" }, this.knob);
     this.knob.addEventListener("pointerdown", (event) => {
       event.stopPropagation();

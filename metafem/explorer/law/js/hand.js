@@ -5,8 +5,9 @@ import { told } from "./view.js";
 
 const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 // Steps of the arrow keys along an axis, with Shift ten times as long, and radii of a handle [px]: the area that
-// takes a finger, and the mark.
-const [STEPS, LONG, TOUCH, MARK] = [400, 10, 18, 6.5];
+// takes a pointer, 44 px wide for a finger, and the mark.
+const [STEPS, LONG, MARK] = [400, 10, 6.5];
+const TOUCH = matchMedia("(any-pointer: coarse)").matches ? 22 : 18;
 
 export class Hand {
   handles = [];
@@ -43,6 +44,7 @@ export class Hand {
     const place = { x: handle.x, y: handle.y };
     if (place.x === this.held.place.x && place.y === this.held.place.y) return;
     Object.assign(this.held, { place, moved: true });
+    this.plot.point(handle);
     requests.put({ id: handle.id, ...place, released: false });
     this.plot.paint();
   }
@@ -76,8 +78,10 @@ export class Hand {
     const handle = this.handles.find((each) => each.id === held.id);
     if (!handle) return;
     const where = held.good ? "to the last place that a surface reaches" : "to where it was";
-    const told = this.words(handle);
-    this.plot.say(held.refused ? `Refused. The point is back ${where}: ${told}.` : `${told}.`, held.refused);
+    if (!held.refused) { this.plot.point(handle); return; }
+    // the box with the reason goes with the last key, so it is said here
+    const reason = held.by === "keys" ? ` ${held.reason}` : "";
+    this.plot.say(`Refused. The point is back ${where}: ${this.words(handle)}.${reason}`, true);
   }
 
   // Takes an answer: `asked` is the request that it belongs to, if any. Returns the drag that it ends, or null.
@@ -91,6 +95,7 @@ export class Hand {
     }
     if (asked && asked.id === held.id) {
       held.refused = refusal !== "";
+      held.reason = refusal;
       if (!held.refused) held.good = { x: asked.x, y: asked.y };
     }
     if (held.let && this.plot.requests.idle) this.finish(held);
@@ -113,7 +118,13 @@ export class Hand {
 
   draw(view, refused) {
     const kept = new Set(this.handles.map((each) => each.id));
-    for (const [id, node] of this.nodes) if (!kept.has(id)) { node.remove(); this.nodes.delete(id); }
+    let lost = false; // the focus, with a handle that is gone after undo
+    for (const [id, node] of this.nodes) {
+      if (kept.has(id)) continue;
+      lost ||= node === document.activeElement;
+      node.remove();
+      this.nodes.delete(id);
+    }
     for (const handle of this.handles) {
       const node = this.nodes.get(handle.id) ?? this.make(handle);
       const wrong = refused && handle.id === this.held?.id;
@@ -125,6 +136,19 @@ export class Hand {
         "aria-valuenow": handle.moves === "x" ? handle.x : handle.y, "aria-valuemin": 0,
       });
     }
+    if (lost) this.focus(this.handles.at(-1));
+  }
+
+  focus(handle) { this.nodes.get(handle?.id)?.focus({ preventScroll: true }); }
+
+  // The handle in focus.
+  get focused() { return this.handles.find((each) => this.nodes.get(each.id) === document.activeElement); }
+
+  // The handle nearest to a place: the areas of neighbours that take a finger overlap.
+  nearest(at) {
+    const { view } = this.plot;
+    const far = (each) => Math.hypot(view.px(each.x) - at.x, view.py(each.y) - at.y);
+    return this.handles.reduce((best, each) => (far(each) < far(best) ? each : best));
   }
 
   make(handle) {
@@ -132,7 +156,8 @@ export class Hand {
     made("circle", { class: "touch", r: TOUCH }, node);
     made("circle", { class: "mark", r: MARK }, node);
     if (handle.moves !== "xy") made("path", { class: "way", d: handle.moves === "x" ? "M-13 0H13" : "M0 -13V13" }, node);
-    node.addEventListener("pointerdown", (event) => this.grab(event, handle.id));
+    node.addEventListener("pointerdown", (event) => this.grab(event));
+    node.addEventListener("focus", () => this.plot.point(this.focused));
     node.addEventListener("keydown", (event) => this.press(event, handle.id));
     node.addEventListener("keyup", (event) => { if (event.key in ARROWS && this.held?.by === "keys") this.letGo(); });
     node.addEventListener("blur", () => { if (this.held?.by === "keys") this.letGo(); });
@@ -140,14 +165,19 @@ export class Hand {
     return node;
   }
 
-  grab(event, id) {
+  grab(event) {
     if (event.button !== 0) return;
     event.stopPropagation();
     if (this.inactive) { this.hinder(); return; }
     const { view } = this.plot;
+    const at = this.plot.pointOf(event);
+    const { id } = this.nearest(at);
     this.hold(id, event.pointerId);
     const handle = this.current;
-    const at = this.plot.pointOf(event);
+    if (!event.target.closest(`[data-id="${id}"]`)) {
+      event.preventDefault(); // the focus goes to the nearest one
+      this.focus(handle);
+    }
     // the point keeps its distance from the finger, so that it does not jump
     this.apart = { x: at.x - view.px(handle.x), y: at.y - view.py(handle.y) };
     this.plot.svg.setPointerCapture(event.pointerId);
@@ -185,10 +215,7 @@ export class Hand {
       this.move(handle.x + (step[0] * far * view.x) / STEPS, handle.y + (step[1] * far * view.y) / STEPS);
     } else if (event.key === "Delete" || event.key === "Backspace") {
       event.preventDefault();
-      const i = this.handles.findIndex((each) => each.id === id);
-      this.plot.emit("remove", { id });
-      // the handles behind it take its place and its name; the focus stays among them
-      if (i === this.handles.length - 1) this.nodes.get(this.handles[i - 1]?.id)?.focus();
+      this.plot.remove(id);
     }
   }
 }

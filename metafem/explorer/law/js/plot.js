@@ -28,11 +28,12 @@ export class Plot {
     this.reason = this.refusal.querySelector("span");
     this.picture = new Picture(this.svg);
     this.requests = new Requests((request) => emit("drag", request));
-    this.cursor = new Cursor(this, made("g", {}, this.svg), find("law-readout"));
     this.hand = new Hand(this, made("g", {}, this.svg));
+    this.cursor = new Cursor(this, made("g", {}, this.svg), find("law-readout")); // after the points in the order of Tab
     this.files = new Files(root, emit, (words, wrong) => this.say(words, wrong));
     this.tools = new Tools(find("law-tools"), emit, this.files, (words, wrong) => this.say(words, wrong));
     for (const button of root.querySelectorAll(".law-use")) button.addEventListener("click", () => this.use());
+    find("law-drop").addEventListener("click", () => this.remove(this.pointed));
     this.listen();
     this.observer = new ResizeObserver(() => this.resize());
     this.observer.observe(this.stage);
@@ -67,6 +68,7 @@ export class Plot {
     });
     svg.addEventListener("keydown", (event) => {
       if (event.key === "a" && !event.ctrlKey && !event.metaKey && !event.altKey) this.add(this.cursor.over ?? this.between(event.target));
+      else this.cursor.over = null; // a hand at the keys does not add a point where a mouse was left
     });
   }
 
@@ -85,7 +87,27 @@ export class Plot {
 
   add(at) {
     if (!at || at.x <= MARGIN.left || at.y >= this.view.bottom) return;
+    this.changing = { count: this.hand.handles.length, at };
     this.emit("add", { x: this.view.roundedX(this.view.atX(at.x)), y: this.view.roundedY(this.view.atY(at.y)) });
+  }
+
+  remove(id) {
+    const { handles } = this.hand;
+    this.changing = { count: handles.length, row: handles.findIndex((each) => each.id === id) };
+    this.emit("remove", { id });
+  }
+
+  // The focus goes to a point that was added, or to the one in the place of the removed one.
+  changed() {
+    const { hand, changing } = this;
+    const more = changing ? hand.handles.length - changing.count : 0;
+    if (!more) return;
+    this.changing = null;
+    const { handles } = hand;
+    const next = more > 0 ? hand.nearest(changing.at) : handles[Math.min(changing.row, handles.length - 1)];
+    hand.focus(next);
+    if (more > 0) this.say(`Added ${hand.words(next)}.`, false, next.id);
+    else this.say("Point removed.");
   }
 
   use() {
@@ -109,13 +131,14 @@ export class Plot {
     this.hand.inactive = unknown && !this.hand.held;
     if (!unknown || !this.hand.held) this.hand.take(handles);
     if (ended) this.hand.tell(ended); // a slope is known with its answer
-    else if (!this.hand.held && this.said !== data.state) this.say(""); // what was said belongs to an earlier text
+    else if (!this.hand.held && this.said !== data.state) this.point(this.hand.focused); // what was said belongs to an earlier text
     if (this.hand.held) this.offer = data.refusal !== "" && data.nearest !== null;
     if (!this.hand.held) this.fit();
     this.cursor.x = data.cursor;
     this.tools.draw(data.tools);
     this.drawLegend();
     this.paint();
+    this.changed();
     this.root.dataset.answered = data.number;
   }
 
@@ -198,11 +221,20 @@ export class Plot {
     return left < MARGIN.left ? [left, y - height - APART] : [left, y - APART];
   }
 
+  // Shows below the plot where a handle is, which it tells screen readers itself, and a button for hands without keys.
+  point(handle) {
+    this.say(handle ? `${this.hand.words(handle)}.` : "", false, handle?.id, "off");
+  }
+
   // Says something below the plot, also to screen readers.
-  say(words, wrong = false) {
+  say(words, wrong = false, id = "", live = "polite") {
     this.said = this.data?.state;
+    this.pointed = id;
     const line = this.live.querySelector("span");
+    line.setAttribute("aria-live", live);
     if (line.textContent !== words) line.textContent = words;
+    const removable = id.startsWith("point") && this.hand.handles.length > 1 && !this.hand.inactive;
+    this.live.querySelector(".law-drop").hidden = !removable;
     this.live.classList.toggle("wrong", wrong);
     this.live.querySelector(".law-use").hidden = !(wrong && this.offer);
   }

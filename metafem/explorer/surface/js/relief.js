@@ -36,6 +36,7 @@ export class Relief {
     light.position.set(-1, -0.6, 1.6);
     this.scene.add(new THREE.HemisphereLight(0xffffff, 0x8090a0, 1.6), light);
     this.controls = new OrbitControls(this.camera, canvas);
+    canvas.style.touchAction = "pan-y"; // a finger that moves up or down scrolls the page
     this.controls.maxPolarAngle = 0.495 * Math.PI;
     this.controls.addEventListener("change", () => this.render());
     canvas.addEventListener("keydown", (event) => this.key(event));
