@@ -5,8 +5,8 @@ import gc
 import json
 import os
 from collections import Counter
-from functools import cache
-from pathlib import Path
+from functools import cache, partial
+from shutil import rmtree
 
 import numpy as np
 import pytest
@@ -20,11 +20,15 @@ from metafem import cli
 settings.register_profile("metafem", deadline=None, derandomize=True, max_examples=40)
 settings.load_profile("metafem")
 
+# The tests of this folder run in one process, one after the other, and share a browser and a server.
+BROWSER = "tests/browser/"
+
 # One process compiles the kernels of interacting asperities in the first file, which takes 20 s. The second
-# runs the next files, which need none of them.
+# runs the next files, which need none of them. The last two of these take longest among the slow tests.
 FIRST = (
-    *("models/test_contract.py", "fe/block3d/test_block3d.py", "fe/axisymmetric/test_press.py"),
-    *("validation/test_benchmarks.py", "studies/test_element_checks.py"),
+    *("tests/models/test_contract.py", "tests/fe/block3d/test_block3d.py"),
+    *("tests/fe/axisymmetric/test_press.py", "tests/validation/test_benchmarks.py"),
+    *("tests/studies/test_element_checks.py", "tests/validation/test_claims.py", BROWSER),
 )
 
 # Examples that solve finite elements for longer than a few seconds.
@@ -35,15 +39,35 @@ SLOW_EXAMPLES = (
 )
 
 
+def unit(nodeid):
+    """Return what runs in one process as a whole: the file of a test, or the folder of the browser."""
+    return BROWSER if nodeid.startswith(BROWSER) else nodeid.partition("::")[0]
+
+
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items):
     """Mark the examples that take long as slow, and sort the files: large ones first, to end together."""
     for item in items:
         if isinstance(item, pytest.DoctestItem) and item.name.endswith(SLOW_EXAMPLES):
             item.add_marker("slow")
-    count = Counter(item.path for item in items)
-    first = [Path(__file__).parent / name for name in FIRST]
-    items.sort(key=lambda i: (first.index(i.path) if i.path in first else len(first), -count[i.path]))
+    count = Counter(unit(item.nodeid) for item in items)
+
+    def place(item):
+        name = unit(item.nodeid)
+        return FIRST.index(name) if name in FIRST else len(FIRST), -count[name]
+
+    items.sort(key=place)
+
+
+def pytest_xdist_make_scheduler(config, log):
+    """Give the tests of a unit to one process."""
+    from xdist.scheduler import LoadFileScheduling
+
+    class Scheduling(LoadFileScheduling):
+        def _split_scope(self, nodeid):
+            return unit(nodeid)
+
+    return Scheduling(config, log)
 
 
 @pytest.hookimpl(wrapper=True)
@@ -60,9 +84,8 @@ MATERIAL = mf.Material(composite_modulus=1.36, poisson_ratio=0.5)
 RADIUS = 0.526
 
 
-@pytest.fixture
-def template():
-    """The paper's lattice with a material pair and a block."""
+def paper_lattice():
+    """Return the paper's lattice with a material pair and a block."""
     return mf.Surface.square_lattice(
         0.12,
         radius=RADIUS,
@@ -73,32 +96,94 @@ def template():
 
 
 @pytest.fixture
+def template():
+    """The paper's lattice with a material pair and a block."""
+    return paper_lattice()
+
+
+@pytest.fixture
 def rough(template):
     """The same lattice with exponential heights."""
     return template.replaced(height=np.random.default_rng(1).exponential(0.03, template.count) + 0.05)
 
 
 @pytest.fixture(scope="session")
-def demo_results(tmp_path_factory):
-    """A function that returns the folder in which a demo ran, and the data that it printed.
+def once(tmp_path_factory):
+    """A function that returns a folder, which one of all processes fills; the others wait for it.
 
-    Each demo runs once for all processes, with ``--json``. The folder is read only: copy what a test changes.
+    The folder is read only: copy what a test changes.
     """
     base = tmp_path_factory.getbasetemp()
     shared = base.parent if "PYTEST_XDIST_WORKER" in os.environ else base
 
+    def filled(name, fill):
+        folder, whole = shared / name, shared / f"{name}.whole"
+        with (shared / f"{name}.lock").open("w") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)  # until the file is closed
+            if not whole.exists():
+                rmtree(folder, ignore_errors=True)  # of a test that failed
+                folder.mkdir()
+                fill(folder)
+                whole.touch()
+        return folder
+
+    return filled
+
+
+@pytest.fixture(scope="session")
+def demo_results(once):
+    """A function that returns the folder in which a demo ran, and the data that it printed.
+
+    Each demo runs once for all processes, with ``--json``.
+    """
+
     @cache
     def made(name):
-        folder, printed = shared / f"demo-{name}", shared / f"demo-{name}.json"
-        with (shared / f"demo-{name}.lock").open("w") as lock:
-            fcntl.flock(lock, fcntl.LOCK_EX)  # until the file is closed
-            if not printed.exists():
-                folder.mkdir()
-                with pytest.MonkeyPatch.context() as patch:
-                    patch.chdir(folder)
-                    result = CliRunner().invoke(cli.main, ["demo", name, "--json"])
-                assert result.exit_code == 0, result.output
-                printed.write_text(result.stdout, "utf-8")
-        return folder, json.loads(printed.read_text("utf-8"))
+        def run(folder):
+            with pytest.MonkeyPatch.context() as patch:
+                patch.chdir(folder)
+                result = CliRunner().invoke(cli.main, ["demo", name, "--json"])
+            assert result.exit_code == 0, result.output
+            folder.with_suffix(".json").write_text(result.stdout, "utf-8")
+
+        folder = once(f"demo-{name}", run)
+        return folder, json.loads(folder.with_suffix(".json").read_text("utf-8"))
 
     return made
+
+
+@pytest.fixture(scope="session")
+def full_report(once):
+    """The report of a design with three studies and the checks of the finite elements."""
+
+    def write(folder):
+        from metafem.report import page
+
+        design = mf.design(mf.LinearLaw(6.87), paper_lattice(), limits=mf.Limits(0.12, offset=0.084))
+        studies = {
+            "manufacturing": mf.studies.manufacturing(design.surface, (0.001, 0.003), draws=20),
+            "misalignment": mf.studies.misalignment(design.surface, [0.0005, 0.001], shuffles=2),
+            "uncertainty": mf.studies.uncertainty(
+                design.surface, {"composite_modulus": 0.04, "radius": 0.002}
+            ),
+        }
+        (folder / "report.html").write_text(page(design, checks=True, studies=studies), "utf-8")
+
+    return once("full-report", write) / "report.html"
+
+
+@pytest.fixture(scope="session")
+def whole_site(once):
+    """The site with the pages of three claims, which the command of the validation wrote."""
+
+    def write(folder):
+        from validation import __main__ as command
+
+        arguments = ["--site", "-o", str(folder), "bounds", "table_s1", "fig4_linear"]
+        with pytest.MonkeyPatch.context() as patch:
+            # in this process: each of two others would load all modules anew
+            patch.setattr(command, "collected", partial(command.collected, processes=1))
+            done = CliRunner().invoke(command.main, arguments)
+        assert done.exit_code == 0, done.output
+
+    return once("whole-site", write)

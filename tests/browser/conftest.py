@@ -1,4 +1,4 @@
-"""A browser, a server and a page that the tests of one file share."""
+"""A browser, a server and a page that the tests of this folder share."""
 
 import pytest
 
@@ -6,23 +6,23 @@ from validation.scenes.browser import browser_path, opened
 from validation.scenes.explorer import served, visited
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="package")
 def browser():
-    """The browser, closed after the tests of this file: its event loop would disturb those of others."""
+    """The browser, closed after the last test of this folder: its event loop would disturb others."""
     if browser_path() is None:
         pytest.skip("no chromium is installed")
     with opened() as started:
         yield started
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="package")
 def server():
     """An explorer of the demo."""
     with served() as running:
         yield running
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="package")
 def tab(browser, server):
     """A tab of the explorer: the first page of a browser costs five times as much as the next."""
     with visited(browser, server) as visit:

@@ -1,11 +1,9 @@
 """Pages in a browser, wide, narrow and dark: no error, no request, no overflow, links lead somewhere."""
 
 import pytest
-from click.testing import CliRunner
 
 import metafem as mf
 from metafem.report import page
-from validation.__main__ import main
 from validation.page import write_report
 from validation.results import collected
 from validation.scenes.browser import problems
@@ -18,7 +16,7 @@ def look(browser):
     """A function that opens a file in each view, and asserts that nothing is wrong."""
 
     def call(*paths):
-        assert [each for path in paths for each in problems(browser, path)] == []
+        assert problems(browser, *paths) == []
 
     return call
 
@@ -49,21 +47,12 @@ def test_the_pages_of_the_validation_are_in_order(look, tmp_path):
     look(tmp_path / "index.html", tmp_path / "paper.html")
 
 
-def test_a_report_with_studies_and_finite_elements_is_in_order(look, template, tmp_path):
-    design = mf.design(mf.LinearLaw(6.87), template, limits=mf.Limits(0.12, offset=0.084))
-    studies = {
-        "manufacturing": mf.studies.manufacturing(design.surface, (0.001, 0.003), draws=20),
-        "misalignment": mf.studies.misalignment(design.surface, [0.0005, 0.001], shuffles=2),
-        "uncertainty": mf.studies.uncertainty(design.surface, {"composite_modulus": 0.04, "radius": 0.002}),
-    }
-    (tmp_path / "report.html").write_text(page(design, checks=True, studies=studies), "utf-8")
-    look(tmp_path / "report.html")
+def test_a_report_with_studies_and_finite_elements_is_in_order(look, full_report):
+    look(full_report)
 
 
-def test_the_whole_site_is_in_order(look, tmp_path):
-    done = CliRunner().invoke(main, ["--site", "-o", str(tmp_path), "bounds", "table_s1", "fig4_linear"])
-    assert done.exit_code == 0, done.output
-    pages = sorted(tmp_path.rglob("*.html"))
+def test_the_whole_site_is_in_order(look, whole_site):
+    pages = sorted(whole_site.rglob("*.html"))
     assert len(pages) > 20
     assert [path.name for path in pages if path.stat().st_size > 3e6] == []
     look(*pages)

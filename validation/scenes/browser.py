@@ -5,9 +5,10 @@ from __future__ import annotations
 import re
 import shutil
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from urllib.parse import unquote, urlsplit
@@ -70,26 +71,31 @@ def opened() -> Iterator[Browser]:
             browser.close()
 
 
-def problems(browser: Browser, path: Path, views: tuple[View, ...] = VIEWS) -> list[str]:
-    """Open a file once, look at it in each view, and return what is wrong; nothing if all is in order."""
+def problems(browser: Browser, *paths: Path, views: tuple[View, ...] = VIEWS) -> list[str]:
+    """Open files one after the other, look at each in each view, and return what is wrong with them."""
     found: list[str] = []
     page = browser.new_page()
-    own = path.resolve().as_uri()
     page.on("console", lambda said: found.append(f"console: {said.text}") if said.type == "error" else None)
     page.on("pageerror", lambda error: found.append(f"error: {error}"))
     page.on("request", lambda asked: found.extend(_foreign(asked.url, own)))
+    anchors = cache(_anchors)
+    problems = []
     try:
-        page.goto(own)
-        links = page.evaluate(LINKS)
-        for view in views:
-            page.set_viewport_size({"width": view.width, "height": 900})
-            page.emulate_media(color_scheme="dark" if view.dark else "light")
-            found += [f"{view.name}: {each}" for each in _shown(page.evaluate(MEASURE), view)]
-        found += [] if page.title() else ["it has no title"]
+        for path in paths:
+            own = path.resolve().as_uri()
+            found.clear()
+            page.goto(own)
+            links = page.evaluate(LINKS)
+            for view in views:
+                page.set_viewport_size({"width": view.width, "height": 900})
+                page.emulate_media(color_scheme="dark" if view.dark else "light")
+                found += [f"{view.name}: {each}" for each in _shown(page.evaluate(MEASURE), view)]
+            found += [] if page.title() else ["it has no title"]
+            found += [each for link in links for each in _broken(link, path, anchors)]
+            problems += [f"{path.name}: {each}" for each in found]
     finally:
         page.close()
-    found += [each for link in links for each in _broken(link, path)]
-    return [f"{path.name}: {each}" for each in found]
+    return problems
 
 
 def seconds(browser: Browser, path: Path) -> float:
@@ -121,7 +127,7 @@ def _foreign(address: str, own: str) -> list[str]:
     return [] if address.partition("#")[0] == own or address.startswith("data:") else [f"request: {address}"]
 
 
-def _broken(link: str, path: Path) -> list[str]:
+def _broken(link: str, path: Path, anchors: Callable[[Path], set[str]]) -> list[str]:
     """Return what is wrong with a link of a page."""
     if link.startswith(OUTSIDE):
         return []
@@ -129,7 +135,11 @@ def _broken(link: str, path: Path) -> list[str]:
     target = (path.parent / unquote(parts.path)).resolve() if parts.path else path
     if parts.scheme or not target.is_file():
         return [f"link to {link}, which does not exist"]
-    anchor = unquote(parts.fragment)
-    if anchor and not re.search(rf'\bid="{re.escape(anchor)}"', target.read_text("utf-8")):
+    if parts.fragment and unquote(parts.fragment) not in anchors(target):
         return [f"link to {link}, whose anchor does not exist"]
     return []
+
+
+def _anchors(path: Path) -> set[str]:
+    """Return the anchors of a page."""
+    return set(re.findall(r'\bid="([^"]+)"', path.read_text("utf-8")))
