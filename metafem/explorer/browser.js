@@ -35,6 +35,8 @@ export default {
     linked() {
       this.$emit("linked", location.hash.slice(1));
     },
+    // Whether a change is computed; tests wait until none is.
+    wait(busy) { this.$el.dataset.busy = busy; },
     // Keeps the state that is shown, of the number `at`; the history holds those from `first` to before `end`.
     keep({ first, end, at, state, link, asked }) {
       const before = JSON.parse(sessionStorage.getItem(KEY) ?? "{}");

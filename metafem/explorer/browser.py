@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from typing import Any
 
+from nicegui import background_tasks
 from nicegui.element import Element
 
-from metafem.errors import InvalidInput
 from metafem.explorer.session import Session
-from metafem.explorer.text.link import to_link
+from metafem.explorer.text.link import link_of
+from metafem.explorer.turns import Turns
 
 
 class Browser(Element, component="browser.js"):
@@ -18,21 +19,27 @@ class Browser(Element, component="browser.js"):
     The fragment of the address is the link of the state that is shown. A page without a server says so.
     """
 
-    def __init__(self, restored: Callable[[Any], None], linked: Callable[[str], None]) -> None:
+    def __init__(
+        self, restored: Callable[[Any], Awaitable[None]], linked: Callable[[str], Awaitable[None]]
+    ) -> None:
         super().__init__()
+        self.turns = Turns()
         self.on("stored", lambda event: restored(event.args))
         self.on("linked", lambda event: linked(str(event.args)))
 
     def keep(self, session: Session, asked: int) -> None:
         """Keep the state that a history shows, its place, and the number of its request."""
-        place = {"first": session.first, "end": session.first + len(session.states)}
-        kept = {"state": session.state.to_json(), "link": link_of(session), "asked": asked}
-        self.run_method("keep", {**place, "at": session.first + session.at, **kept})
+        state, first, at = session.state, session.first, session.at
+        place = {"first": first, "end": first + len(session.states), "at": first + at, "asked": asked}
 
+        def kept() -> dict[str, Any]:
+            return {**place, "state": state.to_json(), "link": link_of(state)}
 
-def link_of(session: Session) -> str:
-    """Return the link of the state that is shown; a state that is too large for an address has none."""
-    try:
-        return to_link(session.state)
-    except InvalidInput:
-        return ""
+        background_tasks.create(self.turns.take(kept, self._keep))
+
+    def busy(self, busy: bool) -> None:
+        """Tell the browser whether a change is computed."""
+        self.run_method("wait", busy)
+
+    def _keep(self, kept: dict[str, Any]) -> None:
+        self.run_method("keep", kept)

@@ -30,7 +30,8 @@ class Newest(Generic[Request, Result]):
 
     A request that arrives while another is computed replaces the one that waits, and ends the running one at
     its next step of progress. An error of the program is logged and handed to `failed` with its request; the
-    next request is answered all the same. `step` is what is computed at the moment, in words.
+    next request is answered all the same. `step` is what is computed at the moment, in words. Between two
+    answers it rests for `pause` seconds.
     """
 
     def __init__(
@@ -38,8 +39,10 @@ class Newest(Generic[Request, Result]):
         work: Callable[[Request], Result],
         done: Callable[[Result], None],
         failed: Callable[[Request, Exception], None],
+        *,
+        pause: float = 0.0,
     ) -> None:
-        self.work, self.done, self.failed = work, done, failed
+        self.work, self.done, self.failed, self.pause = work, done, failed, pause
         self.waiting: Request | None = None
         self.running = False
         self.step = ""
@@ -65,6 +68,8 @@ class Newest(Generic[Request, Result]):
                     self.failed(request, error)
                 else:
                     self.done(result)
+                if self.pause:
+                    await asyncio.sleep(self.pause)
         finally:
             self.running = False
 
@@ -93,6 +98,22 @@ def all_told(listeners: Iterable[Callable[[Result], None]], value: Result) -> st
             LOG.exception("a part of the page was not shown")
             failures.append(in_words(error))
     return " ".join(failures)
+
+
+def prepared(
+    prepare: Callable[[Request], Result], show: Callable[[Request, Result], None], value: Request
+) -> Callable[[Request], None]:
+    """Return a listener that shows what is prepared of a value; an error of the preparation is one of it."""
+    try:
+        result = prepare(value)
+    except Exception as error:
+        failure = error
+
+        def fail(value: Request) -> None:
+            raise failure
+
+        return fail
+    return lambda value: show(value, result)
 
 
 def in_words(error: Exception) -> str:

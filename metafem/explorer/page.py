@@ -14,21 +14,25 @@ from nicegui.element import Element
 
 from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer, answered
-from metafem.explorer.browser import Browser, link_of
+from metafem.explorer.browser import Browser
 from metafem.explorer.certainty.background import Tasks
 from metafem.explorer.certainty.panel import certainty_panel, place_warnings
 from metafem.explorer.law.panel import law_panel
-from metafem.explorer.newest import Newest, all_told, in_words
+from metafem.explorer.newest import Newest, all_told, in_words, prepared
 from metafem.explorer.session import Session, State
 from metafem.explorer.surface.panel import surface_panel
 from metafem.explorer.take.panel import take_panel
-from metafem.explorer.text.link import from_link
+from metafem.explorer.text.kinds import with_kind
+from metafem.explorer.text.link import from_link, restored
+from metafem.explorer.turns import Turns
 from metafem.explorer.workshop.editor import editor_panel
 from metafem.explorer.workshop.header import header_panel
 from metafem.explorer.workshop.panel import workshop_panel
 
 Result = TypeVar("Result")
 Told = TypeVar("Told")
+
+Listener = Callable[[Answer], None]
 
 # The look of the page, and of its head and fields.
 STYLES = ("page.css", "workshop/workshop.css")
@@ -41,12 +45,15 @@ class Page:
         self.session = Session(first)
         self.answer = Answer(0, first)
         self.number = 0
-        self.listeners: list[Callable[[Answer], None]] = []
-        self.late_listeners: list[Callable[[Answer], None]] = []
+        self.listeners: list[Callable[[Answer], Listener]] = []
+        self.late_listeners: list[Listener] = []
         self.tab_listeners: list[Callable[[str], None]] = []
         self.warning_listeners: list[Callable[[Mapping[str, list[str]]], None]] = []
-        self.newest: Newest[tuple[int, State, bool], Answer] = Newest(self._work, self._show, self._failed)
+        self.newest: Newest[tuple[int, State, bool], tuple[Answer, list[Listener]]] = Newest(
+            self._work, self._show, self._failed
+        )
         self.browser = Browser(self._restored, self.open_link)
+        self.turns = Turns(self.browser.busy)
         self.tasks = Tasks()
         self.client = ui.context.client
         self.client.on_delete(self.tasks.stop_all)
@@ -56,9 +63,15 @@ class Page:
         """The state that is shown."""
         return self.session.state
 
-    def listen(self, callback: Callable[[Answer], None]) -> None:
+    def listen(self, callback: Listener) -> None:
         """Call a function with every new answer."""
-        self.listeners.append(callback)
+        self.listeners.append(lambda answer: callback)
+
+    def listen_prepared(
+        self, prepare: Callable[[Answer], Result], show: Callable[[Answer, Result], None]
+    ) -> None:
+        """Call a function with every new answer and with what is computed of it off the event loop."""
+        self.listeners.append(partial(prepared, prepare, show))
 
     def listen_late(self, callback: Callable[[Answer], None]) -> None:
         """Call a function when more is known of the answer that is shown: its drawn tolerance band."""
@@ -100,19 +113,38 @@ class Page:
         self.session.replace(replace(self.state, **members))
         return self._ask(self.state, True)
 
-    def undo(self) -> None:
-        """Return to the state before."""
-        if self.session.undo():
-            self._ask(self.state, True)
+    async def make(self, change: Callable[..., str], *given: Any, released: bool = True) -> int | None:
+        """Answer the text that a function of the state gives; it is called off the event loop in its turn.
 
-    def redo(self) -> None:
+        Returns the number of the request; None for a draft in whose place a newer change was asked for.
+        """
+        return await self.turns.take(
+            lambda: change(self.state, *given), partial(self.edit, released=released), draft=not released
+        )
+
+    async def choose_kind(self, kind: str) -> int | None:
+        """Answer a target of another kind near the law that is shown, unless another change is asked for."""
+        return await self.turns.aside(lambda: with_kind(self.state, self.answer.design, kind), self.edit)
+
+    async def alter(self, **members: Any) -> int | None:
+        """Answer a state with other members, after earlier changes."""
+        return await self.turns.take(nothing, lambda _: self.change(**members))
+
+    async def undo(self) -> None:
+        """Return to the state before."""
+        await self.turns.take(nothing, lambda _: self._moved(self.session.undo))
+
+    async def redo(self) -> None:
         """Return to the state that was undone."""
-        if self.session.redo():
-            self._ask(self.state, True)
+        await self.turns.take(nothing, lambda _: self._moved(self.session.redo))
 
     async def in_thread(self, function: Callable[..., Result], *given: Any) -> Result:
         """Return the value of a function that is computed off the event loop."""
         return await asyncio.to_thread(function, *given)
+
+    def _moved(self, move: Callable[[], bool]) -> None:
+        if move():
+            self._ask(self.state, True)
 
     def _ask(self, state: State, released: bool) -> int:
         self.number += 1
@@ -122,43 +154,57 @@ class Page:
         self.newest.put((self.number, state, not released))
         return self.number
 
-    def _work(self, request: tuple[int, State, bool]) -> Answer:
+    def _work(self, request: tuple[int, State, bool]) -> tuple[Answer, list[Listener]]:
         number, state, draft = request
-        return answered(state, number, self.answer, draft)
+        return self._prepared(answered(state, number, self.answer, draft))
 
-    def _show(self, answer: Answer) -> None:
-        self.answer = answer
-        self._tell(self.listeners, answer)
+    def _prepared(self, answer: Answer) -> tuple[Answer, list[Listener]]:
+        return answer, [listener(answer) for listener in self.listeners]
+
+    def _show(self, found: tuple[Answer, list[Listener]]) -> None:
+        self.answer, listeners = found
+        self._tell(listeners, self.answer)
 
     def _failed(self, request: tuple[int, State, bool], error: Exception) -> None:
         """Show an error of the program, with the last surface that was found."""
         number, state, _ = request
-        self._show(Answer(number, state, None, self.answer.design, {"": in_words(error)}, failed=True))
+        failed = Answer(number, state, None, self.answer.design, {"": in_words(error)}, failed=True)
+        self._show(self._prepared(failed))
+
+    def not_shown(self, request: object, error: Exception) -> None:
+        """Say that a part of the page does not follow."""
+        self._say_failure(in_words(error))
 
     def _tell(self, listeners: Iterable[Callable[[Told], None]], value: Told) -> None:
         """Call listeners, and say which errors they made."""
         failures = all_told(listeners, value)
         if failures:
-            with self.client:
-                ui.notify(failures, type="negative", multi_line=True, close_button="Close", timeout=0)
+            self._say_failure(failures)
 
-    def open_link(self, link: str) -> None:
+    def _say_failure(self, words: str) -> None:
+        with self.client:
+            ui.notify(words, type="negative", multi_line=True, close_button="Close", timeout=0)
+
+    async def open_link(self, link: str) -> None:
         """Show the state of a link, as a step of the history."""
         try:
-            self._ask(from_link(link), True)
+            await self.turns.take(partial(from_link, link), lambda state: self._ask(state, True))
         except InvalidInput as error:
             ui.notify(str(error), type="warning")
 
-    def _restored(self, kept: Any) -> None:
+    async def _restored(self, kept: Any) -> None:
         """Show what the browser kept and what the address holds, or the first state."""
-        try:
-            self.session = Session.restored(kept) or self.session
-            link = kept.get("link") if isinstance(kept, dict) else ""
-            if link and link != link_of(self.session):
-                self.session.commit(from_link(link))
-        except InvalidInput as error:
-            ui.notify(str(error), type="warning")
+        await self.turns.take(partial(restored, kept, self.session), self._begin)
+
+    def _begin(self, found: tuple[Session, str]) -> None:
+        self.session, problem = found
+        if problem:
+            ui.notify(problem, type="warning")
         self._ask(self.state, True)
+
+
+def nothing() -> None:
+    """Compute nothing: a change of the history alone."""
 
 
 def build(first: State) -> Page:

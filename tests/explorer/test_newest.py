@@ -4,7 +4,7 @@ import asyncio
 import threading
 
 from metafem.explorer import newest
-from metafem.explorer.newest import Newest, all_told, in_words
+from metafem.explorer.newest import Newest, all_told, in_words, prepared
 from metafem.progress import doing
 
 
@@ -93,6 +93,16 @@ def test_a_listener_that_fails_leaves_the_others_alone(caplog):
     assert "not of your input: KeyError: 3. The terminal" in words
     assert "KeyError" in caplog.text
     assert all_told([told.append], 4) == ""
+
+
+def test_an_error_of_a_preparation_is_told_as_one_of_its_listener(caplog):
+    told = []
+    listeners = [
+        prepared(lambda value: 1 / value, lambda value, found: told.append((value, found)), value)
+        for value in (2, 0)
+    ]
+    assert "ZeroDivisionError" in all_told(listeners, 2)
+    assert told == [(2, 0.5)]
 
 
 def test_the_step_that_is_computed_is_known():

@@ -167,12 +167,12 @@ class Measured:
         self.problem = ""
         if key == self.key:
             return
-        self.key, self.points = key, None
-        if not state.measured or template is None:
-            return
-        try:
-            self.points = read_points(
-                state.measured_name, state.measured, template.material, template.friction
-            )
-        except InvalidInput as error:
-            self.problem = str(error)
+        points = None
+        if state.measured and template is not None:
+            try:
+                points = read_points(
+                    state.measured_name, state.measured, template.material, template.friction
+                )
+            except InvalidInput as error:
+                self.problem = str(error)
+        self.key, self.points = key, points

@@ -1,24 +1,11 @@
-"""Kinds of target laws: what a page calls them, and where each begins, near the law that is shown."""
+"""The kind of a target, and points as the values of a specification."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
-from metafem.explorer.answer import Answer
 from metafem.explorer.law.shown import Units
 from metafem.explorer.text.document import Document
-from metafem.explorer.text.kinds import with_target_kind
-
-KINDS: Mapping[str, str] = {
-    "operating-points": "operating points",
-    "linear": "straight line (linear)",
-    "bilinear": "two branches (bilinear)",
-    "power": "power law",
-    "multilinear": "several branches (multilinear)",
-    "sampled": "curve (sampled)",
-}
 
 # Digits of points.
 DIGITS = 4
@@ -30,18 +17,6 @@ def kind_of(text: str) -> str:
         return str(Document(text).value("target.kind") or "")
     except InvalidInput:
         return ""
-
-
-def with_kind(answer: Answer, kind: str) -> str:
-    """Return the text of an answer with a target of another kind, near the law that is shown.
-
-    Raises
-    ------
-    InvalidInput
-        For an unknown kind, and where the text is no valid TOML.
-    """
-    text, newtons = answer.state.text, answer.state.newtons
-    return with_target_kind(text, answer.specification, answer.design, kind, newtons)
 
 
 def points(

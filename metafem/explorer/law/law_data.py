@@ -23,16 +23,12 @@ INDEPENDENT = "reach of any surface within the limits"
 COUPLED = "reach of independent asperities within the limits"
 
 
-def law_data(answer: Answer, handles: Sequence[Handle] = (), request: int | None = None) -> dict[str, Any]:
-    """Return the curves and handles of an answer in the units that are shown.
-
-    `request` is the last request of the plot that is answered with it.
-    """
+def law_data(answer: Answer, handles: Sequence[Handle] = ()) -> dict[str, Any]:
+    """Return the curves and handles of an answer in the units that are shown."""
     units = Units.of(answer, answer.state.newtons)
     target = None if answer.specification is None else answer.specification.target
     data: dict[str, Any] = {
         "number": answer.number,
-        "request": request,
         # stands for the text: what is said below the plot is valid for it
         "state": crc32(answer.state.text.encode()),
         **units.axes(),

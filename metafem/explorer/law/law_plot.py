@@ -15,7 +15,7 @@ class LawPlot(Element, component="law_plot.js", esm={"metafem-law": "js"}):
     Each event has a handler of its name.
     """
 
-    def __init__(self, **handlers: Callable[[Any], None]) -> None:
+    def __init__(self, **handlers: Callable[[Any], Any]) -> None:
         super().__init__()
         for name, handler in handlers.items():
             self.on(name, lambda event, handler=handler: handler(event.args))

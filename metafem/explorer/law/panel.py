@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable, Coroutine
 from dataclasses import replace
 from functools import wraps
 from pathlib import Path
@@ -15,13 +15,13 @@ from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer, specification_of
 from metafem.explorer.law.beside import Beside
 from metafem.explorer.law.dropped import Measured, as_target, read_points
-from metafem.explorer.law.kinds import with_kind
 from metafem.explorer.law.law_data import band_data, law_data
 from metafem.explorer.law.law_plot import LawPlot
 from metafem.explorer.law.nearest import with_nearest
 from metafem.explorer.law.reach import Reach
 from metafem.explorer.law.shown import Units
-from metafem.explorer.law.tools import tools_data
+from metafem.explorer.law.tools import block_data, tools_data
+from metafem.explorer.session import State
 from metafem.explorer.text.handles import added, handles, moved, removed
 from metafem.files import Specification
 from metafem.inversion import Design
@@ -40,13 +40,15 @@ def law_panel(page: Page) -> None:
     LawPanel(page)
 
 
-def telling(handler: Callable[[LawPanel, Event], None]) -> Callable[[LawPanel, Event], None]:
+def telling(
+    handler: Callable[[LawPanel, Event], Awaitable[None]],
+) -> Callable[[LawPanel, Event], Coroutine[Any, Any, None]]:
     """Return an event handler that says below the plot why an event changed nothing."""
 
     @wraps(handler)
-    def handle(panel: LawPanel, event: Event) -> None:
+    async def handle(panel: LawPanel, event: Event) -> None:
         try:
-            handler(panel, event)
+            await handler(panel, event)
         except InvalidInput as error:
             panel.plot.say(str(error), wrong=True)
 
@@ -81,10 +83,23 @@ class LawPanel:
         # what the text of the shown state says, with its design: every step of a drag begins from them
         self.base: tuple[str, Specification, Design | None] | None = None
         self.refused: Answer | None = None
-        page.listen(self.show)
+        page.listen_prepared(self.prepared, self.show)
         page.listen_late(self.beside.put)
 
-    def show(self, answer: Answer) -> None:
+    def prepared(self, answer: Answer) -> dict[str, Any]:
+        """Return what is drawn of an answer."""
+        specification, text = answer.specification, answer.state.text
+        data = law_data(answer, handles(text, specification, answer.design))
+        units = Units.of(answer, answer.state.newtons)
+        data["tools"] = tools_data(answer)
+        data["measured"] = self.measured.data(answer, units)
+        if specification is not None:
+            band = self.reach.of(specification)
+            if (self.reach.key, units) != self.band_shown:
+                data["band"] = None if band is None else band_data(band, units)
+        return data
+
+    def show(self, answer: Answer, data: dict[str, Any]) -> None:
         """Draw an answer."""
         of_plot = [number for number in self.requests if number <= answer.number]
         request = max((self.requests.pop(number) for number in of_plot), default=None)
@@ -93,45 +108,40 @@ class LawPanel:
             self.base = text, specification, answer.design
         if answer.nearest_target is not None:
             self.refused = answer
-        points = handles(text, specification, answer.design)
-        data = law_data(answer, points, request)
-        units = Units.of(answer, answer.state.newtons)
-        data["tools"] = tools_data(answer, self.beside.block)
-        data["measured"] = self.measured.data(answer, units)
-        if specification is not None:
-            band = self.reach.of(specification)
-            if (self.reach.key, units) != self.band_shown:
-                self.band_shown = self.reach.key, units
-                data["band"] = None if band is None else band_data(band, units)
-        self.plot.draw(data)
+        if "band" in data:
+            self.band_shown = self.reach.key, Units.of(answer, answer.state.newtons)
+        tools = data["tools"]
+        tools["block"] = block_data(self.beside.block, answer.design) if tools["block"] else None
+        self.plot.draw(data | {"request": request})
         if self.measured.problem:
             self.plot.say(self.measured.problem, wrong=True)
         self.beside.put(answer)
 
-    def on_drag(self, event: Event) -> None:
+    async def on_drag(self, event: Event) -> None:
         """Move a handle."""
-        number = int(event["number"])
+        number, id, place = int(event["number"]), event["id"], self._place(event)
+
+        def dragged(state: State) -> str:
+            return state.text if event.get("back") else moved(*self._base(state), id, *place)
+
         try:
-            text = self.page.state.text
-            if not event.get("back"):
-                _, specification, design = self._base()
-                text = moved(text, specification, design, event["id"], *self._place(event))
+            request = await self.page.make(dragged, released=bool(event["released"]))
         except InvalidInput as error:
             self.plot.refuse(number, str(error))
             return
-        self.requests[self.page.edit(text, released=bool(event["released"]))] = number
+        if request is not None:
+            self.requests[request] = number
 
     @telling
-    def on_add(self, event: Event) -> None:
+    async def on_add(self, event: Event) -> None:
         """Add a point."""
-        text, specification, _ = self._base()
-        self.page.edit(added(text, specification, *self._place(event)))
+        place = self._place(event)
+        await self.page.make(lambda state: added(*self._base(state)[:2], *place))
 
     @telling
-    def on_remove(self, event: Event) -> None:
+    async def on_remove(self, event: Event) -> None:
         """Remove a point."""
-        text, specification, _ = self._base()
-        self.page.edit(removed(text, specification, event["id"]))
+        await self.page.make(lambda state: removed(*self._base(state)[:2], event["id"]))
 
     def on_cursor(self, event: Event) -> None:
         """Show the contacts at another load."""
@@ -140,17 +150,16 @@ class LawPanel:
             self.page.look(load=load)
 
     @telling
-    def on_nearest(self, event: Event) -> None:
+    async def on_nearest(self, event: Event) -> None:
         """Take the nearest law of the last refusal as the target."""
-        if self.refused is not None:
-            self.page.edit(with_nearest(self.refused))
+        refused = self.refused
+        if refused is not None:
+            await self.page.make(lambda state: with_nearest(refused))
 
     @telling
-    def on_kind(self, event: Event) -> None:
+    async def on_kind(self, event: Event) -> None:
         """Take a target of another kind."""
-        answer = self.page.answer
-        # after a drag that was not released, the text is still that of the state
-        self.page.edit(with_kind(replace(answer, state=self.page.state), event["kind"]))
+        await self.page.choose_kind(event["kind"])
 
     def on_axes(self, event: Event) -> None:
         """Show newtons or rescaled values."""
@@ -162,7 +171,7 @@ class LawPanel:
         self.page.look(models=(*rest, str(event["name"])) if event["on"] else rest)
 
     @telling
-    def on_block(self, event: Event) -> None:
+    async def on_block(self, event: Event) -> None:
         """Start the law under the block, or stop or hide it."""
         design = self.page.answer.design
         if event["on"] and design is not None:
@@ -171,24 +180,25 @@ class LawPanel:
             self.beside.block.stop()
 
     @telling
-    def on_dropped(self, event: Event) -> None:
+    async def on_dropped(self, event: Event) -> None:
         """Show the points of a table."""
         design = self.page.answer.design
         if design is None:
             raise InvalidInput("measured points can be shown once the specification has a design")
         name, text = str(event["name"]), str(event["text"])
-        found = read_points(name, text, design.template.material, design.template.friction)
-        self.page.change(measured=text, measured_name=name)
+        template = design.template
+        found = await self.page.in_thread(read_points, name, text, template.material, template.friction)
+        await self.page.alter(measured=text, measured_name=name)
         self.plot.say(" ".join([f"{len(found.load)} points of {name} are shown.", *found.remarks]))
 
     @telling
-    def on_measured(self, event: Event) -> None:
+    async def on_measured(self, event: Event) -> None:
         """Take the measured points as the target, or remove them."""
+        answer, points = self.page.answer, self.measured.points
         if event["action"] == "remove":
-            self.page.change(measured="", measured_name="")
-        elif self.measured.points is not None:
-            answer = replace(self.page.answer, state=self.page.state)
-            self.page.edit(as_target(answer, self.measured.points))
+            await self.page.alter(measured="", measured_name="")
+        elif points is not None:
+            await self.page.make(lambda state: as_target(replace(answer, state=state), points))
 
     def _units(self) -> Units:
         return Units.of(self.page.answer, self.page.state.newtons)
@@ -196,9 +206,9 @@ class LawPanel:
     def _place(self, event: Event) -> tuple[float, float]:
         return self._units().rescaled(float(event["x"]), float(event["y"]))
 
-    def _base(self) -> tuple[str, Specification, Design | None]:
-        """Return the text of the shown state, what it says, and the design from which a drag begins."""
-        state = self.page.state
-        if self.base is None or self.base[0] != state.text:
-            self.base = state.text, specification_of(state), self.page.answer.design
-        return self.base
+    def _base(self, state: State) -> tuple[str, Specification, Design | None]:
+        """Return the text of a state, what it says, and the design from which a drag begins."""
+        base = self.base
+        if base is None or base[0] != state.text:
+            self.base = base = state.text, specification_of(state), self.page.answer.design
+        return base

@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from metafem.explorer.answer import Answer
-from metafem.explorer.law.kinds import KINDS, kind_of
+from metafem.explorer.law.kinds import kind_of
 from metafem.explorer.law.others import QUICK, SLOW, Block, own_name
+from metafem.explorer.text.kinds import kind_names
 from metafem.inversion import Design
 
 # Why the axes cannot be in newtons, and why there is no law under the block.
@@ -14,18 +15,21 @@ NO_FORCES = "Newtons need the section [friction] with shear_strength and area_ra
 NO_BLOCK = "The block needs the section [block] with width, length and thickness in the specification."
 
 
-def tools_data(answer: Answer, block: Block) -> dict[str, Any]:
-    """Return the kinds of targets, axes and models that can be chosen, and which are."""
+def tools_data(answer: Answer) -> dict[str, Any]:
+    """Return the kinds of targets, axes and models that can be chosen, and which are.
+
+    ``block`` says whether the law under the block is one of them, see `block_data`.
+    """
     design = answer.design
     template = None if design is None else design.template
     own = "" if design is None else own_name(design)
     return {
         "kind": kind_of(answer.state.text),
-        "kinds": [[kind, words] for kind, words in KINDS.items()],
+        "kinds": [[kind, words] for kind, words in kind_names().items()],
         "newtons": answer.state.newtons,
         "no_forces": NO_FORCES if template is None or template.friction is None else "",
         "models": [{"name": name, "on": name in answer.state.models} for name in QUICK if name != own],
-        "block": None if own == SLOW else block_data(block, design),
+        "block": own != SLOW,
     }
 
 

@@ -9,7 +9,8 @@ from nicegui import ui
 
 from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer
-from metafem.explorer.newest import Newest, in_words
+from metafem.explorer.newest import Newest
+from metafem.explorer.session import State
 from metafem.explorer.surface.contact_data import contact_data
 from metafem.explorer.surface.edits import edited
 from metafem.explorer.surface.surface_data import layout_data, message, same_layout, site_data
@@ -30,41 +31,45 @@ class Views:
         self.page = page
         self.view = SurfaceView()
         self.contacts: Newest[Answer, dict[str, Any]] = Newest(
-            self._contacts, self.view.contact, self._failed
+            self._contacts, self.view.contact, page.not_shown
         )
         self.template: Surface | None = None
         self.shown: tuple[Design | None, str] = (None, "")
         self.sensitive = False
         self.view.on_event("sites", self._edit)
         self.view.on_event("colour", self._colour)
-        page.listen(self.show)
+        page.listen_prepared(self.prepared, self.show)
 
-    def show(self, answer: Answer) -> None:
-        """Show the surface of an answer."""
+    def prepared(self, answer: Answer) -> dict[str, Any]:
+        """Return what has changed on the surface of an answer."""
         shown = answer.design, answer.state.text
         again = all(one is other for one, other in zip(shown, self.shown, strict=True))
         data = {"number": answer.number, "message": message(answer)} if again else site_data(answer)
+        design = answer.design
+        if design is not None and (self.template is None or not same_layout(self.template, design.template)):
+            data["layout"] = layout_data(design)
+        return data
+
+    def show(self, answer: Answer, data: dict[str, Any]) -> None:
+        """Show the surface of an answer."""
         if answer.design is not None:
-            if self.template is None or not same_layout(self.template, answer.design.template):
-                data["layout"] = layout_data(answer.design)
             self.template = answer.design.template
             self.contacts.put(answer)
-        self.shown = shown
+        self.shown = answer.design, answer.state.text
         self.view.show(data)
 
     def _contacts(self, answer: Answer) -> dict[str, Any]:
         assert answer.design is not None
         return contact_data(answer.design, answer.state.load, self.sensitive)
 
-    def _failed(self, answer: Answer, error: Exception) -> None:
-        """Say that the contacts are not known."""
-        with self.view:
-            ui.notify(in_words(error), type="negative", multi_line=True, close_button="Close", timeout=0)
-
-    def _edit(self, given: Any) -> None:
+    async def _edit(self, given: Any) -> None:
         """Keep heights or empty sites, as the menu says."""
+
+        def change(state: State) -> str:
+            return edited(state.text, self.page.answer.design, given)
+
         try:
-            self.page.edit(edited(self.page.state.text, self.page.answer.design, given))
+            await self.page.make(change)
         except InvalidInput as error:
             ui.notify(str(error), type="warning")
 

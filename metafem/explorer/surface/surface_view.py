@@ -12,7 +12,7 @@ from nicegui.element import Element
 class SurfaceView(Element, component="surface_view.js", esm={"metafem-surface": "js"}):
     """Draws the data of `site_data` and `contact_data`, and emits ``sites`` and ``colour``."""
 
-    def on_event(self, name: str, handler: Callable[[Any], None]) -> None:
+    def on_event(self, name: str, handler: Callable[[Any], Any]) -> None:
         """Call a function with the data of an event."""
         self.on(name, lambda event: handler(event.args))
 

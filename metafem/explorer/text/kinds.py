@@ -9,16 +9,29 @@ from typing import Any
 import numpy as np
 
 from metafem._validate import FloatArray
-from metafem.errors import Infeasible, InvalidInput
+from metafem.errors import Infeasible, InvalidInput, MetafemError
+from metafem.explorer.answer import specification_of
+from metafem.explorer.session import State
 from metafem.explorer.text.document import Document
 from metafem.explorer.text.handles import RESOLUTION
 from metafem.explorer.text.marks import Scene
+from metafem.explorer.text.order import form_of
 from metafem.explorer.text.written import rounded
 from metafem.files import Specification, parsed
 from metafem.inversion import Design
 from metafem.inversion.targets.wording import RESCALED, Wording
 from metafem.models import Independent
 from metafem.models.model import contact_of
+
+# What a page calls the kinds.
+NAMES: Mapping[str, str] = {
+    "operating-points": "operating points",
+    "linear": "straight line (linear)",
+    "bilinear": "two branches (bilinear)",
+    "multilinear": "several branches (multilinear)",
+    "power": "power law",
+    "sampled": "curve (sampled)",
+}
 
 # Numbers of operating points to try, and the number of samples of a law.
 POINTS, SAMPLES = (4, 3, 2, 1), 8
@@ -39,47 +52,55 @@ MOST_TRIED = 256
 Numbers = dict[str, Any]
 
 
-def with_target_kind(
-    text: str,
-    specification: Specification | None,
-    design: Design | None,
-    kind: str,
-    newtons: bool | None = None,
-    resolution: float = RESOLUTION,
-) -> str:
-    """Return the text with a target of another kind near the law of the last design.
+def kind_names() -> dict[str, str]:
+    """Return the kinds of targets with what a page calls them, in the order of the manual."""
+    form = form_of("target")
+    return {} if form is None else {kind: NAMES.get(kind, kind) for kind in form.kinds}
 
-    Up to 256 sites it can be reached by independent asperities where one of the attempts can. Without a
-    design the values are the examples of the manual. With `newtons` the values are forces and friction
-    coefficients where the specification has a friction; default: as in the target before.
+
+def with_kind(state: State, design: Design | None, kind: str) -> str:
+    """Return the text of a state with a target of another kind near the law of the last design.
+
+    The units stay. Up to 256 sites it can be reached by independent asperities where one of the attempts can.
+    Without a design, and where the text has problems, the values are the examples of the manual.
 
     Raises
     ------
     InvalidInput
-        For an unknown kind.
+        For an unknown kind, and for a text that is not valid TOML.
 
     Examples
     --------
     >>> from metafem.files import demo_text
     >>> text = demo_text("operating-points")
-    >>> specification = parsed(text)
-    >>> new = with_target_kind(text, specification, specification.design(), "power")
+    >>> new = with_kind(State(text), parsed(text).design(), "power")
     >>> parsed(new).target.load_range
     (0.144, 0.649)
     """
-    document = Document(text)
+    document = Document(state.text)
     if kind not in ATTEMPTS:
         raise InvalidInput(f'kind = "{kind:.40}" is unknown (known: {", ".join(ATTEMPTS)})')
-    if specification is None or design is None:
-        return document.with_kind("target", kind)
-    if kind == document.value("target.kind") and newtons is None:
-        return text
+    if kind == document.value("target.kind"):
+        return state.text
+    try:
+        specification = specification_of(state)
+        if design is not None:
+            return _near(document, specification, design, kind)
+    except MetafemError:
+        pass  # a text with problems
+    return document.with_kind("target", kind)
+
+
+def _near(
+    document: Document,
+    specification: Specification,
+    design: Design,
+    kind: str,
+    resolution: float = RESOLUTION,
+) -> str:
+    """Return a text with a target of another kind near the law of a design."""
     scene, tables = Scene(document, specification, design), _tables(document, specification)
-    wording, template = scene.target.wording, specification.template
-    if newtons is not None:
-        friction = template.friction if newtons else None
-        wording = RESCALED if friction is None else Wording.of(template.material, friction)
-    first = ""
+    wording, template, first = scene.target.wording, specification.template, ""
     for numbers in ATTEMPTS[kind](*_present(design)):
         found = document.with_kind("target", kind, _written(numbers, scene, wording, resolution))
         first = first or found

@@ -7,9 +7,10 @@ import binascii
 import json
 import re
 import zlib
+from typing import Any
 
 from metafem.errors import InvalidInput
-from metafem.explorer.session import State
+from metafem.explorer.session import Session, State
 
 # First characters of a link: the version of its form.
 VERSION = "1."
@@ -86,3 +87,27 @@ def from_link(link: str) -> State:
         return State.from_json(text)
     except (InvalidInput, TypeError):
         raise damaged from None
+
+
+def link_of(state: State) -> str:
+    """Return the link of a state, "" of one that is too large for an address."""
+    try:
+        return to_link(state)
+    except InvalidInput:
+        return ""
+
+
+def restored(kept: Any, first: Session) -> tuple[Session, str]:
+    """Return the history that the browser kept, else another one, and what is wrong with it.
+
+    Where the address holds another state, this is its last step.
+    """
+    session = first
+    try:
+        session = Session.restored(kept) or first
+        link = kept.get("link") if isinstance(kept, dict) else ""
+        if link and link != link_of(session.state):
+            session.commit(from_link(link))
+    except InvalidInput as error:
+        return session, str(error)
+    return session, ""

@@ -9,6 +9,7 @@ from nicegui.element import Element
 
 from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer
+from metafem.explorer.following import Follower
 from metafem.explorer.workshop.loading import Given, loaded
 from metafem.explorer.workshop.places import placed
 from metafem.files import DEMOS, demo_text
@@ -34,59 +35,45 @@ class Specification:
     def __init__(self, page: Page) -> None:
         self.page, self.editor = page, Editor()
         self.open = False
-        self.asked = 0
-        self.waiting: Answer | None = None
+        self.follower = Follower(page, PACE, _contents, self._show, lambda: self.open)
         self.editor.on("opened", self._opened)
         self.editor.on("closed", self._closed)
         self.editor.on("changed", lambda event: self._changed(**event.args))
         self.editor.on("load", lambda event: load(page, event.args["files"]))
-        self.editor.on("demo", lambda event: page.change(text=demo_text(event.args["name"]), tables={}))
-        self.timer = ui.timer(PACE, self._refresh, active=False)
-        page.listen(self._answered)
+        self.editor.on("demo", lambda event: page.alter(text=demo_text(event.args["name"]), tables={}))
 
     def _opened(self) -> None:
         self.open = True
-        self._show(self.page.answer)
+        self.follower.put(self.page.answer)
 
     def _closed(self) -> None:
         self.open = False
 
-    def _changed(self, text: str) -> None:
+    async def _changed(self, text: str) -> None:
         if text != self.page.state.text:
-            self.asked = self.page.edit(text)
+            await self.follower.change(self.page.alter(text=text))
 
-    def _answered(self, answer: Answer) -> None:
-        """Keep the newest answer; what is older than the last edit is not shown."""
-        if not self.open or answer.number < self.asked:
-            return
-        self.waiting = answer
-        if not self.timer.active:
-            self._refresh()
-            self.timer.activate()
-
-    def _refresh(self) -> None:
-        answer, self.waiting = self.waiting, None
-        if answer is None or not self.open:
-            self.timer.deactivate()
-        else:
-            self._show(answer)
-
-    def _show(self, answer: Answer) -> None:
-        state = answer.state
-        problems = placed(state.text, answer.problems, answer.refusal)
-        self.editor.run_method(
-            "show", {"text": state.text, "problems": problems, "tables": list(state.tables)}
-        )
+    def _show(self, found: dict[str, Any]) -> None:
+        self.editor.run_method("show", found)
 
 
-def load(page: Page, files: list[dict[str, Any]]) -> None:
+def _contents(answer: Answer) -> dict[str, Any]:
+    """Return the text of an answer with the places of its problems."""
+    state = answer.state
+    problems = placed(state.text, answer.problems, answer.refusal)
+    return {"text": state.text, "problems": problems, "tables": list(state.tables)}
+
+
+async def load(page: Page, files: list[dict[str, Any]]) -> None:
     """Show the specification of files, or say why they cannot be used."""
+    given = [Given(**each) for each in files]
     try:
-        state = loaded(page.state, [Given(**each) for each in files])
+        await page.turns.take(
+            lambda: loaded(page.state, given),
+            lambda state: page.change(text=state.text, tables=state.tables),
+        )
     except InvalidInput as error:
         ui.notify(str(error), type="warning", multi_line=True, close_button="Close", timeout=12000)
-        return
-    page.change(text=state.text, tables=state.tables)
 
 
 def editor_panel(page: Page) -> None:

@@ -23,7 +23,7 @@ export default {
                     @change="$emit('kind', { section: part.name, kind: $event.target.value })">
               <option v-if="part.optional" value="">default ({{ Object.keys(part.kinds)[0] }})</option>
               <option v-if="kind(part) ? !(kind(part) in part.kinds) : !part.optional" :value="kind(part)">{{ kind(part) || "choose" }}</option>
-              <option v-for="(words, name) in part.kinds" :key="name" :value="name" :title="words">{{ name }}</option></select>
+              <option v-for="(words, name) in part.kinds" :key="name" :value="name" :title="words">{{ part.kind_names[name] ?? name }}</option></select>
               <p class="quiet small">{{ part.kinds[kind(part)] ?? part.kinds[Object.keys(part.kinds)[0]] }}</p>
               <p v-if="problems[part.name + '.kind']" class="wrong" role="alert">{{ problems[part.name + ".kind"] }}</p></div>
           </div>

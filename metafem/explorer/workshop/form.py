@@ -9,6 +9,7 @@ from typing import Any
 from metafem.errors import InvalidInput
 from metafem.explorer.text.document import Document
 from metafem.explorer.text.fields import shown
+from metafem.explorer.text.kinds import kind_names
 from metafem.files import KeyForm, SectionForm, section_forms
 
 # The columns of the form: their sections with titles, the frequent ones first.
@@ -85,6 +86,7 @@ def _section(section: SectionForm, title: str) -> dict[str, Any]:
         # Its fields are shown also where the specification has no such section.
         "always": not section.optional or bare or bool(section.kinds),
         "kinds": section.kinds,
+        "kind_names": kind_names() if name == "target" else {},
         "keys": {
             kind: [_field(name, key) for key in keys if key.value != "section"]
             for kind, keys in section.keys.items()

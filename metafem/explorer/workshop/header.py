@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from nicegui import ui
 from nicegui.element import Element
@@ -31,10 +31,10 @@ class Header(Element, component="header.js", esm={"metafem-workshop": "js"}):
         self._props["first"] = "independent"
 
 
-def choose(page: Page, model: str) -> None:
+async def choose(page: Page, model: str) -> None:
     """Design under another model."""
     try:
-        page.edit(with_field(page.state.text, "model.kind", model))
+        await page.make(lambda state: with_field(state.text, "model.kind", model))
     except InvalidInput as error:
         ui.notify(str(error), type="warning")
 
@@ -51,28 +51,29 @@ def header_panel(page: Page) -> Header:
     header.on("model", lambda event: choose(page, event.args))
     shown: dict[str, object] = {}
 
-    def show(answer: Answer) -> None:
+    def show(answer: Answer, found: dict[str, Any]) -> None:
         at, last = page.session.at, len(page.session.states) - 1
-        data = {**header_data(answer), "undo": at > 0, "redo": at < last}
+        data = {**found, "undo": at > 0, "redo": at < last}
         changed = {name: value for name, value in data.items() if name not in shown or shown[name] != value}
         if changed:
             shown.update(changed)
             header.run_method("show", changed)
 
     def wait() -> None:
-        """Say that a design takes longer."""
-        late = page.number if page.number > page.answer.number else 0
-        if late and late == waited.get("for"):
+        """Say that a design, or a change of the specification, takes longer."""
+        late = (page.turns.asked if page.turns.under_way else 0, max(0, page.number - page.answer.number))
+        if any(late) and late == waited.get("for"):
+            step = page.newest.step
+            design = f"designing: {step} …" if step else "designing …"
+            words = "changing the specification …" if late[0] else design
             for name in ("status", "kind", "measure"):
                 shown.pop(name, None)
-            step = page.newest.step
-            header.run_method(
-                "show",
-                {"status": f"designing: {step} …" if step else "designing …", "kind": "", "measure": ""},
-            )
+            header.run_method("show", {"status": words, "kind": "", "measure": ""})
+        elif not any(late) and shown and "status" not in shown:  # the change was refused
+            show(page.answer, header_data(page.answer))
         waited["for"] = late
 
-    waited: dict[str, int] = {}
+    waited: dict[str, tuple[int, int]] = {}
     ui.timer(LATE, wait)
-    page.listen(show)
+    page.listen_prepared(header_data, show)
     return header

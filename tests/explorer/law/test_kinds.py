@@ -1,50 +1,20 @@
-"""Each kind of target begins near the law that is shown, and its surface exists."""
+"""The kind of a target, and the nearest law of a refusal as the target."""
 
-from dataclasses import replace
-
-import numpy as np
 import pytest
 
 from metafem.errors import InvalidInput
 from metafem.explorer.answer import answered
-from metafem.explorer.law.kinds import KINDS, kind_of, with_kind
+from metafem.explorer.law.kinds import kind_of
 from metafem.explorer.law.nearest import with_nearest
 from metafem.explorer.session import State
-from metafem.explorer.text.document import Document
-from metafem.files import all_keys, demo_text
+from metafem.files import demo_text
 
 TEXT = demo_text("operating-points")
 
 
-@pytest.fixture(scope="module")
-def answer():
-    return answered(State(TEXT), 1)
-
-
-def test_all_kinds_of_specifications_can_be_chosen():
-    kinds = {key.kind for key in all_keys() if key.section == "target"}
-    assert set(KINDS) == kinds or kinds == set()
-
-
-@pytest.mark.parametrize("newtons", [False, True])
-@pytest.mark.parametrize("kind", KINDS)
-def test_another_kind_begins_near_the_law_that_is_shown(answer, kind, newtons):
-    shown = replace(answer, state=State(TEXT, newtons=newtons))
-    text = with_kind(shown, kind)
-    assert kind_of(text) == kind
-    assert (" N'" in str(Document(text).value("target"))) == (newtons and kind != "linear")
-    found = answered(State(text), 2)
-    assert found.current, found.refused
-    before, after = answer.design.law, found.design.law
-    load = np.linspace(0.3, 0.6, 10)
-    laws = [np.interp(load, law.rescaled_load, law.area) for law in (before, after)]
-    np.testing.assert_allclose(laws[1], laws[0], rtol=0.4)  # a line cannot follow the kink
-
-
-def test_an_unknown_kind_is_refused_and_a_broken_text_has_none(answer):
-    with pytest.raises(InvalidInput, match='kind = "cubic" is unknown'):
-        with_kind(answer, "cubic")
-    assert kind_of("[target") == ""
+def test_the_kind_of_a_text_is_read():
+    assert kind_of(TEXT) == "operating-points"
+    assert kind_of("[limits]") == kind_of("[target") == ""
 
 
 @pytest.mark.parametrize(

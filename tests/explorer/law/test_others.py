@@ -10,7 +10,7 @@ from metafem.explorer.answer import answered
 from metafem.explorer.certainty.background import Tasks
 from metafem.explorer.law.beside import Beside
 from metafem.explorer.law.others import Block, compared, given, law_under, other_law, own_name
-from metafem.explorer.law.tools import NO_BLOCK, NO_FORCES, tools_data
+from metafem.explorer.law.tools import NO_BLOCK, NO_FORCES, block_data, tools_data
 from metafem.explorer.session import State
 from metafem.files import demo_text
 from metafem.substrate import BondedLayer
@@ -90,13 +90,14 @@ def test_the_law_under_the_block_belongs_to_one_surface(answer):
 
 def test_choices_say_what_they_need(answer):
     block = Block(Tasks(), lambda: None)
-    tools = tools_data(answer, block)
+    tools = tools_data(answer)
     assert tools["kind"] == "operating-points"
     assert tools["no_forces"] == ""
     assert tools["models"] == [{"name": "half-space", "on": True}, {"name": "layer", "on": False}]
-    assert tools["block"] == {"running": False, "step": "", "shown": False, "missing": ""}
+    assert tools["block"]
+    assert block_data(block, answer.design) == {"running": False, "step": "", "shown": False, "missing": ""}
     text = TEXT.replace("[friction]", "").replace("shear_strength", "# ").replace("area_ratio", "# ")
     text = text[: text.index("[block]")] + text[text.index("[limits]") :].split("[part]")[0]
-    bare = tools_data(answered(State(text), 1), block)
-    assert bare["no_forces"] == NO_FORCES
-    assert bare["block"]["missing"] == NO_BLOCK
+    bare = answered(State(text), 1)
+    assert tools_data(bare)["no_forces"] == NO_FORCES
+    assert block_data(block, bare.design)["missing"] == NO_BLOCK

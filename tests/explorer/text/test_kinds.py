@@ -6,8 +6,12 @@ import numpy as np
 import pytest
 
 import metafem as mf
+from metafem.explorer.answer import Answer
+from metafem.explorer.law.tools import tools_data
+from metafem.explorer.session import State
 from metafem.explorer.text.document import Document
-from metafem.explorer.text.kinds import ATTEMPTS, with_target_kind
+from metafem.explorer.text.kinds import ATTEMPTS, NAMES, with_kind
+from metafem.explorer.workshop.form import form
 from metafem.files import demo_text, parsed, section_forms
 from metafem.files.specification.demos import DEMOS
 
@@ -18,8 +22,7 @@ from metafem.files.specification.demos import DEMOS
 )
 def demo(request):
     text = demo_text(request.param)
-    specification = parsed(text)
-    return text, specification, specification.design()
+    return text, parsed(text).design()
 
 
 def law_of(design, load):
@@ -27,13 +30,20 @@ def law_of(design, load):
 
 
 def test_all_kinds_are_known():
-    assert set(ATTEMPTS) == set(section_forms()[0].kinds)
+    assert set(ATTEMPTS) == set(NAMES) == set(section_forms()[0].kinds)
+
+
+def test_both_choices_of_a_kind_have_the_same_names_in_the_same_order():
+    (section,) = [part for column in form() for part in column if part["name"] == "target"]
+    workshop = [[kind, section["kind_names"][kind]] for kind in section["kinds"]]
+    tools = tools_data(Answer(0, State(demo_text("linear"))))
+    assert workshop == tools["kinds"] == [[kind, NAMES[kind]] for kind in section_forms()[0].kinds]
 
 
 @pytest.mark.parametrize("kind", ATTEMPTS)
 def test_each_demo_can_be_designed_as_each_kind_near_its_law(demo, kind):
-    text, specification, design = demo
-    new = with_target_kind(text, specification, design, kind)
+    text, design = demo
+    new = with_kind(State(text), design, kind)
     found = parsed(new).design()
     assert tomllib.loads(new)["target"]["kind"] == kind
     assert found.status is not type(found.status).MISSED
@@ -45,41 +55,44 @@ def test_each_demo_can_be_designed_as_each_kind_near_its_law(demo, kind):
 
 def test_the_units_stay():
     text = Document(demo_text("linear")).with_kind("target", "linear", {"friction_coefficient": 1.55})
-    specification = parsed(text)
-    design = specification.design()
-    keys = {kind: tomllib.loads(with_target_kind(text, specification, design, kind))["target"]
-            for kind in ATTEMPTS}  # fmt: skip
+    design = parsed(text).design()
+    keys = {kind: tomllib.loads(with_kind(State(text), design, kind))["target"] for kind in ATTEMPTS}
     assert keys["operating-points"].keys() == {"kind", "load", "friction_force"}
     assert all(load.endswith(" N") for load in keys["sampled"]["load"] + keys["power"]["load_range"])
     assert keys["bilinear"].keys() == {"kind", "friction_coefficients", "crossover_load"}
     assert keys["linear"] == {"kind": "linear", "friction_coefficient": 1.55}
 
 
-@pytest.mark.parametrize("kind", ["operating-points", "bilinear", "multilinear"])
-def test_newtons_can_be_chosen(kind):
+@pytest.mark.parametrize("newtons", [False, True])
+def test_axes_change_nothing(newtons):
     text = demo_text("linear")
-    specification = parsed(text)
-    design = specification.design()
-    rescaled, newtons = (
-        Document(with_target_kind(text, specification, design, kind, forces)).value("target")
-        for forces in (False, True)
-    )
-    assert ("mm^2" in str(rescaled), "mm^2" in str(newtons)) == (True, False)
-    assert newtons.keys() & {"load", "friction_coefficients"}
+    design = parsed(text).design()
+    new = with_kind(State(text, newtons=newtons), design, "operating-points")
+    assert Document(new).value("target").keys() == {"kind", "rescaled_load", "rescaled_friction"}
 
 
 def test_without_a_design_the_values_are_examples():
     text = demo_text("linear")
-    new = with_target_kind(text, parsed(text), None, "power")
+    assert with_kind(State(text), None, "power") == Document(text).with_kind("target", "power")
+    assert with_kind(State(text), None, "linear") == text
+
+
+def test_a_text_with_problems_has_the_values_of_examples():
+    text = demo_text("linear").replace('"120 um"', '"120"')
+    new = with_kind(State(text), parsed(demo_text("linear")).design(), "power")
     assert new == Document(text).with_kind("target", "power")
-    with pytest.raises(mf.InvalidInput, match="unknown"):
-        with_target_kind(text, parsed(text), None, "cubic")
+
+
+def test_unknown_kinds_and_texts_that_cannot_be_read_are_refused():
+    with pytest.raises(mf.InvalidInput, match='kind = "cubic" is unknown'):
+        with_kind(State(demo_text("linear")), None, "cubic")
+    with pytest.raises(mf.InvalidInput, match="line 1"):
+        with_kind(State("[target"), None, "linear")
 
 
 def test_the_table_of_a_contact_is_kept():
-    table = b"indentation_um,load_mN,area_mm2\n5,0.46,0.0083\n20,3.7,0.033\n90,35,0.15\n"
+    table = "indentation_um,load_mN,area_mm2\n5,0.46,0.0083\n20,3.7,0.033\n90,35,0.15\n"
     text = demo_text("bilinear") + '[contact]\nkind = "tabulated"\nfile = "lab/contact.csv"\n'
-    specification = parsed(text, {"lab/contact.csv": table})
     design = parsed(demo_text("bilinear")).design()
-    new = with_target_kind(text, specification, design, "sampled")
-    assert parsed(new, {"lab/contact.csv": table}).target.rescaled_load.size == 8
+    new = with_kind(State(text, {"lab/contact.csv": table}), design, "sampled")
+    assert parsed(new, {"lab/contact.csv": table.encode()}).target.rescaled_load.size == 8

@@ -10,9 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import metafem as mf
-from metafem.explorer.session import State
+from metafem.explorer.session import Session, State
 from metafem.explorer.text import link as module
-from metafem.explorer.text.link import from_link, to_link
+from metafem.explorer.text.link import from_link, link_of, restored, to_link
 from metafem.files import demo_text
 
 WORDS = st.text(max_size=30)
@@ -100,3 +100,20 @@ def test_a_link_that_would_fill_the_memory_is_refused(monkeypatch):
     monkeypatch.setattr(module, "LARGEST", 1000)
     with pytest.raises(mf.InvalidInput, match="too many for a link"):
         to_link(State("a" * 2000))
+
+
+def test_a_page_begins_with_its_history_and_what_the_address_holds():
+    states = [State("a"), State("b")]
+    kept = {"first": 0, "at": 1, "states": [state.to_json() for state in states], "link": link_of(states[1])}
+    first = Session(State("first"))
+    session, problem = restored(kept, first)
+    assert (session.states, session.at, problem) == (states, 1, "")
+    session, problem = restored({**kept, "link": link_of(State("c"))}, first)
+    assert (session.states, session.at, problem) == ([*states, State("c")], 2, "")
+    session, problem = restored({**kept, "link": "1.eJyr"}, first)
+    assert (session.states, session.at) == (states, 1)
+    assert "cut off or damaged" in problem
+    session, problem = restored({**kept, "at": 7}, first)
+    assert session is first
+    assert "the history that the browser kept is damaged" in problem
+    assert restored({}, first) == restored(None, first) == (first, "")

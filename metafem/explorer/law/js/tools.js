@@ -53,13 +53,13 @@ export class Tools {
       this.text = text;
       this.drawChoices(data);
     }
+    this.kind.value = data.kind; // also where another change came meanwhile
     this.drawBlock(data.block);
   }
 
   drawChoices(data) {
     const kinds = data.kinds.some(([kind]) => kind === data.kind) ? data.kinds : [[data.kind, data.kind || "…"], ...data.kinds];
     this.kind.replaceChildren(...kinds.map(([kind, words]) => made("option", { value: kind, textContent: words })));
-    this.kind.value = data.kind;
     this.noForces = data.no_forces;
     [...this.axes.children].forEach((button, i) => {
       button.ariaPressed = String(Boolean(data.newtons && !data.no_forces) === (i === 1));

@@ -1,0 +1,83 @@
+"""The changes of a page in their order; they are computed off the event loop."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import TypeVar
+
+from metafem.explorer.newest import Dropped
+from metafem.progress import listening
+
+Result = TypeVar("Result")
+Used = TypeVar("Used")
+
+
+class Turns:
+    """Computes changes in threads, and uses them in the event loop in the order in which they were asked for.
+
+    `busy` is called with True when a change is begun, and with False when none is left; drafts do not count.
+    """
+
+    def __init__(self, busy: Callable[[bool], None] = lambda busy: None) -> None:
+        self.busy = busy
+        self.asked = 0
+        self.under_way = 0
+        self.turn = asyncio.Lock()
+
+    async def take(
+        self, compute: Callable[[], Result], use: Callable[[Result], Used], *, draft: bool = False
+    ) -> Used | None:
+        """Compute a change after those before it, so that it begins with what they have left.
+
+        A draft is left out, and None returned, where a newer change waits behind it.
+        """
+        number = self._ask()
+        with self._counted(draft):
+            async with self.turn:
+                if draft and number < self.asked:
+                    return None
+                return use(await asyncio.to_thread(compute))
+
+    async def aside(self, compute: Callable[[], Result], use: Callable[[Result], Used]) -> Used | None:
+        """Compute a change that holds up no other one; None where any other was asked for meanwhile.
+
+        It ends at its next step of progress when it is no longer wanted.
+        """
+        number = self._ask()
+
+        def on_step(step: str, done: float | None) -> None:
+            if number < self.asked:
+                raise Dropped
+
+        def computed() -> Result:
+            with listening(on_step):
+                return compute()
+
+        with self._counted():
+            async with self.turn:
+                pass  # those before it are made
+            if number < self.asked:
+                return None
+            try:
+                result = await asyncio.to_thread(computed)
+            except Dropped:
+                return None
+            return use(result) if number == self.asked else None
+
+    def _ask(self) -> int:
+        self.asked += 1
+        return self.asked
+
+    @contextmanager
+    def _counted(self, draft: bool = False) -> Iterator[None]:
+        self.under_way += not draft
+        if self.under_way == 1 and not draft:
+            self.busy(True)
+        try:
+            yield
+        finally:
+            self.under_way -= not draft
+            if self.under_way == 0 and not draft:
+                self.busy(False)
