@@ -47,6 +47,17 @@ def span(values: NDArray[Any], unit: str) -> str:
     return f"{low} {unit}" if low == high else f"{low} to {high} {unit}"
 
 
+def three_digits(value: float) -> str:
+    """Return a number with three digits, of which those of large numbers are written out.
+
+    Examples
+    --------
+    >>> three_digits(0.97123), three_digits(1514.6), three_digits(2e-7)
+    ('0.971', '1,510', '2e-07')
+    """
+    return f"{float(f'{value:.3g}'):,.9g}"
+
+
 def percent(fraction: float, form: str = ".2g") -> str:
     """Return a fraction as percent, for texts; a large one as a whole number, without an exponent.
 

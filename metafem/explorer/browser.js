@@ -3,24 +3,50 @@
 const KEY = "metafem";
 const entry = (number) => `${KEY}.${number}`;
 
-// A full or forbidden store loses the history at the next reload, and nothing else.
-function store(key, text) {
-  try {
-    sessionStorage.setItem(key, text);
-  } catch (error) {
-    console.info(`The history of this page cannot be kept by the browser: ${error.message}`);
+// A history is sent to the server in parts of so many characters: NiceGUI drops messages of a megabyte, and the escapes
+// of a text can double its length.
+const PART = 400_000;
+
+const place = () => JSON.parse(sessionStorage.getItem(KEY) ?? "{}");
+
+// The numbers of the states that are kept, in their order.
+const numbers = () => Object.keys(sessionStorage).filter((key) => key.startsWith(entry(""))).map((key) => Number(key.slice(entry("").length))).sort((a, b) => a - b);
+
+// Keeps a text. A full store loses its oldest states but the one `at`, which a reload then no longer finds. Returns ""
+// or why the text cannot be kept.
+function store(key, text, at) {
+  for (;;) {
+    try {
+      sessionStorage.setItem(key, text);
+      return "";
+    } catch (error) {
+      const oldest = numbers().find((number) => number !== at);
+      if (oldest === undefined) return error.message;
+      sessionStorage.removeItem(entry(oldest));
+    }
   }
 }
 
+// The states that are kept around the one that is shown, without a gap between them.
+function restored() {
+  const { first, end, at } = place();
+  const kept = (number) => (number >= first && number < end ? sessionStorage.getItem(entry(number)) : null);
+  let low = at;
+  while (kept(low - 1) !== null) low--;
+  const states = [];
+  for (let text, number = low; (text = kept(number)) !== null; number++) states.push(text);
+  return { first: low, at, states };
+}
+
 export default {
-  template: `<div ref="lost" role="alert" class="lost" hidden>
-    The server has stopped. What you see is kept by this browser. Run <code>metafem explore</code> again, and this page goes on.
+  template: `<div>
+    <div ref="lost" role="alert" class="lost" hidden>
+      The connection to the server is lost. What you see is kept by this browser. If the server has stopped, run <code>metafem explore</code> again, and this page goes on.
+    </div>
+    <div ref="full" role="status" class="lost" hidden></div>
   </div>`,
   mounted() {
-    const { first, end, at } = JSON.parse(sessionStorage.getItem(KEY) ?? "{}");
-    const states = [];
-    for (let number = first; number < end; number++) states.push(sessionStorage.getItem(entry(number)));
-    this.$emit("stored", { first, at, states, link: location.hash.slice(1) });
+    this.tell("stored", { ...restored(), link: location.hash.slice(1) });
     addEventListener("hashchange", this.linked);
     this.$nextTick(() => { // the socket is made when all elements are mounted
       window.socket.on("disconnect", () => { this.$refs.lost.hidden = false; });
@@ -33,18 +59,25 @@ export default {
   methods: {
     // Another link was pasted into the address.
     linked() {
-      this.$emit("linked", location.hash.slice(1));
+      this.tell("linked", location.hash.slice(1));
+    },
+    // Sends a value to the server in parts.
+    tell(name, value) {
+      const text = JSON.stringify(value);
+      for (let start = 0; start < text.length; start += PART) {
+        this.$emit("part", { name, text: text.slice(start, start + PART), last: start + PART >= text.length });
+      }
     },
     // Whether a change is computed; tests wait until none is.
     wait(busy) { this.$el.dataset.busy = busy; },
     // Keeps the state that is shown, of the number `at`; the history holds those from `first` to before `end`.
     keep({ first, end, at, state, link, asked }) {
-      const before = JSON.parse(sessionStorage.getItem(KEY) ?? "{}");
-      for (let old = before.first ?? first; old < (before.end ?? first); old++) {
-        if (old < first || old >= end) sessionStorage.removeItem(entry(old));
-      }
-      store(entry(at), state);
-      store(KEY, JSON.stringify({ first, end, at }));
+      for (const old of numbers()) if (old < first || old >= end) sessionStorage.removeItem(entry(old));
+      const why = store(entry(at), state, at) || store(KEY, JSON.stringify({ first, end, at }), at);
+      if (why) console.info(`The history of this page cannot be kept by the browser: ${why}`);
+      const { full } = this.$refs;
+      full.hidden = !why || link !== "";
+      full.textContent = `This browser cannot keep a state of ${(state.length / 1e6).toFixed(1)} MB: a reload of the page loses it. Take the specification first.`;
       history.replaceState(null, "", link ? `#${link}` : location.pathname);
       this.$el.dataset.asked = asked; // tests wait until the pictures show this answer
     },

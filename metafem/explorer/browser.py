@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Awaitable, Callable
 from typing import Any
 
@@ -24,8 +25,17 @@ class Browser(Element, component="browser.js"):
     ) -> None:
         super().__init__()
         self.turns = Turns()
-        self.on("stored", lambda event: restored(event.args))
-        self.on("linked", lambda event: linked(str(event.args)))
+        self.parts: list[str] = []
+        self.told: dict[str, Callable[[Any], Awaitable[None]]] = {"stored": restored, "linked": linked}
+        self.on("part", lambda event: self._part(event.args))
+
+    def _part(self, part: dict[str, Any]) -> Awaitable[None] | None:
+        """Take a part of what the browser tells; large messages come in several."""
+        self.parts.append(part["text"])
+        if not part["last"]:
+            return None
+        text, self.parts = "".join(self.parts), []
+        return self.told[part["name"]](json.loads(text))
 
     def keep(self, session: Session, asked: int) -> None:
         """Keep the state that a history shows, its place, and the number of its request."""

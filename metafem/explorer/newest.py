@@ -14,6 +14,10 @@ from metafem.progress import listening
 # follows a steady stream of requests; ten frames a second still look like motion.
 PATIENCE = 0.1
 
+# Seconds that a draft has while newer drafts are asked for. A drag asks for them faster than a large surface
+# is designed: without it nothing would be shown until the hand rests; with more, a hand at rest would wait.
+PATIENCE_WITH_DRAFTS = 5.0
+
 # Errors of the program are written to the terminal, with the place where they happened.
 LOG = logging.getLogger(__name__)
 
@@ -29,9 +33,9 @@ class Newest(Generic[Request, Result]):
     """Answers requests off the event loop, in threads.
 
     A request that arrives while another is computed replaces the one that waits, and ends the running one at
-    its next step of progress. An error of the program is logged and handed to `failed` with its request; the
-    next request is answered all the same. `step` is what is computed at the moment, in words. Between two
-    answers it rests for `pause` seconds.
+    its next step of progress, when that has had the seconds of `patience(running, waiting)`. An error of the
+    program is logged and handed to `failed` with its request; the next request is answered all the same.
+    `step` is what is computed at the moment, in words. Between two answers it rests for `pause` seconds.
     """
 
     def __init__(
@@ -41,8 +45,10 @@ class Newest(Generic[Request, Result]):
         failed: Callable[[Request, Exception], None],
         *,
         pause: float = 0.0,
+        patience: Callable[[Request, Request], float] = lambda running, waiting: PATIENCE,
     ) -> None:
         self.work, self.done, self.failed, self.pause = work, done, failed, pause
+        self.patience = patience
         self.waiting: Request | None = None
         self.running = False
         self.step = ""
@@ -78,7 +84,8 @@ class Newest(Generic[Request, Result]):
 
         def on_step(step: str, done: float | None) -> None:
             self.step = step
-            if self.waiting is not None and time.monotonic() - start > PATIENCE:
+            waiting = self.waiting
+            if waiting is not None and time.monotonic() - start > self.patience(request, waiting):
                 raise Dropped
 
         with listening(on_step):

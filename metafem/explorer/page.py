@@ -18,7 +18,7 @@ from metafem.explorer.browser import Browser
 from metafem.explorer.certainty.background import Tasks
 from metafem.explorer.certainty.panel import certainty_panel, place_warnings
 from metafem.explorer.law.panel import law_panel
-from metafem.explorer.newest import Newest, all_told, in_words, prepared
+from metafem.explorer.newest import PATIENCE, PATIENCE_WITH_DRAFTS, Newest, all_told, in_words, prepared
 from metafem.explorer.session import Session, State
 from metafem.explorer.surface.panel import surface_panel
 from metafem.explorer.take.panel import take_panel
@@ -33,6 +33,9 @@ Result = TypeVar("Result")
 Told = TypeVar("Told")
 
 Listener = Callable[[Answer], None]
+
+# Number, state, and whether a draft is enough.
+Request = tuple[int, State, bool]
 
 # The look of the page, and of its head and fields.
 STYLES = ("page.css", "workshop/workshop.css")
@@ -49,8 +52,8 @@ class Page:
         self.late_listeners: list[Listener] = []
         self.tab_listeners: list[Callable[[str], None]] = []
         self.warning_listeners: list[Callable[[Mapping[str, list[str]]], None]] = []
-        self.newest: Newest[tuple[int, State, bool], tuple[Answer, list[Listener]]] = Newest(
-            self._work, self._show, self._failed
+        self.newest: Newest[Request, tuple[Answer, list[Listener]]] = Newest(
+            self._work, self._show, self._failed, patience=patience
         )
         self.browser = Browser(self._restored, self.open_link)
         self.turns = Turns(self.browser.busy)
@@ -154,7 +157,7 @@ class Page:
         self.newest.put((self.number, state, not released))
         return self.number
 
-    def _work(self, request: tuple[int, State, bool]) -> tuple[Answer, list[Listener]]:
+    def _work(self, request: Request) -> tuple[Answer, list[Listener]]:
         number, state, draft = request
         return self._prepared(answered(state, number, self.answer, draft))
 
@@ -165,7 +168,7 @@ class Page:
         self.answer, listeners = found
         self._tell(listeners, self.answer)
 
-    def _failed(self, request: tuple[int, State, bool], error: Exception) -> None:
+    def _failed(self, request: Request, error: Exception) -> None:
         """Show an error of the program, with the last surface that was found."""
         number, state, _ = request
         failed = Answer(number, state, None, self.answer.design, {"": in_words(error)}, failed=True)
@@ -205,6 +208,11 @@ class Page:
 
 def nothing() -> None:
     """Compute nothing: a change of the history alone."""
+
+
+def patience(running: Request, waiting: Request) -> float:
+    """Return the seconds that a computation has while a newer request waits."""
+    return PATIENCE_WITH_DRAFTS if running[2] and waiting[2] else PATIENCE
 
 
 def build(first: State) -> Page:

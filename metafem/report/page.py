@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from metafem._values import MICROMETRES, percent
+from metafem._values import MICROMETRES, percent, three_digits
 from metafem.drawing.inline import drawn
 from metafem.errors import MetafemError
 from metafem.inversion import Design
@@ -182,7 +182,7 @@ def _tiles(design: Design) -> list[tuple[str, str]]:
         misfit_words(design),
         ("sites with an asperity", f"{design.surface.count} of {design.template.count}"),
         ("heights", f"{heights.min():.1f} – {heights.max():.1f} µm"),
-        ("largest load shown", f"{design.law.load[-1]:.3g} N"),
+        ("largest load shown", f"{three_digits(design.law.load[-1])} N"),
     ]
 
 

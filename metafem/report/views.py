@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from metafem import drawing
 from metafem._validate import FloatArray
-from metafem._values import MICROMETRES
+from metafem._values import MICROMETRES, three_digits
 from metafem.drawing import QUIET, new_figure
 from metafem.inversion import Design
 from metafem.models.model import contact_of
@@ -71,7 +71,7 @@ def contact_figure(design: Design) -> Figure:
         ax.set(xlim=corners[:, 0], ylim=corners[:, 1])
         count = int((state.asperity_area > 0.0).sum())
         words = f"{count} of {design.surface.count} in contact, {state.area:.3g} mm²"
-        ax.set_title(f"P = {load:.3g} N\n{words}", fontsize=10)
+        ax.set_title(f"P = {three_digits(load)} N\n{words}", fontsize=10)
         ax.label_outer()
     return figure
 

@@ -29,7 +29,7 @@ def test_a_page_outlives_its_server(browser):
         text = visit.text
         first.process.send_signal(signal.SIGINT)
         assert first.process.wait(PATIENCE) == 0
-        lost = visit.page.get_by_role("alert").filter(has_text="The server has stopped")
+        lost = visit.page.get_by_role("alert").filter(has_text="The connection to the server is lost")
         lost.wait_for(timeout=1e3 * PATIENCE)
         with served(None, "--port", port) as second:
             assert second.address == first.address

@@ -59,6 +59,34 @@ def test_a_long_computation_ends_at_its_next_step(monkeypatch):
     assert answers == steps == [2]
 
 
+def test_a_computation_with_patience_is_shown_although_newer_requests_come(monkeypatch):
+    """A drag asks faster than a large surface is designed: what waits for patience is seen all the same."""
+    monkeypatch.setattr(newest, "PATIENCE", 0.0)
+    answers = []
+
+    async def run():
+        loop = asyncio.get_running_loop()
+
+        def work(number):
+            if number < 5:
+                loop.call_soon_threadsafe(requests.put, number + 1)
+                while requests.waiting is None:
+                    pass
+            with doing("a step"):
+                return number
+
+        requests = Newest(
+            work, answers.append, failures_of_none,
+            patience=lambda running, waiting: 60.0 if waiting < 4 else newest.PATIENCE,
+        )  # fmt: skip
+        requests.put(1)
+        while requests.running:
+            await asyncio.sleep(0)
+
+    asyncio.run(run())
+    assert answers == [1, 2, 5]
+
+
 def test_an_error_of_the_program_is_told_and_the_next_request_is_answered(caplog):
     answers, failures = [], []
 

@@ -12,7 +12,7 @@ from enum import Enum
 
 import numpy as np
 
-from metafem._values import percent
+from metafem._values import percent, three_digits
 from metafem.errors import MetafemError
 from metafem.explorer.answer import Answer
 from metafem.explorer.certainty import band
@@ -145,7 +145,7 @@ def _interaction(design: Design) -> Figure:
     way = "lowers" if change[largest] < 0.0 else "raises"
     words = (
         f"On the {substrate} it {way} the friction at a given load by up to "
-        f"{percent(abs(change[largest]))}, at {design.law.load[largest]:.3g} N."
+        f"{percent(abs(change[largest]))}, at {three_digits(design.law.load[largest])} N."
     )
     value, bound = f"{percent(rms)} rms", f"at most {percent(BOUND, 'g')}"
     if model.couples:
@@ -193,8 +193,9 @@ def _scatter(answer: Answer, design: Design) -> list[Figure]:
     response = design.law.model.gradient_model.sensitivity(design.surface, fit.load)
     slope = fit.weight @ response.curve.checked().area
     sd = band.deviations(tolerances, design.surface, (fit.weight @ response.gradient)[None])[0]
-    low, high = design.surface.material.composite_modulus * np.array(fit.load_range)
-    words = f"By linear response to {errors}; fitted from {low:.3g} to {high:.3g} N, as in studies."
+    ends = design.surface.material.composite_modulus * np.array(fit.load_range)
+    low, high = map(three_digits, ends)
+    words = f"By linear response to {errors}; fitted from {low} to {high} N, as in studies."
     return [*found, judged("scatter of the slope of made surfaces", float(sd / abs(slope)), words)]
 
 
@@ -208,7 +209,8 @@ def _base(design: Design) -> Figure:
         "lighter loads."
     )  # fmt: skip
     return Figure(
-        "load at which the plane touches the base", f"{onset:.3g} N", f"largest load {last:.3g} N",
+        "load at which the plane touches the base", f"{three_digits(onset)} N",
+        f"largest load {three_digits(last)} N",
         _judged(free), words, ("surface", "limits.offset"),
     )  # fmt: skip
 
@@ -220,7 +222,7 @@ def _widths(design: Design) -> list[Figure]:
     area = model.curve(surface, design.law.rescaled_load[-1:]).checked().last.area
     wide = float((np.sqrt(area / math.pi) / surface.radius).max())
     overlaps, near = crowding(surface, area, law)
-    newtons = f"at {design.law.load[-1]:.3g} N"
+    newtons = f"at {three_digits(design.law.load[-1])} N"
     # pairs that are far apart are not evaluated
     ratio = f"{near:.2f}" if near else f"below {COMPARED:g}"
     words = f"Small strain holds up to about {WIDEST:g}, with a fitted modulus."

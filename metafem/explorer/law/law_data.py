@@ -12,7 +12,7 @@ from metafem._validate import FloatArray
 from metafem.explorer.answer import Answer
 from metafem.explorer.law.reach import Band
 from metafem.explorer.law.shown import EDITED, Units, numbers
-from metafem.explorer.text.handles import Handle
+from metafem.explorer.text.handles import Handle, crowd
 from metafem.inversion import Design, OperatingPoints, SampledLaw, Target
 from metafem.inversion.targets.straight import StraightLaw
 
@@ -27,6 +27,7 @@ def law_data(answer: Answer, handles: Sequence[Handle] = ()) -> dict[str, Any]:
     """Return the curves and handles of an answer in the units that are shown."""
     units = Units.of(answer, answer.state.newtons)
     target = None if answer.specification is None else answer.specification.target
+    many = 0 if answer.specification is None else crowd(answer.specification)
     data: dict[str, Any] = {
         "number": answer.number,
         # stands for the text: what is said below the plot is valid for it
@@ -36,7 +37,8 @@ def law_data(answer: Answer, handles: Sequence[Handle] = ()) -> dict[str, Any]:
         "model": "",
         "reach": INDEPENDENT,
         "wanted": None,
-        "marked": isinstance(target, OperatingPoints),
+        "marked": isinstance(target, OperatingPoints) and not many,
+        "crowd": f"{many:,} points, too many to drag" if many else "",
         "nearest": None,
         "refusal": answer.refused,
         # None: those of a text with problems are not known

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from metafem._values import MICROMETRES
+from metafem._values import MICROMETRES, three_digits
 from metafem.errors import MetafemError
 from metafem.explorer.surface.surface_data import at_sites
 from metafem.inversion import Design
@@ -32,7 +32,7 @@ def contact_data(design: Design, rescaled_load: float | None, sensitive: bool = 
         found = _contacts(design, state)
         return found | (_sensitivity(design, load / modulus, state) if sensitive else {})
     except MetafemError as error:
-        return {"words": f"At {load:.3g} N no contacts were found: {error}"}
+        return {"words": f"At {three_digits(load)} N no contacts were found: {error}"}
 
 
 def _contacts(design: Design, state: ContactState) -> dict[str, Any]:
@@ -51,7 +51,7 @@ def _contacts(design: Design, state: ContactState) -> dict[str, Any]:
 def _words(design: Design, state: ContactState) -> str:
     closed, count = int(np.count_nonzero(state.asperity_area)), design.surface.count
     empty = design.template.count - count
-    words = f"At {state.load:.3g} N: {closed:,} of {count:,} asperities in contact"
+    words = f"At {three_digits(state.load)} N: {closed:,} of {count:,} asperities in contact"
     if empty:
         words += f", {empty:,} {'site is' if empty == 1 else 'sites are'} empty"
     return words + "."

@@ -11,12 +11,16 @@ from metafem.explorer.text.marks import Handle, Marks, Scene
 from metafem.explorer.text.points import PointHandles
 from metafem.explorer.text.power import PowerHandles
 from metafem.files import Specification
-from metafem.inversion import Design
+from metafem.inversion import Design, OperatingPoints, SampledLaw
 
-__all__ = ["Handle", "added", "handles", "moved", "removed"]
+__all__ = ["Handle", "added", "crowd", "handles", "moved", "removed"]
 
 # Relative resolution of a value that is dragged: a pixel of a plot of a thousand.
 RESOLUTION = 1e-3
+
+# Most points that are handles. More are closer together on a plot than the marks of two, and a hand that
+# moves one of them makes a spike.
+MOST = 200
 
 MARKS: dict[str, type[Marks]] = {
     "operating-points": PointHandles,
@@ -29,7 +33,7 @@ MARKS: dict[str, type[Marks]] = {
 
 
 def handles(text: str, specification: Specification | None, design: Design | None) -> tuple[Handle, ...]:
-    """Return the handles of the target of a specification; none if it has problems.
+    """Return the handles of the target of a specification; none if it has problems or a crowd of points.
 
     Parameters
     ----------
@@ -47,7 +51,16 @@ def handles(text: str, specification: Specification | None, design: Design | Non
     >>> [handle.load for handle in handles(text, parsed(text), None)]
     [0.144, 0.336, 0.649]
     """
-    return () if specification is None else _marks(text, specification, design).handles()
+    if specification is None or crowd(specification):
+        return ()
+    return _marks(text, specification, design).handles()
+
+
+def crowd(specification: Specification) -> int:
+    """Return the number of points of a target that has too many for handles, else 0."""
+    target = specification.target
+    count = len(target.rescaled_load) if isinstance(target, (OperatingPoints, SampledLaw)) else 0
+    return count if count > MOST else 0
 
 
 def moved(

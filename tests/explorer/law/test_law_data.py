@@ -9,6 +9,8 @@ from metafem.explorer.law.law_data import band_data, law_data
 from metafem.explorer.law.reach import Reach
 from metafem.explorer.law.shown import Units, numbers
 from metafem.explorer.session import State
+from metafem.explorer.text.document import Document
+from metafem.explorer.text.handles import handles
 from metafem.files import demo_text
 
 TEXT = demo_text("operating-points")
@@ -128,3 +130,19 @@ def test_an_open_power_law_is_drawn_at_its_nearest_level():
     achieved = np.interp(wanted["x"], answer.design.law.rescaled_load, answer.design.law.area)
     np.testing.assert_allclose(wanted["y"], achieved, rtol=0.03)
     assert mf.PowerLaw is type(answer.specification.target)
+
+
+def test_points_that_are_too_many_to_drag_are_a_line_that_says_so():
+    load = np.linspace(0.01, 0.6, 500)
+    text = Document(TEXT).with_values(
+        {
+            "target.rescaled_load": [f"{value:.6g} mm^2" for value in load],
+            "target.rescaled_friction": [f"{7.0 * value:.6g} mm^2" for value in load],
+        }
+    )
+    crowded = answered(State(text), 1)
+    data = law_data(crowded, handles(text, crowded.specification, None))
+    assert data["crowd"] == "500 points, too many to drag"
+    assert not data["marked"]
+    assert data["handles"] == []
+    assert len(data["wanted"]["x"]) == 200

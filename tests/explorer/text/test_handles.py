@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import metafem as mf
-from metafem.explorer.text.handles import added, handles, moved, removed
+from metafem.explorer.text.handles import MOST, added, crowd, handles, moved, removed
 from metafem.explorer.text.written import between, digits_of, rounded, stated
 from metafem.files import demo_text, parsed, problem_key
 
@@ -266,3 +266,15 @@ def assert_valid_or_clear(name, steps):
     assert extreme or not problems
     assert all(problem_key(problem).startswith("target") for problem in problems)
     assert "# kept" in text or name == "table"
+
+
+def test_a_crowd_of_points_has_no_handles():
+    for count in (MOST, MOST + 1):
+        table = "rescaled_load_mm2,rescaled_friction_mm2\n" + "".join(
+            f"{0.001 * i},{0.01 * i}\n" for i in range(1, count + 1)
+        )
+        text = f'[target]\nkind = "sampled"\nfile = "wanted.csv"\n[material]{REST}'
+        specification = parsed(text, {"wanted.csv": table.encode()})
+        many = count > MOST
+        assert len(handles(text, specification, None)) == (0 if many else count)
+        assert crowd(specification) == (count if many else 0)

@@ -4,7 +4,8 @@
 export function entries(data) {
   const found = [];
   const add = (shown, kind, words, more = "") => { if (shown) found.push([kind, words, more]); };
-  add(data.wanted || data.handles.length, data.marked ? "point" : "wanted", "target law");
+  add(data.wanted || data.handles.length, data.marked ? "point" : "wanted", `target law${data.crowd && ` (${data.crowd})`}`,
+    data.crowd && "Change them in the specification or its table, or choose another kind of target law.");
   add(data.achieved, data.refusal ? "achieved old" : "achieved", data.refusal ? "last law that was found" : `achieved law (${data.model})`);
   add(data.nearest, "nearest", "nearest law that can be designed");
   add(data.band, "band", data.reach, "At each load by itself: a law inside is refused where no surface meets all of its loads.");

@@ -11,7 +11,7 @@ const [FROM, FIELD] = [[-0.55, -1, 0.8], 32];
 const [QUIET, LONGEST] = [200, 1000];
 
 // Segments of a cap: fewer for many, of which each is small.
-const segments = (count) => (count > 1500 ? [12, 4] : count > 200 ? [20, 6] : [40, 12]);
+const segments = (count) => (count > 20000 ? [6, 2] : count > 1500 ? [12, 4] : count > 200 ? [20, 6] : [40, 12]);
 
 export class Relief {
   constructor(box) { this.box = box; }

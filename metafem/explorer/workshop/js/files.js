@@ -1,11 +1,16 @@
 // Files that were chosen or dropped, as texts. A dropped folder gives its specification and its tables.
-const LARGEST = 900_000;  // bytes: the server refuses messages of a megabyte
+const LARGEST = 900_000;  // characters of a message with its escapes: NiceGUI drops messages of a megabyte
 const MOST = 40;          // files of a folder
 
+// Characters of a text in a message: an end of a line has two.
+const sent = (text) => JSON.stringify(text).length;
+
 async function textOf(file) {
-  if (file.size > LARGEST) return { name: file.name, why: `is larger than ${LARGEST / 1000} kB, the limit for a file` };
+  const large = { name: file.name, why: `is larger than ${LARGEST / 1000} kB, the limit for a file` };
+  if (file.size > LARGEST) return large;
   try {
-    return { name: file.name, text: new TextDecoder("utf-8", { fatal: true }).decode(await file.arrayBuffer()) };
+    const text = new TextDecoder("utf-8", { fatal: true }).decode(await file.arrayBuffer());
+    return sent(text) > LARGEST ? large : { name: file.name, text };
   } catch (error) {
     return { name: file.name, why: error instanceof TypeError ? "is not a text in UTF-8" : "could not be read" };
   }
@@ -40,5 +45,5 @@ export async function filesOf(transfer) {
 export async function textsOf(files) {
   const texts = await Promise.all([...files].slice(0, MOST).map(textOf));
   let size = 0;
-  return texts.filter((each) => (size += each.text?.length ?? 0) < LARGEST || /\.toml$/i.test(each.name));
+  return texts.filter((each) => (size += each.text ? sent(each.text) : 0) < LARGEST || /\.toml$/i.test(each.name));
 }
