@@ -10,6 +10,7 @@ import numpy as np
 
 from metafem._validate import FloatArray
 from metafem.explorer.answer import Answer
+from metafem.explorer.law.nearest import offer
 from metafem.explorer.law.reach import Band
 from metafem.explorer.law.shown import EDITED, Units, numbers
 from metafem.explorer.text.handles import Handle, crowd
@@ -40,6 +41,7 @@ def law_data(answer: Answer, handles: Sequence[Handle] = ()) -> dict[str, Any]:
         "marked": isinstance(target, OperatingPoints) and not many,
         "crowd": f"{many:,} points, too many to drag" if many else "",
         "nearest": None,
+        "offer": offer(answer),  # what a button that takes it says
         "refusal": answer.refused,
         # None: those of a text with problems are not known
         "handles": None if target is None else [_handle(handle, units) for handle in handles],

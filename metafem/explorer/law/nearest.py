@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
+
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer
@@ -17,6 +19,28 @@ from metafem.inversion import OperatingPoints, SampledLaw, Target
 
 # Relative resolution of the values, and their digits: the nearest law is inside its bound by a millionth.
 RESOLUTION, DIGITS = 1e-9, 10
+
+
+def offer(answer: Answer) -> str:
+    """Return what taking the nearest law of an answer does, "" where none is known."""
+    nearest = answer.nearest_target
+    if nearest is None or answer.specification is None:
+        return ""
+    target = answer.specification.target
+    if not isinstance(nearest, OperatingPoints) or not isinstance(target, OperatingPoints):
+        return "Use the nearest law"
+    kept, count = len(nearest.rescaled_load), len(target.rescaled_load)
+    moved = np.flatnonzero(nearest.rescaled_friction != target.rescaled_friction[:kept]) + 1
+    words = f"Move {_numbered(moved.tolist())} to the nearest law"
+    if kept < count:
+        words += f" and drop {_numbered(list(range(kept + 1, count + 1)))}"
+    return words
+
+
+def _numbered(numbers: list[int]) -> str:
+    """Return points in words: ``points 1 and 2``."""
+    *first, last = map(str, numbers)
+    return f"points {', '.join(first)} and {last}" if first else f"point {last}"
 
 
 def with_nearest(answer: Answer) -> str:

@@ -27,6 +27,9 @@ if TYPE_CHECKING:
     from metafem.inversion.radii import Radii
     from metafem.inversion.targets.laws import OperatingPoints
 
+# Relative distance of the friction of points that would otherwise not increase.
+APART = 1e-6
+
 
 def candidate(target: OperatingPoints, problem: Problem, rng: np.random.Generator) -> Candidate:
     """Return heights whose independent law passes through all points, or raise Infeasible."""
@@ -52,7 +55,7 @@ def candidate(target: OperatingPoints, problem: Problem, rng: np.random.Generato
             if found := _without_levels(target, choice, problem, rng):
                 return found
     refused = last.refused or Infeasible("no heights that meet the points were found")
-    raise Infeasible(str(refused), refused.nearest, by_search=searched)
+    raise Infeasible(str(refused), _nearest(last), by_search=searched)
 
 
 def _with_levels(target: OperatingPoints, path: tuple[Level, ...], problem: Problem) -> Candidate:
@@ -105,6 +108,42 @@ def _without_levels(
     return best
 
 
+def _nearest(search: _Search) -> OperatingPoints | None:
+    """Return points that levels meet near those of a refused search, None where none are known.
+
+    Where possible only the point that is not met differs: its friction is the nearest that levels can have
+    there, or else that of the law of the other points. Otherwise later points differ as well, and if they
+    cannot be met they are left out.
+    """
+    target, nearest = search.target, search.unmet
+    if nearest is None:
+        return None
+    i, friction = len(nearest.rescaled_load) - 1, target.rescaled_friction
+    for value in (float(nearest.rescaled_friction[i]), search.of_others(i)):
+        moved = friction.copy()
+        moved[i] = value
+        if (np.diff(moved) > 0.0).all():
+            trial = replace(target, rescaled_friction=moved)
+            if search.of(trial).path(()) is not None:
+                return trial
+    while len(nearest.rescaled_load) < len(friction):
+        number = len(nearest.rescaled_load)
+        # friction increases: points below the moved one begin just above it
+        steps = (1.0 + APART) ** np.arange(1, len(friction) - number + 1)
+        later = np.maximum(friction[number:], nearest.rescaled_friction[-1] * steps)
+        moved = np.append(nearest.rescaled_friction, later)
+        if not (np.diff(moved) > 0.0).all():
+            break
+        trial = replace(target, rescaled_friction=moved)
+        following = search.of(trial)
+        if following.path(()) is not None:
+            return trial
+        if following.unmet is None or len(following.unmet.rescaled_load) <= number:
+            break
+        nearest = following.unmet
+    return nearest
+
+
 @dataclass
 class _Search:
     """Depth-first search for levels that meet all points; `refused` says why the last one was not met."""
@@ -117,6 +156,31 @@ class _Search:
     furthest: int = -1
     limited: bool = False
     tried: int = 0
+
+    @property
+    def unmet(self) -> OperatingPoints | None:
+        """The points up to the one that is not met, with the friction there that levels can have."""
+        return None if self.refused is None else self.refused.nearest
+
+    def of(self, target: OperatingPoints) -> _Search:
+        """Return the same search for another target."""
+        return _Search(target, self.tools, self.problem, self.drop)
+
+    def of_others(self, i: int) -> float:
+        """Return the friction at a point of a law through the others; not a number if there is none."""
+        load, friction = self.target.rescaled_load, self.target.rescaled_friction
+        if len(load) == 1:
+            return math.nan
+        others = replace(
+            self.target, rescaled_load=np.delete(load, i), rescaled_friction=np.delete(friction, i)
+        )
+        levels = self.of(others).path(())
+        if levels is None:
+            return math.nan
+        height, radius, number = np.array([kind for level in levels for kind in level.kinds]).T
+        each = np.repeat(np.arange(len(number)), number.astype(np.int64))
+        curve = self.problem.independent.curve_of(height[each], radius[each], load[i : i + 1])
+        return float(curve.area[0])
 
     def path(self, done: tuple[Level, ...]) -> tuple[Level, ...] | None:
         """Return levels for all points that begin with those done, or None."""

@@ -203,6 +203,8 @@ export class Plot {
     if (refusal.hidden) return;
     if (!hand.held) this.live.querySelector(".law-use").hidden = true; // the box has it
     if (this.reason.textContent !== data.refusal) this.reason.textContent = data.refusal;
+    // after a drag the target is back, and the last offer stays
+    for (const button of this.root.querySelectorAll(".law-use")) if (data.offer) button.textContent = data.offer;
     refusal.querySelector(".law-use").hidden = data.nearest === null || Boolean(hand.held);
     refusal.classList.toggle("passive", Boolean(hand.held));
     refusal.querySelector(".law-nearest").hidden = data.nearest === null || !hand.held; // else in the legend
