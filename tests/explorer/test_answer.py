@@ -14,7 +14,7 @@ from metafem.files import Specification, demo_text, parsed
 TEXT = demo_text("operating-points")
 
 # Random targets of each kind: some of them are refused.
-TRIALS = {"operating-points": 60, "sampled": 20, "linear": 6, "bilinear": 8, "power": 12, "multilinear": 8}
+TRIALS = {"operating-points": 30, "sampled": 20, "linear": 6, "bilinear": 8, "power": 12, "multilinear": 8}
 
 # A section by which each asperity can have one of two radii.
 TOOLS = "[radii]\ntools = ['300 um', '526 um']\nmixed = true\n"

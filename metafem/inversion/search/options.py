@@ -148,7 +148,7 @@ class SearchOptions:
     most_step_changes: int = 60
     most_stepped: int = 512
     # For a law that is compared by its largest difference, the sum of this power of the differences is
-    # lowered: its root is within 1.8 of the largest of a hundred.
+    # lowered: its root is within 1.8 of the largest of a hundred. It is a power of two.
     largest_power: int = 8
 
     # -- assignment to sites --
