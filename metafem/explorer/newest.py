@@ -18,6 +18,9 @@ PATIENCE = 0.1
 # is designed: without it nothing would be shown until the hand rests; with more, a hand at rest would wait.
 PATIENCE_WITH_DRAFTS = 5.0
 
+# Seconds without a newer request after which a better answer is computed: a hand that moves asks more often.
+REST = 0.2
+
 # Errors of the program are written to the terminal, with the place where they happened.
 LOG = logging.getLogger(__name__)
 
@@ -36,6 +39,9 @@ class Newest(Generic[Request, Result]):
     its next step of progress, when that has had the seconds of `patience(running, waiting)`. An error of the
     program is logged and handed to `failed` with its request; the next request is answered all the same.
     `step` is what is computed at the moment, in words. Between two answers it rests for `pause` seconds.
+
+    Where no newer request follows an answer for a moment, that to `better(request)` is computed, unless this
+    is None.
     """
 
     def __init__(
@@ -46,16 +52,19 @@ class Newest(Generic[Request, Result]):
         *,
         pause: float = 0.0,
         patience: Callable[[Request, Request], float] = lambda running, waiting: PATIENCE,
+        better: Callable[[Request], Request | None] = lambda request: None,
     ) -> None:
         self.work, self.done, self.failed, self.pause = work, done, failed, pause
-        self.patience = patience
+        self.patience, self.better = patience, better
         self.waiting: Request | None = None
+        self.asked = asyncio.Event()
         self.running = False
         self.step = ""
 
     def put(self, request: Request) -> None:
         """Ask for an answer, with which `done` is called unless a newer request replaces it."""
         self.waiting = request
+        self.asked.set()
         if not self.running:
             self.running = True
             self.task = asyncio.get_running_loop().create_task(self._run())
@@ -74,10 +83,23 @@ class Newest(Generic[Request, Result]):
                     self.failed(request, error)
                 else:
                     self.done(result)
+                    if self.waiting is None:
+                        await self._rest(request)
                 if self.pause:
                     await asyncio.sleep(self.pause)
         finally:
             self.running = False
+
+    async def _rest(self, request: Request) -> None:
+        """Wait for a newer request; where none comes in time, the better one takes its place."""
+        better = self.better(request)
+        if better is None:
+            return
+        self.asked.clear()
+        try:
+            await asyncio.wait_for(self.asked.wait(), REST)
+        except TimeoutError:
+            self.waiting = better if self.waiting is None else self.waiting
 
     def _computed(self, request: Request) -> Result:
         start = time.monotonic()

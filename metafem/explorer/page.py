@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from functools import partial
@@ -53,7 +54,7 @@ class Page:
         self.tab_listeners: list[Callable[[str], None]] = []
         self.warning_listeners: list[Callable[[Mapping[str, list[str]]], None]] = []
         self.newest: Newest[Request, tuple[Answer, list[Listener]]] = Newest(
-            self._work, self._show, self._failed, patience=patience
+            self._work, self._show, self._failed, patience=patience, better=whole_of
         )
         self.browser = Browser(self._restored, self.open_link)
         self.turns = Turns(self.browser.busy)
@@ -103,7 +104,8 @@ class Page:
     def edit(self, text: str, *, released: bool = True) -> int:
         """Answer another text of the specification; a released one is a step of the history.
 
-        The answer to one that is not released is a draft. Returns the number of the request.
+        The answer to one that is not released is a draft, and after a moment without another that of the whole
+        search. Returns the number of the request.
         """
         return self._ask(replace(self.state, text=text), released)
 
@@ -211,8 +213,21 @@ def nothing() -> None:
 
 
 def patience(running: Request, waiting: Request) -> float:
-    """Return the seconds that a computation has while a newer request waits."""
-    return PATIENCE_WITH_DRAFTS if running[2] and waiting[2] else PATIENCE
+    """Return the seconds that a computation has while a newer request waits.
+
+    A whole search ends at once for a hand that moves on, and goes on for a handle that is released at its place.
+    """
+    if running[2]:
+        return PATIENCE_WITH_DRAFTS if waiting[2] else PATIENCE
+    if running[1].designs_the_same(waiting[1]):
+        return math.inf
+    return 0.0 if waiting[2] else PATIENCE
+
+
+def whole_of(request: Request) -> Request | None:
+    """Return the request of the whole search for the state of a draft, which a hand at rest waits for."""
+    number, state, draft = request
+    return (number, state, False) if draft else None
 
 
 def build(first: State) -> Page:

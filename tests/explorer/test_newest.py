@@ -3,6 +3,8 @@
 import asyncio
 import threading
 
+import pytest
+
 from metafem.explorer import newest
 from metafem.explorer.newest import Newest, all_told, in_words, prepared
 from metafem.progress import doing
@@ -85,6 +87,39 @@ def test_a_computation_with_patience_is_shown_although_newer_requests_come(monke
 
     asyncio.run(run())
     assert answers == [1, 2, 5]
+
+
+@pytest.mark.parametrize(
+    ("newer", "answers"),
+    [((), ["draft", "whole"]), (("same",), ["draft", "whole", "same"]), (("other",), ["draft", "other"])],
+)
+def test_a_better_answer_is_computed_at_rest_until_something_else_is_asked_for(monkeypatch, newer, answers):
+    monkeypatch.setattr(newest, "REST", 0.0)
+    started, go, found = threading.Event(), threading.Event(), []
+
+    def work(request):
+        if request == "whole":
+            started.set()
+            go.wait(10.0)
+        with doing("a step"):
+            return request
+
+    async def run():
+        requests = Newest(
+            work, found.append, failures_of_none,
+            patience=lambda running, waiting: 60.0 if waiting == "same" else 0.0,
+            better=lambda request: "whole" if request == "draft" else None,
+        )  # fmt: skip
+        requests.put("draft")
+        await asyncio.to_thread(started.wait, 10.0)
+        for request in newer:
+            requests.put(request)
+        go.set()
+        while requests.running:
+            await asyncio.sleep(0)
+
+    asyncio.run(run())
+    assert found == answers
 
 
 def test_an_error_of_the_program_is_told_and_the_next_request_is_answered(caplog):
