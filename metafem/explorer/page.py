@@ -104,8 +104,8 @@ class Page:
     def edit(self, text: str, *, released: bool = True) -> int:
         """Answer another text of the specification; a released one is a step of the history.
 
-        The answer to one that is not released is a draft, and after a moment without another that of the whole
-        search. Returns the number of the request.
+        The answer to one that is not released is a draft; after a moment without another, that of the whole
+        search follows. Returns the number of the request.
         """
         return self._ask(replace(self.state, text=text), released)
 
@@ -215,7 +215,7 @@ def nothing() -> None:
 def patience(running: Request, waiting: Request) -> float:
     """Return the seconds that a computation has while a newer request waits.
 
-    A whole search ends at once for a hand that moves on, and goes on for a handle that is released at its place.
+    A whole search ends at once for a hand that moves on, and goes on for a handle that is released there.
     """
     if running[2]:
         return PATIENCE_WITH_DRAFTS if waiting[2] else PATIENCE

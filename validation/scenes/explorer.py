@@ -51,12 +51,13 @@ HISTORY = """() => {
   return { at: at - first, states: numbers.map(each => sessionStorage.getItem(`metafem.${each}`)) };
 }"""
 
-# Times of pointer moves, and of the frames after which the answers are on the screen.
+# Times of pointer moves and of the last release, and of the frames after which the answers are on the screen.
 WATCH = """() => {
-  const seen = { moves: [], drawn: [], sent: 0 };
+  const seen = { moves: [], drawn: [], sent: 0, released: 0 };
   const emit = socket.emit;
   socket.emit = function (...given) { seen.sent += given[0] === 'event'; return emit.apply(this, given); };
   addEventListener('pointermove', () => seen.moves.push(performance.now()), true);
+  addEventListener('pointerup', () => { seen.released = performance.now(); }, true);
   const all = () => [...document.querySelectorAll('[data-answered]')];
   const shown = () => all().filter(each => each.checkVisibility());
   let last = '';
@@ -269,6 +270,27 @@ def latencies(visit: Visit, handle: str, moves: list[tuple[float, float]]) -> li
         times += [float(taken)] if count > before[0] else []
     page.mouse.up()
     visit.settled(asked)
+    return times
+
+
+def releases(visit: Visit, handle: str, moves: list[tuple[float, float]]) -> list[float]:
+    """Milliseconds from each release of a handle, once its move [pixels] is drawn, to its whole design."""
+    page = visit.page
+    page.evaluate(WATCH)
+    times: list[float] = []
+    for right, down in moves:
+        x, y = visit.middle(handle)
+        asked = visit.asked
+        page.mouse.move(x, y)
+        page.mouse.down()
+        before = page.evaluate("() => { seen.moves = []; return [seen.drawn.length, seen.sent]; }")
+        page.mouse.move(x + right, y + down)
+        page.wait_for_function(DRAWN, arg=before, polling=5)
+        count = page.evaluate("() => seen.drawn.length")
+        page.mouse.up()
+        visit.settled(asked)
+        page.wait_for_function("count => seen.drawn.length > count", arg=count, polling=5)
+        times.append(float(page.evaluate("() => seen.drawn.at(-1) - seen.released")))
     return times
 
 

@@ -144,17 +144,15 @@ def take_panel(page: Page) -> None:
             for file in (*TABLES[1:], *MADE[4:]):
                 add(file)
         with _card("The same by a command"):
-            command = ui.code(command_of(page.state), language="bash")
-            script = ui.code(script_of(), language="python")
-            for each, name in ((command, "Copy the command"), (script, "Copy the script")):
-                each.copy_button.props(f'aria-label="{name}" title="{name}"')
+            command = _lines(making, "command", command_of(page.state))
+            _lines(making, "script", script_of())
 
     def show(answer: Answer) -> None:
         for button in buttons:
             if button.enabled != answer.current:
                 button.set_enabled(answer.current)
-        if command.content != command_of(answer.state):
-            command.content = command_of(answer.state)
+        if command.text != command_of(answer.state):
+            command.text = command_of(answer.state)
 
     page.listen(show)
 
@@ -173,6 +171,18 @@ def _button(file: File, take: Callable[[], None]) -> ui.button:
     button.props(f'no-caps flat dense align=left data-take="{file.name}"')
     ui.label(file.meaning).classes("small")
     return button
+
+
+def _lines(making: Making, name: str, text: str) -> ui.label:
+    """Return lines of text as they are, with a button that copies them."""
+    with ui.element("div").classes("lines"):
+        lines = ui.label(text)
+        copy = ui.button(icon="content_copy", on_click=lambda: making.say(f"The {name} was copied."))
+        copy.props(f'round flat size=sm aria-label="Copy the {name}" title="Copy the {name}"')
+        copy.on(
+            "click", js_handler=f"() => navigator.clipboard.writeText(getHtmlElement({lines.id}).innerText)"
+        )
+    return lines
 
 
 def _copied(making: Making) -> None:
