@@ -103,6 +103,7 @@ export class Plot {
     const more = changing ? hand.handles.length - changing.count : 0;
     if (!more) return;
     this.changing = null;
+    if ((more > 0) !== ("at" in changing)) return; // an undo came first
     const { handles } = hand;
     const next = more > 0 ? hand.nearest(changing.at) : handles[Math.min(changing.row, handles.length - 1)];
     hand.focus(next);
