@@ -1,10 +1,12 @@
 """Unusual scenes in the browser: long histories, many sites, many points."""
 
 import json
+import re
 
 import pytest
 
 from metafem.explorer.session import State
+from metafem.explorer.text.document import Document
 from metafem.explorer.text.link import to_link
 from metafem.files import demo_text
 
@@ -57,3 +59,41 @@ def test_a_state_that_the_browser_cannot_keep_is_told(visit):
       getElement(Number(own.id.slice(1))).keep(kept);
     }""")
     assert "a state of 6.0 MB: a reload of the page loses it" in full.inner_text()
+
+
+def test_several_radii_are_shown_as_colours_and_in_words(visit):
+    select = visit.page.get_by_label("Colour of the sites")
+    assert "radius" not in select.inner_text()
+    several = {"lattice.radius": None, "radii.range": ["200 um", "600 um"], "radii.mixed": True}
+    several["limits.max_height"] = "150 um"
+    shown(visit, State(Document(TEXT).with_values(several)))
+    select.select_option("radius")
+    visit.page.locator(".surface-view .axes text").filter(has_text="radius of curvature [µm]").wait_for()
+    visit.page.locator(".site:not(.empty)").first.hover()
+    assert re.search(r"radius of curvature [2-6]\d\d(\.\d)? µm", visit.page.locator(".tip").inner_text())
+    shown(visit, State(TEXT))
+    visit.page.locator(".surface-view .axes text").filter(has_text="height [µm]").wait_for()
+    assert select.input_value() == "height"
+
+
+def test_a_single_row_has_a_bar_that_can_be_read(visit):
+    row = {"lattice.shape": [1, 50], "block.width": "85 mm", "target.kind": "linear", "target.slope": 6.87}
+    points = {"target.rescaled_load": None, "target.rescaled_friction": None}
+    shown(visit, State(Document(TEXT).with_values({**row, **points})))
+    bar = visit.page.locator(".surface-view .axes").nth(1)
+    assert bar.bounding_box()["height"] > 150
+
+
+def test_a_picture_of_many_sites_shows_those_around_the_middle(visit):
+    found = visit.page.evaluate(
+        """async () => {
+          const { MOST_CAPS, nearest } = await import('metafem-surface/relief.js');
+          const grid = Array.from({ length: 300 * 300 }, (_, i) => [i % 300, Math.floor(i / 300)]);
+          const layout = { x: grid.map(each => each[0]), y: grid.map(each => each[1]) };
+          const drawn = nearest(layout);
+          const away = drawn.map(i => Math.max(Math.abs(layout.x[i] - 149.5), Math.abs(layout.y[i] - 149.5)));
+          return [MOST_CAPS, drawn.length, new Set(drawn).size, Math.max(...away)];
+        }"""
+    )
+    assert found[:3] == [found[0]] * 3
+    assert found[3] <= found[0] ** 0.5 / 2 + 1

@@ -1,6 +1,6 @@
 // The surface: map and picture in three dimensions, with a menu for the sites that are selected.
 import { SiteMap } from "metafem-surface/map.js";
-import { EXAGGERATION, Relief } from "metafem-surface/relief.js";
+import { EXAGGERATION, MOST_CAPS, Relief } from "metafem-surface/relief.js";
 import { words } from "metafem-surface/values.js";
 
 const HELP = "Arrow keys move between the sites, with Shift they select. Enter opens the menu, p keeps the height, e leaves the site empty, r lets the design choose, Escape ends the selection.";
@@ -14,7 +14,7 @@ export default {
     <div class="surface-view fill" data-answered="0">
       <div class="head"><h2>Surface</h2>
         <label class="small">Colour <select class="text" v-model="what" @change="recolour" aria-label="Colour of the sites">
-          <option value="height">height</option><option value="pressure">contact pressure</option><option value="sensitivity">sensitivity</option>
+          <option value="height">height</option><option v-if="radii" value="radius">radius</option><option value="pressure">contact pressure</option><option value="sensitivity">sensitivity</option>
         </select></label>
         <div class="choice" role="tablist" aria-label="View of the surface" @keydown.left.prevent="turn($event)" @keydown.right.prevent="turn($event)">
           <button v-for="[name, label] in [['map', 'Map'], ['relief', '3D']]" type="button" role="tab" :aria-selected="tab === name ? 'true' : 'false'" :tabindex="tab === name ? 0 : -1"
@@ -44,13 +44,14 @@ export default {
       </div>
       <p class="legend spoken" v-if="tab === 'map' && spoken">{{ spoken }}</p>
       <p class="legend" v-else-if="tab === 'map'"><span><i class="disc"></i> contact, to scale</span> <span>◆ kept height</span> <span><i class="ring"></i> empty site, × kept empty</span></p>
-      <p class="legend" v-else-if="!missing"><span><i class="disc coloured"></i> contact</span> <span>Caps are drawn undeformed, cut off at the glass.</span></p>
+      <p class="legend" v-else-if="!missing"><span><i class="disc coloured"></i> contact</span> <span>Caps are drawn undeformed, cut off at the glass. {{ part }}</span></p>
       <span class="unseen" aria-live="polite">{{ spoken }}</span>
     </div>`,
   data() {
     return {
       tab: "map", what: "height", line: "", message: "", note: "", tip: null, menu: null, title: "", these: "", kept: "", filled: false, asked: false,
       typed: "", adding: false, missing: "", times: EXAGGERATION.first, most: EXAGGERATION.most, spoken: "",
+      radii: false, part: "",
     };
   },
   created() {
@@ -77,7 +78,14 @@ export default {
       if (data.layout) this.layout = data.layout;
       this.message = data.message;
       this.number = data.number;
-      if (data.height) this.surface = { ...data, empty: new Set(data.empty) }; // otherwise it is as before
+      if (data.height) { // otherwise it is as before
+        this.surface = { ...data, empty: new Set(data.empty) };
+        this.radii = typeof data.radius !== "number";
+        if (!this.radii && this.what === "radius") {
+          this.what = "height";
+          this.recolour();
+        }
+      }
       this.draw();
     },
     contact(data) {
@@ -96,6 +104,7 @@ export default {
           const fitting = contacts?.radius?.length === layout.x.length ? contacts : null;
           if (this.tab === "map") this.views.map.show(layout, surface, fitting);
           else this.views.relief?.show(layout, surface, fitting, this.what);
+          this.part = layout.x.length > MOST_CAPS ? `Of ${layout.x.length.toLocaleString("en")} sites the ${MOST_CAPS.toLocaleString("en")} around the middle are drawn.` : "";
           if (this.menu) this.describe();
           if (this.spoken) this.spoken = words(this.views.map.active, surface, fitting).join(", ");
         }

@@ -4,6 +4,9 @@ import { digits } from "./values.js";
 const SVG = "http://www.w3.org/2000/svg";
 const [LEFT, BOTTOM, TOP, BAR] = [38, 34, 8, 84];
 
+// Least height of the bar, with room for its ticks and its name: a map of one row is lower.
+const LEAST_BAR = 180;
+
 export function element(name, attributes = {}, parent = null) {
   const made = document.createElementNS(SVG, name);
   for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
@@ -24,10 +27,18 @@ export function viewOf(layout, width, height) {
   return {
     scale,
     box,
+    bar: barOf(box, height),
     range: [west - edge, east + edge, south - edge, north + edge],
     px: (x) => left + scale * (x - west + edge),
     py: (y) => top + scale * (north + edge - y),
   };
+}
+
+// Top and bottom of the bar, beside the middle of the map.
+function barOf({ top, bottom }, height) {
+  const half = Math.max(bottom - top, Math.min(LEAST_BAR, height - TOP - BOTTOM)) / 2;
+  const middle = Math.max(TOP + half, Math.min(height - BOTTOM - half, (top + bottom) / 2));
+  return { top: middle - half, bottom: middle + half };
 }
 
 function ticks(low, high, count) {
@@ -60,8 +71,8 @@ export function drawBar(parent, view, colours) {
   parent.replaceChildren();
   if (!colours.scale) return;
   const { low, high, css } = colours.scale;
-  const { top, bottom, right } = view.box;
-  const x = right + 12;
+  const { top, bottom } = view.bar;
+  const x = view.box.right + 12;
   const steps = Math.max(1, Math.round(bottom - top));
   for (let i = 0; i < steps; i++) {
     element("rect", { x, y: bottom - 1 - i, width: 12, height: 1.5, fill: css(low + ((i + 0.5) / steps) * (high - low)) }, parent);

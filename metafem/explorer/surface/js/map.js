@@ -72,7 +72,7 @@ export class SiteMap {
       const fill = colours.shown(i) ? colours.scale.css(colours.values[i]) : height === null ? "none" : dark ? PLAIN.dark : PLAIN.light;
       return { fill, classes: names.join(" "), contact: height === null ? 0 : disc(i) };
     });
-    const scale = colours.scale && [colours.name, colours.scale.low, colours.scale.high, dark, view.box.top, view.box.bottom, view.box.right].join();
+    const scale = colours.scale && [colours.name, colours.scale.low, colours.scale.high, dark, view.bar.top, view.bar.bottom, view.box.right].join();
     if (scale !== this.drawnScale) drawBar(this.bar, view, colours);
     this.drawnScale = scale;
   }

@@ -1,8 +1,11 @@
 // The surface in three dimensions: undeformed caps on the block, cut off at the glass, with the contacts on it.
-import { colouring } from "./values.js";
+import { colouring, radiusOf } from "./values.js";
 
 // First and largest exaggeration of the heights.
 export const EXAGGERATION = { first: 4, most: 20 };
+
+// Most caps: more would be smaller than a pixel, and hold up a browser without a graphics card for seconds.
+export const MOST_CAPS = 20000;
 
 // Direction from which the camera looks first, and its field of view [degrees].
 const [FROM, FIELD] = [[-0.55, -1, 0.8], 32];
@@ -11,7 +14,18 @@ const [FROM, FIELD] = [[-0.55, -1, 0.8], 32];
 const [QUIET, LONGEST] = [200, 1000];
 
 // Segments of a cap: fewer for many, of which each is small.
-const segments = (count) => (count > 20000 ? [6, 2] : count > 1500 ? [12, 4] : count > 200 ? [20, 6] : [40, 12]);
+const segments = (count) => (count > 5000 ? [8, 3] : count > 1500 ? [12, 4] : count > 200 ? [20, 6] : [40, 12]);
+
+const range = (values) => values.reduce(([low, high], each) => [Math.min(low, each), Math.max(high, each)], [Infinity, -Infinity]);
+
+// The sites that are drawn: all, or those in a square around the middle.
+export function nearest({ x, y }) {
+  const all = [...x.keys()];
+  if (all.length <= MOST_CAPS) return all;
+  const [middleX, middleY] = [x, y].map((values) => range(values)).map(([low, high]) => (low + high) / 2);
+  const away = all.map((i) => Math.max(Math.abs(x[i] - middleX), Math.abs(y[i] - middleY)));
+  return all.sort((i, j) => away[i] - away[j]).slice(0, MOST_CAPS);
+}
 
 export class Relief {
   constructor(box) { this.box = box; }
@@ -119,19 +133,19 @@ export class Relief {
     const plain = style.getPropertyValue("--faint").trim();
     this.block.material.color.set(style.getPropertyValue("--line").trim());
     this.contacts.material.color.set(style.getPropertyValue("--target").trim());
-    layout.x.forEach((x, i) => {
-      const height = surface.height[i];
-      const y = layout.y[i];
-      const R = typeof surface.radius === "number" ? surface.radius : surface.radius[i];
+    this.drawn.forEach((site, i) => {
+      const height = surface.height[site];
+      const [x, y] = [layout.x[site], layout.y[site]];
+      const R = radiusOf(surface, site);
       const h = height === null ? 0 : height / 1e3;
       const size = height === null ? 0 : R;
       this.caps.setMatrixAt(i, at.makeScale(size, size, e * size).setPosition(x, y, e * (h - R)));
       const depth = Math.max(0, h - separation);
       const lid = height === null ? 0 : Math.sqrt(Math.max(0, 2 * R * depth - depth * depth));
       this.lids.setMatrixAt(i, at.makeScale(lid, lid, 1).setPosition(x, y, top));
-      const radius = contacts?.radius?.[i] ?? 0;
+      const radius = contacts?.radius?.[site] ?? 0;
       this.contacts.setMatrixAt(i, at.makeScale(radius, radius, 1).setPosition(x, y, top));
-      if (colours.shown(i)) colour.setRGB(...colours.scale.rgb(colours.values[i]), THREE.SRGBColorSpace);
+      if (colours.shown(site)) colour.setRGB(...colours.scale.rgb(colours.values[site]), THREE.SRGBColorSpace);
       else colour.set(plain);
       this.caps.setColorAt(i, colour);
       this.lids.setColorAt(i, colour);
@@ -147,14 +161,15 @@ export class Relief {
   build() {
     this.clear();
     const { THREE, layout, cut } = this;
-    const count = layout.x.length;
-    const range = (values) => values.reduce(([low, high], each) => [Math.min(low, each), Math.max(high, each)], [Infinity, -Infinity]);
-    const [[west, east], [south, north]] = [range(layout.x), range(layout.y)];
+    this.drawn = nearest(layout);
+    const count = this.drawn.length;
+    const [[west, east], [south, north]] = [layout.x, layout.y].map((all) => range(this.drawn.map((i) => all[i])));
     const middle = [(west + east) / 2, (south + north) / 2];
     const sites = [east - west + layout.spacing, north - south + layout.spacing];
-    const [width, length, thickness] = layout.block ?? [...sites, 0.5 * layout.spacing];
+    const block = count === layout.x.length ? layout.block : null; // else a piece of it
+    const [width, length, thickness] = block ?? [...sites, layout.block?.[2] ?? 0.5 * layout.spacing];
     this.block = new THREE.Mesh(new THREE.BoxGeometry(width, length, thickness), new THREE.MeshLambertMaterial());
-    this.block.position.set(...(layout.block ? [0, 0] : middle), -thickness / 2);
+    this.block.position.set(...(block ? [0, 0] : middle), -thickness / 2);
     const [around, down] = segments(count);
     const cap = new THREE.SphereGeometry(1, around, down, 0, 2 * Math.PI, 0, Math.PI / 2).rotateX(Math.PI / 2);
     const flat = { polygonOffset: true, polygonOffsetUnits: -2 };

@@ -3,6 +3,7 @@ import { scaleOf } from "./colours.js";
 
 const NAMES = {
   height: ["height", "µm"],
+  radius: ["radius of curvature", "µm"],
   pressure: ["mean contact pressure", "MPa"],
   sensitivity: ["change of friction per height", "%/µm"],
 };
@@ -11,6 +12,12 @@ export function colouring(what, surface, contacts, dark) {
   const [name, unit] = NAMES[what];
   if (what === "height") {
     return { name, unit, values: surface.height, scale: scaleOf(...surface.limits), shown: (i) => surface.height[i] !== null };
+  }
+  if (what === "radius") {
+    const values = surface.height.map((height, i) => (height === null ? null : 1e3 * radiusOf(surface, i)));
+    const filled = values.filter((value) => value !== null);
+    const most = filled.reduce((high, each) => Math.max(high, each), 0);
+    return { name, unit, values, scale: scaleOf(0, most), shown: (i) => values[i] !== null };
   }
   const values = contacts?.[what];
   if (!values) return { name, unit, values: [], scale: null, shown: () => false };
@@ -23,6 +30,9 @@ export function colouring(what, surface, contacts, dark) {
   return { name, unit, values, scale: scaleOf(signed ? -most : 0, most, { signed, dark }), shown };
 }
 
+// Radius of the summit at a site [mm]; most surfaces have one for all.
+export const radiusOf = (surface, i) => (typeof surface.radius === "number" ? surface.radius : surface.radius[i]);
+
 export const digits = (value, count = 3) => Number(value.toPrecision(count)).toLocaleString("en", { maximumSignificantDigits: count, useGrouping: false }).replace("-", "−");
 
 export function words(i, surface, contacts) {
@@ -34,6 +44,7 @@ export function words(i, surface, contacts) {
     return lines;
   }
   lines.push(`height ${height.toFixed(1)} µm${kept === undefined ? "" : ", kept"}`);
+  if (typeof surface.radius !== "number") lines.push(`radius of curvature ${digits(1e3 * surface.radius[i], 4)} µm`);
   if (surface.empty.has(i)) lines.push("to be left empty");
   const radius = contacts?.radius?.[i];
   if (radius > 0) {
