@@ -46,6 +46,7 @@ class Page:
     """One tab of the browser: its history, the newest answer, and the panels that listen for it."""
 
     def __init__(self, first: State) -> None:
+        self.first = first
         self.session = Session(first)
         self.answer = Answer(0, first)
         self.number = 0

@@ -31,6 +31,9 @@ def test_a_page_outlives_its_server(browser):
         assert first.process.wait(PATIENCE) == 0
         lost = visit.page.get_by_role("alert").filter(has_text="The connection to the server is lost")
         lost.wait_for(timeout=1e3 * PATIENCE)
+        assert visit.page.locator(".bar .chip").inner_text() == "no server: changes must wait"
+        assert visit.page.locator(".explorer").get_attribute("inert") is not None
+        assert visit.page.get_by_label("Model").first.is_disabled()
         with served(None, "--port", port) as second:
             assert second.address == first.address
             visit.page.wait_for_event("load", timeout=1e3 * PATIENCE)

@@ -178,10 +178,20 @@ def test_the_page_fits_wide_and_narrow_windows_light_and_dark(visit):
 
 def test_keys_lead_through_the_head_of_the_page(visit):
     page, names = visit.page, []
-    for _ in range(8):
+    for _ in range(9):
         page.keyboard.press("Tab")
         names.append(page.evaluate(FOCUSED))
-    assert names == ["Skip to the law", "Model", "Undo", "Redo", "Light", "Auto", "Dark", "Help"]
+    assert names == [
+        "Skip to the law",
+        "Model",
+        "Undo",
+        "Redo",
+        "Start over",
+        "Light",
+        "Auto",
+        "Dark",
+        "Help",
+    ]
     page.keyboard.press("?")
     page.get_by_role("dialog").wait_for()
     page.keyboard.press("Escape")

@@ -15,7 +15,7 @@ from metafem.explorer.answer import Answer
 from metafem.explorer.certainty import band
 from metafem.explorer.certainty.long_studies import STUDIES, Found, run
 from metafem.explorer.certainty.panel_data import at_once, figure_data, found_data, list_data, study_data
-from metafem.explorer.certainty.places import warnings_by_place
+from metafem.explorer.certainty.places import part_warnings, warnings_by_place
 
 if TYPE_CHECKING:
     from metafem.explorer.page import Page
@@ -102,17 +102,15 @@ class Certainty:
         answer, seen = self.page.answer, self.visible and self.ready
         if self.client.is_deleted:
             return
-        if seen or at_once(answer):
-            places = await self.page.in_thread(warnings_by_place, answer)
-            data = await self.page.in_thread(figure_data, answer) if seen else None
-            if answer is not self.page.answer:
-                return
-            self.page.warn(places)
-            if data is not None:
-                self.table.run_method("show", data)
-                self.studies.run_method("follow", study_data(answer))
-        else:
-            self.page.warn({})
+        known = warnings_by_place if seen or at_once(answer) else part_warnings
+        places = await self.page.in_thread(known, answer)
+        data = await self.page.in_thread(figure_data, answer) if seen else None
+        if answer is not self.page.answer:
+            return
+        self.page.warn(places)
+        if data is not None:
+            self.table.run_method("show", data)
+            self.studies.run_method("follow", study_data(answer))
 
     async def _draw(self) -> None:
         """Draw made surfaces while nothing changes, for the band of the law."""

@@ -56,14 +56,18 @@ def part_problem(answer: Answer) -> str:
     return ""
 
 
+def part_warnings(answer: Answer) -> dict[str, list[str]]:
+    """Return why no part can be made at the places where it is told; nothing where one can."""
+    problem = part_problem(answer)
+    return {"surface": [problem], "take": [problem]} if problem else {}
+
+
 def warnings_by_place(answer: Answer) -> dict[str, list[str]]:
     """Return the warnings of an answer by where they belong: "law", "surface", "take", or keys.
 
     "take" is the tab of the files. One warning can belong to several places.
     """
-    places: dict[str, list[str]] = {}
-    if problem := part_problem(answer):
-        places |= {"surface": [problem], "take": [problem]}
+    places = part_warnings(answer)
     warnings = [(figure.places, _text(figure)) for figure in figures(answer) if figure.warns]
     warnings += [
         (_places(str(note)), str(note))

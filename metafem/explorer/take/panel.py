@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -12,11 +12,11 @@ from nicegui.element import Element
 
 from metafem.errors import MetafemError
 from metafem.explorer.answer import Answer
-from metafem.explorer.certainty.panel import place_warnings
 from metafem.explorer.certainty.places import part_problem
 from metafem.explorer.session import State
 from metafem.explorer.take.command import command_of, script_of
 from metafem.explorer.take.files import archive, made_files, specification_file, tables_of
+from metafem.explorer.take.hindrance import NEEDS_DESIGN, NEEDS_PART, hindrance, said_above
 
 if TYPE_CHECKING:
     from metafem.explorer.page import Page
@@ -45,6 +45,12 @@ MADE = (
 
 SPECIFICATION_FILE = File("spec.toml", "Specification, with the tables that it names")
 
+# What a link is for, and what was copied.
+LINK = "The address of this page, for this machine; colleagues need spec.toml"
+COPIED = (
+    "It opens the same state on this machine while metafem explore runs. For another machine take spec.toml."
+)
+
 # Name of the background computation, and of the archive.
 TASK, ARCHIVE = "files", "surface.zip"
 
@@ -57,6 +63,7 @@ class Making:
         self.wanted = ""
         self.state: State | None = None
         self.files: dict[str, bytes] = {}
+        self.told: State | None = None
         with ui.row().classes("row"):
             self.label = ui.label().props('role="status"')
             self.stop = ui.button("Stop", on_click=self.stopped).props("flat dense no-caps")
@@ -96,7 +103,7 @@ class Making:
         """Stop the process."""
         self.page.tasks.stop(TASK)
         self.stop.set_visibility(False)
-        self.say("The files were not written: you stopped it.")
+        self.say("The files were not written: they were stopped.")
 
     def download(self, name: str) -> None:
         """Send a file to the browser."""
@@ -112,20 +119,28 @@ class Making:
         self.say(f"{name} was downloaded ({len(content) / 1e3:,.0f} kB).")
 
     def say(self, text: str) -> None:
-        """Show a sentence."""
+        """Show a sentence about the design that is shown."""
+        self.told = self.page.answer.state
         if self.label.text != text:
             self.label.text = text
+
+    def follow(self, answer: Answer) -> None:
+        """Forget what was said of another design, but for files that are being written."""
+        if self.told is not None and not self.stop.visible and not self.told.designs_the_same(answer.state):
+            self.told, self.label.text = None, ""
 
 
 def take_panel(page: Page) -> None:
     """Make the buttons that download the design, and the command that gives the same result."""
     ui.add_css(Path(__file__).with_name("take.css"))
-    making, buttons = Making(page), list[ui.button]()
-    place_warnings(page, "take")
+    above = ui.label().classes("warn").props('role="status"')
+    above.set_visibility(False)
+    making, offered = Making(page), list[Offered]()
+    problem = ""
 
     def add(file: File) -> None:
         take = partial(_table, page, making) if file in TABLES else making.take
-        buttons.append(_button(file, partial(take, file.name)))
+        offered.append(_button(file, partial(take, file.name)))
 
     with ui.element("div").classes("cards"):
         with _card("To make the part"):
@@ -138,7 +153,7 @@ def take_panel(page: Page) -> None:
             copy.props("no-caps flat dense align=left")
             # in the browser, which allows it within the click alone
             copy.on("click", js_handler="() => navigator.clipboard.writeText(location.href)")
-            ui.label("The address of this page, which holds all of its state").classes("small")
+            ui.label(LINK).classes("small")
             add(MADE[0])
         with _card("Data"):
             for file in (*TABLES[1:], *MADE[4:]):
@@ -147,14 +162,45 @@ def take_panel(page: Page) -> None:
             command = _lines(making, "command", command_of(page.state))
             _lines(making, "script", script_of())
 
+    def offer() -> None:
+        """Offer the files that there are, and say why there are no others."""
+        for each in offered:
+            each.offer(hindrance(each.file.name, page.answer, problem))
+        words = said_above(page.answer, problem)
+        if above.text != words:
+            above.text = words
+            above.set_visibility(bool(words))
+
     def show(answer: Answer) -> None:
-        for button in buttons:
-            if button.enabled != answer.current:
-                button.set_enabled(answer.current)
+        making.follow(answer)
         if command.text != command_of(answer.state):
             command.text = command_of(answer.state)
+        offer()
+
+    def warn(places: Mapping[str, list[str]]) -> None:
+        nonlocal problem
+        problem = " ".join(places.get("take", []))
+        offer()
 
     page.listen(show)
+    page.listen_warnings(warn)
+
+
+class Offered(NamedTuple):
+    """A button that downloads a file, and the words beside it."""
+
+    file: File
+    button: ui.button
+    label: ui.label
+
+    def offer(self, hindrance: str) -> None:
+        """Offer the file, or say why it cannot be taken."""
+        own = hindrance not in ("", NEEDS_DESIGN, NEEDS_PART)  # else it is told above the files
+        words = f"{self.file.meaning}: {hindrance}" if own else self.file.meaning
+        if self.label.text != words:
+            self.label.text = words
+        if self.button.enabled == bool(hindrance):
+            self.button.set_enabled(not hindrance)
 
 
 def _card(title: str) -> Element:
@@ -165,12 +211,11 @@ def _card(title: str) -> Element:
     return card
 
 
-def _button(file: File, take: Callable[[], None]) -> ui.button:
+def _button(file: File, take: Callable[[], None]) -> Offered:
     """Return a button that downloads a file, with its meaning beside it."""
     button = ui.button(file.name, icon="download", on_click=take)
     button.props(f'no-caps flat dense align=left data-take="{file.name}"')
-    ui.label(file.meaning).classes("small")
-    return button
+    return Offered(file, button, ui.label(file.meaning).classes("small"))
 
 
 def _lines(making: Making, name: str, text: str) -> ui.label:
@@ -186,7 +231,7 @@ def _lines(making: Making, name: str, text: str) -> ui.label:
 
 
 def _copied(making: Making) -> None:
-    making.say("The address of this page was copied. It opens the same state while metafem explore runs.")
+    making.say(f"The address of this page was copied. {COPIED}")
 
 
 def _table(page: Page, making: Making, name: str) -> None:

@@ -47,26 +47,31 @@ export default {
       <a class="skip act" href="#law" @click.prevent="skip">Skip to the law</a>
       <h1>metafem</h1>
       <p class="title" :title="title">{{ title }}</p>
-      <span :class="['chip', kind]" :title="meaning">{{ status }}<span v-if="measure" class="measure">({{ measure }})</span></span>
+      <span v-if="lost" class="chip lost-chip" title="What is shown is the last answer. It can be changed again as soon as metafem explore runs.">no server: changes must wait</span>
+      <span v-else :class="['chip', kind]" :title="meaning">{{ status }}<span v-if="measure" class="measure">({{ measure }})</span></span>
+      <span v-if="part && !lost" class="chip warn part" :title="part">no part can be made</span>
       <span class="unseen" role="status">{{ announced }}</span>
       <span class="tools">
         <label class="row"><span>Model</span>
-          <select class="text" aria-label="Model" :value="model" @change="$emit('model', $event.target.value)">
+          <select class="text" aria-label="Model" :disabled="lost" :value="model" @change="$emit('model', $event.target.value)">
             <option v-if="!models.includes(model)" :value="model">{{ model }}</option>
             <option v-for="each in models" :key="each" :value="each">{{ each }}</option>
           </select>
         </label>
         <span class="row pair">
-          <button class="act icon" :aria-disabled="!undo" title="Undo (${CTRL}Z)" aria-label="Undo" @click="undo && $emit('undo')">↶</button>
-          <button class="act icon" :aria-disabled="!redo" title="Redo (${CTRL}${MAC ? "⇧" : "Shift+"}Z)" aria-label="Redo" @click="redo && $emit('redo')">↷</button>
+          <button class="act icon" :aria-disabled="!undo || lost" title="Undo (${CTRL}Z)" aria-label="Undo" @click="undo && !lost && $emit('undo')">↶</button>
+          <button class="act icon" :aria-disabled="!redo || lost" title="Redo (${CTRL}${MAC ? "⇧" : "Shift+"}Z)" aria-label="Redo" @click="redo && !lost && $emit('redo')">↷</button>
         </span>
+        <select class="text anew" aria-label="Start over" :disabled="lost" title="Start over from an example; undo brings back what was" @change="begin">
+          <option value="">Start over</option><option value="first">as this page began</option>
+          <option v-for="name in demos" :key="name" :value="name">{{ name }}</option></select>
         <slot></slot>
         <span class="choice" role="group" aria-label="Colours of the page">
           <button v-for="(word, name) in themes" :key="name" :aria-pressed="theme === name" @click="choose(name)">{{ word }}</button>
         </span>
         <button class="act" title="Mouse, touch and keys (?)" @click="help">Help</button>
       </span>
-      <p v-if="hint && !undo" class="hint info"><span>Drag the points of the target law: the heights follow. The tab “Take it” has the mould table. The key ? or Help lists gestures and keys.</span>
+      <p v-if="hint" :class="['hint', 'info', { closed }]"><span>Drag the points of the target law: the heights follow. The tab “Take it” has the mould table. The key ? or Help lists gestures and keys.</span>
         <button class="act icon" aria-label="Close the hint" @click="close">✕</button></p>
       <dialog ref="dialog" aria-labelledby="help-title" @click="outside">
         <div class="head"><h2 id="help-title">Mouse, touch and keys</h2><button class="act" autofocus @click="$refs.dialog.close()">Close</button></div>
@@ -75,11 +80,11 @@ export default {
         </table>
       </dialog>
     </header>`,
-  props: { models: Array, first: String },
+  props: { models: Array, first: String, demos: Array },
   data() {
     return {
-      title: "", status: "designing …", kind: "", measure: "", meaning: "", announced: "", model: this.first, undo: false, redo: false,
-      theme: localStorage.getItem(THEME) ?? "auto", hint: !localStorage.getItem(HINT), themes: THEMES, topics: HELP,
+      title: "", status: "designing …", kind: "", measure: "", meaning: "", part: "", announced: "", model: this.first, undo: false, redo: false,
+      theme: localStorage.getItem(THEME) ?? "auto", hint: !localStorage.getItem(HINT), closed: false, lost: false, themes: THEMES, topics: HELP,
     };
   },
   mounted() {
@@ -87,6 +92,10 @@ export default {
     document.addEventListener("keydown", this.key);
     document.addEventListener("dragover", this.over);
     document.addEventListener("drop", this.drop, true);
+    this.$nextTick(() => { // the socket is made when all elements are mounted
+      window.socket.on("disconnect", () => this.wait(true));
+      window.socket.on("connect", () => this.wait(false));
+    });
   },
   unmounted() {
     document.removeEventListener("keydown", this.key);
@@ -103,7 +112,10 @@ export default {
   methods: {
     show(data) {
       Object.assign(this, data);
-      if (data.undo) this.hint = false; // also after undo: the page would move under the hand
+      if (!("undo" in data)) return;
+      if (this.undo && this.begun) this.close(); // the hand has found the points
+      else if (this.undo) this.hint = false; // a page that was loaded again, on which no hand rests yet
+      this.begun = true;
     },
     choose(theme) {
       this.theme = theme;
@@ -114,6 +126,7 @@ export default {
       if (event.altKey || event.defaultPrevented || typing(event.target)) return;
       const [name, control] = [event.key.toLowerCase(), event.ctrlKey || event.metaKey];
       if (event.key === "?" && !control && !writing(event.target)) this.help();
+      else if (this.lost) return;
       else if (control && (name === "y" || (name === "z" && event.shiftKey))) this.$emit("redo");
       else if (control && name === "z") this.$emit("undo");
       else return;
@@ -136,8 +149,16 @@ export default {
       event.target.closest?.(".dropping")?.dispatchEvent(new Event("dragleave"));
       this.$emit("load", { files: await filesOf(event.dataTransfer) });
     },
-    close() {
-      this.hint = false;
+    wait(lost) {  // a server that is started again knows no change that was made meanwhile
+      this.lost = lost;
+      document.querySelector(".explorer").inert = lost;
+    },
+    begin(event) {
+      if (event.target.value) this.$emit("begin", event.target.value);
+      event.target.value = "";
+    },
+    close() {  // its space stays until the page is loaded again: the plots would move under the hand
+      this.closed = true;
       localStorage.setItem(HINT, "seen");
     },
     skip() {  // not by the fragment of the address, which holds the state

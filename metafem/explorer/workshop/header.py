@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from nicegui import ui
@@ -9,10 +10,11 @@ from nicegui.element import Element
 
 from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer
+from metafem.explorer.session import State
 from metafem.explorer.text.fields import with_field
 from metafem.explorer.workshop.editor import load
 from metafem.explorer.workshop.header_data import header_data
-from metafem.files import MODELS
+from metafem.files import DEMOS, MODELS, demo_text
 
 if TYPE_CHECKING:
     from metafem.explorer.page import Page
@@ -29,6 +31,7 @@ class Header(Element, component="header.js", esm={"metafem-workshop": "js"}):
         super().__init__()
         self._props["models"] = list(MODELS)
         self._props["first"] = "independent"
+        self._props["demos"] = list(DEMOS)
 
 
 async def choose(page: Page, model: str) -> None:
@@ -39,6 +42,14 @@ async def choose(page: Page, model: str) -> None:
         ui.notify(str(error), type="warning")
 
 
+async def begin(page: Page, name: str) -> None:
+    """Begin anew from an example, or as the page began ("first"), as one step of the history."""
+    if name == "first":
+        await page.alter(**vars(page.first))
+    elif name in DEMOS:
+        await page.alter(**vars(State(demo_text(name))))
+
+
 def header_panel(page: Page) -> Header:
     """Make the head: the target in words, the status, the model, undo and redo, colours and help.
 
@@ -47,6 +58,7 @@ def header_panel(page: Page) -> Header:
     header = Header()
     header.on("undo", page.undo)
     header.on("redo", page.redo)
+    header.on("begin", lambda event: begin(page, event.args))
     header.on("load", lambda event: load(page, event.args["files"]))
     header.on("model", lambda event: choose(page, event.args))
     shown: dict[str, object] = {}
@@ -73,7 +85,15 @@ def header_panel(page: Page) -> Header:
             show(page.answer, header_data(page.answer))
         waited["for"] = late
 
+    def warn(places: Mapping[str, list[str]]) -> None:
+        """Say that no part can be made."""
+        part = " ".join(places.get("take", []))
+        if shown.get("part", "") != part:
+            shown["part"] = part
+            header.run_method("show", {"part": part})
+
     waited: dict[str, tuple[int, int]] = {}
     ui.timer(LATE, wait)
     page.listen_prepared(header_data, show)
+    page.listen_warnings(warn)
     return header

@@ -1,0 +1,45 @@
+"""Why files of a design cannot be taken."""
+
+from __future__ import annotations
+
+from metafem.explorer.answer import Answer
+
+# Tables that state the design alone; all others are files of a part, or are written with one.
+OF_THE_DESIGN = ("heights.csv", "law.csv")
+
+# What is said above the files.
+NO_DESIGN = (
+    "There is no surface for the specification as it stands, and so there are no files of one. "
+    "The specification itself can be downloaded."
+)
+NO_PART = "The tables of the design and the specification can be downloaded."
+# What is said of a file; the first two are told in full above the files.
+NEEDS_DESIGN, NEEDS_PART = "needs a surface", "needs a part that can be made"
+NO_BLOCK = "needs the section [block] with width, length and thickness"
+
+
+def hindrance(name: str, answer: Answer, problem: str = "") -> str:
+    """Return why a file of an answer cannot be taken, "" where it can.
+
+    `problem` is why no part can be made, "" where one can.
+    """
+    if not answer.current:
+        return NEEDS_DESIGN
+    if problem and name not in OF_THE_DESIGN:
+        return NEEDS_PART
+    stem, _, kind = name.partition(".")
+    specification = answer.specification
+    if specification is None or stem not in ("block", "mould") or kind == "csv":
+        return ""
+    if specification.template.block is None:
+        return NO_BLOCK
+    if kind != "svg" and kind not in specification.part.formats:
+        return f'needs "{kind}" in part.formats'
+    return ""
+
+
+def said_above(answer: Answer, problem: str = "") -> str:
+    """Return what is said above the files: why none or some of them can be taken, "" where all can."""
+    if not answer.current:
+        return f"{NO_DESIGN} {answer.refused}".strip()
+    return f"{problem[:1].upper()}{problem[1:]}. {NO_PART}" if problem else ""
