@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 from collections.abc import Awaitable, Callable
 from typing import Any
@@ -29,13 +30,12 @@ class Browser(Element, component="browser.js"):
         self.told: dict[str, Callable[[Any], Awaitable[None]]] = {"stored": restored, "linked": linked}
         self.on("part", lambda event: self._part(event.args))
 
-    def _part(self, part: dict[str, Any]) -> Awaitable[None] | None:
+    async def _part(self, part: dict[str, Any]) -> None:
         """Take a part of what the browser tells; large messages come in several."""
         self.parts.append(part["text"])
-        if not part["last"]:
-            return None
-        text, self.parts = "".join(self.parts), []
-        return self.told[part["name"]](json.loads(text))
+        if part["last"]:
+            text, self.parts = "".join(self.parts), []
+            await self.told[part["name"]](await asyncio.to_thread(json.loads, text))
 
     def keep(self, session: Session, asked: int) -> None:
         """Keep the state that a history shows, its place, and the number of its request."""

@@ -22,7 +22,7 @@ from metafem.explorer.law.reach import Reach
 from metafem.explorer.law.shown import Units
 from metafem.explorer.law.tools import block_data, tools_data
 from metafem.explorer.session import State
-from metafem.explorer.text.handles import added, handles, moved, removed
+from metafem.explorer.text.handles import added, moved, removed
 from metafem.files import Specification
 from metafem.inversion import Design
 
@@ -88,8 +88,8 @@ class LawPanel:
 
     def prepared(self, answer: Answer) -> dict[str, Any]:
         """Return what is drawn of an answer."""
-        specification, text = answer.specification, answer.state.text
-        data = law_data(answer, handles(text, specification, answer.design))
+        specification = answer.specification
+        data = law_data(answer)
         units = Units.of(answer, answer.state.newtons)
         data["tools"] = tools_data(answer)
         data["measured"] = self.measured.data(answer, units)

@@ -10,10 +10,11 @@ from metafem.explorer.text.lines import LineHandles
 from metafem.explorer.text.marks import Handle, Marks, Scene
 from metafem.explorer.text.points import PointHandles
 from metafem.explorer.text.power import PowerHandles
+from metafem.explorer.text.shape import Shape
 from metafem.files import Specification
 from metafem.inversion import Design, OperatingPoints, SampledLaw
 
-__all__ = ["Handle", "added", "crowd", "handles", "moved", "removed"]
+__all__ = ["Handle", "added", "crowd", "drawn", "handles", "moved", "removed"]
 
 # Relative resolution of a value that is dragged: a pixel of a plot of a thousand.
 RESOLUTION = 1e-3
@@ -51,9 +52,18 @@ def handles(text: str, specification: Specification | None, design: Design | Non
     >>> [handle.load for handle in handles(text, parsed(text), None)]
     [0.144, 0.336, 0.649]
     """
-    if specification is None or crowd(specification):
-        return ()
-    return _marks(text, specification, design).handles()
+    return drawn(text, specification, design)[0]
+
+
+def drawn(
+    text: str, specification: Specification | None, design: Design | None
+) -> tuple[tuple[Handle, ...], Shape | None]:
+    """Return the handles of a target and its curve; none of a specification that has problems."""
+    if specification is None:
+        return (), None
+    marks = _marks(text, specification, design)
+    shape = marks.shape()
+    return ((), shape.alone) if crowd(specification) else (marks.handles(), shape)
 
 
 def crowd(specification: Specification) -> int:

@@ -9,6 +9,7 @@ import numpy as np
 
 from metafem._validate import FloatArray
 from metafem.explorer.text.marks import Handle, Marks
+from metafem.explorer.text.shape import Branch, Point, Shape, shape_of
 from metafem.explorer.text.written import between
 
 # Share of the rescaled load "sites x largest height x radius" at which a line is dragged before there is any
@@ -74,6 +75,33 @@ class LineHandles(Marks):
         if id.startswith("range-") and self.scene.kind != "multilinear":
             return {"load_range": None}
         return super().removed(id)
+
+    def shape(self) -> Shape:
+        """Return the branches, with the intercepts nearest to the last design."""
+        path = {id: Point(self._branch_of(id), load) for id, load, _ in self.path}
+        return shape_of(self._branches(), path)
+
+    def _branches(self) -> list[Branch]:
+        target, design, found = self.scene.target, self.scene.design, list[Branch]()
+        for i, line in enumerate(self.lines):
+            pivot = line.pivot[0]
+            low, high = pivot, 2.0 * line.load - pivot
+            if target.branches:
+                low, high = target.branches[i][1]
+            elif design is not None and len(design.fits) == len(self.slopes):
+                low, high = design.fits[i][0].load_range
+            centred = bool(target.branches)
+            joined = i > 0 and (not centred or low == found[-1].high)
+            given = (line.slope, line.load, line.friction, pivot, low, high, joined, centred)
+            found.append(Branch(*given))
+        return found
+
+    def _branch_of(self, id: str) -> int:
+        """Return the number of the branch that ends, or else begins, at a load of the path."""
+        if id.startswith("range-"):
+            return 0 if id == "range-low" else len(self.slopes) - 1
+        _, number, *end = id.split("-")
+        return int(number) + (end == ["start"])
 
     @property
     def slopes(self) -> tuple[float, ...]:

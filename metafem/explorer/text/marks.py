@@ -12,6 +12,7 @@ import numpy as np
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.explorer.text.document import Document
+from metafem.explorer.text.shape import Shape
 from metafem.explorer.text.written import rounded, stated
 from metafem.files import Specification
 from metafem.inversion import Design, Target
@@ -108,6 +109,10 @@ class Marks:
 
     def handles(self) -> tuple[Handle, ...]:
         """Return the handles."""
+        raise NotImplementedError
+
+    def shape(self) -> Shape:
+        """Return the curve of the target, and what follows each handle."""
         raise NotImplementedError
 
     def moved(self, handle: Handle, load: float, friction: float, resolution: float) -> dict[str, Any]:

@@ -7,6 +7,7 @@ from typing import Any
 
 from metafem.errors import InvalidInput
 from metafem.explorer.text.marks import Handle, Marks
+from metafem.explorer.text.shape import Shape
 from metafem.explorer.text.written import ALL_DIGITS, between
 
 # Relative resolution of values that are copied from a table.
@@ -30,6 +31,10 @@ class PointHandles(Marks):
             Handle(f"point-{i}", load, friction, "xy", f"point {i + 1} of {count}")
             for i, (load, friction) in enumerate(zip(loads, frictions, strict=True))
         )
+
+    def shape(self) -> Shape:
+        """Return the lines from each point to the next."""
+        return Shape.through({each.id: (each.load, each.friction) for each in self.handles()})
 
     def moved(self, handle: Handle, load: float, friction: float, resolution: float) -> dict[str, Any]:
         """Return the points with one of them moved."""

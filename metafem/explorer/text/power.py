@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from functools import cached_property
 from typing import Any
 
 from metafem.explorer.text.marks import Handle, Marks
+from metafem.explorer.text.shape import Shape
 from metafem.explorer.text.written import between, rounded
 
 
@@ -28,6 +30,12 @@ class PowerHandles(Marks):
         found.append(Handle("range-low", low, self._friction(low), "x", "smallest load of the range"))
         found.append(Handle("range-high", high, self._friction(high), "x", "largest load of the range"))
         return tuple(found)
+
+    def shape(self) -> Shape:
+        """Return the curve, which follows with the answers: it is not straight."""
+        target: Any = self.scene.target
+        load = target.curve().load
+        return Shape(load, self._prefactor * load**target.exponent)
 
     def moved(self, handle: Handle, load: float, friction: float, resolution: float) -> dict[str, Any]:
         """Return the keys that change when a handle has moved."""
@@ -56,15 +64,20 @@ class PowerHandles(Marks):
         target: Any = self.scene.target
         return math.sqrt(target.load_range[0] * target.load_range[1])
 
-    def _friction(self, load: float) -> float:
-        """Return the law at a load [mm^2]; a prefactor that is left open is that of the last design."""
+    @cached_property
+    def _prefactor(self) -> float:
+        """The prefactor; one that is left open is that of the last design."""
         target: Any = self.scene.target
         if target.prefactor is not None:
-            return float(target.prefactor * load**target.exponent)
+            return float(target.prefactor)
         law = target.curve()
         achieved = self.scene.achieved(law.load)
-        prefactor = 1.0 if achieved is None else law.law(achieved)[0] / law.free[0, 0]
-        return float(prefactor * load**target.exponent)
+        return 1.0 if achieved is None else float(law.law(achieved)[0] / law.free[0, 0])
+
+    def _friction(self, load: float) -> float:
+        """Return the law at a load [mm^2]."""
+        target: Any = self.scene.target
+        return float(self._prefactor * load**target.exponent)
 
     def _end(self, handle: Handle, load: float, resolution: float) -> dict[str, Any]:
         target: Any = self.scene.target

@@ -141,7 +141,7 @@ def test_points_that_are_too_many_to_drag_are_a_line_that_says_so():
         }
     )
     crowded = answered(State(text), 1)
-    data = law_data(crowded, handles(text, crowded.specification, None))
+    data = law_data(crowded)
     assert data["crowd"] == "500 points, too many to drag"
     assert not data["marked"]
     assert data["handles"] == []

@@ -42,8 +42,10 @@ export class Hand {
     if (handle.moves !== "x") handle.y = Math.max(view.roundedY(view.y / view.tall), view.roundedY(y));
     view.grow(handle.moves === "y" ? 0 : handle.x, handle.moves === "x" ? 0 : handle.y);
     const place = { x: handle.x, y: handle.y };
-    if (place.x === this.held.place.x && place.y === this.held.place.y) return;
+    const { place: before } = this.held;
+    if ((handle.moves === "y" || place.x === before.x) && (handle.moves === "x" || place.y === before.y)) return;
     Object.assign(this.held, { place, moved: true });
+    this.plot.carry();
     this.plot.point(handle);
     requests.put({ id: handle.id, ...place, released: false });
     this.plot.paint();
@@ -69,6 +71,7 @@ export class Hand {
     held.final = this.plot.requests.now({ id: held.id, ...place, released: true, back });
     const handle = this.handles.find((each) => each.id === held.id);
     if (handle) Object.assign(handle, place);
+    this.plot.carry();
     this.tell(held);
     this.plot.paint();
   }

@@ -14,6 +14,9 @@ const STILL = 4;
 // Pixels between a point and the reason of its refusal.
 const APART = 18;
 
+// Where a point is after the one that carries it has moved: by factors for along, across (y for a move in x) and up.
+const shifted = (x, y, by, [along, across, up]) => [x + along * by.x, y + across * by.x + up * by.y];
+
 export class Plot {
   view = new View();
   data = null;
@@ -131,6 +134,7 @@ export class Plot {
     // a problem may be one of a step that is held; else a move would change a text that is not understood
     this.hand.inactive = unknown && !this.hand.held;
     if (!unknown || !this.hand.held) this.hand.take(handles);
+    this.carry();
     if (ended) this.hand.tell(ended); // a slope is known with its answer
     else if (!this.hand.held && this.said !== data.state) this.point(this.hand.focused); // what was said belongs to an earlier text
     if (this.hand.held) this.offer = data.refusal !== "" && data.nearest !== null;
@@ -187,14 +191,32 @@ export class Plot {
     if (!this.hand.held) drawLegend(this.legend, this.data, this.emit);
   }
 
-  // The target's curve, whose corners at handles follow the hand.
+  // What follows the handle that is held, and how far it is from where the last answer has it; null for nothing.
+  follows() {
+    const { current } = this.hand;
+    const from = this.data.handles.find((each) => each.id === current?.id);
+    const carried = this.data.wanted?.follows[current?.id];
+    return from && carried ? { ...carried, by: { x: current.x - from.x, y: current.y - from.y } } : null;
+  }
+
+  // The target's curve, whose corners follow the hand; the next answer replaces it.
   wanted() {
     const { wanted } = this.data;
-    const handle = this.hand.held && this.hand.current;
-    if (!wanted?.knots || !handle) return wanted;
+    const follows = this.follows();
+    if (!follows) return wanted;
     const moved = { x: [...wanted.x], y: [...wanted.y] };
-    wanted.knots.forEach((id, i) => { if (id === handle.id) [moved.x[i], moved.y[i]] = [handle.x, handle.y]; });
+    for (const [i, ...factors] of follows.corners) [moved.x[i], moved.y[i]] = shifted(wanted.x[i], wanted.y[i], follows.by, factors);
     return moved;
+  }
+
+  // Handles that are on the curve stay on it.
+  carry() {
+    const follows = this.follows();
+    for (const [id, ...factors] of follows?.handles ?? []) {
+      const from = this.data.handles.find((each) => each.id === id);
+      const handle = this.hand.handles.find((each) => each.id === id);
+      if (from && handle) [handle.x, handle.y] = shifted(from.x, from.y, follows.by, factors);
+    }
   }
 
   // The reason of a refusal stands near the point that is held, else above the law.
