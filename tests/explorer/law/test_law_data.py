@@ -10,7 +10,6 @@ from metafem.explorer.law.reach import Reach
 from metafem.explorer.law.shown import Units, numbers
 from metafem.explorer.session import State
 from metafem.explorer.text.document import Document
-from metafem.explorer.text.handles import handles
 from metafem.files import demo_text
 
 TEXT = demo_text("operating-points")
