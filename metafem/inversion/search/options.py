@@ -150,6 +150,10 @@ class SearchOptions:
     # For a law that is compared by its largest difference, the sum of this power of the differences is
     # lowered: its root is within 1.8 of the largest of a hundred. It is a power of two.
     largest_power: int = 8
+    # Number of loads with the largest differences at which changes of such a law are compared first, and of
+    # changes that are then evaluated at all loads together, an even number for two threads.
+    largest_loads: int = 10
+    steps_at_once: int = 4
 
     # -- assignment to sites --
     # Number of sites up to which the numbers of rounds below hold; with more sites there are fewer.

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from metafem._validate import FloatArray
+from metafem._validate import FloatArray, IntArray
 from metafem.inversion.search.levenberg_marquardt import LateResidual
 
 # Iterations for the open parameters, each with weights relative to the law of the last one: after two, the
@@ -47,9 +47,13 @@ class TargetLaw:
         count = len(self.load)
         if count <= most:
             return self
-        some = np.unique(np.linspace(0, count - 1, most).round().astype(np.int64))
-        weight = self.weight[some] / self.weight[some].mean()
-        return TargetLaw(self.load[some], self.base[some], self.free[some], weight, self.pointwise)
+        part = self.part(np.unique(np.linspace(0, count - 1, most).round().astype(np.int64)))
+        return replace(part, weight=part.weight / part.weight.mean())
+
+    def part(self, rows: IntArray) -> TargetLaw:
+        """Return the law at some of its loads, with their weights."""
+        given = self.load[rows], self.base[rows], self.free[rows], self.weight[rows]
+        return TargetLaw(*given, self.pointwise)
 
     @property
     def is_open(self) -> bool:

@@ -1,10 +1,12 @@
 """Heights on the steps of a machine, for every kind of law."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.inversion import DesignStatus
+from metafem.inversion import DesignStatus, problem
 from metafem.inversion.design_notes import step_note
 from tests.models.scenes import said
 
@@ -41,6 +43,17 @@ def test_moves_win_over_rounding(template):
     load = np.geomspace(0.1, 0.4, 30)
     ratio = mf.Independent().curve(rounded, load).area / load**1.2
     assert stepped.misfit < 0.5 * float(ratio.std() / ratio.mean())
+
+
+@pytest.mark.parametrize("model", [mf.Independent(), mf.Interacting(order=1)], ids=["alone", "coupled"])
+def test_bounds_of_the_sum_exclude_no_change_that_would_be_taken(template, model, monkeypatch):
+    line = mf.LinearLaw(7.0, (0.1, 0.3))
+    found = mf.design(line, template, model, LIMITS)
+    every = replace(problem.DEFAULTS, largest_loads=len(line.curve().load))
+    monkeypatch.setattr(problem, "DEFAULTS", every)
+    np.testing.assert_array_equal(
+        found.surface.height, mf.design(line, template, model, LIMITS).surface.height
+    )
 
 
 def test_bilinear_law_stands_on_steps(template):
