@@ -79,6 +79,9 @@ export default {
   },
   methods: {
     show(data) {
+      for (const key of Object.keys(data.problems ?? {}).filter((each) => !(each in this.problems))) { // a new one is seen
+        for (const { name } of this.parts) if (key === name || key.startsWith(`${name}.`)) this.opened[name] = true;
+      }
       Object.assign(this, data);
       if (data.values) this.refused = {};
       this.busy = false;

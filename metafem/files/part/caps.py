@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from metafem import _validate as check
@@ -9,6 +11,24 @@ from metafem._validate import FloatArray
 from metafem.contact.cap_geometry import SPHERES, CapShape
 from metafem.errors import InvalidInput
 from metafem.surface import Block, Surface
+
+# Digits of a length that a message proposes.
+DIGITS = 3
+
+# What to do about alignment asperities that cannot be made.
+LEAVE_OUT = "leave out part.alignment_height: the part then has no alignment asperities"
+
+
+class CannotBeMade(InvalidInput):
+    """Caps that cannot be made.
+
+    `key` is the key of the specification to change, `highest` the largest height at which caps do not
+    overlap [mm], where that is known.
+    """
+
+    def __init__(self, message: str, key: str, highest: float | None = None) -> None:
+        super().__init__(message)
+        self.key, self.highest = key, highest
 
 
 def alignment_positions(template: Surface) -> FloatArray:
@@ -46,7 +66,7 @@ def with_alignment(
     if top <= tallest:
         raise InvalidInput(
             f"part.alignment_height = {top:g} mm must exceed the tallest summit, {tallest:g} mm, "
-            "so that the alignment asperities touch first"
+            f"so that the alignment asperities touch first; raise it, or {LEAVE_OUT}"
         )
     if top > most.max():
         limit = (
@@ -54,7 +74,7 @@ def with_alignment(
             if shape is SPHERES
             else f"{most.max():.4g} mm, where the profile of the caps ends"
         )
-        raise InvalidInput(f"part.alignment_height = {top:g} mm exceeds {limit}")
+        raise InvalidInput(f"part.alignment_height = {top:g} mm exceeds {limit}; lower it, or {LEAVE_OUT}")
     radius = float(surface.radius[most >= top].min())
     return surface.replaced(
         position=np.vstack([surface.position, alignment_positions(template)]),
@@ -73,9 +93,14 @@ def refuse_impossible(surface: Surface, block: Block, asperities: int, shape: Ca
     def name(i: int) -> str:
         x, y = surface.position[i]
         where = f"at ({x:g}, {y:g}) mm"
-        if i < asperities:
-            return f"asperity {i} {where}"
-        return f"alignment asperity {i - asperities} {where} (part.alignment_height)"
+        return f"asperity {i} {where}" if i < asperities else f"alignment asperity {i - asperities} {where}"
+
+    def refused(words: str, remedy: str, key: str, *rows: int, highest: float | None = None) -> CannotBeMade:
+        """Return the error of asperities; one that concerns the alignment names its key first."""
+        if max(rows) < asperities:
+            return CannotBeMade(f"{words}; {remedy}", key, highest)
+        given = f"part.alignment_height = {h[-1]:g} mm"
+        return CannotBeMade(f"{given}: {words}; {LEAVE_OUT}. Or {remedy}", "part.alignment_height")
 
     h, R = surface.height, surface.radius
     most = shape.tallest(R)
@@ -85,18 +110,44 @@ def refuse_impossible(surface: Surface, block: Block, asperities: int, shape: Ca
             if shape is SPHERES
             else f"a cap needs a height above 0 and at most {most[i]:.4g} mm, where its profile ends"
         )
-        raise InvalidInput(f"{name(i)} has the height {h[i]:g} mm; {needs}")
+        raise CannotBeMade(f"{name(i)} has the height {h[i]:g} mm; {needs}", "limits.max_height")
     base = shape.foot_radius(h, R)
     room = 0.5 * np.array([block.width, block.length])
-    for i in np.flatnonzero((np.abs(surface.position) + base[:, None] >= room).any(axis=1))[:1]:
-        raise InvalidInput(
+    ends = np.abs(surface.position) + base[:, None]
+    for i in np.flatnonzero((ends >= room).any(axis=1))[:1]:
+        needed = " by ".join(f"{_above(2.0 * end):g}" for end in ends.max(axis=0))
+        raise refused(
             f"{name(i)} has a cap of base radius {base[i]:g} mm, which leaves the block of "
-            f"{2 * room[0]:g} by {2 * room[1]:g} mm; make the block larger or the lattice smaller"
+            f"{2 * room[0]:g} by {2 * room[1]:g} mm",
+            f"make the block at least {needed} mm, or the lattice smaller",
+            "block.width" if ends[i, 0] >= room[0] else "block.length",
+            i,
         )
     pairs = KDTree(surface.position).query_pairs(2.0 * float(base.max()), output_type="ndarray")
     distance = np.linalg.norm(np.diff(surface.position[pairs], axis=1)[:, 0], axis=1)
-    for i, j in pairs[distance <= base[pairs].sum(axis=1)][:1]:
-        raise InvalidInput(
-            f"{name(i)} and {name(j)} overlap: their caps have base radii of {base[i]:g} and {base[j]:g} mm; "
-            "increase the pitch or lower the summits"
+    for row in np.flatnonzero(distance <= base[pairs].sum(axis=1))[:1]:
+        i, j = pairs[row]
+        remedy, top = "increase the pitch or lower the summits", None
+        if R[i] == R[j]:
+            top = _below(float(shape.depth_at(np.array(0.5 * distance[row]), float(R[i]))))
+            remedy += f": with this pitch and radius they can be {top:g} mm high above the base plane"
+        raise refused(
+            f"{name(i)} and {name(j)} overlap: their caps have base radii of {base[i]:g} and {base[j]:g} mm",
+            remedy,
+            "limits.max_height",
+            i,
+            j,
+            highest=top,
         )
+
+
+def _above(value: float) -> float:
+    """Return a length just above a given one, with few digits."""
+    step = 10.0 ** (math.floor(math.log10(value)) - DIGITS + 1)
+    return float(f"{step * (math.floor(value / step) + 1):.{DIGITS}g}")
+
+
+def _below(value: float) -> float:
+    """Return a length just below a given one, with few digits."""
+    step = 10.0 ** (math.floor(math.log10(value)) - DIGITS + 1)
+    return float(f"{step * (math.ceil(value / step) - 1):.{DIGITS}g}")

@@ -121,12 +121,11 @@ class Sections(Section):
         if template and limits:
             pinned = self.sites.heights_by_site(template.count, limits, block is not None, problems)
         part = self.part.options()
-        if template and radii is None and not problems:
+        if template and limits and radii is None and not problems:
             try:
                 planned(template, template, part, contact or PARABOLOID)
             except InvalidInput as error:
-                heights = f"limits.offset + limits.max_height = {formatted('limits.max_height', top)}"
-                problems.append(f"with summits of {heights}, {error}")
+                problems.append(_of_the_part(error, limits, block))
         parts = {"target": target, "template": template, "limits": limits, "layout": layout, "radii": radii}
         parts |= {"robust": robust, "part": part, "model": model, "pinned": pinned}
         return parts, problems
@@ -179,3 +178,26 @@ class Sections(Section):
             except InvalidInput as error:
                 problems.append(str(error))
         return len(problems) > before
+
+
+def _of_the_part(error: InvalidInput, limits: Limits, block: Block | None) -> str:
+    """Return why no part can have summits of the largest height, beginning with the key to change."""
+    words = str(error)
+    if words.startswith("part."):
+        return words
+    key, highest = getattr(error, "key", "limits.max_height"), getattr(error, "highest", None)
+    of_block = key.startswith("block.")
+    given = f"{key} = {formatted(key, getattr(block if of_block else limits, key.rpartition('.')[2]))}"
+    if limits.offset and not of_block:
+        given += f" with limits.offset = {formatted('limits.offset', limits.offset)}"
+    if highest is not None:
+        most = formatted("limits.max_height", float(f"{max(0.0, highest - limits.offset):.3g}"))
+        at_most = f"max_height can be at most {most}"
+        if highest <= limits.offset:
+            at_most = f"offset must be below {formatted('limits.offset', highest)}"
+        return (
+            f"{given}: caps of this height overlap; with this pitch, radius and offset {at_most}. Or "
+            "increase the pitch, or omit [block] and with it the part files"
+        )
+    top = formatted("limits.max_height", limits.offset + limits.max_height)
+    return f"{given}: with summits of {top}, {words}"

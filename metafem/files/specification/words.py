@@ -58,9 +58,7 @@ def worded(detail: Any, sections: type[BaseModel]) -> str:
 
 
 # Words before the key of a problem.
-LEAD = re.compile(
-    r"section \[|with summits of (?:limits\.offset \+ )?|limits\.offset \+ (?=limits\.max_height)"
-)
+LEAD = re.compile(r"section \[|limits\.offset \+ (?=limits\.max_height)")
 DOTTED = re.compile(r"[\w-]+(?:\.[\w-]+)*")
 
 

@@ -115,3 +115,37 @@ def test_every_problem_is_listed_and_survives_a_process():
     assert [problem_key(problem) for problem in error.problems] == ["lattice.pitch", "limits.max_height"]
     assert str(error) == "\n".join(f"mine.toml: {problem}" for problem in error.problems)
     assert pickle.loads(pickle.dumps(error)).problems == error.problems
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "key", "words"),
+    [
+        ('"400 um"', '"200 um"', "part.alignment_height", "raise it, or leave out part.alignment_height"),
+        (
+            'radius = "526 um"',
+            'radius = "0.3 mm"',
+            "part.alignment_height",
+            "0.3 mm; .* lower it, or leave out",
+        ),
+        ('width = "20 mm"', 'width = "12.5 mm"', "part.alignment_height", "leave out part.alignment_height"),
+        ('length = "20 mm"', 'length = "11 mm"', "block.length", "block at least 14.6 by 14.6 mm"),
+        ('"1.5 mm"', '"0.75 mm"', "limits.max_height", "max_height can be at most 157 um"),
+    ],
+)
+def test_a_part_that_cannot_be_made_is_refused_by_the_key_that_mends_it(old, new, key, words):
+    with pytest.raises(mf.InvalidInput, match=words) as caught:
+        parsed(demo_text("operating-points").replace(old, new, 1))
+    assert [problem_key(problem) for problem in caught.value.problems] == [key]
+
+
+def test_the_remedies_of_a_part_work():
+    text = demo_text("operating-points")
+    without = text.replace('alignment_height = "400 um"', "#")
+    parsed(without.replace('width = "20 mm"', 'width = "12.5 mm"', 1))
+    parsed(
+        text.replace('width = "20 mm"', 'width = "14.6 mm"').replace('length = "20 mm"', 'length = "14.6 mm"')
+    )
+    close = without.replace('"1.5 mm"', '"0.75 mm"').replace('offset = "0 um"', 'offset = "12 um"')
+    parsed(close.replace('"270 um"', '"145 um"'))
+    with pytest.raises(mf.InvalidInput, match="at most 145 um"):
+        parsed(close.replace('"270 um"', '"147 um"'))
