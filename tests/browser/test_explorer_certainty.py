@@ -106,24 +106,31 @@ def test_a_study_ends_when_it_is_stopped_and_with_its_page(visit, server):
     study(visit, "elements").get_by_role("button", name="Run").wait_for()
 
 
-def test_a_study_ends_with_the_server(browser):
-    with served() as own, visited(browser, own) as visit:
-        open_tab(visit)
-        started(visit, "elements")
-        (process,) = children(own)
-        own.process.terminate()
-        own.process.wait(PATIENCE)
-        assert not runs(process)
-
-
-def test_warnings_stand_where_they_belong(browser, tmp_path):
-    path = tmp_path / "spec.toml"
+@pytest.fixture(scope="module")
+def rough(browser, tmp_path_factory):
+    """A page with its own server, of a design whose law scatters by the errors of its heights."""
+    path = tmp_path_factory.mktemp("rough") / "spec.toml"
     text = demo_text("operating-points").replace('height_sd = "0.9 um"', 'height_sd = "9 um"')
     path.write_text(text.replace('kind = "independent"', 'kind = "layer"'), "utf-8")
     with served(path) as own, visited(browser, own) as visit:
-        line = visit.page.locator("section.law .place-warnings")
-        line.locator("summary").wait_for()
-        line.locator("summary").click()
-        assert "Scatter of the law of made surfaces" in line.inner_text()
-        assert not visit.page.locator("section.surface .place-warnings").is_visible()
-        assert visit.errors == []
+        yield visit
+
+
+def test_warnings_stand_where_they_belong(rough):
+    line = rough.page.locator("section.law .place-warnings")
+    line.locator("summary").wait_for()
+    line.locator("summary").click()
+    assert "Scatter of the law of made surfaces" in line.inner_text()
+    assert not rough.page.locator("section.surface .place-warnings").is_visible()
+    assert rough.errors == []
+
+
+def test_a_study_ends_with_the_server(rough):
+    own = rough.server
+    before = children(own)
+    open_tab(rough)
+    started(rough, "elements")
+    (process,) = children(own) - before
+    own.process.terminate()
+    own.process.wait(PATIENCE)
+    assert not runs(process)

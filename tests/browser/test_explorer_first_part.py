@@ -1,10 +1,11 @@
 """A first visit: from the start to the mould table of one's own law, by what stands on the page alone."""
 
 import re
-import subprocess
-import sys
 
 import pytest
+from click.testing import CliRunner
+
+from metafem import cli
 
 pytestmark = pytest.mark.slow
 
@@ -64,8 +65,8 @@ def test_a_law_of_ones_own_becomes_a_mould_table_in_six_steps(visit, tmp_path):
     table = hand.takes("mould.csv", tmp_path)
     assert hand.steps <= MOST_STEPS
     hand.takes("spec.toml", tmp_path)
-    command = [sys.executable, "-m", "metafem", "design", "spec.toml", "-o", "surface"]
-    subprocess.run(command, cwd=tmp_path, check=True, capture_output=True)
+    command = ["design", str(tmp_path / "spec.toml"), "-o", str(tmp_path / "surface")]
+    assert CliRunner().invoke(cli.main, command).exit_code == 0
     assert table.read_bytes() == (tmp_path / "surface" / "mould.csv").read_bytes()
     assert 'kind = "layer"' in (tmp_path / "spec.toml").read_text("utf-8")
 

@@ -45,15 +45,14 @@ def test_a_page_outlives_its_server(browser):
             visit.settled(before)
             assert visit.text == demo_text("operating-points")
             assert second.said == ""
+        assert second.process.returncode == 143
 
 
-def test_others_are_refused():
-    with served() as server:
-        assert status(server.address) == 200
-        assert status(server.origin) == 403
-        assert status(server.address.replace(server.address.split("/")[3], "0" * 32)) == 403
-        assert status(server.address, Origin="https://example.org") == 403
-        assert status(server.address, Host="example.org") == 403
-        parts = f"{server.address}_nicegui_ws/socket.io/?EIO=4&transport=polling"
-        assert status(parts, Origin="https://example.org") == 403
-    assert server.process.returncode == 143
+def test_others_are_refused(server):
+    assert status(server.address) == 200
+    assert status(server.origin) == 403
+    assert status(server.address.replace(server.address.split("/")[3], "0" * 32)) == 403
+    assert status(server.address, Origin="https://example.org") == 403
+    assert status(server.address, Host="example.org") == 403
+    parts = f"{server.address}_nicegui_ws/socket.io/?EIO=4&transport=polling"
+    assert status(parts, Origin="https://example.org") == 403
