@@ -1,14 +1,15 @@
 """Each claim of the validation holds, and each check names a source."""
 
 import re
-from pathlib import Path
 
 import pytest
 
+from validation import printed_numbers
 from validation.__main__ import MARKS, claims, evaluate, is_slow
 from validation.chapters import CHAPTERS
 from validation.check import Picture
 from validation.page import readme_table
+from validation.readme import README
 from validation.results import Evaluated, costs
 from validation.sources import Source
 from validation.verdicts import QUESTIONS
@@ -52,7 +53,7 @@ def test_each_figure_has_a_caption_and_each_claim_a_text(name):
 
 @pytest.mark.slow
 def test_the_table_of_the_readme_is_the_one_that_is_computed():
-    readme = (Path(__file__).parents[2] / "README.md").read_text("utf-8")
+    readme = README.read_text("utf-8")
     shown = readme.partition(MARKS[0])[2].partition(MARKS[1])[0].splitlines()
     # times are measured on their own, and the tests solve fewer scenes: those answers are not compared
     found = {name: evaluate(name) for name in claims() if name not in ("random_scenes", "stability_map")}
@@ -63,6 +64,13 @@ def test_the_table_of_the_readme_is_the_one_that_is_computed():
     lines = [line for line in readme_table(results).splitlines() if "Not in this run" not in line]
     assert len(lines) == 2 + len(QUESTIONS) - 3  # cost, exactness and random scenes
     assert set(lines) <= set(shown)
+
+
+@pytest.mark.slow
+def test_the_printed_numbers_of_the_readme_are_the_computed_ones():
+    table = printed_numbers.printed_table({name: evaluate(name) for name in printed_numbers.CLAIMS})
+    begin, end = printed_numbers.MARKS
+    assert f"{begin}\n{table}\n{end}" in README.read_text("utf-8")
 
 
 def test_a_claim_that_raises_is_a_failed_check(monkeypatch):
