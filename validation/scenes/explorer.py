@@ -228,9 +228,11 @@ class Visit:
 
 
 @contextmanager
-def visited(browser: Browser, server: Server, width: int = 1440, height: int = 900) -> Iterator[Visit]:
+def visited(
+    browser: Browser, server: Server, width: int = 1440, height: int = 900, *, touch: bool = False
+) -> Iterator[Visit]:
     """Open the page of a server in a tab with storage of its own, and wait for its first law."""
-    context = browser.new_context(viewport={"width": width, "height": height})
+    context = browser.new_context(viewport={"width": width, "height": height}, has_touch=touch)
     try:
         page = context.new_page()
         visit = Visit(page, server)

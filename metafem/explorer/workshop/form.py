@@ -34,6 +34,7 @@ LABELS = {
     "limits.height_sd": "error when made (SD)",
     "model.kind": "model",
     "material.composite_modulus": "composite modulus E*",
+    "material.poisson_ratio": "Poisson's ratio ν",
     "friction.shear_strength": "shear strength σ",
     "friction.area_ratio": "area ratio B",
     "radii.range": "any radius within",

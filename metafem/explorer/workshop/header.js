@@ -71,7 +71,7 @@ export default {
         </span>
         <button class="act" title="Mouse, touch and keys (?)" @click="help">Help</button>
       </span>
-      <p v-if="hint" :class="['hint', 'info', { closed }]"><span>Drag the points of the target law: the heights follow. The tab “Take it” has the mould table. The key ? or Help lists gestures and keys.</span>
+      <p v-if="hint" :class="['hint', 'info', { closed }]"><span>Drag the points of the target law: the heights follow. The tab “Take it” has the mould table. Help lists gestures and keys.</span>
         <button class="act icon" aria-label="Close the hint" @click="close">✕</button></p>
       <dialog ref="dialog" aria-labelledby="help-title" @click="outside">
         <div class="head"><h2 id="help-title">Mouse, touch and keys</h2><button class="act" autofocus @click="$refs.dialog.close()">Close</button></div>

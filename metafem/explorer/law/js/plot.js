@@ -11,6 +11,8 @@ import { MARGIN, View } from "./view.js";
 
 // Pixels that a pointer may move during a click.
 const STILL = 4;
+// Two taps are one double tap within these milliseconds and pixels, the width of a finger.
+const TWICE = { time: 500, far: 40 };
 // Pixels between a point and the reason of its refusal.
 const APART = 18;
 
@@ -63,11 +65,14 @@ export class Plot {
     svg.addEventListener("click", (event) => {
       const at = this.pointOf(event);
       const still = this.pressed && Math.hypot(at.x - this.pressed.x, at.y - this.pressed.y) < STILL;
-      if (still && event.detail === 1 && !event.target.closest(".handle, .load-knob")) this.cursor.choose(this.view.atX(at.x));
       this.pressed = null;
+      if (event.target.closest(".handle, .load-knob")) return;
+      if (event.pointerType !== "touch") this.tapped = null;
+      if (event.pointerType === "touch" && this.tappedTwice(at, event.timeStamp)) this.add(at);
+      else if (still && event.detail === 1) this.cursor.choose(this.view.atX(at.x));
     });
     svg.addEventListener("dblclick", (event) => {
-      if (!event.target.closest(".handle")) this.add(this.pointOf(event));
+      if (!event.target.closest(".handle") && !this.tapped) this.add(this.pointOf(event));
     });
     svg.addEventListener("keydown", (event) => {
       if (event.key === "a" && !event.ctrlKey && !event.metaKey && !event.altKey) this.add(this.cursor.over ?? this.between(event.target));
@@ -78,6 +83,14 @@ export class Plot {
   pointOf(event) {
     const box = this.svg.getBoundingClientRect();
     return { x: event.clientX - box.left, y: event.clientY - box.top };
+  }
+
+  // Whether a tap follows another one closely; some browsers make no double click of two taps.
+  tappedTwice(at, time) {
+    const before = this.tapped;
+    const twice = before && time - before.time < TWICE.time && Math.hypot(at.x - before.at.x, at.y - before.at.y) < TWICE.far;
+    this.tapped = { at, time: twice ? -Infinity : time };
+    return twice;
   }
 
   // Where a new point goes without a pointer: halfway from the handle in focus to the next.

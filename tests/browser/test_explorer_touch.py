@@ -1,0 +1,170 @@
+"""The explorer on a tablet and on a phone: by fingers alone, with nothing too small, too faint or cut off."""
+
+import pytest
+
+from metafem.explorer.surface.sites_text import asked_sites
+from metafem.files import parsed
+from validation.scenes.explorer import visited
+
+pytestmark = pytest.mark.slow
+
+TABS = ("Specification", "How sure", "Take it", "Workshop")
+
+# Smallest target of a finger, and of a handle of the law [px], as in WCAG 2.2, criteria 2.5.8 and 2.5.5.
+SMALL, HANDLE = 24, 44
+
+# Least contrast of text and of what is drawn, as in WCAG 2.2, criteria 1.4.3 and 1.4.11.
+TEXT, DRAWN = 4.5, 3.0
+
+# What is smaller than a finger needs, the width of the page beyond the window, and what of a tab is cut off.
+SHAPE = """least => {
+  const controls = [...document.querySelectorAll('button, input, select, summary, a, [role=tab]')];
+  const small = controls.filter(each => {
+    const box = (each.closest('label') ?? each).getBoundingClientRect();
+    return each.checkVisibility() && Math.min(box.width, box.height) < least;
+  });
+  const below = document.querySelector('.below'), end = below.getBoundingClientRect().bottom;
+  const cut = each => each.checkVisibility() && each.getBoundingClientRect().bottom > end;
+  const parts = [...below.querySelectorAll('.q-tab-panel *:not(.unseen, .cm-scroller, .cm-scroller *)')];
+  return {
+    small: small.map(each => each.outerHTML), wide: document.documentElement.scrollWidth - innerWidth,
+    cut: parts.filter(cut).map(each => each.outerHTML),
+  };
+}"""
+
+# Texts and lines whose contrast with what lies behind them is too low.
+FAINT = """([text, drawn]) => {
+  const pen = new OffscreenCanvas(1, 1).getContext('2d', { willReadFrequently: true });
+  const rgba = colour => {
+    pen.clearRect(0, 0, 1, 1); pen.fillStyle = colour; pen.fillRect(0, 0, 1, 1);
+    const [r, g, b, a] = pen.getImageData(0, 0, 1, 1).data;
+    return [r, g, b, a / 255];
+  };
+  const linear = value => (value <= 10.31 ? value / 3294.6 : ((value / 255 + 0.055) / 1.055) ** 2.4);
+  const light = ([r, g, b]) => 0.2126 * linear(r) + 0.7152 * linear(g) + 0.0722 * linear(b) + 0.05;
+  const over = ([r, g, b, a], under) => [r, g, b].map((each, i) => each * a + under[i] * (1 - a));
+  const around = each => (each ? [each, ...around(each.parentElement)] : []);
+  const back = each => rgba(getComputedStyle(each).backgroundColor);
+  const white = [255, 255, 255];
+  const ground = each => around(each).reverse().reduce((under, one) => over(back(one), under), white);
+  const contrast = (one, other) => Math.max(light(one) / light(other), light(other) / light(one));
+  const behind = each => {
+    const style = getComputedStyle(each), [r, g, b, a] = rgba(each.closest('svg') ? style.fill : style.color);
+    const part = around(each).reduce((whole, one) => whole * getComputedStyle(one).opacity, a);
+    return contrast(over([r, g, b, part], ground(each)), ground(each));
+  };
+  const seen = { opacityProperty: true, visibilityProperty: true };
+  const others = '.unseen, script, style, option, :disabled, [aria-disabled=true]';
+  const found = [], walk = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+  while (walk.nextNode()) {
+    const [words, each] = [walk.currentNode.data.trim(), walk.currentNode.parentElement];
+    if (!words || !each.checkVisibility(seen) || each.closest(others)) continue;
+    if (behind(each) < text) found.push(`${words}: ${behind(each).toFixed(2)}`);
+  }
+  const plot = document.querySelector('.law-plot'), paper = ground(plot);
+  const lines = ['target', 'achieved', 'measured', 'beside', 'accent', 'faint', 'edge', 'warn'];
+  for (const name of [...lines, 'other-0', 'other-1', 'other-2', 'other-3']) {
+    const value = contrast(rgba(getComputedStyle(plot).getPropertyValue(`--${name}`)), paper);
+    if (value < drawn) found.push(`--${name}: ${value.toFixed(2)}`);
+  }
+  return found;
+}"""
+
+
+@pytest.fixture(scope="module", params=[(768, 1024), (390, 844)], ids=["tablet", "phone"])
+def tablet(browser, server, request):
+    """A page of a tablet or a phone."""
+    with visited(browser, server, *request.param, touch=True) as visit:
+        visit.size_of_screen = request.param
+        yield visit
+
+
+@pytest.fixture
+def hand(tablet):
+    """The page as at the first visit."""
+    tablet.anew(*tablet.size_of_screen)
+    yield tablet
+    assert tablet.errors == []
+
+
+def target(visit):
+    return parsed(visit.text).target
+
+
+def test_points_are_moved_added_and_removed_and_sites_kept(hand):
+    page = hand.page
+    (x, y), plot = hand.middle("point-1"), page.locator(".law-svg").bounding_box()
+    before, friction = hand.asked, target(hand).rescaled_friction[1]
+    # beside the point, within the reach of a finger
+    session = page.context.new_cdp_session(page)
+    for i, kind in enumerate(["touchStart", *["touchMove"] * 4, "touchEnd"]):
+        points = [{"x": x + 17 + i, "y": y + 10 - 3 * i}] if kind != "touchEnd" else []
+        session.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+    hand.settled(before)
+    assert target(hand).rescaled_friction[1] > friction
+    assert page.evaluate("() => scrollY") == 0
+    before = hand.asked
+    page.get_by_role("button", name="Remove the point").tap()
+    hand.settled(before)
+    assert len(hand.handles()) == 2
+    moved = page.locator(".law-svg").bounding_box()  # the first hint has gone
+    for kind in ("touchStart", "touchEnd") * 2:
+        points = (
+            [{"x": x - plot["x"] + moved["x"], "y": y - plot["y"] + moved["y"]}]
+            if kind == "touchStart"
+            else []
+        )
+        session.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+    page.wait_for_function("() => document.querySelectorAll('.handle').length === 3")
+    page.locator('[data-site="20"]').tap()
+    before = hand.asked
+    page.get_by_role("button", name="Keep this height").tap()
+    hand.settled(before)
+    assert set(asked_sites(hand.text).pinned) == {20}
+
+
+def test_the_page_is_scrolled_and_enlarged_over_the_pictures(hand):
+    page = hand.page
+    session = page.context.new_cdp_session(page)
+    for picture in (".law-svg", ".surface-view svg"):
+        page.evaluate("() => scrollTo(0, 0)")
+        box = page.locator(picture).bounding_box()
+        x, y = box["x"] + 0.75 * box["width"], min(box["y"] + 0.9 * box["height"], 600)
+        session.send("Input.synthesizeScrollGesture", {"x": x, "y": y, "yDistance": -200})
+        assert page.evaluate("() => scrollY") > 100
+        session.send("Input.synthesizePinchGesture", {"x": x, "y": y / 2, "scaleFactor": 2})
+        assert page.evaluate("() => visualViewport.scale") > 1.5
+        session.send("Emulation.setPageScaleFactor", {"pageScaleFactor": 1})
+
+
+@pytest.mark.parametrize("colours", ["Light", "Dark"])
+def test_nothing_is_too_small_too_faint_or_cut_off(hand, colours):
+    page = hand.page
+    page.emulate_media(reduced_motion="reduce")
+    page.get_by_role("button", name=colours).tap()
+    page.locator(".law-legend .tolerance").wait_for()
+    for tab in TABS:
+        page.get_by_role("tab", name=tab).tap()
+        page.wait_for_function("() => document.querySelectorAll('.q-tab-panel').length === 1")
+        page.locator(
+            {"Specification": ".cm-line", "How sure": ".sure-figures tr"}.get(tab, ".below")
+        ).first.wait_for()
+        assert page.evaluate(SHAPE, SMALL) == {"small": [], "wide": 0, "cut": []}, tab
+        assert page.evaluate(FAINT, [TEXT, DRAWN]) == [], tab
+        assert page.evaluate("() => document.getAnimations().length") == 0
+    box = page.locator('.handle[data-id="point-0"] .touch').bounding_box()
+    assert round(min(box["width"], box["height"])) >= HANDLE
+
+
+def test_dialogs_and_menus_lie_within_the_window(hand):
+    page, (width, _) = hand.page, hand.size_of_screen
+    page.get_by_role("button", name="Help").tap()
+    shown = [page.get_by_role("dialog").bounding_box()]
+    page.get_by_role("button", name="Close", exact=True).tap()
+    page.locator(".law-beside summary").tap()
+    shown.append(page.locator(".law-models").bounding_box())
+    for site in (0, 7):
+        page.locator(f'[data-site="{site}"]').tap()
+        shown.append(page.locator(".menu").bounding_box())
+        page.get_by_role("button", name="Close", exact=True).tap()
+    assert all(box["x"] >= 0 and box["x"] + box["width"] <= width for box in shown)
