@@ -18,6 +18,7 @@ from metafem.explorer.answer import Answer, answered
 from metafem.explorer.browser import Browser
 from metafem.explorer.certainty.background import Tasks
 from metafem.explorer.certainty.panel import certainty_panel, place_warnings
+from metafem.explorer.divider import Divider
 from metafem.explorer.law.panel import law_panel
 from metafem.explorer.newest import PATIENCE, PATIENCE_WITH_DRAFTS, Newest, all_told, in_words, prepared
 from metafem.explorer.session import Session, State
@@ -244,6 +245,7 @@ def build(first: State) -> Page:
         with _part("surface", "Surface"):
             surface_panel(page)
             place_warnings(page, "surface")
+        Divider()
         with _part("below", "Workshop and results"):
             _tabs(page)
     return page

@@ -1,10 +1,11 @@
-// The warnings that belong to a part of the page: how many, and their words when they are opened.
+// The warnings that belong to a part of the page: how many, and their words when they are opened, over the
+// picture, which keeps its size.
 export default {
   template: `
-    <details class="place-warnings" :hidden="!texts.length">
+    <details ref="box" class="place-warnings" :hidden="!texts.length" @keydown.esc="shut">
       <summary><span class="chip warn"><span aria-hidden="true">▲</span>{{ texts.length }} {{ texts.length > 1 ? "warnings" : "warning" }}</span>
         <span class="small">{{ brief }}</span></summary>
-      <p v-for="text in texts" :key="text" class="warn small">{{ text }}</p>
+      <div class="over"><p v-for="text in texts" :key="text" class="warn small">{{ text }}</p></div>
     </details>`,
   data() {
     return { texts: [] };
@@ -13,6 +14,10 @@ export default {
     brief() { return (this.texts[0] ?? "").split(/[.:;] /)[0]; },
   },
   methods: {
+    shut() {
+      this.$refs.box.open = false;
+      this.$refs.box.querySelector("summary").focus();
+    },
     show(texts) { this.texts = texts.map((text) => text[0].toUpperCase() + text.slice(1)); },
   },
 };

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Sequence
 from dataclasses import dataclass
+from difflib import get_close_matches
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -31,6 +34,24 @@ COPY = "metafem-dropped.csv"
 
 # What a table of a target law has and one of a measured law has not.
 RESCALED = "rescaled_load"
+
+# Names of the columns of a measured law, each with a unit and the form in which people write it otherwise.
+KNOWN = {
+    "load": "load_N", "normal_load": "load_N", "normal_force": "load_N",
+    "friction_force": "friction_force_N", "friction": "friction_force_N", "tangential_force": "friction_force_N",
+    "area": "area_mm2", "contact_area": "area_mm2",
+    "load_sd": "load_sd_N", "friction_force_sd": "friction_force_sd_N", "friction_sd": "friction_force_sd_N",
+    "area_sd": "area_sd_mm2",
+}  # fmt: skip
+
+# A title: a name, and a unit behind it, in brackets or not.
+TITLE = re.compile(r"\s*(.*?)(?:[\s_]*[\[(]\s*(\S+?)\s*[\])]|[\s_]+([mkuµ]?N|[mcuµ]?m(?:\^?2|²)))?\s*")
+
+# Likeness of two names above which one is offered for the other, as `difflib` counts it.
+LIKE = 0.6
+
+# What a message says of columns that are not known.
+NAMES = "name its columns"
 
 # What a message for the command line says, and for the page.
 COMMAND, PAGE = "state them (--shear-strength, --area-ratio)", "add [friction] to the specification"
@@ -118,6 +139,36 @@ def as_target(answer: Answer, found: Points) -> str:
     return Document(answer.state.text).with_kind("target", "sampled", values)
 
 
+def better_titles(header: Sequence[str]) -> dict[str, str]:
+    """Return titles of columns by which those of a table would be read, for titles that are not.
+
+    Examples
+    --------
+    >>> better_titles(["load_N", "friction_mN"]), better_titles(["Load [N]", "Friction"])
+    ({'friction_mN': 'friction_force_mN'}, {'Load [N]': 'load_N', 'Friction': 'friction_force_N'})
+    """
+    found: dict[str, str] = {}
+    for title in header:
+        named = TITLE.fullmatch(title)
+        if named is None:
+            continue
+        near = get_close_matches(re.sub(r"\W+", "_", named[1].lower()), KNOWN, 1, LIKE)
+        if near:
+            name, _, unit = KNOWN[near[0]].rpartition("_")
+            better = f"{name}_{named[2] or named[3] or unit}"
+            if better != title and better not in header and better not in found.values():
+                found[title] = better
+    return found
+
+
+def _offer(text: str) -> str:
+    """Return what is added to the reason why the columns of a table are not known."""
+    header = next((line for line in text.splitlines() if line.strip() and not line.startswith("#")), "")
+    titles = [title.strip() for title in re.split(r"[,;\t]", header)]
+    offers = [f"{better} instead of {title[:40]}" for title, better in better_titles(titles).items()]
+    return f" Do you mean {' and '.join(offers)}? Change the first line of the file." if offers else ""
+
+
 def _rescaled(name: str, text: str) -> Points:
     columns = columns_of(name, text.encode("utf-8"), TARGET)
     load, friction = (
@@ -134,7 +185,9 @@ def _measured(name: str, text: str, material: Material, friction: Friction | Non
         try:
             law = read_measured_law(path, material, friction)
         except InvalidInput as error:
-            raise InvalidInput(str(error).replace(str(path), name).replace(COMMAND, PAGE)) from None
+            words = str(error).replace(str(path), name).replace(COMMAND, PAGE)
+            offer = _offer(text) if NAMES in words else ""
+            raise InvalidInput(f"{words}.{offer}" if offer else words) from None
     header = next(line for line in text.splitlines() if line.strip() and not line.startswith("#"))
     stated = ("load_sd" in header, "friction_force_sd" in header or "area_sd" in header)
     known = np.isfinite(law.rescaled_friction)

@@ -14,8 +14,8 @@ from metafem.explorer.text.shape import Follows, Shift
 from metafem.inversion import OperatingPoints
 
 # What the shaded band is: its bounds are proven for independent asperities.
-INDEPENDENT = "reach of any surface within the limits"
-COUPLED = "reach of independent asperities within the limits"
+INDEPENDENT = "reach at each load by itself"
+COUPLED = "reach of independent asperities at each load by itself"
 
 
 def law_data(answer: Answer) -> dict[str, Any]:

@@ -8,7 +8,7 @@ export default {
       <div class="law-stage">
         <svg class="law-svg" role="group" aria-label="Target law and achieved law. Points can be dragged, or moved with the arrow keys; the key a adds one, Delete removes one."></svg>
         <output class="law-readout" aria-hidden="true"></output>
-        <div class="law-refusal" hidden><span></span><div class="law-nearest" hidden><i></i>nearest law that can be designed</div><button type="button" class="law-use">Use the nearest law</button></div>
+        <div class="law-refusal" hidden><button type="button" class="law-away"></button><span></span><div class="law-nearest" hidden><i></i>nearest law that can be designed</div><button type="button" class="law-use">Use the nearest law</button></div>
       </div>
       <ul class="law-legend" aria-label="Legend"></ul>
       <div class="law-live"><span aria-live="polite"></span><button type="button" class="law-drop" hidden title="Remove this point (Delete)">Remove the point</button><button type="button" class="law-use" hidden>Use the nearest law</button></div>

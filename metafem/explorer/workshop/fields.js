@@ -65,19 +65,32 @@ export default {
   },
   computed: {
     parts() { return this.columns.flat(); },
-    all() {
-      return Object.fromEntries(this.parts.flatMap((part) => Object.values(part.keys).flat()).map((field) => [field.key, field]));
-    },
     loose() {  // what belongs to none of the fields that are shown
       const places = this.parts.filter(this.visible).flatMap((part) => [part.name, `${part.name}.kind`, ...(this.has(part) ? this.fields(part).map((field) => field.key) : [])]);
       return this.broken ? [] : Object.entries(this.problems).filter(([key]) => !places.includes(key)).map(([, words]) => words);
     },
     telling() {
-      const field = this.all[this.told];
+      const shown = this.parts.filter((part) => this.visible(part) && this.has(part)).flatMap(this.fields); // a key can mean something else in another kind
+      const field = shown.find(({ key }) => key === this.told);
       return field ? this.help(field) : "Each value is used with Enter or on leaving its field. Arrow keys up and down change numbers.";
     },
   },
+  beforeUpdate() { this.place = this.seen(); },
+  updated() {  // words that come and go leave the field in use where it is
+    const { scroller, node, top } = this.place ?? {};
+    if (node?.isConnected) scroller.scrollTop += node.getBoundingClientRect().top - top;
+  },
   methods: {
+    // The field in use, or the first one that is seen, and where it is.
+    seen() {
+      const scroller = this.$el.closest(".q-tab-panel");
+      if (!scroller || scroller.scrollHeight <= scroller.clientHeight) return null;
+      const above = scroller.getBoundingClientRect().top;
+      const inside = (each) => each.getBoundingClientRect().top >= above;
+      const active = document.activeElement;
+      const node = this.$el.contains(active) ? active : [...this.$el.querySelectorAll("[data-key]")].find(inside);
+      return node ? { scroller, node, top: node.getBoundingClientRect().top } : null;
+    },
     show(data) {
       for (const key of Object.keys(data.problems ?? {}).filter((each) => !(each in this.problems))) { // a new one is seen
         for (const { name } of this.parts) if (key === name || key.startsWith(`${name}.`)) this.opened[name] = true;

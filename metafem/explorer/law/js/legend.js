@@ -8,7 +8,7 @@ export function entries(data) {
     data.crowd && "Change them in the specification or its table, or choose another kind of target law.");
   add(data.achieved, data.refusal ? "achieved old" : "achieved", data.refusal ? "last law that was found" : `achieved law (${data.model})`);
   add(data.nearest, "nearest", "nearest law that can be designed");
-  add(data.band, "band", data.reach, "At each load by itself: a law inside is refused where no surface meets all of its loads.");
+  add(data.band, "band", data.reach, "What the surfaces within the limits can have at one load. A law inside is refused where no single surface meets all of its loads.");
   // the errors of the part are told where the pointer rests
   add(data.tolerance, "tolerance", data.tolerance?.name.split(",")[0], data.tolerance?.name);
   (data.others ?? []).forEach((each, i) => add(true, `other other-${i}`, each.name));

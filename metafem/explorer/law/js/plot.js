@@ -4,6 +4,7 @@ import { Files } from "./files.js";
 import { Hand } from "./hand.js";
 import { drawLegend } from "./legend.js";
 import { Picture } from "./picture.js";
+import { Refusal } from "./refusal.js";
 import { Requests } from "./requests.js";
 import { made } from "./svg.js";
 import { Tools } from "./tools.js";
@@ -13,8 +14,6 @@ import { MARGIN, View } from "./view.js";
 const STILL = 4;
 // Two taps are one double tap within these milliseconds and pixels, the width of a finger.
 const TWICE = { time: 500, far: 40 };
-// Pixels between a point and the reason of its refusal.
-const APART = 18;
 
 // Where a point is after the one that carries it has moved: by factors for along, across (y for a move in x) and up.
 const shifted = (x, y, by, [along, across, up]) => [x + along * by.x, y + across * by.x + up * by.y];
@@ -28,9 +27,8 @@ export class Plot {
   constructor(root, emit) {
     const find = (name) => root.querySelector(`.${name}`);
     [this.root, this.emit] = [root, emit];
-    [this.stage, this.svg, this.refusal, this.legend, this.live] =
-      [find("law-stage"), find("law-svg"), find("law-refusal"), find("law-legend"), find("law-live")];
-    this.reason = this.refusal.querySelector("span");
+    [this.stage, this.svg, this.legend, this.live] = [find("law-stage"), find("law-svg"), find("law-legend"), find("law-live")];
+    this.refusal = new Refusal(find("law-refusal"), () => this.paint());
     this.picture = new Picture(this.svg);
     this.requests = new Requests((request) => emit("drag", request));
     this.hand = new Hand(this, made("g", {}, this.svg));
@@ -232,31 +230,13 @@ export class Plot {
     }
   }
 
-  // The reason of a refusal stands near the point that is held, else above the law.
+  // The reason of a refusal stands near the point that is held, else where it covers none.
   drawRefusal() {
-    const { data, refusal, view, hand } = this;
-    refusal.hidden = data.refusal === "";
-    if (refusal.hidden) return;
-    if (!hand.held) this.live.querySelector(".law-use").hidden = true; // the box has it
-    if (this.reason.textContent !== data.refusal) this.reason.textContent = data.refusal;
+    const { data, view, hand } = this;
     // after a drag the target is back, and the last offer stays
-    for (const button of this.root.querySelectorAll(".law-use")) if (data.offer) button.textContent = data.offer;
-    refusal.querySelector(".law-use").hidden = data.nearest === null || Boolean(hand.held);
-    refusal.classList.toggle("passive", Boolean(hand.held));
-    refusal.querySelector(".law-nearest").hidden = data.nearest === null || !hand.held; // else in the legend
-    const [left, top] = this.besideOf(hand.held && hand.current, refusal.offsetWidth, refusal.offsetHeight);
-    refusal.style.left = `${Math.max(4, Math.min(left, view.width - refusal.offsetWidth - 4))}px`;
-    refusal.style.top = `${Math.max(4, Math.min(top, view.height - refusal.offsetHeight - 4))}px`;
-  }
-
-  // Where a box covers no law, which rises from the left to the right: above it and to the left of a point, or
-  // below it and to the right.
-  besideOf(handle, width, height) {
-    if (!handle) return [MARGIN.left + 16, MARGIN.top + 8];
-    const [x, y] = [this.view.px(handle.x), this.view.py(handle.y)];
-    if (handle.x / this.view.x > handle.y / this.view.y) return [x + APART, y + APART];
-    const left = x - width - APART;
-    return left < MARGIN.left ? [left, y - height - APART] : [left, y - APART];
+    for (const button of this.root.querySelectorAll(".law-use")) if (data.refusal && data.offer) button.textContent = data.offer;
+    const shown = this.refusal.draw(view, data, hand);
+    if (shown && !hand.held) this.live.querySelector(".law-use").hidden = true; // the box has it
   }
 
   // Shows below the plot where a handle is, which it tells screen readers itself, and a button for hands without keys.

@@ -29,7 +29,7 @@ export class Tools {
     });
     this.outside = (event) => { if (!this.models.contains(event.target)) this.models.open = false; };
     document.addEventListener("pointerdown", this.outside);
-    const choose = made("button", { type: "button", className: "act law-choose", textContent: "Measured points…", title: "Show a CSV table; it can also be dropped onto the plot" });
+    const choose = made("button", { type: "button", className: "act law-choose", textContent: "Measured points…", title: "Show a CSV table of a measured law; it can also be dropped onto the plot. Its first line names the columns with their units: load_N,friction_force_N or load_mN,area_mm2, optionally with load_sd_N and friction_force_sd_N." });
     choose.addEventListener("click", () => files.choose());
     const label = made("label", { className: "law-target" }, "Target ", this.kind);
     root.append(made("h2", { textContent: "Law" }), label, this.axes, this.models, choose);
