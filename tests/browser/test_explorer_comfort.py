@@ -74,3 +74,82 @@ def test_plots_stay_where_they_are_when_the_hint_goes(visit):
     visit.page.reload()
     visit.settled()
     assert not visit.page.locator(".hint").count()
+
+
+# Middles of the points that the box with the reason of a refusal covers.
+COVERED = """() => {
+  const box = document.querySelector('.law-refusal').getBoundingClientRect();
+  return [...document.querySelectorAll('.handle .mark')].filter(mark => {
+    const { x, y, width, height } = mark.getBoundingClientRect();
+    const [right, down] = [x + width / 2, y + height / 2];
+    return right > box.left && right < box.right && down > box.top && down < box.bottom;
+  }).length;
+}"""
+
+
+def entered(visit, key, text):
+    """Type into the field of a key, and wait for the answer."""
+    before = visit.asked
+    field = visit.page.locator(f'[data-key="{key}"]')
+    field.fill(text)
+    field.press("Enter")
+    visit.settled(before)
+    return field
+
+
+def test_the_reason_of_a_refusal_covers_no_point_and_can_be_put_away(visit):
+    page = visit.page
+    entered(visit, "limits.max_height", "20 um")
+    for width in (1440, 390):
+        page.set_viewport_size({"width": width, "height": 900})
+        page.locator(".law-refusal span").wait_for()
+        page.wait_for_function(f"() => ({COVERED})() === 0")
+        page.get_by_label("Put the reason away").click()
+        page.locator(".law-refusal span").wait_for(state="hidden")
+        page.get_by_label("Show the reason of the refusal").click()
+        page.locator(".law-refusal span").wait_for()
+
+
+def test_warnings_open_over_the_map_and_the_line_above_the_workshop_moves(visit):
+    page = visit.page
+    entered(visit, "limits.height_sd", "30 um")
+    warnings = page.locator("section.surface .place-warnings summary")
+    warnings.wait_for()
+    size = page.locator("section.surface .box").first.bounding_box()
+    warnings.click()
+    page.locator("section.surface .over").wait_for()
+    assert page.locator("section.surface .box").first.bounding_box() == size
+    page.keyboard.press("Escape")
+    page.locator("section.surface .over").wait_for(state="hidden")
+    below, line = page.locator(".below"), page.get_by_role("separator", name="Height of the workshop")
+    first = below.bounding_box()["height"]
+    place = line.bounding_box()
+    page.mouse.move(place["x"] + 100, place["y"] + 6)
+    page.mouse.down()
+    page.mouse.move(place["x"] + 100, place["y"] - 74, steps=4)
+    page.mouse.up()
+    assert below.bounding_box()["height"] == pytest.approx(first + 80, abs=2)
+    line.press("ArrowDown")
+    line.press("Shift+ArrowDown")
+    kept = below.bounding_box()["height"]
+    assert kept == pytest.approx(first - 16, abs=2)
+    page.reload()
+    visit.settled()
+    assert below.bounding_box()["height"] == pytest.approx(kept, abs=2)
+
+
+def test_the_field_in_use_stays_where_it_is_when_warnings_come(visit):
+    page = visit.page
+    page.set_viewport_size({"width": 1440, "height": 820})
+    field = page.locator('[data-key="limits.height_sd"]')
+    field.focus()
+    place = field.bounding_box()
+    before = visit.asked
+    field.fill("30 um")
+    field.press("Enter")
+    visit.settled(before)
+    page.locator(".fields .cautious").first.wait_for()
+    page.wait_for_function(
+        "y => Math.abs(document.activeElement.getBoundingClientRect().y - y) < 2", arg=place["y"]
+    )
+    visit.page.get_by_text("It is assessed, not designed for").last.wait_for()

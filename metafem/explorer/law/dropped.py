@@ -37,11 +37,11 @@ RESCALED = "rescaled_load"
 
 # Names of the columns of a measured law, each with a unit and the form in which people write it otherwise.
 KNOWN = {
-    "load": "load_N", "normal_load": "load_N", "normal_force": "load_N",
-    "friction_force": "friction_force_N", "friction": "friction_force_N", "tangential_force": "friction_force_N",
+    "load": "load_N", "normal_load": "load_N", "normal_force": "load_N", "p": "load_N",
+    "friction_force": "friction_force_N", "friction": "friction_force_N", "f": "friction_force_N",
+    "tangential_force": "friction_force_N", "friction_sd": "friction_force_sd_N",
     "area": "area_mm2", "contact_area": "area_mm2",
-    "load_sd": "load_sd_N", "friction_force_sd": "friction_force_sd_N", "friction_sd": "friction_force_sd_N",
-    "area_sd": "area_sd_mm2",
+    "load_sd": "load_sd_N", "friction_force_sd": "friction_force_sd_N", "area_sd": "area_sd_mm2",
 }  # fmt: skip
 
 # A title: a name, and a unit behind it, in brackets or not.

@@ -17,6 +17,12 @@ MOST_POINTS = 200
 # Significant digits of a curve, below a tenth of a pixel, and of values that are edited.
 DRAWN, EDITED = 5, 9
 
+# What rescaled values are.
+RESCALED = {
+    "x": "Load P divided by the composite modulus E*: an area",
+    "y": "Friction force F divided by the shear strength σ and the area ratio B: an area",
+}
+
 
 @dataclass(frozen=True)
 class Units:
@@ -44,7 +50,15 @@ class Units:
         unit = "N" if self.newtons else "mm²"
         labels = ("load P", "friction force F") if self.newtons else ("load P/E*", "friction F/(σB)")
         names = {"x": ("load", labels[0]), "y": ("friction", labels[1])}
-        return {axis: {"name": name, "label": label, "unit": unit} for axis, (name, label) in names.items()}
+        return {
+            axis: {
+                "name": name,
+                "label": label,
+                "unit": unit,
+                "meaning": "" if self.newtons else RESCALED[axis],
+            }
+            for axis, (name, label) in names.items()
+        }
 
     def curve(self, load: FloatArray, friction: FloatArray) -> dict[str, Any]:
         """Return a curve, thinned and in the units that are shown."""

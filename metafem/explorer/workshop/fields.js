@@ -83,7 +83,7 @@ export default {
   methods: {
     // The field in use, or the first one that is seen, and where it is.
     seen() {
-      const scroller = this.$el.closest(".q-tab-panel");
+      const scroller = this.$el.closest(".q-panel");
       if (!scroller || scroller.scrollHeight <= scroller.clientHeight) return null;
       const above = scroller.getBoundingClientRect().top;
       const inside = (each) => each.getBoundingClientRect().top >= above;
@@ -137,7 +137,7 @@ export default {
     help(field) {
       const meaning = field.meaning.replace(/^(either|or|with it): /, "");
       const rest = [[field.default, "Default"], [field.example, "Example"]].filter(([value]) => value);
-      return `${this.capital(field.label)} (${field.key}): ${meaning}${/[.!?]$/.test(meaning) ? "" : "."} ${rest.map(([value, word]) => `${word}: ${value}.`).join(" ")}`;
+      return `${this.capital(field.label)} (${field.key}): ${meaning}${/[.!?]$/.test(meaning) ? "" : "."} ${rest.map(([value, word]) => `${word}: ${value}.`).join(" ")} ${field.further}`.trim();
     },
     placeholder(field) { return field.default || (field.needed ? field.example : ""); },
     options(field) {

@@ -17,7 +17,7 @@ COLUMNS: tuple[dict[str, str], ...] = (
     {"target": "Target law", "part": "Part files"},
     {"lattice": "Sites and radius", "radii": "Choice of radii", "sites": "Given heights, empty sites",
      "block": "Block"},
-    {"limits": "Heights", "robust": "Errors of the made part", "layout": "Layout"},
+    {"limits": "Heights", "robust": "Design for these errors", "layout": "Layout"},
     {"model": "Model", "contact": "Contact law", "contact.cap": "Cap under adhesion",
      "material": "Material", "friction": "Friction", "checks": "Checks"},
 )  # fmt: skip
@@ -50,6 +50,26 @@ LABELS = {
     "sites.empty": "empty sites",
     "sites.pinned": "sites with given heights",
     "sites.heights": "their heights",
+}
+
+# What a key means, for those who do not know the words of its short meaning.
+FURTHER = {
+    "target.rescaled_load": "P/E* is the load divided by the composite modulus, an area.",
+    "target.rescaled_friction": "F/(σB) is the friction force divided by the shear strength and the area "
+    "ratio, an area.",
+    "material.composite_modulus": "E* is that of the surface against a rigid plane; it is measured, or "
+    "follows from Young's modulus E and Poisson's ratio ν.",
+    "friction.shear_strength": "It is measured: the friction force of a contact divided by its area. Without "
+    "it laws are designed as areas.",
+    "friction.area_ratio": "It is measured: contacts shrink when they are sheared.",
+    "limits.offset": "It lifts all summits above the base plane, which then is touched at a larger load.",
+    "limits.height_sd": "It is assessed, not designed for: the band about the law and How sure follow from "
+    "it. “Design for these errors” takes errors into the choice of the heights (a robust design).",
+    "robust.height_sd": "The heights are chosen for the least misfit expected under it.",
+    "robust.angle": "The heights are chosen for the least misfit expected under it.",
+    "robust.radius_sd": "The heights are chosen for the least misfit expected under it.",
+    "robust.position_sd": "The heights are chosen for the least misfit expected under it.",
+    "part.chord_error": "Solids have flat triangles: this is how far they may lie below the round caps.",
 }
 
 # What a problem says of a table that must be loaded.
@@ -111,6 +131,7 @@ def _field(section: str, key: KeyForm) -> dict[str, Any]:
         "key": name,
         "label": LABELS.get(name, key.name.replace("_", " ")),
         "meaning": key.meaning,
+        "further": FURTHER.get(name, ""),
         "example": shown(key.example),
         "default": _default(key),
         "value": key.value,

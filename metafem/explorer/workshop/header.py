@@ -24,6 +24,10 @@ if TYPE_CHECKING:
 LATE = 0.5
 
 
+# What the steps of a design are.
+SEARCH = "The search for heights begins from several surfaces and improves each of them in steps."
+
+
 class Header(Element, component="header.js", esm={"metafem-workshop": "js"}):
     """Shows the data of `header_data`, and emits ``model``, ``undo`` and ``redo``."""
 
@@ -78,9 +82,10 @@ def header_panel(page: Page) -> Header:
             step = page.newest.step
             design = f"designing: {step} …" if step else "designing …"
             words = "changing the specification …" if late[0] else design
-            for name in ("status", "kind", "measure"):
+            data = {"status": words, "kind": "", "measure": "", "meaning": SEARCH if step else ""}
+            for name in data:
                 shown.pop(name, None)
-            header.run_method("show", {"status": words, "kind": "", "measure": ""})
+            header.run_method("show", data)
         elif not any(late) and shown and "status" not in shown:  # the change was refused
             show(page.answer, header_data(page.answer))
         waited["for"] = late

@@ -5,7 +5,7 @@ import pytest
 
 from metafem.errors import InvalidInput
 from metafem.explorer.answer import answered
-from metafem.explorer.law.dropped import MOST, Measured, as_target, read_points
+from metafem.explorer.law.dropped import MOST, Measured, as_target, better_titles, read_points
 from metafem.explorer.law.shown import Units
 from metafem.explorer.session import State
 from metafem.files import demo_text
@@ -115,3 +115,13 @@ def test_points_are_read_again_only_where_they_or_the_material_pair_changed(answ
     broken = answered(State(TEXT, measured="x", measured_name="m.csv"), 4, answer)
     assert measured.data(broken, Units()) is None
     assert "m.csv" in measured.problem
+
+
+def test_columns_that_are_not_known_are_named_as_they_would_be_read():
+    with pytest.raises(InvalidInput, match="Do you mean friction_force_N instead of friction_N"):
+        read_points("m.csv", "load_N,friction_N\n0.1,0.12\n", *PAIR)
+    assert better_titles(["P [mN]", "contact area (mm²)"]) == {
+        "P [mN]": "load_mN",
+        "contact area (mm²)": "area_mm²",
+    }
+    assert better_titles(["load_N", "friction_force_mN", "temperature", ""]) == {}

@@ -57,8 +57,10 @@ export class Picture {
     const middle = (MARGIN.top + bottom) / 2;
     set(this.titleX, { x: (MARGIN.left + right) / 2, y: view.height - 8 });
     set(this.titleY, { x: 0, y: 0, transform: `translate(14 ${middle}) rotate(-90)` });
-    this.titleX.textContent = `${data.x.label} [${data.x.unit}]`;
-    this.titleY.textContent = `${data.y.label} [${data.y.unit}]`;
+    for (const [node, { label: words, unit, meaning }] of [[this.titleX, data.x], [this.titleY, data.y]]) {
+      node.textContent = `${words} [${unit}]`;
+      if (meaning) made("title", {}, node).textContent = meaning; // shown where a pointer rests
+    }
   }
 
   drawMeasured(view, points) {

@@ -4,11 +4,15 @@ import { MARGIN } from "./view.js";
 // Pixels between a point that is held and the box, between the box and the axes, and between it and other points.
 const [APART, ROOM, CLEAR] = [18, 10, 14];
 
+// Pages in one column, where a box covers most of the plot: there it stands below.
+const NARROW = matchMedia("(max-width: 900px)");
+
 export class Refusal {
   away = ""; // the reason that was put away
 
   constructor(box, paint) {
     this.box = box;
+    this.stage = box.parentElement;
     this.reason = box.querySelector("span");
     box.querySelector(".law-away").addEventListener("click", () => {
       this.away = this.away ? "" : this.reason.textContent;
@@ -33,6 +37,12 @@ export class Refusal {
     button.ariaLabel = this.away ? "Show the reason of the refusal" : "Put the reason away";
     box.querySelector(".law-use").hidden = data.nearest === null || Boolean(held);
     box.querySelector(".law-nearest").hidden = data.nearest === null || !held; // else in the legend
+    const under = NARROW.matches && !held;
+    if (under !== box.classList.contains("under")) {
+      box.classList.toggle("under", under);
+      if (under) this.stage.after(box);
+      else this.stage.append(box);
+    }
     const size = [box.offsetWidth, box.offsetHeight];
     const [left, top] = held ? beside(view, held, ...size) : free(view, hand.handles, ...size);
     box.style.left = `${Math.max(4, Math.min(left, view.width - size[0] - 4))}px`;
