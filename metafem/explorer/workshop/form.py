@@ -76,10 +76,10 @@ FURTHER = {
 NOT_GIVEN = "names a table that is not given"
 
 # A value in a problem: a text in quotes, a list, a number with its unit, or any other.
-GIVEN = r"""(?:"[^"]*"|'[^']*'|\[[^\]]*\]|[+-]?[\d.]+ [^\d\s]\S*(?= must)|[^\s"'\[]+)"""
+GIVEN = r"""(?:"[^"]*"|'[^']*'|\[[^\]]*\]|[+-]?[\d.]+ [^\d\s:]+(?= must|: )|[^\s"'\[]+)"""
 
 # What a problem says first: its key and the value, which stand in the field.
-FIRST = re.compile(rf"[\w.-]+(?: = {GIVEN})? ")
+FIRST = re.compile(rf"[\w.-]+(?: = {GIVEN})?:? ")
 
 
 def form() -> list[list[dict[str, Any]]]:
@@ -184,6 +184,8 @@ def _without_key(key: str, problem: str) -> str:
     --------
     >>> _without_key("limits.offset", 'limits.offset = "8" needs a unit')
     'Needs a unit.'
+    >>> _without_key("part.alignment_height", "part.alignment_height = 0.4 mm: a cap leaves the block")
+    'A cap leaves the block.'
     """
     found = FIRST.match(problem)
     if "." not in key or not found or not found[0].startswith(key) or "\n" in problem:
