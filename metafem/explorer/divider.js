@@ -17,11 +17,12 @@ export default {
     this.measure();
   },
   methods: {
+    largest(page) { return Math.max(LEAST, Math.round(Math.min(page.clientHeight, innerHeight) - PLOTS)); }, // short windows scroll
     parts() { return [this.$el.parentElement, this.$el.nextElementSibling]; },
     measure() {
       const [page, below] = this.parts();
       this.height = Math.round(below.getBoundingClientRect().height);
-      this.most = Math.max(LEAST, Math.round(page.clientHeight - PLOTS));
+      this.most = this.largest(page);
     },
     set(height) {  // null: the height of the style sheet
       const [page] = this.parts();
@@ -29,7 +30,7 @@ export default {
         page.style.removeProperty("--below");
         localStorage.removeItem(KEY);
       } else {
-        const chosen = Math.round(Math.max(LEAST, Math.min(height, Math.max(LEAST, page.clientHeight - PLOTS))));
+        const chosen = Math.round(Math.max(LEAST, Math.min(height, this.largest(page))));
         page.style.setProperty("--below", `${chosen}px`);
         localStorage.setItem(KEY, chosen);
       }
