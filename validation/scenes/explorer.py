@@ -124,9 +124,11 @@ class Server:
 
 
 @contextmanager
-def served(path: Path | None = None, *options: str) -> Iterator[Server]:
-    """Start `metafem explore` and end it afterwards."""
-    command = [sys.executable, "-m", "metafem", "explore", *([] if path is None else [str(path)])]
+def served(
+    path: Path | None = None, *options: str, program: tuple[str, str] = ("-m", "metafem")
+) -> Iterator[Server]:
+    """Start `metafem explore` and end it afterwards; another program must do the same."""
+    command = [sys.executable, *program, "explore", *([] if path is None else [str(path)])]
     start = time.perf_counter()
     with tempfile.TemporaryDirectory() as folder:
         log = Path(folder, "log.txt")

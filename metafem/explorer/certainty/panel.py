@@ -105,12 +105,13 @@ class Certainty:
         known = warnings_by_place if seen or at_once(answer) else part_warnings
         places = await self.page.in_thread(known, answer)
         data = await self.page.in_thread(figure_data, answer) if seen else None
+        studies = await self.page.in_thread(study_data, answer) if seen else None
         if answer is not self.page.answer:
             return
         self.page.warn(places)
         if data is not None:
             self.table.run_method("show", data)
-            self.studies.run_method("follow", study_data(answer))
+            self.studies.run_method("follow", studies)
 
     async def _draw(self) -> None:
         """Draw made surfaces while nothing changes, for the band of the law."""
@@ -126,15 +127,15 @@ class Certainty:
             self.page.complete()
             await self._figures()
 
-    def _start(self, name: Any) -> None:
+    async def _start(self, name: Any) -> None:
         answer = self.page.answer
         if name not in STUDIES:
             return
-        reason = study_data(answer)["hindered"][name]
+        found = await self.page.in_thread(study_data, answer)
+        reason, shown = found["hindered"][name], found["shown"]
         if reason or answer.design is None:
             self._tell(name, {"error": reason})
             return
-        shown = study_data(answer)["shown"]
 
         def on_step(step: str, done: float | None) -> None:
             self._tell(name, {"step": step, "done": done})

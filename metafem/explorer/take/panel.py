@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Awaitable, Callable, Mapping
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from nicegui import ui
+from nicegui import background_tasks, ui
 from nicegui.element import Element
 
 from metafem.errors import MetafemError
@@ -69,13 +69,13 @@ class Making:
             self.stop = ui.button("Stop", on_click=self.stopped).props("flat dense no-caps")
         self.stop.set_visibility(False)
 
-    def take(self, name: str) -> None:
+    async def take(self, name: str) -> None:
         """Download a file of the design that is shown, or the archive of all."""
         state = self.page.answer.state
         if not self.page.answer.current or self.page.answer.draft:
             self.say("There is no design to take: the target or a field must be changed first.")
         elif self.state is not None and self.state.designs_the_same(state):
-            self.download(name)
+            await self.download(name)
         else:
             self.wanted, self.state, self.files = name, None, {}
             self.stop.set_visibility(True)
@@ -92,7 +92,7 @@ class Making:
         """Keep the files, and download the wanted one."""
         self.state, self.files = state, files
         self.stop.set_visibility(False)
-        self.download(self.wanted)
+        background_tasks.create(self.download(self.wanted))
 
     def failed(self, error: MetafemError) -> None:
         """Say why the files cannot be written."""
@@ -105,9 +105,11 @@ class Making:
         self.stop.set_visibility(False)
         self.say("The files were not written: they were stopped.")
 
-    def download(self, name: str) -> None:
+    async def download(self, name: str) -> None:
         """Send a file to the browser."""
-        content = archive(self.files) if name == ARCHIVE else self.files.get(name)
+        content = self.files.get(name)
+        if name == ARCHIVE:
+            content = await self.page.in_thread(archive, self.files)
         if content is None:
             self.say(
                 f"{name} is not a file of this specification, which has {', '.join(self.files)}. Solids need "
@@ -211,7 +213,7 @@ def _card(title: str) -> Element:
     return card
 
 
-def _button(file: File, take: Callable[[], None]) -> Offered:
+def _button(file: File, take: Callable[[], Awaitable[None]]) -> Offered:
     """Return a button that downloads a file, with its meaning beside it."""
     button = ui.button(file.name, icon="download", on_click=take)
     button.props(f'no-caps flat dense align=left data-take="{file.name}"')
@@ -234,10 +236,11 @@ def _copied(making: Making) -> None:
     making.say(f"The address of this page was copied. {COPIED}")
 
 
-def _table(page: Page, making: Making, name: str) -> None:
+async def _table(page: Page, making: Making, name: str) -> None:
     """Download a table of the design that is shown; one of a mould only where it can be made."""
-    tables = tables_of(page.answer)
-    problem = part_problem(page.answer) if name == "mould.csv" else ""
+    answer = page.answer
+    tables = await page.in_thread(tables_of, answer)
+    problem = await page.in_thread(part_problem, answer) if name == "mould.csv" else ""
     if problem:
         making.say(f"{name} was not downloaded: {problem}")
     elif name in tables:
@@ -247,8 +250,8 @@ def _table(page: Page, making: Making, name: str) -> None:
         making.say("There is no design to take: the target or a field must be changed first.")
 
 
-def _specification(page: Page, making: Making) -> None:
+async def _specification(page: Page, making: Making) -> None:
     """Download the specification, also where it has problems."""
-    name, content = specification_file(page.answer.state)
+    name, content = await page.in_thread(specification_file, page.answer.state)
     ui.download.content(content, name)
     making.say(f"{name} was downloaded.")
