@@ -9,11 +9,14 @@ from collections.abc import Mapping
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from metafem.drawing import svg
 from metafem.errors import InvalidInput
 from metafem.explorer.answer import Answer, specification_of
 from metafem.explorer.session import State
 from metafem.files import result_folder, result_tables, write_all
+from metafem.inversion import Design
 from metafem.report import page
+from metafem.report.figures import law_figure
 
 SPECIFICATION, ZIPPED = "spec.toml", "specification.zip"
 
@@ -49,6 +52,11 @@ def tables_of(answer: Answer) -> dict[str, bytes]:
         return {}
     tables = result_tables(answer.design, answer.specification.part)
     return {name: text.encode("utf-8") for name, text in tables.items()}
+
+
+def law_picture(design: Design) -> bytes:
+    """Return the figure of the law of a report as an SVG file."""
+    return (svg(law_figure(design), design.target.title) + "\n").encode("utf-8")
 
 
 def made_files(state: State) -> dict[str, bytes]:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from metafem.explorer.answer import Answer
 
-# Tables that state the design alone; all others are files of a part, or are written with one.
-OF_THE_DESIGN = ("heights.csv", "law.csv")
+# Files that state the design alone; all others are files of a part, or are written with one.
+OF_THE_DESIGN = ("heights.csv", "law.csv", "law.svg")
 
 # What is said above the files.
 NO_DESIGN = (

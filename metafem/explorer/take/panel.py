@@ -15,7 +15,7 @@ from metafem.explorer.answer import Answer
 from metafem.explorer.certainty.places import part_problem
 from metafem.explorer.session import State
 from metafem.explorer.take.command import command_of, script_of
-from metafem.explorer.take.files import archive, made_files, specification_file, tables_of
+from metafem.explorer.take.files import archive, law_picture, made_files, specification_file, tables_of
 from metafem.explorer.take.hindrance import NEEDS_DESIGN, NEEDS_PART, hindrance, said_above
 
 if TYPE_CHECKING:
@@ -43,6 +43,8 @@ MADE = (
     File("surface.vtu", "Surface for ParaView"),
 )
 
+PICTURE = File("law.svg", "Picture of the law, with its difference from the target")
+
 SPECIFICATION_FILE = File("spec.toml", "Specification, with the tables that it names")
 
 # What a link is for, and what was copied.
@@ -50,6 +52,8 @@ LINK = "The address of this page, for this machine; colleagues need spec.toml"
 COPIED = (
     "It opens the same state on this machine while metafem explore runs. For another machine take spec.toml."
 )
+
+NO_DESIGN = "There is no design to take: the target or a field must be changed first."
 
 # Name of the background computation, and of the archive.
 TASK, ARCHIVE = "files", "surface.zip"
@@ -158,8 +162,10 @@ def take_panel(page: Page) -> None:
             ui.label(LINK).classes("small")
             add(MADE[0])
         with _card("Data"):
-            for file in (*TABLES[1:], *MADE[4:]):
+            for file in TABLES[1:]:
                 add(file)
+            offered.append(_button(PICTURE, partial(_picture, page, making)))
+            add(MADE[4])
         with _card("The same by a command"):
             command = _lines(making, "command", command_of(page.state))
             _lines(making, "script", script_of())
@@ -247,7 +253,18 @@ async def _table(page: Page, making: Making, name: str) -> None:
         ui.download.content(tables[name], name)
         making.say(f"{name} was downloaded.")
     else:
-        making.say("There is no design to take: the target or a field must be changed first.")
+        making.say(NO_DESIGN)
+
+
+async def _picture(page: Page, making: Making) -> None:
+    """Download the figure of the law."""
+    answer = page.answer
+    if not answer.current or answer.draft or answer.design is None:
+        making.say(NO_DESIGN)
+        return
+    content = await page.in_thread(law_picture, answer.design)
+    ui.download.content(content, PICTURE.name)
+    making.say(f"{PICTURE.name} was downloaded.")
 
 
 async def _specification(page: Page, making: Making) -> None:

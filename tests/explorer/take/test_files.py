@@ -3,6 +3,7 @@
 import io
 import zipfile
 from dataclasses import replace
+from xml.etree import ElementTree
 
 import pytest
 from click.testing import CliRunner
@@ -11,11 +12,19 @@ from metafem.cli import main
 from metafem.explorer.answer import answered
 from metafem.explorer.session import State
 from metafem.explorer.take.command import command_of
-from metafem.explorer.take.files import archive, made_files, specification_file, tables_of
+from metafem.explorer.take.files import archive, law_picture, made_files, specification_file, tables_of
 from metafem.files import demo_text, read_spec
 from tests.explorer.scenes import SAMPLED, WANTED
 
 STATE = State(SAMPLED, {"wanted.csv": WANTED})
+
+
+def test_the_picture_of_the_law_is_an_svg_file_with_its_axes():
+    design = answered(State(demo_text("operating-points")), 1).design
+    picture = law_picture(design).decode("utf-8")
+    assert ElementTree.fromstring(picture).tag == "{http://www.w3.org/2000/svg}svg"
+    assert design.target.title in picture
+    assert "P/E" in picture
 
 
 def designed(state, folder):
