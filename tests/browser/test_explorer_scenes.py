@@ -24,6 +24,14 @@ SMALL = """() => {
   };
 }"""
 
+# Drops a file onto the law.
+DROPPED = """([name, text]) => {
+  const files = new DataTransfer();
+  files.items.add(new File([text], name));
+  document.querySelector('.law-plot').dispatchEvent(
+    new DragEvent('drop', { dataTransfer: files, bubbles: true, cancelable: true }));
+}"""
+
 
 def shown(visit, state):
     """Open a state by its link and wait for its answer."""
@@ -97,3 +105,14 @@ def test_a_picture_of_many_sites_shows_those_around_the_middle(visit):
     )
     assert found[:3] == [found[0]] * 3
     assert found[3] <= found[0] ** 0.5 / 2 + 1
+
+
+def test_a_large_table_is_thinned(visit):
+    rows = "".join(f"{1e-5 * i:.6f},{1.4e-5 * i:.6f}\n" for i in range(1, 100_001))
+    visit.page.evaluate(DROPPED, ["m.csv", f"# of a tribometer\nload_N,friction_force_N\n{rows}"])
+    visit.page.locator(".law-live span", has_text="Of its 100,000 rows one in 50 is taken.").wait_for()
+    assert "2000 points of m.csv" in visit.page.locator(".law-live span").inner_text()
+    visit.at_rest()
+    history = visit.history
+    measured = json.loads(history["states"][history["at"]])["measured"].splitlines()
+    assert measured[:3] == ["load_N,friction_force_N", "0.000010,0.000014", "0.000510,0.000714"]

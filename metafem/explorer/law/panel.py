@@ -185,11 +185,12 @@ class LawPanel:
         design = self.page.answer.design
         if design is None:
             raise InvalidInput("measured points can be shown once the specification has a design")
-        name, text = str(event["name"]), str(event["text"])
+        name, text, left = (str(event[key]) for key in ("name", "text", "left"))
         template = design.template
         found = await self.page.in_thread(read_points, name, text, template.material, template.friction)
         await self.page.alter(measured=text, measured_name=name)
-        self.plot.say(" ".join([f"{len(found.load)} points of {name} are shown.", *found.remarks]))
+        told = [f"{len(found.load)} points of {name} are shown.", *[left] * bool(left), *found.remarks]
+        self.plot.say(" ".join(told))
 
     @telling
     async def on_measured(self, event: Event) -> None:

@@ -1,7 +1,21 @@
 // A table of a measured law, dropped onto the plot or chosen by a button.
 
-// Largest file that is shown [bytes], some thousand points: the browser keeps it with every state of the history.
-const MOST = 100_000;
+// Largest table that is shown [characters] and its most rows, which a plot can tell apart: the browser keeps it with every
+// state of the history. Of a larger one every n-th row is shown.
+const [MOST, MOST_ROWS] = [100_000, 2000];
+
+// Largest file that is read [bytes].
+const LARGEST = 50_000_000;
+
+// Returns a table with every n-th of its rows, and n.
+export function thinned(text) {
+  const lines = text.split(/\r?\n/).filter((line) => line.trim());
+  const head = lines.findIndex((line) => !line.startsWith("#"));
+  const rows = lines.slice(head + 1).filter((line) => !line.startsWith("#"));
+  const n = Math.max(1, Math.ceil(rows.length / MOST_ROWS), Math.ceil((1.1 * text.length) / MOST));
+  if (text.length <= MOST && rows.length <= MOST_ROWS) return { text, n: 1, count: rows.length };
+  return { text: [lines[head] ?? "", ...rows.filter((_, i) => i % n === 0)].join("\n"), n, count: rows.length };
+}
 
 export class Files {
   constructor(root, emit, say) {
@@ -36,8 +50,8 @@ export class Files {
       return;
     }
     const [file] = files;
-    if (file.size > MOST) {
-      this.say(`${file.name} has ${Math.ceil(file.size / 1e3)} kB; a table of a measured law may have ${MOST / 1e3} kB.`, true);
+    if (file.size > LARGEST) {
+      this.say(`${file.name} has ${Math.ceil(file.size / 1e6)} MB; a table of a measured law may have ${LARGEST / 1e6} MB.`, true);
       return;
     }
     let text;
@@ -47,6 +61,12 @@ export class Files {
       this.say(`${file.name} is not a text file in UTF-8. Drop a CSV file whose first line names its columns, such as load_N,friction_force_N.`, true);
       return;
     }
-    this.emit("dropped", { name: file.name, text });
+    const { text: shown, n, count } = thinned(text);
+    if (shown.length > MOST) {
+      this.say(`${file.name} has too few lines for its size: a table of more than ${MOST / 1e3} kB is thinned by its rows.`, true);
+      return;
+    }
+    const left = n > 1 ? `Of its ${count.toLocaleString("en")} rows one in ${n} is taken.` : "";
+    this.emit("dropped", { name: file.name, text: shown, left });
   }
 }
