@@ -77,7 +77,8 @@ export default {
       if (why) console.info(`The history of this page cannot be kept by the browser: ${why}`);
       const { full } = this.$refs;
       full.hidden = !why || link !== "";
-      full.textContent = `This browser cannot keep a state of ${(state.length / 1e6).toFixed(1)} MB: a reload of the page loses it. Take the specification first.`;
+      const size = (state.length / 1e6).toFixed(1);
+      full.textContent = full.hidden ? "" : `This browser cannot keep a state of ${size} MB: a reload of the page loses it. Take the specification first.`;
       history.replaceState(null, "", link ? `#${link}` : location.pathname);
       this.$el.dataset.asked = asked; // tests wait until the pictures show this answer
     },

@@ -72,13 +72,15 @@ def test_a_state_that_the_browser_cannot_keep_is_told(visit):
 def test_several_radii_are_shown_as_colours_and_in_words(visit):
     select = visit.page.get_by_label("Colour of the sites")
     assert "radius" not in select.inner_text()
-    several = {"lattice.radius": None, "radii.range": ["200 um", "600 um"], "radii.mixed": True}
-    several["limits.max_height"] = "150 um"
+    several = {"lattice.radius": None, "radii.tools": ["200 um", "800 um"], "radii.mixed": True}
+    several |= {"target.rescaled_load": None, "target.rescaled_friction": None, "target.kind": "power"}
+    several |= {"target.exponent": 0.645, "target.load_range": ["0.1 mm^2", "0.3 mm^2"], "block": None}
+    several |= {"limits.max_height": "120 um", "part": None}
     shown(visit, State(Document(TEXT).with_values(several)))
     select.select_option("radius")
     visit.page.locator(".surface-view .axes text").filter(has_text="radius of curvature [µm]").wait_for()
     visit.page.locator(".site:not(.empty)").first.hover()
-    assert re.search(r"radius of curvature [2-6]\d\d(\.\d)? µm", visit.page.locator(".tip").inner_text())
+    assert re.search(r"radius of curvature [28]00 µm", visit.page.locator(".tip").inner_text())
     shown(visit, State(TEXT))
     visit.page.locator(".surface-view .axes text").filter(has_text="height [µm]").wait_for()
     assert select.input_value() == "height"
@@ -116,3 +118,26 @@ def test_a_large_table_is_thinned(visit):
     history = visit.history
     measured = json.loads(history["states"][history["at"]])["measured"].splitlines()
     assert measured[:3] == ["load_N,friction_force_N", "0.000010,0.000014", "0.000510,0.000714"]
+
+
+def test_models_that_are_computed_stand_in_the_legend(visit):
+    words = visit.page.evaluate(
+        """async () => {
+          const { entries } = await import('metafem-law/legend.js');
+          return entries({ handles: [], crowd: '', pending: ['layer'] }).map(each => each[1]);
+        }"""
+    )
+    assert words == ["layer: being computed …"]
+
+
+def test_small_values_leave_a_power_of_ten_to_the_unit_of_their_bar(visit):
+    texts = visit.page.evaluate(
+        """async () => {
+          const { drawBar, element } = await import('metafem-surface/frame.js');
+          const [parent, view] = [element('g'), { bar: { top: 0, bottom: 100 }, box: { right: 0 } }];
+          const scale = { low: -0.0002, high: 0.0002, css: () => 'red' };
+          drawBar(parent, view, { name: 'change', unit: '%', scale });
+          return [...parent.querySelectorAll('text')].map(each => each.textContent);
+        }"""
+    )
+    assert texts == ["−2", "−1", "0", "1", "2", "change [10⁻⁴ %]"]

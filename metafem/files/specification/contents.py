@@ -121,6 +121,10 @@ class Sections(Section):
         if template and limits:
             pinned = self.sites.heights_by_site(template.count, limits, block is not None, problems)
         part = self.part.options()
+        if block and template and template.count == 1 and part.alignment_height is not None:
+            problems.append(
+                "part.alignment_height needs a lattice of at least two sites, for its pitch; omit it"
+            )
         if template and limits and radii is None and not problems:
             try:
                 planned(template, template, part, contact or PARABOLOID)

@@ -233,6 +233,7 @@ WRONG = {
     "short shape": ("[8, 8]", "[8]", ["lattice.shape[1] is missing", "[8, 8]"]),
     "bad seed": ("seed = 0", "seed = -1", ["layout.seed = -1"]),
     "unknown model": ('"independent"', '"indpendent"', ["model.kind", "did you mean independent?"]),
+    "alignment of one": ("[8, 8]", "[1, 1]", ["part.alignment_height", "at least two sites"]),
     "negative alignment": ('"400 um"', '"-4 um"', ["part.alignment_height"]),
     "no section": ("[target]", "checks = 3\n[target]", ["checks = 3 must be a section"]),
     "both": ("slope = 6.87", "slope = 6\nfriction_coefficient = 1", ["has both slope and friction"]),

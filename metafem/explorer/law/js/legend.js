@@ -12,6 +12,7 @@ export function entries(data) {
   // the errors of the part are told where the pointer rests
   add(data.tolerance, "tolerance", data.tolerance?.name.split(",")[0], data.tolerance?.name);
   (data.others ?? []).forEach((each, i) => add(true, `other other-${i}`, each.name));
+  (data.pending ?? []).forEach((name) => add(true, "pending", `${name}: being computed …`));
   add(data.measured, "measured", data.measured?.name);
   return found;
 }

@@ -140,6 +140,8 @@ export class Plot {
     const handles = data.handles ?? (stays ? this.data.handles : []);
     // the tolerance band and further laws stay until those of this answer come
     this.data = { ...data, ...this.beside, wanted, marked, band: this.band, handles };
+    const shown = (name) => this.beside.others.some((each) => each.name.startsWith(`${name},`));
+    this.data.pending = data.achieved ? data.tools.models.filter(({ name, on }) => on && !shown(name)).map(({ name }) => name) : [];
     const asked = data.request === null ? undefined : this.requests.answered(data.request);
     const ended = this.hand.answered(data.request ?? -1, asked, data.refusal);
     // a problem may be one of a step that is held; else a move would change a text that is not understood
@@ -162,7 +164,7 @@ export class Plot {
   more({ number, errors, block, ...curves }) {
     this.tools.drawBlock(block);
     if (number !== this.data?.number) return;
-    Object.assign(this.data, curves);
+    Object.assign(this.data, curves, { pending: [] });
     this.beside = curves;
     if (errors.length) this.say(errors.join(" "), true);
     this.drawLegend();

@@ -67,6 +67,11 @@ export function drawAxes(parent, view) {
   text(parent, x, y, "y [mm]", "middle", `rotate(-90 ${x} ${y})`);
 }
 
+// The power of ten that is left out of the numbers of a bar, where they would be too long for it.
+const powerOf = (most) => (most > 0 && (most < 0.01 || most >= 1e5) ? Math.floor(Math.log10(most)) : 0);
+
+const superscript = (power) => String(power).replace("-", "⁻").replace(/\d/g, (digit) => "⁰¹²³⁴⁵⁶⁷⁸⁹"[digit]);
+
 export function drawBar(parent, view, colours) {
   parent.replaceChildren();
   if (!colours.scale) return;
@@ -77,7 +82,9 @@ export function drawBar(parent, view, colours) {
   for (let i = 0; i < steps; i++) {
     element("rect", { x, y: bottom - 1 - i, width: 12, height: 1.5, fill: css(low + ((i + 0.5) / steps) * (high - low)) }, parent);
   }
-  if (high > low) for (const value of ticks(low, high, 5)) text(parent, x + 16, bottom - ((value - low) / (high - low)) * (bottom - top) + 4, digits(value), "start");
+  const power = powerOf(Math.max(Math.abs(low), Math.abs(high)));
+  if (high > low) for (const value of ticks(low, high, 5)) text(parent, x + 16, bottom - ((value - low) / (high - low)) * (bottom - top) + 4, digits(value / 10 ** power), "start");
   const middle = (top + bottom) / 2;
-  text(parent, x + 64, middle, `${colours.name} [${colours.unit}]`, "middle", `rotate(-90 ${x + 64} ${middle})`);
+  const unit = power ? `10${superscript(power)} ${colours.unit}` : colours.unit;
+  text(parent, x + 64, middle, `${colours.name} [${unit}]`, "middle", `rotate(-90 ${x + 64} ${middle})`);
 }
