@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
@@ -44,6 +45,9 @@ BRANCH_START = 0.25
 # here it is as small as the rounding error of the largest height.
 STEEPEST = 1e7
 
+# Scale over the span of the heights, below which double precision does not resolve their differences.
+FINEST = 2.0**-52
+
 # Number of separations, from the top of a density to its foot, at which its law is the target of a search.
 SEPARATIONS = 61
 
@@ -60,8 +64,7 @@ def bilinear(target: BilinearLaw, problem: Problem) -> Candidate:
 
 def _linear(target: LinearLaw, mixture: Mixture, limits: Limits) -> Candidate:
     single, count = (mixture.radius, mixture.law), mixture.count
-    nearest = replace(target, slope=_uniform_slope(mixture, limits) * (1.0 + INSIDE))
-    scale = _scale(target.slope, mixture, limits, nearest)
+    scale = _scale(target.slope, mixture, limits, target, lambda slope: replace(target, slope=slope))
     density = TruncatedExponential(scale, limits.span)
     end = float(density.rescaled_load(0.0, mixture.carrying, *single))
     intercept = density.intercept(mixture.carrying, *single)
@@ -87,8 +90,7 @@ def _linear(target: LinearLaw, mixture: Mixture, limits: Limits) -> Candidate:
 
 def _bilinear(target: BilinearLaw, mixture: Mixture, limits: Limits) -> Candidate:
     (first, second), count = target.slopes, mixture.count
-    floor = _uniform_slope(mixture, limits) * (1.0 + INSIDE)
-    scale = _scale(first, mixture, limits, replace(target, slopes=(floor, second)))
+    scale = _scale(first, mixture, limits, target, lambda slope: replace(target, slopes=(slope, second)))
     density = _two_branches(target, scale, mixture, limits)
     upper = min(max(round(count * density.upper_mass), 1), count - 1)  # N_1 of regime 1, h > h_c
     middle, top = density.crossover_height, limits.span
@@ -160,8 +162,15 @@ def _uniform_slope(mixture: Mixture, limits: Limits) -> float:
     return uniform_slope(mixture.radius, limits.span, mixture.law)
 
 
-def _scale(slope: float, mixture: Mixture, limits: Limits, nearest: LinearLaw | BilinearLaw) -> float:
-    bound, wording = _uniform_slope(mixture, limits), nearest.wording
+def _scale(
+    slope: float,
+    mixture: Mixture,
+    limits: Limits,
+    target: LinearLaw | BilinearLaw,
+    with_slope: Callable[[float], LinearLaw | BilinearLaw],
+) -> float:
+    """Return the scale at which the truncated exponential has a slope, the only or the first of a target."""
+    bound, wording = _uniform_slope(mixture, limits), target.wording
     given, name = wording.slopes(slope), wording.name()
     if slope > STEEPEST * bound:
         raise Infeasible(
@@ -175,7 +184,16 @@ def _scale(slope: float, mixture: Mixture, limits: Limits, nearest: LinearLaw | 
             f"{given} is not above the bound {form}{pair} = {wording.coefficient(bound):.6g} of "
             f"asperities of radius R = {mixture.radius:g} mm within h_m = {limits.span:g} mm of height; "
             f"raise the {name} or max_height, or use a smaller radius",
-            nearest,
+            with_slope(bound * (1.0 + INSIDE)),
+        )
+    finest = TruncatedExponential(FINEST * limits.span, limits.span)
+    largest = finest.asymptotic_slope(mixture.radius, mixture.law)
+    if slope > largest:  # of a law whose lightest contacts have a finite one, such as cones
+        reached = largest * (1.0 - INSIDE)
+        raise Infeasible(
+            f"{given} is above {wording.coefficient(largest):.6g}, the largest of asperities with this "
+            f"contact law; lower the {name}, or choose another contact law",
+            with_slope(reached) if reached > bound * (1.0 + INSIDE) else None,
         )
     return scale_from_slope(slope, mixture.radius, limits.span, mixture.law)
 

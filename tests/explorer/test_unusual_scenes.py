@@ -1,0 +1,72 @@
+"""Unusual specifications: the page has data of each that a browser can read, or the reason in words."""
+
+import json
+
+import numpy as np
+import pytest
+
+from metafem.explorer.answer import answered
+from metafem.explorer.certainty.panel_data import figure_data
+from metafem.explorer.law.law_data import law_data
+from metafem.explorer.session import State
+from metafem.explorer.surface.contact_data import contact_data
+from metafem.explorer.surface.surface_data import layout_data, site_data
+from metafem.explorer.text.document import Document
+from metafem.explorer.text.handles import handles
+from metafem.files import demo_text
+
+LINEAR = Document(demo_text("linear")).with_values({"lattice.shape": [4, 4], "limits.height_step": None})
+PINS = {"sites.pinned": [5], "sites.heights": ["150 um"], "sites.empty": [9]}
+TOOLS = {"lattice.radius": None, "radii.tools": ["300 um", "526 um"], "radii.mixed": True}
+POINTS = {"target.kind": "sampled", "target.slope": None}
+MANY = np.linspace(0.01, 0.1, 1000)
+TABULATED = "indentation_um,load_mN,area_mm2\n" + "".join(
+    f"{1e3 * d:.6g},{1e3 * 4 / 3 * 1.36 * 0.526**0.5 * d**1.5:.6g},{np.pi * 0.526 * d:.6g}\n"
+    for d in np.linspace(0.004, 0.4, 40)
+)
+SCENES = {
+    "one asperity": {"lattice.shape": [1, 1], "part": None},
+    "two": {"lattice.shape": [1, 2]},
+    "a row": {"lattice.shape": [1, 50], "block.width": "80 mm"},
+    "steep": {"target.slope": 1e4},
+    "flat": {"target.slope": 1e-3},
+    "a thousand points": POINTS
+    | {
+        "target.rescaled_load": [f"{load:.6g} mm^2" for load in MANY],
+        "target.rescaled_friction": [f"{7 * load:.6g} mm^2" for load in MANY],
+        "lattice.shape": [2, 2],
+    },
+    "several radii": TOOLS,
+    "kept heights of several radii": TOOLS | PINS,
+    "kept heights under interaction": PINS | {"model.kind": "half-space"},
+    "kept heights with adhesion": PINS
+    | {"lattice.shape": [2, 5], "contact.kind": "jkr", "contact.adhesion_energy": "9 mJ/m^2"},
+    "kept heights, robust": PINS | {"robust.height_sd": "3 um"},
+    "incompressible layer": {"model.kind": "layer", "material.poisson_ratio": 0.5},
+    "cones": {"contact.kind": "power", "contact.exponent": 1.0, "contact.coefficient": 0.3},
+    "plastic": {"contact.kind": "jackson-green", "contact.yield_strength": "4 MPa"},
+    "a tabulated contact": {"contact.kind": "tabulated", "contact.file": "contact.csv"},
+    "plastic contacts, resolved": {
+        "model.kind": "resolved", "contact.kind": "kogut-etsion", "contact.hardness": "10 MPa",
+    },
+    "heights below a nanometre": {"limits.max_height": "0.0001 um"},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_a_scene_is_shown_or_refused_in_words(scene):
+    text = LINEAR
+    for key, value in SCENES[scene].items():
+        text = Document(text).with_values({key: value})
+    answer = answered(State(text, {"contact.csv": TABULATED}), 1, None, True)
+    design = answer.design
+    assert answer.current or answer.refused
+    shown = [law_data(answer, handles(text, answer.specification, design)), site_data(answer)]
+    shown.append(figure_data(answer))
+    if design is not None:
+        contacts = contact_data(design, None, sensitive=True)
+        assert f"of {design.surface.count:,} asperities in contact" in contacts["words"]
+        shown += [layout_data(design), contacts]
+    read = json.loads(json.dumps(shown, allow_nan=False))
+    assert read[0]["refusal"] == answer.refused
+    assert len(json.dumps(read[0])) < 2e4
