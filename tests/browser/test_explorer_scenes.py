@@ -24,6 +24,11 @@ SMALL = """() => {
   };
 }"""
 
+# A browser that keeps nothing of the page.
+FULL = """() => {
+  Storage.prototype.setItem = key => { if (key.startsWith('metafem')) throw Error('full'); };
+}"""
+
 # Drops a file onto the law.
 DROPPED = """([name, text]) => {
   const files = new DataTransfer();
@@ -57,7 +62,7 @@ def test_a_long_history_outlives_a_reload_without_its_oldest_states(visit):
 
 
 def test_a_state_that_the_browser_cannot_keep_is_told(visit):
-    visit.page.evaluate("() => { Storage.prototype.setItem = () => { throw new Error('full'); }; }")
+    visit.page.evaluate(FULL)
     full = visit.page.locator(".lost").filter(has_text="cannot keep a state of")
     shown(visit, State(TEXT + "\n# longer\n"))
     assert not full.is_visible()  # the address keeps it
