@@ -61,11 +61,13 @@ export default {
     linked() {
       this.tell("linked", location.hash.slice(1));
     },
-    // Sends a value to the server in parts.
+    // Sends a value to the server in parts, which can arrive in another order.
     tell(name, value) {
       const text = JSON.stringify(value);
-      for (let start = 0; start < text.length; start += PART) {
-        this.$emit("part", { name, text: text.slice(start, start + PART), last: start + PART >= text.length });
+      const count = Math.ceil(text.length / PART);
+      this.told = (this.told ?? 0) + 1;
+      for (let i = 0; i < count; i++) {
+        this.$emit("part", { name, number: this.told, i, count, text: text.slice(i * PART, (i + 1) * PART) });
       }
     },
     // Whether a change is computed; tests wait until none is.

@@ -26,15 +26,17 @@ class Browser(Element, component="browser.js"):
     ) -> None:
         super().__init__()
         self.turns = Turns()
-        self.parts: list[str] = []
+        self.parts: dict[int, dict[int, str]] = {}
         self.told: dict[str, Callable[[Any], Awaitable[None]]] = {"stored": restored, "linked": linked}
         self.on("part", lambda event: self._part(event.args))
 
     async def _part(self, part: dict[str, Any]) -> None:
-        """Take a part of what the browser tells; large messages come in several."""
-        self.parts.append(part["text"])
-        if part["last"]:
-            text, self.parts = "".join(self.parts), []
+        """Take a part of what the browser tells; large messages come in several, in any order."""
+        parts = self.parts.setdefault(part["number"], {})
+        parts[part["i"]] = part["text"]
+        if len(parts) == part["count"]:
+            del self.parts[part["number"]]
+            text = "".join(parts[i] for i in range(len(parts)))
             await self.told[part["name"]](await asyncio.to_thread(json.loads, text))
 
     def keep(self, session: Session, asked: int) -> None:
