@@ -12,7 +12,6 @@ from metafem.explorer.session import State
 from metafem.explorer.surface.contact_data import contact_data
 from metafem.explorer.surface.surface_data import layout_data, site_data
 from metafem.explorer.text.document import Document
-from metafem.explorer.text.handles import handles
 from metafem.files import demo_text
 
 LINEAR = Document(demo_text("linear")).with_values({"lattice.shape": [4, 4], "limits.height_step": None})
@@ -61,7 +60,7 @@ def test_a_scene_is_shown_or_refused_in_words(scene):
     answer = answered(State(text, {"contact.csv": TABULATED}), 1, None, True)
     design = answer.design
     assert answer.current or answer.refused
-    shown = [law_data(answer, handles(text, answer.specification, design)), site_data(answer)]
+    shown = [law_data(answer), site_data(answer)]
     shown.append(figure_data(answer))
     if design is not None:
         contacts = contact_data(design, None, sensitive=True)

@@ -5,6 +5,15 @@ import { filesOf, holdsSpecification } from "metafem-workshop/files.js";
 const THEMES = { light: "Light", auto: "Auto", dark: "Dark" };
 const CALM = 700;  // milliseconds without a new status, after which screen readers are told
 const [THEME, HINT] = ["metafem-theme", "metafem-hint"];
+
+// A full or forbidden store forgets, and nothing else.
+function remember(key, text) {
+  try {
+    localStorage.setItem(key, text);
+  } catch (error) {
+    console.info(`${key} cannot be kept by the browser: ${error.message}`);
+  }
+}
 const MAC = navigator.platform.startsWith("Mac");
 const CTRL = MAC ? "⌘" : "Ctrl+";
 const HELP = [
@@ -119,7 +128,7 @@ export default {
     },
     choose(theme) {
       this.theme = theme;
-      localStorage.setItem(THEME, theme);
+      remember(THEME, theme);
       Quasar.Dark.set(theme === "auto" ? "auto" : theme === "dark");
     },
     key(event) {
@@ -159,7 +168,7 @@ export default {
     },
     close() {  // its space stays until the page is loaded again: the plots would move under the hand
       this.closed = true;
-      localStorage.setItem(HINT, "seen");
+      remember(HINT, "seen");
     },
     skip() {  // not by the fragment of the address, which holds the state
       document.querySelector(".explorer > .law")?.focus();
