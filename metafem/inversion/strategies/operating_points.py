@@ -30,6 +30,10 @@ if TYPE_CHECKING:
 # Relative distance of the friction of points that would otherwise not increase.
 APART = 1e-6
 
+# Most searches for later points of the nearest law: each takes as long as the refused one, and every one of
+# hundreds of points could need another. The nearest law then ends at the point that is not met.
+MOST_MOVED = 20
+
 
 def candidate(target: OperatingPoints, problem: Problem, rng: np.random.Generator) -> Candidate:
     """Return heights whose independent law passes through all points, or raise Infeasible."""
@@ -126,7 +130,9 @@ def _nearest(search: _Search) -> OperatingPoints | None:
             trial = replace(target, rescaled_friction=moved)
             if search.of(trial).path(()) is not None:
                 return trial
-    while len(nearest.rescaled_load) < len(friction):
+    for _ in range(MOST_MOVED):
+        if len(nearest.rescaled_load) == len(friction):
+            break
         number = len(nearest.rescaled_load)
         # friction increases: points below the moved one begin just above it
         steps = (1.0 + APART) ** np.arange(1, len(friction) - number + 1)
