@@ -7,7 +7,13 @@ const entry = (number) => `${KEY}.${number}`;
 // of a text can double its length.
 const PART = 400_000;
 
-const place = () => JSON.parse(sessionStorage.getItem(KEY) ?? "{}");
+function place() {
+  try {
+    return JSON.parse(sessionStorage.getItem(KEY)) ?? {};
+  } catch { // damaged: the address has the state, too
+    return {};
+  }
+}
 
 // The numbers of the states that are kept, in their order.
 const numbers = () => Object.keys(sessionStorage).filter((key) => key.startsWith(entry(""))).map((key) => Number(key.slice(entry("").length))).sort((a, b) => a - b);
@@ -63,7 +69,8 @@ export default {
     },
     // Sends a value to the server in parts, which can arrive in another order.
     tell(name, value) {
-      const text = JSON.stringify(value);
+      const code = (character) => `\\u${character.charCodeAt(0).toString(16).padStart(4, "0")}`;
+      const text = JSON.stringify(value).replace(/[^ -~]/g, code); // plain, so that a part has as many bytes as characters
       const count = Math.ceil(text.length / PART);
       this.told = (this.told ?? 0) + 1;
       for (let i = 0; i < count; i++) {
@@ -81,7 +88,11 @@ export default {
       full.hidden = !why || link !== "";
       const size = (state.length / 1e6).toFixed(1);
       full.textContent = full.hidden ? "" : `This browser cannot keep a state of ${size} MB: a reload of the page loses it. Take the specification first.`;
-      history.replaceState(null, "", link ? `#${link}` : location.pathname);
+      try {
+        history.replaceState(null, "", link ? `#${link}` : location.pathname);
+      } catch {
+        // some browsers allow so many changes of the address in a time; the next step changes it again
+      }
       this.$el.dataset.asked = asked; // tests wait until the pictures show this answer
     },
   },

@@ -63,6 +63,7 @@ class Page:
         self.tasks = Tasks()
         self.client = ui.context.client
         self.client.on_delete(self.tasks.stop_all)
+        self.client.on_exception(self.wrong)
 
     @property
     def state(self) -> State:
@@ -187,6 +188,10 @@ class Page:
         failures = all_told(listeners, value)
         if failures:
             self._say_failure(failures)
+
+    def wrong(self, error: Exception) -> None:
+        """Show an error of the program in what answers a hand or a clock; it is logged elsewhere."""
+        self._say_failure(in_words(error))
 
     def _say_failure(self, words: str) -> None:
         with self.client:

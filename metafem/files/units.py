@@ -22,6 +22,9 @@ _UNIT = re.compile(rf"(?:{_FACTOR})(?:\s*[*/·]\s*(?:{_FACTOR})| +(?:{_FACTOR}))
 _EXPONENT = re.compile(r"([^\W\d_])(-?\d)")
 _SUPERSCRIPT = str.maketrans("²³", "23")
 
+# Longest product of units: pint needs as many nested calls as there are factors.
+_LONGEST = 100
+
 # The usual units and what they are in ours, without the third of a second in which pint reads all that it
 # knows. It reads every other one.
 _USUAL = {
@@ -164,7 +167,7 @@ def factor(name: str, unit: str) -> Fraction:
     comma = "; write decimals with a point" if name.startswith(",") else ""
     unknown = InvalidInput(f'has the unknown unit "{printable(name, 40)}"{comma}')
     plain = name.translate(_SUPERSCRIPT)
-    if not _UNIT.fullmatch(plain):
+    if len(plain) > _LONGEST or not _UNIT.fullmatch(plain):
         raise unknown
     plain = _EXPONENT.sub(r"\1^\2", plain.replace("**", "^"))
     other = InvalidInput(f'has the unit "{printable(name, 40)}", which does not measure in {unit}')

@@ -21,6 +21,16 @@ DROPPED = """([where, name, content]) => {
     new DragEvent('drop', { dataTransfer: files, bubbles: true, cancelable: true }));
 }"""
 
+# A table with a long remark, and a store that has so many characters left.
+LARGE = b"load_N,friction_force_N\n0.1,0.12\n0.3,0.4\n#" + b"x" * 95_000
+FILLED = """left => {
+  let text = "x".repeat(1e7);
+  while (text.length > 1) {
+    try { sessionStorage.setItem("filled", text); break; } catch { text = text.slice(0, 0.99 * text.length); }
+  }
+  sessionStorage.setItem("filled", text.slice(left));
+}"""
+
 
 @pytest.fixture
 def visit(visit):
@@ -82,3 +92,31 @@ def test_handles_stay_inactive_while_a_field_is_wrong(visit):
     assert visit.text == text
     visit.drag("point-1", 2, -4)
     assert visit.text != text
+
+
+def test_a_large_history_outlives_a_reload_and_a_full_store(visit):
+    """Some hundred kilobytes a state are more than a message takes, and soon more than the browser keeps."""
+    page = visit.page
+    page.evaluate(DROPPED, [".law-plot", "m.csv", list(LARGE)])
+    visit.page.locator(".law-legend li", has_text="m.csv").wait_for()
+    for number in range(11):
+        typed(visit, "limits.max_height", f"{271 + number} um")
+    before = visit.history
+    assert sum(map(len, before["states"])) > 1e6
+    page.reload()
+    visit.settled()
+    assert visit.history == before
+    page.evaluate(FILLED, 250_000)
+    for number in range(4):
+        typed(visit, "limits.max_height", f"{290 + number} um")
+    kept = visit.history
+    assert None not in kept["states"]
+    assert 1 < len(kept["states"]) < len(before["states"]) + 4
+    page.reload()
+    visit.settled()
+    assert visit.history == kept
+    assert '"293 um"' in visit.text
+    page.evaluate("() => sessionStorage.setItem('metafem', '{')")  # the address has the state, too
+    page.reload()
+    visit.settled()
+    assert '"293 um"' in visit.text

@@ -73,6 +73,7 @@ def test_decimal_reads_what_str_writes(number):
     ("1 mm**9**9**9", "unknown unit"),
     ("1 mm; 2", "unknown unit"),
     ("1 mm/", "unknown unit"),
+    ("1 " + "m " * 5000, "unknown unit"),
     ("1e999 mm", "too large"),
 ])  # fmt: skip
 def test_a_refusal_names_key_value_and_example(given_, cause):

@@ -28,17 +28,18 @@ def specification_file(state: State) -> tuple[str, bytes]:
     """Return name and content of the specification; with its tables it is an archive.
 
     A link can name tables that lie elsewhere, which would be unpacked there. They are then named as in a
-    result folder, without folders.
+    result folder, without folders. Half a character, which has no bytes, becomes a question mark.
     """
+    text = state.text.encode("utf-8", "replace")
     if not state.tables:
-        return SPECIFICATION, state.text.encode("utf-8")
-    files = {name: table.encode("utf-8") for name, table in state.tables.items()}
+        return SPECIFICATION, text
+    files = {name: table.encode("utf-8", "replace") for name, table in state.tables.items()}
     if not all(map(_lies_within, state.tables)):
         try:
             return ZIPPED, archive(specification_of(state).files)
         except InvalidInput:  # the text cannot be read, so no table is known to be wanted
             files = {}
-    return ZIPPED, archive({**files, SPECIFICATION: state.text.encode("utf-8")})
+    return ZIPPED, archive({**files, SPECIFICATION: text})
 
 
 def _lies_within(name: str) -> bool:

@@ -20,7 +20,7 @@ SAFE = re.compile(r"[A-Za-z0-9_-]*")
 
 # Longest link, which browsers still take in an address [characters], and largest state [bytes]. A state of
 # a thousand measured points has 40 kB.
-LONGEST, LARGEST = 2**21, 2**24
+LONGEST, LARGEST = 2**20, 2**24
 
 
 def to_link(state: State) -> str:

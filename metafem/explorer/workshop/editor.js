@@ -1,5 +1,5 @@
 // The specification as text. What is typed is used half a second after the last key, or when the editor is left.
-import { textsOf } from "metafem-workshop/files.js";
+import { LARGEST, sent, textsOf } from "metafem-workshop/files.js";
 
 const PAUSE = 500;
 const LOOK = {
@@ -87,8 +87,12 @@ export default {
     use() {
       clearTimeout(this.timer);
       if (!this.dirty) return;
-      this.dirty = false;
       const text = this.editor.state.doc.toString();
+      if (sent(text) > LARGEST) {
+        this.problems = [{ line: 0, words: `The text is larger than ${LARGEST / 1000} kB, so it is not used. Undo, or delete some of it.` }];
+        return;
+      }
+      this.dirty = false;
       this.$emit("changed", { text: this.crlf ? text.replaceAll("\n", "\r\n") : text });
     },
     show({ text, problems, tables }) {

@@ -4,6 +4,9 @@ import { stepped } from "metafem-workshop/step.js";
 // The unit behind a number.
 const UNIT = /[^\d\s.,+-].*$/;
 
+// Most characters of a value: a list of some thousand points.
+const LONGEST = 100_000;
+
 export default {
   template: `
     <form class="fields" @submit.prevent @focusin="told = $event.target.dataset.key ?? told" :aria-busy="busy">
@@ -157,6 +160,10 @@ export default {
       return field.units.length && unit && /^[+-]?\d+(\.\d+)?$/.test(given.trim()) ? `${given.trim()} ${unit}` : "";
     },
     use(field, text) {
+      if (text.length > LONGEST) {
+        this.refused[field.key] = `This has ${text.length.toLocaleString("en")} characters; a value may have ${LONGEST.toLocaleString("en")}. Esc restores the value before.`;
+        return;
+      }
       const unit = field.listed ? null : UNIT.exec(this.values[field.key] ?? "")?.[0];
       if (unit) this.units[field.key] = unit;
       delete this.drafts[field.key];
@@ -174,7 +181,10 @@ export default {
     },
     key(event, field) {
       if (event.key === "Enter") this.leave(field);
-      else if (event.key === "Escape") delete this.drafts[field.key];
+      else if (event.key === "Escape") {
+        delete this.drafts[field.key];
+        delete this.refused[field.key];
+      }
       else if (event.key === "ArrowUp" || event.key === "ArrowDown") {
         const next = stepped(event.target.value, event.target.selectionStart, (event.key === "ArrowUp" ? 1 : -1) * (event.shiftKey ? 10 : 1), field.value === "integer");
         if (!next) return;

@@ -44,6 +44,10 @@ def loaded(state: State, files: list[Given]) -> State:
     if specifications:
         ((name, text),) = specifications.items()
         _refuse_foreign(name, text)
+        wanted = [re.split(r"[/\\]", table)[-1] for table in table_names(text)]
+        for each in files:
+            if each.why and each.name in wanted:
+                raise InvalidInput(f"{name} names the table {each.name}, which {each.why}.")
         return replace(state, text=text, tables=_named(text, tables))
     named = _named(state.text, tables)
     if named:
@@ -91,7 +95,7 @@ def _unnamed(name: str, known: tuple[str, ...]) -> str:
 def _refuse_foreign(name: str, text: str) -> None:
     """Refuse a text that has no section of a specification; one with errors is loaded and repaired here."""
     sections = "|".join(form.name for form in section_forms() if "." not in form.name)
-    if not re.search(rf"^\s*\[\s*({sections})\b|^\s*({sections})\s*[.=]", text, re.MULTILINE):
+    if not re.search(rf"^[ \t]*(\[[ \t]*({sections})\b|({sections})[ \t]*[.=])", text, re.MULTILINE):
         raise InvalidInput(
             f"{name} is no specification: it has none of the sections, such as [target]. "
             "Examples to start from stand above the text."

@@ -24,6 +24,11 @@ def line_of(text: str, key: str) -> int:
     >>> line_of(text, "limits.max_height"), line_of(text, "limits.offset"), line_of(text, "block.width")
     (2, 1, 0)
     """
+    return _nearest(lines_of(text), key)
+
+
+def lines_of(text: str) -> dict[str, int]:
+    """Return the lines of the keys and sections of a text, counted from 1; 0 for the key ""."""
     section, found = "", {"": 0}
     for number, line in enumerate(text.splitlines(), 1):
         header = HEADER.fullmatch(line)
@@ -33,18 +38,23 @@ def line_of(text: str, key: str) -> int:
         elif "=" in line and not line.lstrip().startswith("#"):
             name = re.sub(r"[\s\"']", "", line.partition("=")[0])
             found.setdefault(f"{section}.{name}" if section else name, number)
-    while key and key not in found:
+    return found
+
+
+def _nearest(lines: Mapping[str, int], key: str) -> int:
+    """Return the line of a key or of the innermost section around it."""
+    while key and key not in lines:
         key = key.rpartition(".")[0]
-    return found[key]
+    return lines[key]
 
 
 def placed(text: str, problems: Mapping[str, str], refusal: str = "") -> list[dict[str, Any]]:
     """Return the problems of a text with their lines, the first line first."""
     given = list(problems.items()) + ([("target", refusal)] if refusal else [])
-    found = []
+    found, lines = [], lines_of(text)
     for key, words in given:
         for each in words.splitlines():
             said, named = LINE.search(each), DOTTED.match(each)  # a key that is unknown stands in the words
-            line = int(said[1]) if said and not key else line_of(text, named[0] if named else key)
+            line = int(said[1]) if said and not key else _nearest(lines, named[0] if named else key)
             found.append({"line": line, "key": key, "words": each})
     return sorted(found, key=lambda problem: int(problem["line"]))

@@ -90,6 +90,12 @@ def test_tables_in_folders_keep_their_names():
     assert sorted(names) == ["spec.toml", "tables/wanted.csv"]
 
 
+def test_a_text_that_is_no_utf8_is_handed_out_all_the_same():
+    assert specification_file(State("# \ud800")) == ("spec.toml", b"# ?")
+    packed = specification_file(State("# \ud800", {"a.csv": "\ud800"}))[1]
+    assert zipfile.ZipFile(io.BytesIO(packed)).read("a.csv") == b"?"
+
+
 def test_equal_files_give_equal_archives():
     files = {"a.csv": b"1\n" * 1000, "b.csv": b"2\n"}
     assert archive(files) == archive(dict(files))

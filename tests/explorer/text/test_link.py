@@ -91,7 +91,7 @@ def test_a_link_that_would_fill_the_memory_is_refused(monkeypatch):
     assert len(bomb) < 3_000
     with pytest.raises(mf.InvalidInput, match="holds more than 1 MiB"):
         from_link(bomb)
-    with pytest.raises(mf.InvalidInput, match="at most 2,097,152 are read"):
+    with pytest.raises(mf.InvalidInput, match="at most 1,048,576 are read"):
         from_link("1." + "A" * module.LONGEST)
     with pytest.raises(mf.InvalidInput, match="not one of this version"):
         from_link("2.abc")

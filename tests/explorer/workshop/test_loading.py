@@ -39,6 +39,11 @@ def test_a_specification_with_errors_is_loaded_to_be_repaired():
         ([Given("law.csv", TABLE)], "The specification names no table. To use it, write file = \"law.csv\""),
         ([Given("a.toml", SAMPLED), Given("b.toml", SAMPLED)], "several specifications"),
         ([], "Load a .toml file"),
+        ([Given("blank.toml", "\n" * 100_000)], "blank.toml is no specification"),
+        (
+            [Given("a.toml", SAMPLED), Given("wanted.csv", why="is not a text in UTF-8")],
+            "a.toml names the table wanted.csv, which is not a text in UTF-8.",
+        ),
     ],
 )  # fmt: skip
 def test_other_files_are_refused_with_what_to_load(files, words):

@@ -37,6 +37,12 @@ def test_all_keys_of_a_text_are_found_in_their_order():
     assert line_of(text, "limits.offset") == 0
 
 
+def test_many_problems_are_placed_at_once():
+    text = "".join(f"[k{i}]\n" for i in range(4000))
+    problems = {"": "\n".join(f"k{i}.a is unknown" for i in range(4000))}
+    assert [each["line"] for each in placed(text, problems)] == list(range(1, 4001))
+
+
 def test_a_missing_section_has_no_line():
     text = re.sub(r"(?s)\[material\].*?\n\n", "", TEXT)
     (problem,) = placed(text, answered(State(text), 1).problems)

@@ -1,9 +1,10 @@
 // Files that were chosen or dropped, as texts. A dropped folder gives its specification and its tables.
-const LARGEST = 900_000;  // characters of a message with its escapes: NiceGUI drops messages of a megabyte
+// Characters of a text as it is sent, where each end of a line has two: the server takes a megabyte.
+export const LARGEST = 900_000;
 const MOST = 40;          // files of a folder
 
-// Characters of a text in a message: an end of a line has two.
-const sent = (text) => JSON.stringify(text).length;
+// The length of a text in a message.
+export const sent = (text) => JSON.stringify(text).length;
 
 async function textOf(file) {
   const large = { name: file.name, why: `is larger than ${LARGEST / 1000} kB, the limit for a file` };
@@ -41,9 +42,15 @@ export async function filesOf(transfer) {
   return textsOf(await Promise.all(found.map((entry) => new Promise((done, failed) => entry.file(done, failed)))));
 }
 
-// Those that cannot be read say why; together they fit into one message.
+// Those that cannot be read say why; together they fit into one message, the specification first.
 export async function textsOf(files) {
   const texts = await Promise.all([...files].slice(0, MOST).map(textOf));
-  let size = 0;
-  return texts.filter((each) => (size += each.text ? sent(each.text) : 0) < LARGEST || /\.toml$/i.test(each.name));
+  texts.sort((one, other) => /\.toml$/i.test(other.name) - /\.toml$/i.test(one.name));
+  let room = LARGEST;
+  return texts.map((each) => {
+    const size = sent(each.text ?? "");
+    if (size > room) return { name: each.name, why: `is too large beside the others, which may have ${LARGEST / 1000} kB together` };
+    room -= size;
+    return each;
+  });
 }
