@@ -102,12 +102,15 @@ def restored(kept: Any, first: Session) -> tuple[Session, str]:
 
     Where the address holds another state, this is its last step.
     """
-    session = first
+    session, problems = first, list[str]()
     try:
         session = Session.restored(kept) or first
+    except InvalidInput as error:
+        problems.append(str(error))
+    try:
         link = kept.get("link") if isinstance(kept, dict) else ""
         if link and link != link_of(session.state):
             session.commit(from_link(link))
     except InvalidInput as error:
-        return session, str(error)
-    return session, ""
+        problems.append(str(error))
+    return session, "; ".join(problems)
