@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import atexit
+import logging
 import os
 import pickle
 import subprocess
@@ -22,6 +23,10 @@ from typing import Any
 
 from metafem.errors import MetafemError
 from metafem.explorer.certainty.worker import DONE, STEP, main
+from metafem.explorer.newest import in_words
+
+# Errors of the program are written to the terminal, with the place where they happened.
+LOG = logging.getLogger(__name__)
 
 OnStep = Callable[[str, float | None], None]
 OnDone = Callable[[Any], None]
@@ -118,12 +123,22 @@ class Background:
 
     def _step(self, name: str, done: float | None) -> None:
         if self.running:
-            self.on_step(name, done)
+            self._told(self.on_step, name, done)
 
     def _end(self, function: Callable[[Any], None], value: Any) -> None:
         if self.running:
             self.running = False
-            function(value)
+            self._told(function, value)
+
+    def _told(self, function: Callable[..., None], *given: Any) -> None:
+        """Call a function of the page; an error of it ends the computation as one of that would."""
+        try:
+            function(*given)
+        except Exception as error:
+            LOG.exception("what a computation sent was not shown")
+            self.stop()
+            if function is not self.on_error:
+                self.on_error(MetafemError(in_words(error)))
 
 
 class Tasks:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 from collections.abc import Callable, Coroutine, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -23,6 +24,9 @@ if TYPE_CHECKING:
 STYLE = Path(__file__).with_name("certainty.css")
 
 TAB = "How sure"
+
+# Errors of the program are written to the terminal, with the place where they happened.
+LOG = logging.getLogger(__name__)
 
 # Seconds without a new answer after which the figures are computed, and after which surfaces are drawn.
 PAUSE, REST = 0.3, 1.0
@@ -45,17 +49,32 @@ class PlaceWarnings(Element, component="place_warnings.js"):
 
 
 class Rest:
-    """Starts a task when nothing has happened for some seconds."""
+    """Starts a task when nothing has happened for some seconds; its errors are logged and handed to `failed`."""
 
-    def __init__(self, seconds: float, task: Callable[[], Coroutine[Any, Any, None]]) -> None:
-        self.seconds, self.task = seconds, task
+    def __init__(
+        self,
+        seconds: float,
+        task: Callable[[], Coroutine[Any, Any, None]],
+        failed: Callable[[Exception], None],
+    ) -> None:
+        self.seconds, self.task, self.failed = seconds, task, failed
         self.timer: asyncio.TimerHandle | None = None
 
     def begin(self) -> None:
         """Wait from now on."""
         self.end()
-        loop = asyncio.get_running_loop()
-        self.timer = loop.call_later(self.seconds, lambda: background_tasks.create(self.task()))
+        self.timer = asyncio.get_running_loop().call_later(self.seconds, self.start)
+
+    def start(self) -> None:
+        """Start the task at once."""
+        background_tasks.create(self._run())
+
+    async def _run(self) -> None:
+        try:
+            await self.task()
+        except Exception as error:
+            LOG.exception("what is computed at rest was not shown")
+            self.failed(error)
 
     def end(self) -> None:
         """Wait no longer."""
@@ -69,7 +88,10 @@ class Certainty:
     def __init__(self, page: Page) -> None:
         self.page, self.visible, self.ready = page, False, False
         self.client = ui.context.client
-        self.pause, self.rest = Rest(PAUSE, self._figures), Rest(REST, self._draw)
+        self.pause, self.rest = (
+            Rest(PAUSE, self._figures, page.wrong),
+            Rest(REST, self._draw, page.wrong),
+        )
         with ui.element("div").classes("certainty"):
             self.table, self.studies = SureFigures(), SureStudies()
         self.studies.on("ready", self._opened)
@@ -91,7 +113,7 @@ class Certainty:
     def _opened(self) -> None:
         """The elements are in the page: the browser makes them when the tab is first opened."""
         self.ready = self.visible = True
-        background_tasks.create(self._figures())
+        self.pause.start()
 
     def _left(self) -> None:
         self.pause.end()

@@ -79,6 +79,24 @@ def test_errors_of_metafem_arrive_as_they_are():
     assert str(error.value) == str(direct.value)
 
 
+def test_an_error_of_the_page_ends_the_computation_in_words(caplog):
+    def show(*_):
+        raise KeyError("curve")
+
+    async def scene(**shown):
+        future = asyncio.get_running_loop().create_future()
+        task = Background(*shown.pop("call"), on_error=future.set_result, **shown)
+        error = await future
+        assert not task.running
+        return str(error)
+
+    done = asyncio.run(scene(call=(printing, ("a",)), on_done=show))
+    stepped = asyncio.run(scene(call=(endless, ()), on_step=show))
+    assert done == stepped
+    assert done.startswith("This is an error of the program, not of your input: KeyError: 'curve'.")
+    assert len(caplog.records) == 2
+
+
 def test_a_killed_process_is_reported_in_words():
     with pytest.raises(MetafemError, match=r"exit code -9.*lack of memory; start it again"):
         asyncio.run(outcome(killed))
