@@ -34,9 +34,25 @@ class Guard:
         if scope["type"] not in ("http", "websocket"):
             await self.app(scope, receive, send)
         elif self.allowed(scope):
-            await self.app({**scope, "root_path": f"/{self.token}"}, receive, _with_headers(send))
+            await self._answer({**scope, "root_path": f"/{self.token}"}, receive, _with_headers(send))
         else:
             await _refuse(scope, receive, send)
+
+    async def _answer(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Pass a request on; that nobody waits for its answer any longer is no error."""
+        left = False
+
+        async def heard() -> Any:
+            nonlocal left
+            message = await receive()
+            left = left or message["type"] == "http.disconnect"
+            return message
+
+        try:
+            await self.app(scope, heard, send)
+        except RuntimeError:  # Starlette's "No response returned"
+            if not left:
+                raise
 
     def allowed(self, scope: Scope) -> bool:
         """Whether a request knows the token and is sent by a page of this server, or by no page."""

@@ -1,6 +1,7 @@
 """Requests that the server of the explorer answers, and those that it refuses."""
 
 import asyncio
+from contextlib import nullcontext
 
 import pytest
 
@@ -67,3 +68,20 @@ def test_others_are_refused(path, headers):
 def test_the_start_of_the_application_passes():
     received, _ = answer(kind="lifespan")
     assert received[0]["type"] == "lifespan"
+
+
+@pytest.mark.parametrize("left", [True, False])
+def test_a_page_that_is_closed_while_it_loads_is_no_error(left):
+    async def application(scope, receive, send):
+        await receive()
+        raise RuntimeError("No response returned.")
+
+    async def receive():
+        return {"type": "http.disconnect" if left else "http.request"}
+
+    async def send(message):
+        raise AssertionError
+
+    scope = {"type": "http", "path": f"/{TOKEN}/", "headers": [(b"host", HOST.encode())]}
+    with nullcontext() if left else pytest.raises(RuntimeError, match="No response"):
+        asyncio.run(Guard(application, TOKEN, 8123)(scope, receive, send))
