@@ -49,7 +49,7 @@ class PlaceWarnings(Element, component="place_warnings.js"):
 
 
 class Rest:
-    """Starts a task when nothing has happened for some seconds; its errors are logged and handed to `failed`."""
+    """Starts a task when nothing has happened for some seconds; `failed` is called with its errors."""
 
     def __init__(
         self,
