@@ -65,8 +65,11 @@ def part_warnings(answer: Answer) -> dict[str, list[str]]:
 def warnings_by_place(answer: Answer) -> dict[str, list[str]]:
     """Return the warnings of an answer by where they belong: "law", "surface", "take", or keys.
 
-    "take" is the tab of the files. One warning can belong to several places.
+    "take" is the tab of the files. One warning can belong to several places. Those of an earlier surface,
+    which an answer shows where it has none of its own, are none of the present specification.
     """
+    if not answer.current:
+        return {}
     places = part_warnings(answer)
     warnings = [(figure.places, _text(figure)) for figure in figures(answer) if figure.warns]
     warnings += [

@@ -67,7 +67,7 @@ class Beside:
         if self.last is None:
             return
         answer, band, words, laws = self.last
-        units = Units.of(answer, answer.state.newtons)
+        units = Units.of_design(answer, answer.state.newtons)
         block = self.block.of(answer.design)
         found = [*laws, *([] if block is None else [block])]
         self.draw(

@@ -22,6 +22,7 @@ def law_data(answer: Answer) -> dict[str, Any]:
     """Return the curves and handles of an answer in the units that are shown."""
     handles, shape = drawn(answer.state.text, answer.specification, answer.design)
     units = Units.of(answer, answer.state.newtons)
+    own = Units.of_design(answer, answer.state.newtons)
     target = None if answer.specification is None else answer.specification.target
     many = 0 if answer.specification is None else crowd(answer.specification)
     data: dict[str, Any] = {
@@ -40,11 +41,11 @@ def law_data(answer: Answer) -> dict[str, Any]:
         "refusal": answer.refused,
         # None: those of a text with problems are not known
         "handles": None if target is None else [_handle(handle, units) for handle in handles],
-        "cursor": None if answer.state.load is None else numbers([units.load * answer.state.load], EDITED)[0],
+        "cursor": None if answer.state.load is None else numbers([own.load * answer.state.load], EDITED)[0],
     }
     if answer.design is not None:
         law = answer.design.law
-        data["achieved"] = units.curve(law.rescaled_load, law.rescaled_friction)
+        data["achieved"] = own.curve(law.rescaled_load, law.rescaled_friction)
         data["model"] = law.model.name
         data["reach"] = COUPLED if law.model.couples else INDEPENDENT
     if answer.nearest is not None:

@@ -145,7 +145,8 @@ class LawPanel:
 
     def on_cursor(self, event: Event) -> None:
         """Show the contacts at another load."""
-        load, _ = self._units().rescaled(float(event["x"]), 0.0)
+        units = Units.of_design(self.page.answer, self.page.state.newtons)
+        load, _ = units.rescaled(float(event["x"]), 0.0)
         if math.isfinite(load) and load > 0.0:
             self.page.look(load=load)
 

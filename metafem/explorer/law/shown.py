@@ -10,6 +10,7 @@ import numpy as np
 
 from metafem._validate import FloatArray
 from metafem.explorer.answer import Answer
+from metafem.surface import Surface
 
 # Points of a curve on the screen: neighbouring ones are a few pixels apart.
 MOST_POINTS = 200
@@ -39,7 +40,18 @@ class Units:
         Where the text of an answer has problems they are those of the last design.
         """
         known = answer.design if answer.specification is None else answer.specification
-        template = None if known is None else known.template
+        return cls._of_template(None if known is None else known.template, newtons)
+
+    @classmethod
+    def of_design(cls, answer: Answer, newtons: bool) -> Units:
+        """Return the units of the design that an answer shows, which may be that of an earlier material."""
+        axes = cls.of(answer, newtons)
+        own = axes if answer.design is None else cls._of_template(answer.design.template, newtons)
+        return own if own.newtons == axes.newtons else axes
+
+    @classmethod
+    def _of_template(cls, template: Surface | None, newtons: bool) -> Units:
+        """Return the units of a surface."""
         if template is None or template.friction is None or not newtons:
             return cls()
         stress = template.friction.shear_strength * template.friction.area_ratio

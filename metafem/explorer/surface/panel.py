@@ -13,7 +13,7 @@ from metafem.explorer.newest import Newest
 from metafem.explorer.session import State
 from metafem.explorer.surface.contact_data import contact_data
 from metafem.explorer.surface.edits import edited
-from metafem.explorer.surface.surface_data import layout_data, message, same_layout, site_data
+from metafem.explorer.surface.surface_data import layout_data, message_data, same_layout, site_data
 from metafem.explorer.surface.surface_view import SurfaceView
 from metafem.inversion import Design
 from metafem.surface import Surface
@@ -44,7 +44,7 @@ class Views:
         """Return what has changed on the surface of an answer."""
         shown = answer.design, answer.state.text
         again = all(one is other for one, other in zip(shown, self.shown, strict=True))
-        data = {"number": answer.number, "message": message(answer)} if again else site_data(answer)
+        data = message_data(answer) if again else site_data(answer)
         design = answer.design
         if design is not None and (self.template is None or not same_layout(self.template, design.template)):
             data["layout"] = layout_data(design)

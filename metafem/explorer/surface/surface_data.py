@@ -51,7 +51,7 @@ def site_data(answer: Answer) -> dict[str, Any]:
     ``pinned`` holds the sites whose heights are kept, as written; ``empty`` those that the specification
     leaves empty; ``limits`` the lowest and the largest height of the colours.
     """
-    data: dict[str, Any] = {"number": answer.number, "message": message(answer)}
+    data: dict[str, Any] = message_data(answer)
     design = answer.design
     if design is None:
         return data
@@ -68,6 +68,12 @@ def site_data(answer: Answer) -> dict[str, Any]:
         "empty": sorted(site for site in asked.empty if site < count),
         "limits": [low, high],
     }
+
+
+def message_data(answer: Answer) -> dict[str, Any]:
+    """Return what is said of the surface, and whether it is one of an earlier state."""
+    old = answer.design is not None and not answer.current
+    return {"number": answer.number, "message": message(answer), "old": old}
 
 
 def message(answer: Answer) -> str:

@@ -11,7 +11,7 @@ const MENU = 270;
 
 export default {
   template: `
-    <div class="surface-view fill" data-answered="0">
+    <div :class="['surface-view', 'fill', { old }]" data-answered="0">
       <div class="head"><h2>Surface</h2>
         <label class="small">Colour <select class="text" v-model="what" @change="recolour" aria-label="Colour of the sites">
           <option value="height">height</option><option v-if="radii" value="radius">radius</option><option value="pressure">contact pressure</option><option value="sensitivity">sensitivity</option>
@@ -21,7 +21,7 @@ export default {
                   @click="open(name)">{{ label }}</button>
         </div>
       </div>
-      <p class="small line" role="status">{{ line }} {{ note }}</p>
+      <p class="small line" role="status">{{ old && line ? "Last surface that was found. " : "" }}{{ line }} {{ note }}</p>
       <p v-if="message" class="small warn">{{ message }}</p>
       <div class="box fill" ref="map" v-show="tab === 'map'" @keydown.esc="close">
         <div v-if="tip" class="tip" :style="tip.style"><div v-for="each in tip.lines">{{ each }}</div></div>
@@ -49,7 +49,7 @@ export default {
     </div>`,
   data() {
     return {
-      tab: "map", what: "height", line: "", message: "", note: "", tip: null, menu: null, title: "", these: "", kept: "", filled: false, asked: false,
+      tab: "map", what: "height", line: "", message: "", old: false, note: "", tip: null, menu: null, title: "", these: "", kept: "", filled: false, asked: false,
       typed: "", adding: false, missing: "", times: EXAGGERATION.first, most: EXAGGERATION.most, spoken: "",
       radii: false, part: "",
     };
@@ -77,6 +77,7 @@ export default {
     show(data) {
       if (data.layout) this.layout = data.layout;
       this.message = data.message;
+      this.old = data.old;
       this.number = data.number;
       if (data.height) { // otherwise it is as before
         this.surface = { ...data, empty: new Set(data.empty) };

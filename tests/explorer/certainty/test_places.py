@@ -29,3 +29,12 @@ def test_a_summit_at_the_base_plane_is_told_at_the_surface_and_at_the_files():
     places = warnings_by_place(answer)
     assert words in places["surface"]
     assert places["take"] == [words]
+
+
+def test_an_earlier_surface_has_no_warnings_of_the_present_specification():
+    warned = answered(State(TEXT.replace('height_sd = "0.9 um"', 'height_sd = "9 um"')), 1)
+    assert warnings_by_place(warned)
+    refused = answered(State(TEXT.replace('"1.68 mm^2"', '"3.9 mm^2"')), 2, warned)
+    assert refused.refusal
+    assert refused.design is warned.design
+    assert warnings_by_place(refused) == {}

@@ -35,6 +35,24 @@ def test_curves_are_the_laws_in_rescaled_units_and_in_newtons(answer):
     assert forces["cursor"] == pytest.approx(0.2 * 1.36)
 
 
+def test_the_last_law_keeps_the_newtons_of_its_own_material(answer):
+    """The load at which the map shows its contacts is that of the marker, also under another material."""
+    law = answer.design.law
+    stiff = TEXT.replace('"1.36 MPa"', '"2 MPa"').replace('"1.68 mm^2"', '"3.9 mm^2"')
+    refused = answered(State(stiff, newtons=True, load=0.2), 8, answer)
+    assert refused.refusal
+    assert refused.design is answer.design
+    data = law_data(refused)
+    np.testing.assert_allclose(data["achieved"]["x"], law.load, rtol=1e-4)
+    np.testing.assert_allclose(data["achieved"]["y"], law.friction_force, rtol=1e-4)
+    assert data["wanted"]["x"] == pytest.approx([2.0 * load for load in (0.144, 0.336, 0.649)])
+    assert data["cursor"] == pytest.approx(0.2 * 1.36)
+    without = TEXT.replace('"1.68 mm^2"', '"3.9 mm^2"').replace("[friction]", "[robust]")
+    without = without.replace('shear_strength = "0.370 MPa"', 'height_sd = "1 um"').replace("area_ratio", "#")
+    rescaled = law_data(answered(State(without, newtons=True), 9, answer))
+    np.testing.assert_allclose(rescaled["achieved"]["x"], law.rescaled_load, rtol=1e-4)
+
+
 def test_units_return_to_the_rescaled_values(answer):
     units = Units.of(answer, True)
     x, y = units.rescaled(units.load * 0.3, units.friction * 1.7)

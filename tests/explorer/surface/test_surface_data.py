@@ -89,7 +89,7 @@ def test_empty_sites_of_the_text_are_named(answer):
 
 def test_without_a_surface_there_is_only_a_message():
     data = site_data(answered(State("nothing"), 1))
-    assert data == {"number": 1, "message": "There is no surface yet."}
+    assert data == {"number": 1, "message": "There is no surface yet.", "old": False}
 
 
 def test_layouts_differ_by_sites_and_by_block(answer):
