@@ -10,8 +10,9 @@ from metafem._validate import FloatArray
 from metafem.errors import Infeasible, InvalidInput, MetafemError
 from metafem.explorer.session import State
 from metafem.files import Specification, parsed, problem_key
-from metafem.inversion import Design
+from metafem.inversion import Design, OperatingPoints, SampledLaw
 from metafem.inversion.targets.target import Target
+from metafem.inversion.targets.wording import Wording
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +86,7 @@ def answered(state: State, number: int, before: Answer | None = None, draft: boo
     except InvalidInput as error:
         problems = _problems(error)
     except Infeasible as error:
-        refusal = str(error)
+        refusal = str(error) if specification is None else _in_units_of(state, specification, error)
         if specification is not None and error.nearest is not None:
             nearest_target = error.nearest
             nearest = _law_of(specification, error.nearest, draft)
@@ -114,6 +115,23 @@ def _designed(specification: Specification, draft: bool) -> tuple[Design, bool]:
         except MetafemError:
             pass  # the whole search ends elsewhere, or says the same
     return specification.design(), False
+
+
+def _in_units_of(state: State, specification: Specification, error: Infeasible) -> str:
+    """Return a refusal in the unit of the axes; the words of a quick search for points in the other unit."""
+    target, template = specification.target, specification.template
+    if template.friction is None or not isinstance(target, (OperatingPoints, SampledLaw)):
+        return str(error)
+    wording = Wording.of(template.material, template.friction) if state.newtons else Wording()
+    if wording == target.wording:
+        return str(error)
+    try:
+        replace(specification, target=replace(target, wording=wording)).design(draft=True)
+    except Infeasible as other:
+        return str(other)
+    except MetafemError:
+        pass  # which the refusal is not
+    return str(error)
 
 
 def _serves(before: Answer, state: State, draft: bool) -> bool:

@@ -226,3 +226,16 @@ def test_files_of_the_machine_are_not_read(section, tmp_path, monkeypatch):
             answer = answered(State(text), 1)
         assert answer.specification is None
         assert "names a table that is not given (given: none)" in answer.problems[f"{section}.file"]
+
+
+@pytest.mark.parametrize("forces", [False, True])
+def test_a_refusal_is_in_the_unit_of_the_axes(forces):
+    text = demo_text("operating-points").replace('"1.68 mm^2"', '"3.9 mm^2"')
+    if forces:
+        text = text.replace("rescaled_load", "load").replace("rescaled_friction", "friction_force")
+        text = text.replace(' mm^2"', ' N"')
+    for newtons in (False, True):
+        words = answered(State(text, newtons=newtons), 1).refusal
+        assert words.startswith("operating point")
+        assert (" N," in words) == newtons
+        assert ("mm^2" in words) != newtons

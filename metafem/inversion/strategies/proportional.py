@@ -27,6 +27,10 @@ from metafem.inversion.strategies import sampled
 from metafem.models import Independent
 from metafem.models.model import PARABOLOID, checked_contact
 
+# Least ratio of the ends of a range that is offered instead of a wider one: a line over a few per cent of its
+# load says little about a law.
+LEAST_RANGE = 1.1
+
 if TYPE_CHECKING:
     from metafem.contact import Contact
     from metafem.inversion.limits import Limits
@@ -54,8 +58,10 @@ def refuse_line(target: StraightLaw, problem: Problem, margin: float) -> None:
             f"raise the {slope}, or use a smaller radius",
         )
     if high > end:
+        last, bend = target.lines[-1]
+        from_where = f"from {wording.loads(bend)}" if bend else "through the origin"
         raise _refused(
-            f"{wording.slopes(target.lines[-1][0])} through the origin cannot go on up to "
+            f"{wording.slopes(last)} {from_where} cannot go on up to "
             f"{wording.loads(high)}: from {wording.load_bound(end, up=False)} on friction grows more slowly, "
             f"{scope}",
             reached_line(target, problem),
@@ -86,7 +92,10 @@ def _refused(words: str, nearest: StraightLaw | None, otherwise: str) -> Infeasi
     """Return the error for a range that is not reached, with a range that is, or with what to change."""
     if nearest is None or nearest.load_range is None:
         return Infeasible(f"{words}; {otherwise}")
-    ends = nearest.wording.inside(*nearest.load_range)
+    low, high = nearest.load_range
+    if high < LEAST_RANGE * low:
+        return Infeasible(f"{words}; {otherwise}")
+    ends = nearest.wording.inside(low, high)
     return Infeasible(
         f"{words}; the line is reached from {ends}: give that load_range, or {otherwise}", nearest
     )

@@ -96,7 +96,7 @@ def test_little_height_shortens_the_range(template):
     [
         (mf.LinearLaw(7.0, (0.01, 0.2)), r"slope 7 .* cannot begin at 0.01 mm\^2: .* up to 0.01407 mm\^2"),
         (mf.LinearLaw(7.0, (0.03, 0.7)), r"slope 7 .* cannot go on up to 0.7 mm\^2: from 0.6002 mm\^2 on"),
-        (mf.BilinearLaw((6.0, 9.0), 0.08, (0.03, 0.7)), r"slope 9 .* from 0.3336 mm\^2 on"),
+        (mf.BilinearLaw((6.0, 9.0), 0.08, (0.03, 0.7)), r"slope 9 from 0.08 mm\^2 cannot .* 0.3336 mm\^2 on"),
         (
             mf.BilinearLaw((6.0, 3.9), 0.08, (0.04, 0.2)),
             r"slope 3.9 cannot follow slope 6 .* from 4 to 71.48",
@@ -107,6 +107,16 @@ def test_what_no_surface_has_is_refused_with_what_is_reached(template, target, w
     with pytest.raises(mf.Infeasible, match=words) as caught:
         mf.design(target, template, limits=TALL)
     assert deviation(mf.design(caught.value.nearest, template, limits=TALL)) < 0.01
+
+
+def test_a_range_of_a_few_per_cent_is_not_offered(template):
+    """The steeper branch of slope 16 ends 4 % behind the crossover."""
+    with pytest.raises(
+        mf.Infeasible, match=r"slope 16 from 0.0572 mm.2 cannot go on .* on friction"
+    ) as caught:
+        mf.design(mf.BilinearLaw((9.0, 16.0), 0.0572, (0.05, 0.7)), template, limits=TALL)
+    assert caught.value.nearest is None
+    assert "the line is reached" not in str(caught.value)
 
 
 def test_a_range_out_of_reach_says_what_to_change(template):
