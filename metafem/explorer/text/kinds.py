@@ -18,7 +18,7 @@ from metafem.explorer.text.marks import Scene
 from metafem.explorer.text.order import form_of
 from metafem.explorer.text.written import rounded
 from metafem.files import Specification, parsed
-from metafem.inversion import Design
+from metafem.inversion import Design, Target
 from metafem.inversion.targets.wording import RESCALED, Wording
 from metafem.models import Independent
 from metafem.models.model import contact_of
@@ -101,7 +101,10 @@ def _near(
     """Return a text with a target of another kind near the law of a design."""
     scene, tables = Scene(document, specification, design), _tables(document, specification)
     wording, template, first = scene.target.wording, specification.template, ""
-    for numbers in ATTEMPTS[kind](*_present(design)):
+    law, low, high = _present(design)
+    for numbers in ATTEMPTS[kind](law, low, high):
+        if "rescaled_load" in numbers:
+            numbers = _with_bends(numbers, law, scene.target)
         found = document.with_kind("target", kind, _written(numbers, scene, wording, resolution))
         first = first or found
         nearest = _nearest(found, tables) if template.count <= MOST_TRIED else None
@@ -141,6 +144,16 @@ def _present(design: Design) -> tuple[Callable[[FloatArray], FloatArray], float,
 
 
 Law = Callable[[FloatArray], FloatArray]
+
+
+def _with_bends(numbers: Numbers, law: Law, target: Target) -> Numbers:
+    """Return points of a law of which some are at the crossover loads of the target before."""
+    edges = [load for _, ends in target.branches for load in ends][1:-1]
+    load = np.array(numbers["rescaled_load"])
+    for bend in edges or [start for _, start in target.lines[1:]]:
+        if len(load) > 2 and load[0] < bend < load[-1]:
+            load[1 + np.abs(load[1:-1] - bend).argmin()] = bend
+    return {"rescaled_load": load.tolist(), "rescaled_friction": law(load).tolist()}
 
 
 def _points(law: Law, low: float, high: float) -> Iterator[Numbers]:

@@ -96,3 +96,24 @@ def test_the_table_of_a_contact_is_kept():
     design = parsed(demo_text("bilinear")).design()
     new = with_kind(State(text, {"lab/contact.csv": table}), design, "sampled")
     assert parsed(new, {"lab/contact.csv": table.encode()}).target.rescaled_load.size == 8
+
+
+def test_points_of_two_branches_keep_the_crossover():
+    text = Document(demo_text("bilinear")).with_values(
+        {
+            "target.slopes": [6.0, 9.0],
+            "target.friction_coefficients": None,
+            "target.crossover_load": "0.08 mm^2",
+            "target.load_range": ["0.04 mm^2", "0.2 mm^2"],
+        }
+    )
+    specification = parsed(text)
+    assert specification.target.lines[1][1] == pytest.approx(0.08)
+    found = parsed(with_kind(State(text), specification.design(), "operating-points")).target
+    row = int(np.abs(found.rescaled_load - 0.08).argmin())
+    assert found.rescaled_load[row] == pytest.approx(0.08)
+    assert found.rescaled_friction[row] == pytest.approx(0.48, rel=0.03)
+    left, right = (
+        np.diff(found.rescaled_friction)[row - 1 : row + 1] / np.diff(found.rescaled_load)[row - 1 : row + 1]
+    )
+    assert right / left == pytest.approx(1.5, rel=0.1)
