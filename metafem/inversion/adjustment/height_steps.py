@@ -45,15 +45,15 @@ def rounded_to_steps(problem: Problem, candidate: Candidate) -> Candidate:
         rows = [law.residual(row, none)[0] if np.isfinite(row).all() else row + np.inf for row in areas]
         return np.where(np.isnan(rows), np.inf, rows)
 
-    def largest(heights: FloatArray, residual: FloatArray) -> FloatArray:
-        """Return the residuals at the few loads where those of the present heights are largest."""
-        return residuals(heights, law.part(np.sort(np.argsort(-np.abs(residual))[: options.largest_loads])))
+    def part(residual: FloatArray) -> TargetLaw:
+        """Return the law at the few loads where the residuals of the present heights are largest."""
+        return law.part(np.sort(np.argsort(-np.abs(residual))[: options.largest_loads]))
 
     options = problem.options
     power = options.largest_power if law.pointwise else 2
     # the largest of many differences decide the sum of their powers, and exclude most changes in less time
     excludes = law.pointwise and len(law.load) > 4 * options.largest_loads
-    search = _StepSearch(levels, residual, residuals, largest if excludes else None, power, options, held)
+    search = _StepSearch(levels, residual, residuals, part if excludes else None, power, options, held)
     index, size = search.rounded(candidate.height)
     if len(index) <= options.most_stepped:
         index = search.moved(index, size)
@@ -73,8 +73,8 @@ class _StepSearch:
 
     levels: FloatArray
     residual: Callable[[FloatArray], tuple[FloatArray, FloatArray]]
-    residuals: Callable[[FloatArray], FloatArray]
-    largest: Callable[[FloatArray, FloatArray], FloatArray] | None
+    residuals: Callable[..., FloatArray]
+    part: Callable[[FloatArray], TargetLaw] | None
     power: int
     options: SearchOptions
     held: IntArray
@@ -91,17 +91,16 @@ class _StepSearch:
         sizes = self.total(self.residuals(self.levels[np.array(trials)]).T)
         return trials[int(sizes.argmin())], float(sizes.min())
 
-    def below(self, trials: list[IntArray], size: float, residual: FloatArray) -> tuple[IntArray, float]:
+    def below(self, trials: list[IntArray], size: float, part: TargetLaw) -> tuple[IntArray, float]:
         """Return what `best` returns where that is below a size, from fewer evaluations.
 
-        The sum over some loads bounds the whole sum from below; the least bounds are evaluated first.
+        The sum over the loads of a part of the law bounds the whole sum from below. The least bounds are
+        evaluated first.
         """
-        if self.largest is None:
-            return self.best(trials)
         heights, sizes = self.levels[np.array(trials)], np.full(len(trials), np.inf)
-        bounds = self.total(self.largest(heights, residual).T)
-        for part in np.array_split(np.argsort(bounds), -(-len(trials) // self.options.steps_at_once)):
-            rows = part[bounds[part] < min(size, sizes.min())]
+        bounds = self.total(self.residuals(heights, part).T)
+        for some in np.array_split(np.argsort(bounds), -(-len(trials) // self.options.steps_at_once)):
+            rows = some[bounds[some] < min(size, sizes.min())]
             if not rows.size:
                 break
             sizes[rows] = self.total(self.residuals(heights[rows]).T)
@@ -123,7 +122,10 @@ class _StepSearch:
         for _ in each("change of steps", range(self.options.most_step_changes), at_most=True):
             residual, jacobian = self.residual(self.levels[index])
             trials = self.trials(index, residual, jacobian)
-            best, least = self.below(trials, size, residual) if trials else (index, np.inf)
+            if not trials:
+                break
+            part = self.part(residual) if self.part else None
+            best, least = self.best(trials) if part is None else self.below(trials, size, part)
             if not least < size:
                 break
             index, size = best, least
