@@ -1,7 +1,9 @@
 // The surface: map and picture in three dimensions, with a menu for the sites that are selected.
 import { SiteMap } from "metafem-surface/map.js";
-import { EXAGGERATION, MOST_CAPS, Relief } from "metafem-surface/relief.js";
 import { words } from "metafem-surface/values.js";
+
+// First and largest exaggeration of the heights in 3D.
+const EXAGGERATION = { first: 4, most: 20 };
 
 const HELP = "Arrow keys move between the sites, with Shift they select. Enter opens the menu, p keeps the height, e leaves the site empty, r lets the design choose, Escape ends the selection.";
 const MOVES = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
@@ -105,7 +107,7 @@ export default {
           const fitting = contacts?.radius?.length === layout.x.length ? contacts : null;
           if (this.tab === "map") this.views.map.show(layout, surface, fitting);
           else this.views.relief?.show(layout, surface, fitting, this.what);
-          this.part = layout.x.length > MOST_CAPS ? `Of ${layout.x.length.toLocaleString("en")} sites the ${MOST_CAPS.toLocaleString("en")} around the middle are drawn.` : "";
+          this.part = this.views.relief?.left(layout.x.length) ?? "";
           if (this.menu) this.describe();
           if (this.spoken) this.spoken = words(this.views.map.active, surface, fitting).join(", ");
         }
@@ -121,8 +123,9 @@ export default {
       this.tab = tab;
       this.close();
       if (tab === "relief" && !this.views.relief && !this.missing) {
-        const relief = new Relief(this.$refs.relief);
         try {
+          const { Relief } = await import("metafem-surface/relief.js");
+          const relief = new Relief(this.$refs.relief, this.times);
           await relief.start();
           this.views.relief = relief;
         } catch (error) {
@@ -137,7 +140,7 @@ export default {
       this.$emit("colour", this.what);
       this.draw();
     },
-    reset() { this.views.relief.reset(); },
+    reset() { this.views.relief?.reset(); },
     exaggerate() { this.views.relief?.exaggerate(this.times); },
     hover(site, event) {
       if (site === null || this.menu || !this.surface) { this.tip = null; return; }

@@ -1,9 +1,6 @@
 // The surface in three dimensions: undeformed caps on the block, cut off at the glass, with the contacts on it.
 import { colouring, radiusOf } from "./values.js";
 
-// First and largest exaggeration of the heights.
-export const EXAGGERATION = { first: 4, most: 20 };
-
 // Most caps: more would be smaller than a pixel, and hold up a browser without a graphics card for seconds.
 export const MOST_CAPS = 20000;
 
@@ -28,7 +25,10 @@ export function nearest({ x, y }) {
 }
 
 export class Relief {
-  constructor(box) { this.box = box; }
+  constructor(box, times) { [this.box, this.exaggeration] = [box, times]; }
+
+  // What of so many sites is not drawn, in words.
+  left(count) { return count > MOST_CAPS ? `Of ${count.toLocaleString("en")} sites the ${MOST_CAPS.toLocaleString("en")} around the middle are drawn.` : ""; }
 
   // Loads three.js from the machine itself; throws where there is no WebGL.
   async start() {
@@ -57,7 +57,6 @@ export class Relief {
     this.observer = new ResizeObserver(() => this.resize());
     this.observer.observe(this.box);
     this.cut = { base: new THREE.Plane(new THREE.Vector3(0, 0, 1), 0), glass: new THREE.Plane(new THREE.Vector3(0, 0, -1), 1) };
-    this.exaggeration = EXAGGERATION.first;
   }
 
   end() {
