@@ -185,7 +185,7 @@ class LinearSection(StraightSection):
     kind: Literal["linear"]
     choices = (("slope",), ("friction_coefficient",))
     slope: Annotated[Number | None, says("either: of F/(sigma B) over P/E*", 6.87)] = None
-    friction_coefficient: Annotated[Number | None, says("or: mu; needs [friction]", 1.5)] = None
+    friction_coefficient: Annotated[Number | None, says("or: dF/dP; needs [friction]", 1.5)] = None
     load_range: Annotated[list[Load] | None, says(LINE, ["0.05 mm^2", "0.2 mm^2"])] = None
 
     @model_validator(mode="after")
