@@ -39,7 +39,9 @@ class Answer:
     milliseconds : float
         Duration of the computation.
     draft : bool
-        Whether the design is that of a quick search, while a handle is moved, and not of the whole one.
+        Whether the design is that of a quick search, while a handle is moved.
+    undecided : bool
+        Whether a draft has found no surface although no bound excludes one: the whole search decides.
     failed : bool
         Whether the computation failed for a specification that may be correct.
     """
@@ -55,6 +57,7 @@ class Answer:
     nearest_target: Target | None = None
     draft: bool = False
     failed: bool = False
+    undecided: bool = False
 
     @property
     def current(self) -> bool:
@@ -71,7 +74,7 @@ def answered(state: State, number: int, before: Answer | None = None, draft: boo
     """Return the answer to a state; the design of the answer before stays where there is no new one.
 
     A draft is the design of a quick search. Where that finds none although no bound excludes the target, the
-    whole search follows, so that a draft refuses nothing that can be designed.
+    answer is undecided, so that a draft refuses nothing for good that can be designed.
     """
     start = time.perf_counter()
     if before is not None and before.current and _serves(before, state, draft):
@@ -79,22 +82,23 @@ def answered(state: State, number: int, before: Answer | None = None, draft: boo
         return replace(before, number=number, state=state, milliseconds=elapsed)
     specification, design = None, None if before is None else before.design
     problems: dict[str, str] = {}
-    refusal, nearest, nearest_target, failed = "", None, None, False
+    refusal, nearest, nearest_target, failed, undecided = "", None, None, False, False
     try:
         specification = specification_of(state)
-        design, draft = _designed(specification, draft)
+        design = specification.design(draft=draft)
     except InvalidInput as error:
         problems = _problems(error)
     except Infeasible as error:
         refusal = str(error) if specification is None else _in_units_of(state, specification, error)
+        undecided = draft and error.by_search
         if specification is not None and error.nearest is not None:
             nearest_target = error.nearest
             nearest = _law_of(specification, error.nearest, draft)
     except MetafemError as error:
-        problems[""], failed = str(error), True
+        problems[""], failed, undecided = str(error), True, draft
     elapsed = 1e3 * (time.perf_counter() - start)
     found = Answer(number, state, specification, design, problems, refusal, nearest, elapsed)
-    return replace(found, nearest_target=nearest_target, draft=draft, failed=failed)
+    return replace(found, nearest_target=nearest_target, draft=draft, failed=failed, undecided=undecided)
 
 
 def specification_of(state: State) -> Specification:
@@ -102,19 +106,6 @@ def specification_of(state: State) -> Specification:
     # half a pair of surrogates, which a browser can send, is then refused as not UTF-8
     tables = {name: text.encode("utf-8", "surrogatepass") for name, text in state.tables.items()}
     return parsed(state.text, tables)
-
-
-def _designed(specification: Specification, draft: bool) -> tuple[Design, bool]:
-    """Return the design of a specification, and whether it is a draft."""
-    if draft:
-        try:
-            return specification.design(draft=True), True
-        except Infeasible as error:
-            if not error.by_search:
-                raise
-        except MetafemError:
-            pass  # the whole search ends elsewhere, or says the same
-    return specification.design(), False
 
 
 def _in_units_of(state: State, specification: Specification, error: Infeasible) -> str:

@@ -5,6 +5,7 @@ import re
 
 import pytest
 
+from metafem.explorer.answer import answered
 from metafem.explorer.session import State
 from metafem.explorer.text.document import Document
 from metafem.explorer.text.link import to_link
@@ -146,3 +147,23 @@ def test_small_values_leave_a_power_of_ten_to_the_unit_of_their_bar(visit):
         }"""
     )
     assert texts == ["−2", "−1", "0", "1", "2", "change [10⁻⁴ %]"]
+
+
+def test_a_place_that_only_the_whole_search_reaches_is_kept_on_release(visit):
+    values = {
+        "lattice.shape": [3, 3],
+        "limits.offset": "100 um",
+        "target.rescaled_load": ["0.151 mm^2", "0.193 mm^2", "0.623 mm^2"],
+        "target.rescaled_friction": ["0.883 mm^2", "1.08 mm^2", "2.53 mm^2"],
+    }
+    state = State(Document(TEXT).with_values(values))
+    assert answered(state, 1, draft=True).undecided
+    shown(visit, state)
+    before = visit.asked
+    visit.page.locator('.handle[data-id="point-2"]').focus()
+    for key in ("ArrowUp", "ArrowDown"):
+        visit.page.keyboard.press(key)
+    visit.settled(before)
+    assert "Refused" not in visit.page.locator(".law-live span").inner_text()
+    assert visit.page.locator(".law-refusal").is_hidden()
+    assert visit.text == state.text

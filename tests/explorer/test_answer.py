@@ -7,6 +7,7 @@ import pytest
 
 import metafem as mf
 from metafem.explorer.answer import answered
+from metafem.explorer.law.law_data import SEARCHED, law_data
 from metafem.explorer.session import State
 from metafem.explorer.text.document import Document
 from metafem.files import Specification, demo_text, parsed
@@ -135,18 +136,23 @@ def points(load, friction):
 
 
 @pytest.mark.parametrize("case", WITHOUT_LEVELS)
-def test_the_whole_search_follows_a_draft_that_finds_no_surface(case):
+def test_a_draft_that_finds_no_surface_within_all_bounds_is_undecided(case):
     rows, offset, load, friction = case
     text = text_of(points(load, friction), rows).replace('offset = "0 um"', f'offset = "{offset} um"')
     with pytest.raises(mf.Infeasible) as refused:
         parsed(text).design(draft=True)
     assert refused.value.by_search
-    answer = answered(State(text), 1, draft=True)
-    assert answer.current
-    assert not answer.draft
-    assert answer.design == parsed(text).design()
+    draft = answered(State(text), 1, draft=True)
+    assert draft.undecided
+    assert not draft.current
+    assert law_data(draft)["undecided"]
+    assert law_data(draft)["refusal"].endswith(SEARCHED)
+    found = answered(State(text), 2, draft)
+    assert found.current
+    assert not found.undecided
+    assert found.design == parsed(text).design()
     # nothing is searched again on release
-    assert answered(State(text), 2, answer).design is answer.design
+    assert answered(State(text), 3, found).design is found.design
 
 
 def test_a_draft_beyond_a_bound_is_refused_at_once(monkeypatch):
@@ -159,7 +165,7 @@ def test_a_draft_beyond_a_bound_is_refused_at_once(monkeypatch):
     )
     answer = answered(State(TEXT.replace('"4.12 mm^2"', '"40 mm^2"')), 1, draft=True)
     assert answer.refusal
-    assert answer.draft
+    assert not answer.undecided
     assert drafts == [True]
 
 
@@ -200,7 +206,7 @@ def test_what_a_draft_refuses_the_whole_search_refuses(kind):
             text = text.replace('radius = "526 um"', "") + TOOLS
         answer = answered(State(text), 1, draft=True)
         assert not answer.problems
-        if answer.refusal:
+        if answer.refusal and not answer.undecided:
             refused += 1
             with pytest.raises(mf.Infeasible):
                 parsed(text).design()

@@ -17,6 +17,9 @@ from metafem.inversion import OperatingPoints
 INDEPENDENT = "reach at each load by itself"
 COUPLED = "reach of independent asperities at each load by itself"
 
+# What follows a refusal by a draft that no bound supports.
+SEARCHED = "A longer search follows."
+
 
 def law_data(answer: Answer) -> dict[str, Any]:
     """Return the curves and handles of an answer in the units that are shown."""
@@ -38,7 +41,8 @@ def law_data(answer: Answer) -> dict[str, Any]:
         "crowd": f"{many:,} points, too many to drag" if many else "",
         "nearest": None,
         "offer": offer(answer),  # what a button that takes it says
-        "refusal": answer.refused,
+        "refusal": f"{answer.refused} {SEARCHED}" if answer.undecided else answer.refused,
+        "undecided": answer.undecided,
         # None: those of a text with problems are not known
         "handles": None if target is None else [_handle(handle, units) for handle in handles],
         "cursor": None if answer.state.load is None else numbers([own.load * answer.state.load], EDITED)[0],

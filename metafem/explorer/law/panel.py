@@ -102,7 +102,10 @@ class LawPanel:
     def show(self, answer: Answer, data: dict[str, Any]) -> None:
         """Draw an answer."""
         of_plot = [number for number in self.requests if number <= answer.number]
-        request = max((self.requests.pop(number) for number in of_plot), default=None)
+        request = max((self.requests[number] for number in of_plot), default=None)
+        if not answer.undecided:  # else the whole search answers the same request
+            for number in of_plot:
+                del self.requests[number]
         specification, text = answer.specification, answer.state.text
         if specification is not None and text == self.page.state.text:
             self.base = text, specification, answer.design

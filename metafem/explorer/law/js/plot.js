@@ -142,7 +142,7 @@ export class Plot {
     this.data = { ...data, ...this.beside, wanted, marked, band: this.band, handles };
     const shown = (name) => this.beside.others.some((each) => each.name.startsWith(`${name},`));
     this.data.pending = data.achieved ? data.tools.models.filter(({ name, on }) => on && !shown(name)).map(({ name }) => name) : [];
-    const asked = data.request === null ? undefined : this.requests.answered(data.request);
+    const asked = data.request === null ? undefined : this.requests.answered(data.request, data.undecided);
     const ended = this.hand.answered(data.request ?? -1, asked, data.refusal);
     // a problem may be one of a step that is held; else a move would change a text that is not understood
     this.hand.inactive = unknown && !this.hand.held;

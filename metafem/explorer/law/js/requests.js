@@ -38,10 +38,11 @@ export class Requests {
     this.send({ ...request, number: this.number });
   }
 
-  // Takes the answer to a request; returns what was asked, or undefined for an answer to something else.
-  answered(number) {
+  // Takes the answer to a request; returns what was asked, or undefined for an answer to something else. An undecided
+  // answer is followed by another one to the same request.
+  answered(number, undecided = false) {
     const asked = this.places.get(number);
-    for (const each of this.places.keys()) if (each <= number) this.places.delete(each);
+    for (const each of this.places.keys()) if (each < number || (each === number && !undecided)) this.places.delete(each);
     if (number === this.number) this.next();
     return asked;
   }
