@@ -6,6 +6,7 @@ import math
 from functools import cached_property
 from typing import Any
 
+from metafem.errors import InvalidInput
 from metafem.explorer.text.marks import Handle, Marks
 from metafem.explorer.text.shape import Shape
 from metafem.explorer.text.written import between, rounded
@@ -39,10 +40,17 @@ class PowerHandles(Marks):
 
     def moved(self, handle: Handle, load: float, friction: float, resolution: float) -> dict[str, Any]:
         """Return the keys that change when a handle has moved."""
-        target: Any = self.scene.target
         if handle.moves == "x":
             return self._end(handle, load, resolution)
-        friction = max(friction, resolution * handle.friction)
+        try:
+            return self._risen(handle, load, max(friction, resolution * handle.friction), resolution)
+        except ArithmeticError:  # a power beyond the range of double precision, or a range without a middle
+            words = "the law cannot be moved by hand over this range of loads; change the keys of [target]"
+            raise InvalidInput(f"target.load_range: {words}") from None
+
+    def _risen(self, handle: Handle, load: float, friction: float, resolution: float) -> dict[str, Any]:
+        """Return the exponent or the prefactor of a law that has a friction at a load."""
+        target: Any = self.scene.target
         middle = self._middle
         level = self._friction(middle)
         if handle.id == "prefactor":

@@ -255,17 +255,25 @@ def assert_valid_or_clear(name, steps):
     problems, extreme = [], False
     for which, load, friction in steps:
         found = handles(text, specification, design)
+        values = [value for value in (load, friction) if value != 0.0]
+        extreme |= max(values, default=1.0) > 1e6 or min(values, default=1.0) < 1e-30
         try:
             text = moved(text, specification, design, found[which % len(found)].id, load, friction)
             specification = parsed(text, TABLES)
         except mf.InvalidInput as error:
             problems.extend(error.problems or [f"target: {error}"])
-            values = [value for value in (load, friction) if value != 0.0]
-            extreme = max(values, default=1.0) > 1e6 or min(values, default=1.0) < 1e-30
             break
     assert extreme or not problems
     assert all(problem_key(problem).startswith("target") for problem in problems)
     assert "# kept" in text or name == "table"
+
+
+@pytest.mark.parametrize("id", ["exponent", "prefactor"])
+def test_a_power_below_the_smallest_number_is_not_moved_by_hand(id):
+    text, _, design = scene("prefactor")
+    text = text.replace("exponent = 0.9", "exponent = 500")
+    with pytest.raises(mf.InvalidInput, match=r"target\.load_range: .* cannot be moved by hand"):
+        moved(text, parsed(text, TABLES), design, id, 0.1, 1.0)
 
 
 def test_a_crowd_of_points_has_no_handles():
