@@ -25,7 +25,7 @@ def status(address, **headers):
 def test_a_page_outlives_its_server(browser):
     with served() as first, visited(browser, first) as visit:
         port = first.origin.rpartition(":")[2].strip("/")
-        visit.drag(visit.handles()[0], 20, -30)
+        visit.drag("point-1", 12, -20)
         text = visit.text
         first.process.send_signal(signal.SIGINT)
         assert first.process.wait(PATIENCE) == 0
