@@ -87,19 +87,9 @@ COVERED = """() => {
 }"""
 
 
-def entered(visit, key, text):
-    """Type into the field of a key, and wait for the answer."""
-    before = visit.asked
-    field = visit.page.locator(f'[data-key="{key}"]')
-    field.fill(text)
-    field.press("Enter")
-    visit.settled(before)
-    return field
-
-
 def test_the_reason_of_a_refusal_covers_no_point_and_can_be_put_away(visit):
     page = visit.page
-    entered(visit, "limits.max_height", "20 um")
+    visit.entered("limits.max_height", "20 um")
     for width in (1440, 390):
         page.set_viewport_size({"width": width, "height": 900})
         page.locator(".law-refusal span").wait_for()
@@ -112,7 +102,7 @@ def test_the_reason_of_a_refusal_covers_no_point_and_can_be_put_away(visit):
 
 def test_warnings_open_over_the_map_and_the_line_above_the_workshop_moves(visit):
     page = visit.page
-    entered(visit, "limits.height_sd", "30 um")
+    visit.entered("limits.height_sd", "30 um")
     warnings = page.locator("section.surface .place-warnings summary")
     warnings.wait_for()
     size = page.locator("section.surface .box").first.bounding_box()

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from playwright.sync_api import Browser, Page
+    from playwright.sync_api import Browser, Locator, Page
 
 # Seconds within which the server answers its first page, and a page any request.
 PATIENCE = 30.0
@@ -227,6 +227,15 @@ class Visit:
         self.page.mouse.move(x + right, y + down, steps=steps)
         self.page.mouse.up()
         self.settled(before)
+
+    def entered(self, key: str, text: str) -> Locator:
+        """Type into the field of a key, and wait for the answer; return the field."""
+        before = self.asked
+        field = self.page.locator(f'[data-key="{key}"]')
+        field.fill(text)
+        field.press("Enter")
+        self.settled(before)
+        return field
 
 
 @contextmanager
