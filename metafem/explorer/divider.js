@@ -1,4 +1,6 @@
 // The line between the plots and the workshop: dragged by a pointer, moved by arrow keys. The browser keeps the height.
+import { remember } from "metafem-workshop/remember.js";
+
 const KEY = "metafem-height";
 // The smallest heights of the workshop and of the plots, steps of the keys, and those with Shift [pixels].
 const [LEAST, PLOTS, STEP, LONG] = [120, 240, 16, 80];
@@ -32,7 +34,7 @@ export default {
       } else {
         const chosen = Math.round(Math.max(LEAST, Math.min(height, this.largest(page))));
         page.style.setProperty("--below", `${chosen}px`);
-        localStorage.setItem(KEY, chosen);
+        remember(KEY, chosen);
       }
       this.measure();
     },

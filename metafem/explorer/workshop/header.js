@@ -1,19 +1,11 @@
 // The head of the page: the target in words, the status, the model, undo and redo, the colours, help.
 // It also takes the files that are dropped, but for tables on the plot of the law.
 import { filesOf, holdsSpecification } from "metafem-workshop/files.js";
+import { remember } from "metafem-workshop/remember.js";
 
 const THEMES = { light: "Light", auto: "Auto", dark: "Dark" };
 const CALM = 700;  // milliseconds without a new status, after which screen readers are told
 const [THEME, HINT] = ["metafem-theme", "metafem-hint"];
-
-// A full or forbidden store forgets, and nothing else.
-function remember(key, text) {
-  try {
-    localStorage.setItem(key, text);
-  } catch (error) {
-    console.info(`${key} cannot be kept by the browser: ${error.message}`);
-  }
-}
 const MAC = navigator.platform.startsWith("Mac");
 const CTRL = MAC ? "⌘" : "Ctrl+";
 const HELP = [
