@@ -97,8 +97,10 @@ def answered(state: State, number: int, before: Answer | None = None, draft: boo
     except MetafemError as error:
         problems[""], failed, undecided = str(error), True, draft
     elapsed = 1e3 * (time.perf_counter() - start)
-    found = Answer(number, state, specification, design, problems, refusal, nearest, elapsed)
-    return replace(found, nearest_target=nearest_target, draft=draft, failed=failed, undecided=undecided)
+    return Answer(
+        number, state, specification, design, problems, refusal, nearest, elapsed, nearest_target, draft,
+        failed, undecided,
+    )  # fmt: skip
 
 
 def specification_of(state: State) -> Specification:

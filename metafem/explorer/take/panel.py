@@ -53,7 +53,8 @@ COPIED = (
     "It opens the same state on this machine while metafem explore runs. For another machine take spec.toml."
 )
 
-NO_DESIGN = "There is no design to take: the target or a field must be changed first."
+# What is said where there is no whole design of the state.
+NOTHING = "There is no design to take: the target or a field must be changed first."
 
 # Name of the background computation, and of the archive.
 TASK, ARCHIVE = "files", "surface.zip"
@@ -77,7 +78,7 @@ class Making:
         """Download a file of the design that is shown, or the archive of all."""
         state = self.page.answer.state
         if not self.page.answer.current or self.page.answer.draft:
-            self.say("There is no design to take: the target or a field must be changed first.")
+            self.say(NOTHING)
         elif self.state is not None and self.state.designs_the_same(state):
             await self.download(name)
         else:
@@ -253,14 +254,14 @@ async def _table(page: Page, making: Making, name: str) -> None:
         ui.download.content(tables[name], name)
         making.say(f"{name} was downloaded.")
     else:
-        making.say(NO_DESIGN)
+        making.say(NOTHING)
 
 
 async def _picture(page: Page, making: Making) -> None:
     """Download the figure of the law."""
     answer = page.answer
     if not answer.current or answer.draft or answer.design is None:
-        making.say(NO_DESIGN)
+        making.say(NOTHING)
         return
     content = await page.in_thread(law_picture, answer.design)
     ui.download.content(content, PICTURE.name)
