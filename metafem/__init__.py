@@ -12,4 +12,12 @@ mm^2.
 import lazy_loader
 
 # The stub lists the module of each public name; a name is imported when it is first used.
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+_public, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+
+
+def __getattr__(name: str) -> object:
+    if name != "__version__":
+        return _public(name)
+    from importlib.metadata import version
+
+    return version("metafem")

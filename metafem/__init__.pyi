@@ -61,3 +61,5 @@ from .prediction import friction_law as friction_law
 from .substrate import BondedLayer as BondedLayer
 from .substrate import HalfSpace as HalfSpace
 from .surface import Surface as Surface
+
+__version__: str

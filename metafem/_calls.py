@@ -57,6 +57,9 @@ def _fault(function: Callable[..., Any], args: tuple[Any, ...], kwargs: dict[str
     unknown = [key for key in kwargs if key not in parameters]
     twice = [key for key in by_place[: len(args) - len(hidden)] if key in kwargs]
     if unknown:
+        other = _maker(type(args[0]), unknown[0]) if "self" in hidden else None
+        if other is not None:
+            return f"{name} has no argument {unknown[0]}; call {name}.{other}({unknown[0]}=..., ...)"
         near = get_close_matches(unknown[0], list(parameters), 1)
         meant = f"; did you mean {near[0]}?" if near else ""
         return f"{name} has no argument {unknown[0]}{meant}; {call}"
@@ -67,3 +70,9 @@ def _fault(function: Callable[..., Any], args: tuple[Any, ...], kwargs: dict[str
     given = {*by_place[: len(args) - len(hidden)], *kwargs, *hidden}
     missing = [p.name for p in parameters.values() if p.default is p.empty and p.name not in given]
     return f"{name}: {', '.join(missing)} must be given; {call}"
+
+
+def _maker(kind: type, key: str) -> str | None:
+    """Return the other constructor of a class that has an argument `key`, if any."""
+    makers = inspect.getmembers(kind, inspect.ismethod)
+    return next((name for name, made in makers if key in inspect.signature(made).parameters), None)

@@ -19,7 +19,7 @@ UNITS: Mapping[str, str] = {
     for unit, names in {
         "mm": (
             *("position", "height", "radius", "pitch", "width", "length", "thickness", "max_height"),
-            *("min_height", "offset", "height_step", "height_sd", "low", "high", "radii"),
+            *("min_height", "offset", "height_step", "height_sd", "low", "high", "radii", "step"),
             *("separation", "approach", "cell", "contact_radius", "block_radius", "cell_radius"),
             *("alignment_height", "chord_error", "indentation", "r", "tools", "range"),
             *("displacement", "sliding_range", "boundary", "centre", "site_position", "frame"),
@@ -108,6 +108,11 @@ def error_names(names: ErrorNames) -> Iterator[None]:
         yield
     finally:
         _NAMES.reset(token)
+
+
+def named_by_file() -> bool:
+    """Whether errors name arguments as in a file, where values are lists."""
+    return _NAMES.get() != ErrorNames()
 
 
 def formatted(name: str, value: float) -> str:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from metafem._given import formatted, label, plain, shown, unit_of
+from metafem._given import formatted, label, named_by_file, plain, shown, unit_of
 from metafem.errors import InvalidInput
 
 FloatArray = NDArray[np.float64]
@@ -92,10 +92,15 @@ def array(name: str, value: Any, *, shape: tuple[int | None, ...], positive: boo
         raise
     except (TypeError, ValueError, OverflowError, Warning):
         raise InvalidInput(f"{name} is not an array of numbers: {shown(value, 80)}") from None
-    required = "(" + ", ".join("n" if length is None else str(length) for length in shape) + ")"
+    required = (
+        "(" + ", ".join("n" if length is None else str(length) for length in shape) + ",)"[len(shape) > 1 :]
+    )
     if result.ndim != len(shape) or any(
         length not in (None, have) for length, have in zip(shape, result.shape, strict=True)
     ):
+        if result.ndim == len(shape) == 1 and named_by_file():
+            many = f"{result.size} number{'s' * (result.size != 1)}"
+            raise InvalidInput(f"{name} has {many}; it must have {shape[0]}")
         raise InvalidInput(f"{name} has shape {result.shape}; it must have shape {required}")
     if result.size == 0:
         raise InvalidInput(f"{name} is empty; it must have shape {required} with n > 0")

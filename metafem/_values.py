@@ -55,7 +55,22 @@ def three_digits(value: float) -> str:
     >>> three_digits(0.97123), three_digits(1514.6), three_digits(2e-7)
     ('0.971', '1,510', '2e-07')
     """
-    return f"{float(f'{value:.3g}'):,.9g}"
+    return _written_out(value, 3)
+
+
+def two_digits(value: float) -> str:
+    """Return a number with two digits, of which those of large numbers are written out.
+
+    Examples
+    --------
+    >>> two_digits(1.0), two_digits(8.1e5)
+    ('1', '810,000')
+    """
+    return _written_out(value, 2)
+
+
+def _written_out(value: float, digits: int) -> str:
+    return f"{float(f'{value:.{digits}g}'):,.9g}"
 
 
 def percent(fraction: float, form: str = ".2g") -> str:

@@ -35,6 +35,12 @@ SURFACE = mf.Surface.square_lattice(0.1, (2, 2), radius=0.526, material=mf.Mater
         (lambda: mf.Surface.square_lattice(0.1), "square_lattice: radius, material must be given"),
         (lambda: mf.Surface.square_lattice(0.1, pitsch=1), "no argument pitsch; did you mean pitch?"),
         (lambda: mf.save(), "save: design, folder must be given"),
+        (
+            lambda: mf.Material(young_modulus=3.0, poisson_ratio=0.3),
+            r"Material has no argument young_modulus; call Material\.from_young\(young_modulus=",
+        ),
+        (lambda: mf.LinearLaw(friction_coefficient=1.5), r"LinearLaw\.from_friction_coefficient\("),
+        (lambda: mf.Material(composit_modulus=3.0), r"did you mean composite_modulus\?"),
     ],
 )
 def test_the_error_of_a_wrong_call_states_the_signature(call, words):

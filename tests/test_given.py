@@ -145,7 +145,7 @@ def test_a_duration_is_no_count():
         (lambda: mf.Limits(1e308), r"max_height = 1e\+308 is outside the range"),
         (lambda: mf.Material(1e-300), "composite_modulus = 1e-300 is outside the range"),
         (lambda: mf.OperatingPoints([1e-200], [1]), r"rescaled_load\[0\] = 1e-200 is outside the range"),
-        (lambda: lattice(height=[]), r"height has shape \(0,\); it must have shape \(4\)"),
+        (lambda: lattice(height=[]), r"height has shape \(0,\); it must have shape \(4,\)"),
         (lambda: lattice(height=[[], []]), r"height has shape \(2, 0\); it must have shape \(2, 2\)"),
     ],
 )

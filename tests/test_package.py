@@ -4,6 +4,7 @@ import subprocess
 import sys
 import tomllib
 from importlib.machinery import PathFinder
+from importlib.metadata import version
 from pathlib import Path
 
 import grimp
@@ -25,6 +26,10 @@ def test_only_public_names_are_listed():
     assert dir(mf) == sorted(mf.__all__)
     assert {"files", "report", "studies", "fe", "DesignStatus"} <= set(dir(mf))
     assert not {"annotations", "import_module", "lazy_loader", "Any", "_HOME"} & set(dir(mf))
+
+
+def test_the_version_is_that_of_the_installation():
+    assert mf.__version__ == version("metafem")
 
 
 def test_unknown_name_is_an_attribute_error():

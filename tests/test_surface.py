@@ -30,7 +30,7 @@ def pair(**changes):
         (lambda: pair(position=[[0, 0, 0]]), r"position has shape \(1, 3\); it must have shape \(n, 2\)"),
         (lambda: pair(position=np.zeros((0, 2))), "position is empty"),
         (lambda: pair(position=[[0, 0], [0, 0]]), r"position\[0\] and position\[1\] coincide at \(0, 0\)"),
-        (lambda: pair(height=[0.1]), r"height has shape \(1,\); it must have shape \(2\)"),
+        (lambda: pair(height=[0.1]), r"height has shape \(1,\); it must have shape \(2,\)"),
         (lambda: pair(height=[0.1, math.inf]), "height holds inf at entry 1"),
         (lambda: pair(height=["a", "b"]), "height is not an array of numbers"),
         (lambda: pair(radius=[0.5, -0.5]), r"radius\[1\] = -0.5 must be greater than 0"),
@@ -103,3 +103,9 @@ def test_a_material_of_a_youngs_modulus(ratio):
     assert material.young_modulus == pytest.approx(1.02, rel=1e-15)
     assert material.composite_modulus == pytest.approx(1.02 / (1.0 - ratio**2), rel=1e-15)
     assert material.poisson_ratio == ratio
+
+
+def test_perturbed_heights_have_the_stated_deviation():
+    found = pair().perturbed(0.003, rng=5).height
+    drawn = np.random.default_rng(5).standard_normal(2)
+    np.testing.assert_allclose(found, pair().height + 0.003 * drawn, rtol=1e-14)

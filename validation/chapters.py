@@ -32,8 +32,9 @@ CHAPTERS = (
         "Elastic interaction and the block",
         "Is elastic interaction below 2.3 %, and which substrate should be used?",
         (
-            "interaction_error", "curves", "order3_against_resolved", "block_or_layer", "pedestal_effect",
-            "block_with_pedestals", "arrangement_and_base",
+            "interaction_error", "curves", "order3_equations", "order3_against_resolved",
+            "order3_independent", "block_or_layer", "pedestal_effect", "block_with_pedestals",
+            "arrangement_and_base",
         ),
     ),
     Chapter(
@@ -46,7 +47,7 @@ CHAPTERS = (
         "contact_laws",
         "Contact laws",
         "What do adhesion, the shape of the caps and plasticity change?",
-        ("contact_laws", "contact_designs", "elastic_plastic", "plasticity"),
+        ("one_contact", "contact_laws", "contact_designs", "elastic_plastic", "plasticity"),
     ),
     Chapter(
         "inversion",

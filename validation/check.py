@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from enum import Enum
 from typing import Any
 
 from validation.sources import Source, known_input
@@ -34,6 +35,15 @@ class Result:
     method: str
 
 
+class Reason(Enum):
+    """Why a number or statement of the paper is not reproduced, in the words of the report."""
+
+    MEASURED = "Measured otherwise than predicted"
+    CONTRADICTED = "Contradicted by other numbers of the paper"
+    AMBIGUOUS = "Ambiguous: the paper does not print enough to decide"
+    MISPRINTED = "Misprinted: the printed rule does not give the printed numbers"
+
+
 @dataclass(frozen=True)
 class Difference:
     """A statement of the paper that does not hold: computed number, printed text, and what holds in words."""
@@ -43,6 +53,7 @@ class Difference:
     printed: str
     words: str
     source: Source
+    reason: Reason = Reason.CONTRADICTED
 
 
 @dataclass(frozen=True)
@@ -65,6 +76,11 @@ class Rows:
     def checks(self) -> list[Check]:
         """The rows with an expected number."""
         return [row for row in self.rows if isinstance(row, Check)]
+
+    @property
+    def numbers(self) -> list[Check]:
+        """The checks of numbers that the paper prints and metafem computes."""
+        return [row for row in self.checks if row.source.quantity]
 
     @property
     def results(self) -> list[Result]:

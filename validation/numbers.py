@@ -17,6 +17,10 @@ PLAIN = range(-4, 6)
 
 POWER = re.compile(r"(\d+(?:\.\d+)?)e([+-]?)0*(\d+)")
 NEAR = re.compile(r"(-?[\d.e+-]+) ± ([\d.e+-]+)( relative)?$")
+BOUND = re.compile(r"at (most|least) (-?[\d.e+-]+)$")
+
+# An identity is a check whose relative tolerance leaves room for rounding alone: at most this.
+ROUNDING = 1e-9
 
 
 def number(value: float, digits: int = DIGITS) -> str:
@@ -63,8 +67,35 @@ def expected(check: Check) -> str:
 
 def _digits(value: float, near: re.Match[str]) -> int:
     """Return the significant digits of a number that an expected one with a tolerance allows."""
-    tolerance = float(near[2]) * (abs(float(near[1])) if near[3] else 1.0)
+    tolerance = _tolerance(near)
     if tolerance == 0.0 or not math.isfinite(value) or value == 0.0:
         return MOST
     places = 1 - math.floor(math.log10(tolerance))
     return min(max(places + 1 + math.floor(math.log10(abs(value))), 2), MOST)
+
+
+def _tolerance(near: re.Match[str]) -> float:
+    """Return the absolute tolerance of an expected number."""
+    return float(near[2]) * (abs(float(near[1])) if near[3] else 1.0)
+
+
+def is_identity(check: Check) -> bool:
+    """Whether a check allows no more than rounding: an error, or a number that is no count."""
+    near, bound = NEAR.match(check.expected), BOUND.match(check.expected)
+    if near:
+        return 0.0 < _tolerance(near) <= ROUNDING * abs(float(near[1]))
+    return bound is not None and bound[1] == "most" and float(bound[2]) <= ROUNDING
+
+
+def share(check: Check) -> float:
+    """Return the share of its tolerance or of its bound that a number uses; 0 where none is stated."""
+    near, bound = NEAR.match(check.expected), BOUND.match(check.expected)
+    if near:
+        distance, allowed = abs(check.computed - float(near[1])), _tolerance(near)
+    elif bound:
+        distance, allowed = check.computed, float(bound[2])
+        if bound[1] == "least":
+            distance, allowed = allowed, distance
+    else:
+        return 0.0
+    return distance / allowed if allowed > 0.0 else 0.0

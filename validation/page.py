@@ -8,10 +8,10 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from validation.chapters import CHAPTERS, Chapter
-from validation.check import Check, Difference, Result
+from validation.check import Check, Difference, Reason, Result
 from validation.cited import cited
 from validation.discovery import first_line
-from validation.numbers import computed, expected, number, powers
+from validation.numbers import computed, expected, is_identity, number, powers, share
 from validation.pages import site_page
 from validation.published import REFERENCE
 from validation.results import Evaluated, as_data, as_json, module_of
@@ -22,12 +22,17 @@ Results = Mapping[str, Evaluated]
 
 FORMATS = {"cited": cited, "computed": computed, "expected": expected, "number": number, "powers": powers}
 
+# So many claims of a chapter show their first figure; the others fold it, which keeps the page below
+# 20,000 px on a phone.
+PICTURED = 12
+
 # What the kinds of source mean to a reader.
 MEANINGS = {
     Kind.PAPER: "The number stands in the paper or its Supplementary Materials.",
     Kind.PUBLICATION: "The number or equation stands in another publication, which is linked.",
     Kind.CLOSED_FORM: "A formula of metafem.reference gives the number; no solver uses these formulas.",
-    Kind.SECOND_METHOD: "Another method, or the same with other elements, computes it in the same run.",
+    Kind.SECOND_METHOD: "Another method, without the models of metafem, computes it in the same run.",
+    Kind.SELF_CONSISTENCY: "Another model or method of metafem gives the number, or its own equations do.",
     Kind.KNOWN_INPUT: "No computation is needed: the true value of synthetic data, a target, an identity.",
 }
 
@@ -40,6 +45,10 @@ def report(results: Results, left_out: Sequence[str] = (), *, whole: bool = Fals
     data = {
         "verdicts": [asdict(each) for each in verdicts(results)],
         "left_out": list(left_out),
+        "printed_numbers": [
+            {"row": where, "place": check.source.text, "quantity": check.source.quantity}
+            for where, check in _printed(results)
+        ],
         **as_data(dict(results)),
     }
     pages["results.json"] = as_json(data)
@@ -69,12 +78,13 @@ def _index(results: Results, left_out: Sequence[str], whole: bool) -> str:
         for chapter in CHAPTERS
     ]
     shown = [part for part in chapters if part[1] or part[2]]
-    differing = [
+    groups = [
         group
         for chapter, found, _ in shown
         for each in found
         for group in _grouped(each, f"{chapter.name}.html#{each.name}")
     ]
+    differing = {why.value: listed for why in Reason if (listed := [g for g in groups if g.reason is why])}
     failed = [
         (f"{chapter.name}.html#{anchor}", each, row)
         for chapter, found, _ in shown
@@ -93,6 +103,7 @@ def _index(results: Results, left_out: Sequence[str], whole: bool) -> str:
         chapters=shown,
         differing=differing,
         statements=sum(len(each.differences) for each in results.values()),
+        printed=_printed(results),
         failed=failed,
         kinds=[(kind.value, kinds[kind], words) for kind, words in MEANINGS.items()],
         left_out=_described(left_out),
@@ -112,10 +123,52 @@ def _chapter(chapter: Chapter, results: Results, left_out: Sequence[str], whole:
         checks=[check for each in found for check in each.checks],
         differing=sum(len(each.differences) for each in found),
         left_out=_described([name for name in chapter.claims if name not in results]),
+        compared={each.name: first_line(module_of(each.name)) for each in found},
+        key_row=_key_row,
+        parts=_parts,
+        pictured=PICTURED,
         grouped=_grouped,
         row_types={"check": Check, "result": Result},
         formats=FORMATS,
     )
+
+
+def _printed(results: Results) -> list[tuple[str, Check]]:
+    """Return the checks of printed numbers with their addresses, in the order of the chapters."""
+    return [
+        (f"{chapter.name}.html#{anchor}", row)
+        for chapter in CHAPTERS
+        for each in _of(chapter, results)
+        for anchor, row in each.anchored(Check)
+        if isinstance(row, Check) and row.source.quantity
+    ]
+
+
+def _key_row(each: Evaluated) -> tuple[str, Check | Result] | None:
+    """Return the row that the summary of a chapter shows, with its anchor.
+
+    It is the first failed check, else the one nearest to its limit, of numbers that the paper prints if
+    there are any; without checks it is the first result.
+    """
+    checks = [(anchor, row) for anchor, row in each.anchored(Check) if isinstance(row, Check)]
+    results = [(anchor, row) for anchor, row in each.anchored(Result) if isinstance(row, Result)]
+    if checks:
+        return max(checks, key=lambda pair: _weight(pair[1]))
+    return results[0] if results else None
+
+
+def _weight(check: Check) -> tuple[bool, bool, bool, float]:
+    printed = check.source.kind is Kind.PAPER and share(check) > 0.0
+    return not check.passed, not is_identity(check), printed, share(check)
+
+
+def _parts(each: Evaluated) -> list[tuple[str, list[tuple[str, Check]]]]:
+    """Return the checks of a claim and apart from them the identities, with anchors, under titles."""
+    checks = [(anchor, row) for anchor, row in each.anchored(Check) if isinstance(row, Check)]
+    found: dict[str, list[tuple[str, Check]]] = {"Checks": [], "Identities": []}
+    for anchor, row in checks:
+        found["Identities" if is_identity(row) and row.passed else "Checks"].append((anchor, row))
+    return [(title, rows) for title, rows in found.items() if rows]
 
 
 @dataclass(frozen=True)
@@ -125,6 +178,11 @@ class Statements:
     title: str
     where: str
     rows: list[tuple[str, Difference]]
+
+    @property
+    def reason(self) -> Reason:
+        """Why they do not hold."""
+        return self.rows[0][1].reason
 
 
 def _grouped(each: Evaluated, where: str = "") -> list[Statements]:

@@ -6,15 +6,22 @@ from collections.abc import Callable
 
 from validation.published import paper
 from validation.results import Evaluated
-from validation.verdicts import Evidence
+from validation.verdicts import NORMS, Evidence
 
 MARKS = ("<!-- printed numbers: python -m validation --readme -->", "<!-- end of the printed numbers -->")
 
 # Claims that the table reads.
 CLAIMS = (
-    "fig3_operating_points", "fig4_linear", "bounds", "table_s1", "table_s2", "fig_s3_manufacturing",
-    "interaction_error",
+    "fig3_operating_points", "fig4_linear", "fig5_bilinear", "bounds", "table_s1", "table_s2",
+    "fig_s3_manufacturing", "interaction_error",
 )  # fmt: skip
+
+
+# Quantity, printed number, and what reads the computed one.
+Line = tuple[str, str, Callable[[Evidence], str]]
+
+# End of the names of the deviations of slopes.
+SLOPE = ", deviation from the target [%]"
 
 
 def printed_table(results: dict[str, Evaluated]) -> str:
@@ -25,7 +32,7 @@ def printed_table(results: dict[str, Evaluated]) -> str:
     return "\n".join(lines)
 
 
-def _rows() -> list[tuple[str, str, Callable[[Evidence], str]]]:
+def _rows() -> list[Line]:
     """Return quantities, printed numbers and what reads the computed ones."""
     printed = paper()
     slopes = (printed["fig4"][colour]["measured_slope"] for colour in ("blue", "red"))
@@ -39,10 +46,26 @@ def _rows() -> list[tuple[str, str, Callable[[Evidence], str]]]:
             _values("fig3_operating_points", ("n_1", "n_2", "n_3"), "{:.0f}, {:.0f}, {:.0f}"),
         ),
         (
+            "Fig. 3: heights h_2 and h_3, from points that are printed with three digits",
+            "{} and {} µm".format(*printed["fig3"]["levels_um"][1:]),
+            _values("fig3_operating_points", ("h_2 [µm]", "h_3 [µm]"), "{:.1f} and {:.1f} µm"),
+        ),
+        (
+            "Fig. 3: heights of the three adjustment asperities, from the same points",
+            "{}, {} and {} µm".format(*printed["fig3"]["adjustment_um"]),
+            _values(
+                "fig3_operating_points",
+                tuple(f"h_{i},a [µm]" for i in (1, 2, 3)),
+                "{:.1f}, {:.1f} and {:.1f} µm",
+            ),
+        ),
+        (
             "Fig. 4: measured slopes, blue and red, and those of the designed heights",
             " and ".join(f"{slope} ± {error}" for slope, error in slopes),
             _of_both("fig4_linear", "{}: fitted slope and measured slope", "{:.2f} and {:.2f}"),
         ),
+        *(_slopes(colour) for colour in ("red", "blue")),
+        *(_crossover(colour) for colour in ("red", "blue")),
         (
             "smallest and largest friction coefficient",
             f"{bounds['smallest_friction_coefficient']:.2f} and {bounds['largest_friction_coefficient']:.2f}",
@@ -73,11 +96,39 @@ def _rows() -> list[tuple[str, str, Callable[[Evidence], str]]]:
             _of_both("interaction_error", "Fig. 5 {}, printed sites: rms", "{:.2%} and {:.2%}"),
         ),
         (
-            "the same, Fig. 3, median of 1,000 assignments of the heights to sites; by other norms 1 to 4 %",
+            "the same, Fig. 3, median of 1,000 assignments of the heights to sites, by norm: "
+            + ", ".join(words for words, _ in NORMS),
             limit,
-            _values("interaction_error", ("Fig. 3: median rms of random assignments",), "{:.2%}"),
+            _values(
+                "interaction_error",
+                tuple(f"Fig. 3: median {row} of random assignments" for _, row in NORMS),
+                ", ".join(["{:.2%}"] * len(NORMS)),
+            ),
         ),
     ]
+
+
+def _slopes(colour: str) -> Line:
+    """Return the line of the two slopes of a bilinear law."""
+    numbers, name = paper()["fig5"], f"{colour}: fitted slope {{}}"
+    names = [name.format(f"{i}{rest}") for rest in (" of 64 asperities", SLOPE) for i in (1, 2)]
+    return (
+        f"Fig. 5 {colour}: slopes, measured (the paper) and of the designed heights (metafem)",
+        "{} and {} within {:.1%}".format(*numbers["slopes"], numbers["measured_within"]).replace("%", " %"),
+        _values("fig5_bilinear", tuple(names), "{:.2f} and {:.2f} ({:+.1f} and {:+.1f}%)"),
+    )
+
+
+def _crossover(colour: str) -> Line:
+    """Return the line of a crossover load."""
+    load, error = paper()["fig5"][colour]["measured_crossover_mm2"]
+    beyond = f"{colour}: measured crossover load minus the predicted one [standard deviations]"
+    names = (f"{colour}: crossover load of the predicted law [mm²]", beyond)
+    return (
+        f"Fig. 5 {colour}: crossover load, measured (the paper) and of the designed heights (metafem)",
+        f"{load} ± {error} mm²",
+        _values("fig5_bilinear", names, "{:.4f} mm², {:.1f} standard deviations below"),
+    )
 
 
 def _of_both(claim: str, name: str, form: str) -> Callable[[Evidence], str]:
@@ -86,6 +137,8 @@ def _of_both(claim: str, name: str, form: str) -> Callable[[Evidence], str]:
 
 def _values(claim: str, names: tuple[str, ...], form: str) -> Callable[[Evidence], str]:
     def words(evidence: Evidence) -> str:
-        return form.format(*(evidence.value(claim, name) for name in names)).replace("%", " %")
+        return (
+            form.format(*(evidence.value(claim, name) for name in names)).replace("%", " %").replace("-", "−")
+        )
 
     return words

@@ -1,10 +1,10 @@
-"""Where the expected number of a check comes from: five kinds of source, each of which can be followed."""
+"""Where the expected number of a check comes from: six kinds of source, each of which can be followed."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 from typing import Any
 
@@ -25,26 +25,37 @@ class Kind(Enum):
     PUBLICATION = "another publication"
     CLOSED_FORM = "closed form"
     SECOND_METHOD = "second method in the same run"
+    SELF_CONSISTENCY = "self-consistency"
     KNOWN_INPUT = "known by construction"
 
 
 @dataclass(frozen=True)
 class Source:
-    """A kind of source, what it says, and the address of a publication, if it is one."""
+    """A kind of source, what it says, and the address of a publication, if it is one.
+
+    A number of the paper that metafem computes has a quantity, under which it is counted once, and may stand
+    for several printed numbers, such as those of a table.
+    """
 
     kind: Kind
     text: str
     link: str = ""
+    quantity: str = field(default="", compare=False)
+    numbers: int = field(default=0, compare=False)
 
     def __str__(self) -> str:
         return self.text
 
 
-def printed(place: str) -> Source:
-    """Return the source of a number that the paper prints at a place, such as "Fig. 4 caption"."""
+def printed(place: str, quantity: str = "", numbers: int = 1) -> Source:
+    """Return the source of a number that the paper prints at a place, such as "Fig. 4 caption".
+
+    Without a quantity it is a bound or a statement, which is not counted as a number that is recomputed.
+    """
     if not PLACE.match(place):
         raise ValueError(f"place = {place!r} must begin with Fig., Table, eq., SM, or main text")
-    return Source(Kind.PAPER, place, f"https://doi.org/{PAPER_DOI}")
+    counted = numbers if quantity else 0
+    return Source(Kind.PAPER, place, f"https://doi.org/{PAPER_DOI}", quantity, counted)
 
 
 def publication(doi: str, place: str) -> Source:
@@ -62,8 +73,18 @@ def closed_form(function: Callable[..., Any], equation: str) -> Source:
 
 
 def second_method(method: Callable[..., Any], words: str) -> Source:
-    """Return the source of a number that another method, a function or class, computes in this run."""
+    """Return the source of a number that another method, a function or class, computes in this run.
+
+    A method of metafem judges metafem by itself: its kind is self-consistency.
+    """
+    if method.__module__.partition(".")[0] == mf.__name__:
+        return self_consistency(method, words)
     return Source(Kind.SECOND_METHOD, f"{words}, {_named(method)}")
+
+
+def self_consistency(method: Callable[..., Any], words: str) -> Source:
+    """Return the source of a number that metafem computes in another way, or from its own equations."""
+    return Source(Kind.SELF_CONSISTENCY, f"{words}, {_named(method)}")
 
 
 def known_input(words: str) -> Source:

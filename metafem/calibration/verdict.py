@@ -1,16 +1,24 @@
-"""Whether a law fits measured points: chi-square of the residuals, and their runs of one sign."""
+"""Whether a law fits measured points: chi-square of the residuals, their order, and the largest of them."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from metafem._validate import FloatArray
+from metafem.calibration.serial_correlation import Succession
+from metafem.notes import Note
 
 # Probability below which a law is rejected: one in a hundred correct laws.
 REJECTED = 0.01
+
+# Smallest probability that is printed: smaller ones of normal errors have no meaning.
+LEAST = 1e-9
+
+# Residual over its standard deviation below which it is rounding and has no sign.
+ROUNDING = 1e-6
 
 
 @dataclass(frozen=True)
@@ -29,8 +37,16 @@ class Verdict:
         Number of runs of residuals of one sign, in the order of the points.
     runs_probability : float
         Probability that independent residuals have at most as many runs [-].
+    correlation, correlation_probability : float
+        Correlation of successive residuals in the order measured, and the probability that independent errors
+        have one at least as large [-]; 0 and 1 where the order is not known.
+    largest, largest_probability : float
+        Largest residual over its own standard deviation, and the probability that normal errors have one as
+        large [-]; 0 and 1 where it is not tested.
+    outlier : int
+        Row of the point with the largest residual; 0 where it is not tested.
     fits : bool
-        Whether both probabilities are at least 1 %.
+        Whether all probabilities are at least 1 %.
 
     Examples
     --------
@@ -44,19 +60,47 @@ class Verdict:
     probability: float
     runs: int
     runs_probability: float
+    correlation: float = 0.0
+    correlation_probability: float = 1.0
+    largest: float = 0.0
+    largest_probability: float = 1.0
+    outlier: int = 0
 
     @property
     def fits(self) -> bool:
-        """Whether neither test rejects the law."""
+        """Whether no test rejects the law with independent normal errors."""
+        return self.law_fits and min(self.correlation_probability, self.largest_probability) >= REJECTED
+
+    @property
+    def law_fits(self) -> bool:
+        """Whether chi-square and runs do not reject the law."""
         return min(self.probability, self.runs_probability) >= REJECTED
+
+    @property
+    def one_outlier(self) -> bool:
+        """Whether one point is an outlier, without which chi-square does not reject the law."""
+        without = _chi_probability(max(self.chi_square - self.largest**2, 0.0), self.freedom - 1)
+        return self.largest_probability < REJECTED <= without
 
     def __str__(self) -> str:
         degrees = f"{self.freedom} degree{'s' * (self.freedom != 1)} of freedom"
         runs = f"{self.runs} run{'s' * (self.runs != 1)} of residuals"
-        return (
-            f"the law {'fits' if self.fits else 'does not fit'}: chi² = {chi(self.chi_square)} with "
-            f"{degrees} (p = {self.probability:.2g}), {runs} (p = {self.runs_probability:.2g})"
+        found = (
+            f"the law {'fits' if self.law_fits else 'does not fit'}: chi² = {chi(self.chi_square)} with "
+            f"{degrees} (p {chance(self.probability)}), {runs} (p {chance(self.runs_probability)})"
         )
+        also = []
+        if self.correlation_probability < REJECTED:
+            also.append(
+                f"successive residuals are correlated by {self.correlation:.2g} "
+                f"(p {chance(self.correlation_probability)})"
+            )
+        if self.largest_probability < REJECTED:
+            also.append(
+                f"the largest residual is {self.largest:.2g} standard deviations "
+                f"(p {chance(self.largest_probability)})"
+            )
+        return found + (f", {'but' if self.law_fits else 'and'} {' and '.join(also)}" if also else "")
 
 
 def chi(square: float) -> str:
@@ -70,15 +114,73 @@ def chi(square: float) -> str:
     return f"{square:.3g}" if square < 999.5 else f"{float(f'{square:.4g}'):,.0f}"
 
 
+def chance(probability: float, digits: int = 2) -> str:
+    """Return a probability for texts, with its sign of relation.
+
+    Examples
+    --------
+    >>> chance(0.564), chance(6e-239)
+    ('= 0.56', '< 1e-9')
+    """
+    return f"= {probability:.{digits}g}" if probability >= LEAST else "< 1e-9"
+
+
 def judged(residual: FloatArray, parameters: int) -> Verdict:
     """Return the verdict on normalised residuals (k,), in the order of load, after a fit of parameters."""
-    from scipy.special import gammaincc
-
     square, freedom = float((residual**2).sum()), max(len(residual) - parameters, 0)
-    probability = float(gammaincc(0.5 * freedom, 0.5 * square)) if freedom else 1.0
+    probability = _chi_probability(square, freedom)
     signs = residual[residual != 0.0] > 0.0
     runs = int(np.count_nonzero(signs[1:] != signs[:-1])) + 1 if signs.size else 0
     return Verdict(square, freedom, probability, runs, _runs_probability(int(signs.sum()), signs.size, runs))
+
+
+def judged_in_order(residual: FloatArray, load: FloatArray, measured: Succession) -> Verdict:
+    """Return the verdict on residuals (k,) as measured: runs over load, and correlation in time.
+
+    The largest of k normal residuals is tested at their common level: each has the variance 1 less its
+    leverage.
+    """
+    from scipy.special import ndtr
+
+    clear = np.where(np.abs(residual) > ROUNDING, residual, 0.0)
+    verdict = judged(clear[np.argsort(load, kind="stable")], measured.regressor.shape[1])
+    correlation, probability = measured.lag_one(clear)
+    size = np.abs(clear) / np.sqrt(np.maximum(1.0 - measured.leverage, ROUNDING))
+    largest = float(size.max())
+    by_chance = float(-np.expm1(len(clear) * np.log1p(-2.0 * ndtr(-largest)))) if largest else 1.0
+    return replace(
+        verdict,
+        correlation=correlation,
+        correlation_probability=probability,
+        largest=largest,
+        largest_probability=by_chance,
+        outlier=int(size.argmax()),
+    )
+
+
+def errors_of(verdict: Verdict, measured: Succession, what: str) -> tuple[float, tuple[Note, ...]]:
+    """Return the correlation rho of successive errors, 0 unless it is noticed, with a note on it."""
+    if verdict.correlation_probability >= REJECTED:
+        return 0.0, ()
+    rho = measured.of_errors(verdict.correlation)
+    alone = np.diagonal(measured.covariance(0.0))
+    factor = float(np.sqrt(np.diagonal(measured.covariance(rho)) / alone).max())
+    return rho, (
+        Note(
+            f"{what}: successive residuals of a test are correlated by {verdict.correlation:.2g} (p "
+            f"{chance(verdict.correlation_probability, 1)}): the errors drift, or the law does not fit. "
+            f"Errors with a correlation of {rho:.2g} make standard deviations {factor:.2g} times as large "
+            "as independent ones; those stated include this factor. Measure the loads in random order, and "
+            "more tests"
+        ),
+    )
+
+
+def _chi_probability(square: float, freedom: int) -> float:
+    """Return the probability that a correct law has a chi-square at least as large."""
+    from scipy.special import gammaincc
+
+    return float(gammaincc(0.5 * freedom, 0.5 * square)) if freedom > 0 else 1.0
 
 
 def _runs_probability(positive: int, count: int, runs: int) -> float:

@@ -9,10 +9,19 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from metafem.cli.group import DEMOS, NOT_ACHIEVED, Name, force_option, json_option, main, model_option
+from metafem.cli.group import (
+    DEMOS,
+    NOT_ACHIEVED,
+    Name,
+    NotAchieved,
+    force_option,
+    json_option,
+    main,
+    model_option,
+)
 from metafem.cli.progress import progress
 from metafem.cli.terminal import notes_data, print_notes, print_table, terminal
-from metafem.errors import InvalidInput
+from metafem.errors import Infeasible, InvalidInput
 from metafem.progress import doing
 
 if TYPE_CHECKING:
@@ -22,6 +31,9 @@ if TYPE_CHECKING:
     from metafem.inversion.candidate import Branch
     from metafem.notes import Note
     from metafem.prediction import BranchFit
+
+# First line of a table that a refusal writes, by which a later one recognises and replaces it.
+NEAREST = "# The nearest law that was found, by metafem."
 
 
 @main.command(short_help="Write and design one of the paper's specifications.")
@@ -82,6 +94,10 @@ def design(
     multilinear), material, lattice and limits. The sections friction, sites, radii, block, layout, robust,
     model, contact, part and checks are optional. `metafem spec` prints every key with an example;
     `metafem demo` writes example files.
+
+    A measured law is a target of kind sampled with the key file: a table as `metafem compare` reads it, whose
+    error bars are used. Where a target is refused, the nearest law is written beside the result folder as
+    DIR-nearest.csv.
     """
     _run(spec, output, (model, contact), force, as_json, chord_error)
 
@@ -117,7 +133,10 @@ def _run(
             )
         chosen = chosen_model(specification.model, *law)
         with result_folder(folder, specification, force=force) as fresh:
-            result = specification.design(chosen)
+            try:
+                result = specification.design(chosen)
+            except Infeasible as error:
+                raise _refusal(error, folder) from None
             text = page(result, specification.hardness)
             write_all(result, fresh, specification, {"report.html": text})
     contact = contact_of(result.law.model)
@@ -126,6 +145,31 @@ def _run(
     _print_design(result, specification, folder, notes, part, as_json)
     if result.status is DesignStatus.MISSED:
         sys.exit(NOT_ACHIEVED)
+
+
+def _refusal(error: Infeasible, folder: Path) -> NotAchieved:
+    """Return the error of a refused target; its nearest law is a table beside the folder, and data."""
+    from metafem.files import write_text
+
+    if error.nearest is None:
+        return NotAchieved("Infeasible", str(error))
+    words, nearest = str(error), {"target": error.nearest.title}
+    law = error.nearest.law
+    if law is not None:
+        path = Path(f"{folder.absolute()}-nearest.csv")
+        rows = zip(*(column.tolist() for column in law), strict=True)
+        lines = [NEAREST, "rescaled_load_mm2,rescaled_friction_mm2", *(f"{x!r},{y!r}" for x, y in rows)]
+        try:
+            write_text(
+                path, "\n".join(lines) + "\n", force=True, ours=lambda raw: raw.startswith(NEAREST.encode())
+            )
+            words += f"; the nearest law is written to {path.name}; design it as a sampled target with "
+            words += f'file = "{path.name}"'
+            nearest["file"] = str(path)
+        except InvalidInput as reason:
+            words += f"; the nearest law is not written: {reason}"
+        nearest |= {"rescaled_load": law[0].tolist(), "rescaled_friction": law[1].tolist()}
+    return NotAchieved("Infeasible", words, nearest=nearest)
 
 
 def _print_design(
@@ -157,6 +201,8 @@ def _print_design(
     from rich.console import Console
     from rich.table import Table
 
+    from metafem.inversion.assessment import empty_sites_words
+
     console = Console()
     console.print(result.target.title, style="bold", highlight=False, markup=False)
     console.print(result.status.value, highlight=False, markup=False)
@@ -164,7 +210,8 @@ def _print_design(
     for name, value, unit in parameter_rows(result):
         table.add_row(name, value, unit)
     table.add_row(*misfit_words(result), "")
-    table.add_row("asperities", f"{result.surface.count} of {result.template.count} sites", "")
+    sites = f"{result.surface.count} of {result.template.count} sites{empty_sites_words(result)}"
+    table.add_row("asperities", sites, "")
     console.print(table, highlight=False)
     if result.fits:
         print_table(terminal(), *fit_table(result))

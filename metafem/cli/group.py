@@ -32,9 +32,9 @@ NOT_ACHIEVED, BAD_INPUT = 1, 2
 class Ended(click.ClickException):
     """An error of the package with the name of its type, for the terminal."""
 
-    def __init__(self, kind: str, message: str) -> None:
+    def __init__(self, kind: str, message: str, **data: Any) -> None:
         super().__init__(message)
-        self.kind = kind
+        self.kind, self.data = kind, data
 
 
 class BadInput(Ended):

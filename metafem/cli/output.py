@@ -80,6 +80,7 @@ def show_error(error: click.ClickException, as_json: bool) -> None:
     """Print an error: as text on stderr, or as JSON on stdout in place of the data."""
     if as_json:
         kind = getattr(error, "kind", "Usage")
-        click.echo(json.dumps({"error": {"type": kind, "message": error.format_message()}}))
+        data = getattr(error, "data", {})
+        click.echo(json.dumps({"error": {"type": kind, "message": error.format_message(), **data}}))
     else:
         error.show()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping
 from pathlib import Path
@@ -12,7 +11,7 @@ import click
 
 from metafem.cli.group import Name, force_option, json_option, main, model_option
 from metafem.cli.progress import printing_messages, progress
-from metafem.cli.terminal import notes_data, print_notes, print_table, terminal
+from metafem.cli.terminal import loaded, notes_data, print_json, print_notes, print_table, terminal
 from metafem.errors import InvalidInput
 from metafem.progress import doing
 
@@ -99,7 +98,8 @@ def predict(
                 f"{options}: only for tables of heights; the folder {printable(str(source))} holds its "
                 "own material, friction, radii and block"
             )
-        stored = mf.load(source)
+        with progress():
+            stored = loaded(source)
         surface, used = stored.surface, stored.law.model
     else:
         if not source.exists():
@@ -136,7 +136,7 @@ def predict(
         write_text(output, law_table(laws[0]), force=force, ours=is_law_table)
     data = [_law_data(law) for law in laws] if as_json else []
     if as_json:
-        click.echo(json.dumps(data[0] if len(data) == 1 else {"laws": data}))
+        print_json(data[0] if len(data) == 1 else {"laws": data})
     elif len(laws) == 1:
         _print_law(laws[0], whole=bool(load))
     else:

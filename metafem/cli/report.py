@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import click
 
 from metafem.cli.group import Name, json_option, main
 from metafem.cli.progress import progress
+from metafem.cli.terminal import loaded, print_json
 
 
 @main.command()
@@ -17,13 +17,15 @@ from metafem.cli.progress import progress
 @json_option
 def report(folder: Path, checks: bool, as_json: bool) -> None:
     """Write or replace report.html of a result folder, with the answers of the studies in the folder."""
-    import metafem as mf
     from metafem.files import same_design, stored_hardness, stored_studies, write_text
     from metafem.report import page
 
     with progress():
         path, still = folder / "report.html", same_design(folder)
         studies = stored_studies(folder)
-        text = page(mf.load(folder), stored_hardness(folder), checks=checks, studies=studies)
+        text = page(loaded(folder), stored_hardness(folder), checks=checks, studies=studies)
         write_text(path, text, force=True, still=still)
-    click.echo(json.dumps({"report": str(path)}) if as_json else f"wrote {path}")
+    if as_json:
+        print_json({"report": str(path)})
+    else:
+        click.echo(f"wrote {path}")

@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
 
 if TYPE_CHECKING:
     from rich.console import Console
 
+    from metafem.inversion import Design
     from metafem.notes import Note
+
+# Where the context of a command keeps the notes on changed folders.
+FOLDERS = "metafem.folders"
 
 # Characters per line if the output is not a terminal, so that tables are not wrapped.
 WIDE = 160
@@ -61,3 +69,22 @@ def print_notes(console: Console, notes: Iterable[Note]) -> None:
 def notes_data(notes: Iterable[Note]) -> list[dict[str, str]]:
     """Return notes for JSON."""
     return [{"level": note.level.value, "text": note.text} for note in notes]
+
+
+def loaded(folder: Path) -> Design:
+    """Return the design of a result folder; what was changed in it is printed on stderr and kept for JSON."""
+    from metafem.files import load_compared
+    from metafem.progress import doing
+
+    with doing("reading the design"):
+        design, notes = load_compared(folder)
+    for note in notes:
+        click.echo(f"warning: {note}", err=True)
+    click.get_current_context().meta.setdefault(FOLDERS, []).extend(notes)
+    return design
+
+
+def print_json(data: Mapping[str, Any]) -> None:
+    """Print the data of a command, with the notes on changed folders before its own."""
+    notes = notes_data(click.get_current_context().meta.get(FOLDERS, ()))
+    click.echo(json.dumps({**data, "notes": [*notes, *data.get("notes", ())]} if notes else data))

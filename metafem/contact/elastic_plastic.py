@@ -225,9 +225,16 @@ class KogutEtsion(ElasticPlastic):
 
     The formulas jump at w* = 1, 6 and 110: P by +3, +1.7 and 3/(1.4 K) 110^-0.263 - 1 (+7.9 % at nu = 0.3,
     -5.5 % at 0.5), A by -7, +2.9 and +7.1 %. Cubics of ln P and ln A over ln w close the jumps with
-    continuous slopes, from w* = 1 to 2, 4.8 to 7.5 and 88 to 137.5. They change P by at most 2.9, 1.7 and,
-    at nu = 0.3 (0.5), 5.1 % (4.2 %), and A by at most 7.5, 1.5 and 4.2 %; `blends` evaluates this. P and A
-    increase with w for all nu. The law couples by order 1. Valid for H/E* >= 0.0025 and contacts narrower
+    continuous slopes, from w* = 1 to 2, 4.8 to 7.5 and 88 to 137.5. They change A by at most 7.5, 1.5 and
+    4.2 %, and P by at most 2.9, 1.7 and, for the third, which depends on nu,
+
+    ====================  ====  ====  ====  ====  ====  ====
+    nu                    0     0.1   0.2   0.3   0.4   0.5
+    third change of P, %  15.8  12.1  8.6   5.1   1.8   4.2
+    ====================  ====  ====  ====  ====  ====  ====
+
+    `blends` evaluates the changes for a material, and the notes of a state name those that it reaches. P and
+    A increase with w for all nu. The law couples by order 1. Valid for H/E* >= 0.0025 and contacts narrower
     than R. Kogut and Etsion, J. Appl. Mech. 69, 657 (2002), doi:10.1115/1.1490373.
 
     Parameters
@@ -318,10 +325,18 @@ class JacksonGreen(ElasticPlastic):
     ``P/P_c = exp(-w*^(5/12)/4) w*^(3/2) + 4 H/(C S_y) (1 - exp(-w*^(5/9)/25)) w*``.
 
     At 1.9 the load jumps by +0.5 % at nu = 0.3 and -3.4 % at 0.5, and the slope of A changes. Cubics of ln P
-    and ln A over ln w from w* = 1.9 to 3.8 close the jump with continuous slopes. They change P by at most
-    0.6 % at nu = 0.3 and 4.0 % at 0.5, and A by at most 1.5 % (S_y/E* = 0.0015); `blends` evaluates this.
-    The law couples by order 1. Valid for S_y/E* from 0.0009 to 0.03, above which B is that of 0.03, and for
-    contacts narrower than R. Jackson and Green, J. Tribol. 127, 343 (2005), doi:10.1115/1.1866166.
+    and ln A over ln w from w* = 1.9 to 3.8 close the jump with continuous slopes. They change A by at most
+    1.5 % at S_y/E* = 0.0015 and 2.8 % at 0.03, and P by at most
+
+    ===============================  ====  ====  ====  ====  ====  ====
+    nu                               0     0.1   0.2   0.3   0.4   0.5
+    change of P, S_y/E* = 0.0015, %  6.9   4.7   2.5   0.6   2.2   4.0
+    change of P, S_y/E* = 0.03, %    6.6   4.3   2.1   1.0   2.9   4.8
+    ===============================  ====  ====  ====  ====  ====  ====
+
+    `blends` evaluates this for a material, and the notes of a state name it. The law couples by order 1.
+    Valid for S_y/E* from 0.0009 to 0.03, above which B is that of 0.03, and for contacts narrower than R.
+    Jackson and Green, J. Tribol. 127, 343 (2005), doi:10.1115/1.1866166.
 
     Parameters
     ----------

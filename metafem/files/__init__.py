@@ -23,6 +23,7 @@ from metafem.files.measurement.tables import CalibrationData, of_files, read_cal
 from metafem.files.part.plan import PartOptions, part_notes, planned
 from metafem.files.result.folder import (
     load,
+    load_compared,
     result_folder,
     result_tables,
     same_design,
@@ -78,6 +79,7 @@ __all__ = [
     "is_law_table",
     "law_table",
     "load",
+    "load_compared",
     "load_range",
     "made_table",
     "manual",

@@ -24,17 +24,30 @@ class Columns:
     wanted: str  # what the first line must be
     from_zero: bool | None = False  # whether the first entries are 0; None: they may be; others are above 0
     plain: frozenset[str] = frozenset()  # optional columns of numbers without a unit
+    errors: frozenset[str] = frozenset()  # optional columns of standard deviations
 
+
+# Quantities of a measured law, as `metafem compare` reads them, and their standard deviations.
+LAW = {"load": "N", "friction_force": "N", "area": "mm^2"}
+LAW |= {"rescaled_load": "mm^2", "rescaled_friction": "mm^2"}
+ERRORS = {f"{name}_sd": unit for name, unit in LAW.items()}
 
 TARGET = Columns(
     "law",
-    {"rescaled_load": "mm^2", "rescaled_friction": "mm^2", "load": "N", "friction_force": "N"},
-    (frozenset({"rescaled_load", "rescaled_friction"}), frozenset({"load", "friction_force"})),
-    frozenset({"rescaled_load", "load"}),
+    LAW | ERRORS,
+    (
+        frozenset({"rescaled_load", "rescaled_friction"}),
+        *(
+            frozenset({"load", *others})
+            for others in (["friction_force"], ["area"], ["friction_force", "area"])
+        ),
+    ),
+    frozenset(),
     "load_N,friction_force_N",
-    "load_N,friction_force_N, or rescaled_load_mm2,rescaled_friction_mm2 (or in other units), and optionally "
-    "weight",
-    plain=frozenset({"weight"}),
+    "load_N,friction_force_N, or load_N,area_mm2, or rescaled_load_mm2,rescaled_friction_mm2 (or in other "
+    "units), and optionally their errors such as friction_force_sd_mN, or weight",
+    plain=frozenset({"weight", "relative_error"}),
+    errors=frozenset(ERRORS),
 )
 
 PROFILE = Columns(
@@ -84,7 +97,8 @@ def columns_of(name: str, content: bytes, columns: Columns) -> dict[str, list[An
             if columns.from_zero and first and number != 0.0:
                 raise InvalidInput(f"{key} must be 0; the first line of a {columns.what} is its origin")
             if number < 0.0 or (number == 0.0 and not origin):
-                remedy = "; omit the origin" if columns.from_zero is False else ""
+                of_law = columns.from_zero is False and name not in columns.errors
+                remedy = "; omit the origin" if of_law else ""
                 raise InvalidInput(f"{key} must be greater than 0{remedy}")
             if name in columns.rising and not first and number <= before[name]:
                 words = "load" if name == "rescaled_load" else name
@@ -109,7 +123,13 @@ def _found(table: Table, columns: Columns) -> dict[str, tuple[int, str]]:
             except InvalidInput as error:
                 raise InvalidInput(f"{table.name}: column {printable(title, 40)} {error}") from None
         found[name] = (column, unit)
-    if frozenset(found) - columns.plain not in columns.sets:
+    if frozenset(found) - columns.plain - columns.errors not in columns.sets:
         titles = printable(", ".join(table.header), 120)
         raise InvalidInput(f"{table.name} has the columns {titles}; name its columns {columns.wanted}")
+    for name in columns.errors & found.keys():
+        if name.removesuffix("_sd") not in found:
+            raise InvalidInput(
+                f"{table.name} has the column {table.header[found[name][0]]} without "
+                f"{name.removesuffix('_sd')}; add its column or leave this one out"
+            )
     return found

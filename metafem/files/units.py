@@ -49,6 +49,7 @@ EXAMPLES = {
     "MPa": "1.36 MPa",
     "rad": "0.1 deg",
     "1": "0.85",
+    "%": "5 %",
 }
 
 
@@ -63,7 +64,8 @@ def quantity(key: str, given: Any, unit: str, example: str | None = None) -> flo
         Number and unit, such as ``"120 um"``; both micro signs are read, and ``mm^2``, ``mm2``,
         ``mm**2`` and ``mm²`` are the same.
     unit : str
-        "mm", "mm^2", "N", "N/mm", "MPa", "rad" or "1".
+        "mm", "mm^2", "N", "N/mm", "MPa", "rad", "1", or "%" for a relative quantity, of which the fraction is
+        returned. A number without unit is neither read as percent nor as a fraction.
     example : str, optional
         A valid value for the error.
 
@@ -78,6 +80,8 @@ def quantity(key: str, given: Any, unit: str, example: str | None = None) -> flo
     0.12
     >>> quantity("target.crossover_load", "0.038 mm2", "mm^2")
     0.038
+    >>> quantity("--misfit", "3 %", "%")
+    0.03
     """
     try:
         return converted(given, unit, example)
@@ -96,6 +100,8 @@ def converted(given: Any, unit: str, example: str | None = None) -> float:
     if match is None:
         raise InvalidInput(f"{told} does not begin with a number{valid}")
     number, name = match.groups()
+    if not name and unit == "%":
+        raise InvalidInput(f'{told} needs a unit; write "{number} %" or "{100.0 * float(number):.6g} %"')
     if not name and unit != "1":
         raise InvalidInput(f"{told} needs a unit{valid}")
     try:
@@ -163,14 +169,15 @@ def _size(name: str) -> float | None:
 def factor(name: str, unit: str) -> Fraction:
     """Return the number of wanted units in one unit of this name, exactly where it is rational."""
     if name == unit or (not name and unit == "1"):
-        return Fraction(1)
+        return Fraction(1, 100 if unit == "%" else 1)
     comma = "; write decimals with a point" if name.startswith(",") else ""
     unknown = InvalidInput(f'has the unknown unit "{printable(name, 40)}"{comma}')
     plain = name.translate(_SUPERSCRIPT)
     if len(plain) > _LONGEST or not _UNIT.fullmatch(plain):
         raise unknown
     plain = _EXPONENT.sub(r"\1^\2", plain.replace("**", "^"))
-    other = InvalidInput(f'has the unit "{printable(name, 40)}", which does not measure in {unit}')
+    wrong = "but is a number without unit" if unit == "1" else f"which does not measure in {unit}"
+    other = InvalidInput(f'has the unit "{printable(name, 40)}", {wrong}')
     if plain in _USUAL:
         own, size = _USUAL[plain]
         if own != unit:
@@ -183,7 +190,10 @@ def factor(name: str, unit: str) -> Fraction:
         given = registry.parse_units(plain)
     except (pint.errors.PintError, ValueError, AssertionError):
         raise unknown from None
-    wanted = registry.parse_units("" if unit == "1" else unit)
+    # pint takes angles and shares for one; "1 %" of a ratio is ambiguous
+    if name == "%" or unit in ("1", "%"):
+        raise other
+    wanted = registry.parse_units(unit)
     try:
         return Fraction(registry.Quantity(Fraction(1), given).to(wanted).magnitude)
     except (pint.errors.PintError, OverflowError):

@@ -15,8 +15,9 @@ from metafem.inversion.placement.objectives import FollowLaw, InsensitiveToTilt,
 from metafem.inversion.radii import RadiusRange
 from metafem.inversion.result import Design
 from metafem.inversion.strategies.proportional import achievable_load_range
-from metafem.inversion.targets.laws import OperatingPoints, PowerLaw, SampledLaw
+from metafem.inversion.targets.laws import OperatingPoints, PowerLaw
 from metafem.inversion.targets.multilinear import MultilinearLaw
+from metafem.inversion.targets.sampled import SampledLaw
 from metafem.inversion.targets.straight import BilinearLaw, LinearLaw
 from metafem.inversion.targets.target import Target
 

@@ -111,7 +111,7 @@ def design(
         ``tried_radii`` [mm] and ``radius_misfits`` [-]; a note lists the radii that cannot, with the reason.
         With a template that has a friction, they also hold the bounds of the friction coefficients of linear
         laws with each of the ``tried_radii`` alone, ``lowest_coefficients`` and, where `limits.height_sd` is
-        given, ``highest_coefficients``, and ``reachable_coefficients`` of mixtures.
+        given, ``highest_coefficients`` and ``reachable_coefficients`` of mixtures.
         With `robust`, they hold the root of the expected squared misfit of the made surface,
         ``expected_misfit`` [-], and that of the design without `robust`, ``plain_expected_misfit`` [-]; the
         fraction by which the square is smaller, ``robust_gain`` [-], with its standard error
@@ -182,10 +182,10 @@ def design(
     _refuse_infeasible(problem)
     permutation = problem.pins.placed(generator.permutation(template.count))
     with doing("inverting the law"):
-        candidate = target.candidate(problem, generator)
+        candidate = problem.target.candidate(problem, generator)
     candidate = candidate.placed(permutation[: len(candidate.height)], problem.limits.foot)
     candidate = arranged(problem, candidate, generator)
-    candidate = refined(problem, candidate, generator)
+    candidate = problem.target.judged(problem, refined(problem, candidate, generator))
     plain = rounded_to_steps(problem, candidate)
     if problem.pins.rows.size:
         plain, candidate = with_pinned(problem, plain, candidate, generator)
@@ -286,7 +286,8 @@ def _radii_in_use(problem: Problem, surface: Surface) -> dict[str, Parameter]:
         given = problem.limits, radii.given_as, problem.contact
         reach = np.array(achievable_friction_coefficients(template, *given))
         parameters |= {"tried_radii": radii.tried, **_coefficients(problem, radii.tried)}
-        parameters["reachable_coefficients"] = reach[np.isfinite(reach)]
+        if np.isfinite(reach).all():
+            parameters["reachable_coefficients"] = reach
     return parameters
 
 

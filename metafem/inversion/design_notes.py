@@ -13,6 +13,7 @@ from metafem.inversion.assessment import (
     Assessment,
     DesignStatus,
     independent_misfit,
+    largest_misfit,
     misfit_meaning,
     misfit_text,
 )
@@ -36,11 +37,12 @@ def design_notes(
     """Return notes on height steps, given heights, heights that are hard to make, and a missed line."""
     limits, before, unpinned = problem.limits, candidate.unrounded, candidate.unpinned
     notes = [] if before is None else [step_note(limits, before, found.misfit)]
-    by_pins = unpinned is not None and unpinned <= REACHED < found.misfit
+    most = largest_misfit(candidate.target_law, candidate.density is not None)
+    by_pins = unpinned is not None and unpinned <= most < found.misfit
     if unpinned is not None:
         notes.append(_pins(len(candidate.held), unpinned, found))
     allowed = limits.span if limits.height_step is None else float(np.ptp(limits.levels))
-    by_steps = before is not None and before <= REACHED
+    by_steps = before is not None and before <= most
     full = float(np.ptp(surface.height)) >= allowed * (1.0 - ALL_OF_IT)
     held = full and found.status is DesignStatus.MISSED and not by_steps and not by_pins
     if held:
@@ -82,7 +84,7 @@ def step_note(limits: Limits, before: float, after: float) -> Note:
         aside = f"; a smaller height_step brings it below {percent(REACHED, 'g')}"
     return information(
         f"heights are on steps of {1e3 * (limits.height_step or 0.0):.4g} um: the misfit is "
-        f"{percent(after, '.3g')}; before rounding to them it was {percent(before, '.3g')}{aside}"
+        f"{misfit_text(after, 3)}; before rounding to them it was {misfit_text(before, 3)}{aside}"
     )
 
 
@@ -91,7 +93,7 @@ def _density(problem: Problem, found: Assessment) -> Note:
     name, misfit = problem.target.wording.name(len(found.fits)), found.misfit
     meaning = misfit_meaning(False, True, found.fits, misfit)
     return Note(
-        f"the {meaning} is {percent(misfit)}: the heights follow a density, whose law has the {name} at "
+        f"the {meaning} is {misfit_text(misfit)}: the heights follow a density, whose law has the {name} at "
         "large loads and its own intercept. Give load_range: heights are then found whose friction is within "
         f"{percent(REACHED, 'g')} of the line through the origin over those loads",
         Level.INFORMATION if misfit <= MISSED else Level.WARNING,

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.optimize import isotonic_regression
 
 from metafem import _validate as check
 from metafem._calls import checked_call
@@ -68,6 +69,41 @@ def broken_bound(
             clipped = np.clip(scaled, low / least, np.minimum(high, jump) / least)
             return i, words, float(bound[i]), np.maximum.accumulate(clipped) * least
     return None
+
+
+def broken_sample(
+    load: FloatArray,
+    friction: FloatArray,
+    problem: Problem,
+    wording: Wording,
+    margin: float,
+    point: str = "sample {0} (load {1}, friction {2})",
+) -> str:
+    """Return in words the first sample (k,) that breaks a bound by more than a margin, or ""."""
+    broken = broken_bound(load, friction, problem.bounds, margin)
+    if broken is None:
+        return ""
+    i, words, bound, _ = broken
+    return (
+        f"{point.format(i + 1, wording.loads(load[i]), wording.frictions(friction[i]))} "
+        f"is {words}, {wording.frictions(bound)}, for any surface of {problem.radii}{margin_words(margin)}"
+    )
+
+
+def nearest_within(load: FloatArray, friction: FloatArray, weight: FloatArray, bounds: Bounds) -> FloatArray:
+    """Return frictions (k,) within the bounds with the least weighted relative differences from samples.
+
+    That F/P^b cannot fall makes it an isotonic regression; clipping it at bounds that are powers of the load
+    with the same exponent b keeps it the least.
+    """
+    if broken_bound(load, friction, bounds, 0.0) is None:
+        return friction
+    low, high = bounds.friction(load)
+    least = load**bounds.least_exponent
+    scaled = friction / least
+    rising = isotonic_regression(scaled, weights=weight / scaled**2).x
+    jump = bounds.highest_after(load, rising * least)
+    return np.maximum.accumulate(np.clip(rising, low / least, np.minimum(high, jump) / least)) * least
 
 
 def refuse_load(load: float, problem: Problem, wording: Wording) -> None:

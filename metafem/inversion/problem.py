@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -77,6 +78,9 @@ class Problem:
         check.instance("draft", draft, bool, "True or False")
         options = DEFAULTS if has_paraboloids(solver) else OTHER_LAWS
         options = drafted(options) if draft else options
+        # messages state loads in N and in mm^2
+        told: Any = target
+        target = replace(told, wording=target.wording.of_part(template.material))
         return cls(target, template, choice, solver, bounds, pins, layout, robust, options)
 
     @cached_property

@@ -9,9 +9,19 @@ import numpy as np
 
 from metafem import _validate as check
 from metafem._calls import checked_class
+from metafem._given import formatted, named_by_file
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.surface import Surface
+
+# Default distance of the radii of a range [mm]: of the order of the tolerance of ball-end tools.
+STEP = 0.01
+
+# Decimals of a radius in mm: without the rounding of a multiple of a step.
+DECIMALS = 12
+
+# Relative excess of a step over its range that is rounding.
+ROUNDING = 1e-9
 
 # Number of radii of a range that are tried alone, evenly spaced in the logarithm.
 TRIED_RADII = 7
@@ -26,11 +36,14 @@ class RadiusRange:
     ----------
     low, high : float
         Smallest and largest radius [mm], positive and increasing.
+    step : float, optional
+        Radii between them are multiples of this [mm]; default: 0.01, of the order of the tolerance of
+        ball-end tools. With None any radius is possible.
 
     Raises
     ------
     InvalidInput
-        If `low` is not positive or `high` does not exceed it.
+        If `low` or `step` is not positive, `high` does not exceed `low`, or `step` exceeds ``high - low``.
 
     Examples
     --------
@@ -40,19 +53,30 @@ class RadiusRange:
 
     low: float
     high: float
+    step: float | None = STEP
 
     def __post_init__(self) -> None:
         check.member(self, "low", above=0.0)
         check.member(self, "high", above=self.low)
+        check.member(self, "step", optional=True, above=0.0)
+        if self.step is not None and self.step > (self.high - self.low) * (1.0 + ROUNDING):
+            low, high, step = (formatted(name, getattr(self, name)) for name in ("low", "high", "step"))
+            remedy = "" if named_by_file() else ", or None"
+            words = f"step = {step} exceeds the range from {low} to {high}"
+            raise InvalidInput(f"{words}; give a smaller step{remedy}")
 
 
 @dataclass(frozen=True)
 class Radii:
-    """Radii that each asperity may have [mm]: one of the tools, increasing, or any from low to high."""
+    """Radii that each asperity may have [mm]: one of the tools, increasing, or any from low to high.
+
+    With a `step` [mm] those between low and high are multiples of it.
+    """
 
     low: float
     high: float
     tools: tuple[float, ...] | None
+    step: float | None = None
 
     @classmethod
     def of(cls, radius: float) -> Radii:
@@ -63,7 +87,7 @@ class Radii:
     def given(cls, radii: RadiusRange | Sequence[float] | None, template: Surface | None = None) -> Radii:
         """A range, a list of tools, or by default the radius that all asperities of a template share."""
         if isinstance(radii, RadiusRange):
-            return cls(radii.low, radii.high, None)
+            return cls(radii.low, radii.high, None, radii.step)
         if radii is None and template is not None:
             radius = template.radius
             if (radius != radius[0]).any():
@@ -86,21 +110,28 @@ class Radii:
     def tried(self) -> FloatArray:
         """The tools, or some radii of the range, increasing [mm]."""
         if self.tools is None:
-            return np.geomspace(self.low, self.high, TRIED_RADII)
+            between = self.nearest(np.geomspace(self.low, self.high, TRIED_RADII))
+            return np.union1d([self.low, self.high], between)
         return np.array(self.tools)
 
+    @property
+    def continuous(self) -> bool:
+        """Whether radii can change by any amount."""
+        return self.tools is None and self.step is None
+
     def tried_beside(self, best: float, count: int) -> FloatArray:
-        """Return about `count` radii between one of those tried and its neighbours [mm]."""
+        """Return at most `count` radii between one of those tried and its neighbours [mm]."""
         tried = self.tried
         i = int(np.argmin(np.abs(tried - best)))
         low, high = tried[max(i - 1, 0)], tried[min(i + 1, len(tried) - 1)]
         sides = [np.geomspace(low, best, 2 + count // 2), np.geomspace(best, high, 2 + count // 2)]
-        return np.concatenate([side[1:-1] for side in sides if side[0] < side[-1]])
+        between = np.concatenate([side[1:-1] for side in sides])
+        return np.setdiff1d(self.nearest(between), tried)
 
     @property
     def given_as(self) -> RadiusRange | tuple[float, ...]:
         """The range or the tools."""
-        return RadiusRange(self.low, self.high) if self.tools is None else self.tools
+        return RadiusRange(self.low, self.high, self.step) if self.tools is None else self.tools
 
     @property
     def between(self) -> Radii:
@@ -115,6 +146,8 @@ class Radii:
     def nearest(self, radius: FloatArray) -> FloatArray:
         """Return the possible radii that are nearest, by ratio, to given ones [mm]."""
         if self.tools is None:
+            if self.step is not None:
+                radius = np.round(self.step * np.rint(radius / self.step), DECIMALS)
             return np.clip(radius, self.low, self.high)
         tools = np.array(self.tools)
         return np.asarray(tools[np.abs(np.log(radius[:, None] / tools)).argmin(axis=1)])

@@ -16,7 +16,13 @@ from metafem._values import Value, span
 from metafem.contact import Contact
 from metafem.drawing.card import card
 from metafem.errors import InvalidInput
-from metafem.inversion.assessment import DesignStatus, misfit_meaning, misfit_text
+from metafem.inversion.assessment import (
+    DesignStatus,
+    empty_sites_words,
+    largest_misfit,
+    misfit_meaning,
+    misfit_text,
+)
 from metafem.inversion.candidate import Branch, Parameter
 from metafem.inversion.height_density import PiecewiseExponential
 from metafem.inversion.limits import Limits
@@ -162,9 +168,10 @@ class Design(Value):
         empty = sum(height is None for height in self.pinned.values())
         pinned = {"pinned": f"{len(self.pinned) - empty} with a given height, {empty} empty"}
         return {
+            **{name: self._loads(loads) for name, loads in self.target.marked_loads.items()},
             "status": self.status.value,
             "misfit": f"{misfit_text(self.misfit)}, {self.misfit_meaning}",
-            "asperities": f"{surface.count:,} on {self.template.count:,} sites",
+            "asperities": f"{surface.count:,} on {self.template.count:,} sites{empty_sites_words(self)}",
             "heights": span(surface.height, "mm"),
             **(pinned if self.pinned else {}),
             "radius": span(surface.radius, "mm"),
@@ -173,6 +180,11 @@ class Design(Value):
             "parameters": ", ".join(self.parameters),
             "notes": printed_count(self, law),
         }
+
+    def _loads(self, loads: tuple[tuple[float, ...], ...]) -> str:
+        """Return loads and ranges of loads in N and in mm^2."""
+        wording = self.target.wording.of_part(self.surface.material)
+        return ", ".join(wording.loads(*each) for each in loads)
 
     @property
     def target_law(self) -> TargetLaw:
@@ -193,6 +205,11 @@ class Design(Value):
     def target_area(self) -> FloatArray:
         """A0 under the model at the loads of `target_law`, (k,) [mm^2]; computed when first read."""
         return self.law.model.curve(self.surface, self.target_law.load).checked().area
+
+    @property
+    def largest_misfit(self) -> float:
+        """Largest misfit that counts as reached [-]: 1 % and the errors of the target; 10 % of a density."""
+        return largest_misfit(self.target_law, self.density is not None)
 
     @property
     def misfit_meaning(self) -> str:

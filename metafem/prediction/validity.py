@@ -306,6 +306,14 @@ def _wide_notes(surface: Surface, model: Model, curve: Curve) -> list[Note]:
 def _surface_notes(surface: Surface, shape: CapShape) -> list[Note]:
     """State where the surface cannot be made as a part."""
     notes = []
+    low = int((surface.height < 0.0).sum())
+    if low:
+        notes.append(
+            Note(
+                f"{low} of {surface.count} summits lie below the base plane, the lowest at "
+                f"{float(surface.height.min()):.4g} mm, and cannot be made as caps: raise them above 0 mm"
+            )
+        )
     most = shape.tallest(surface.radius)
     high = int((surface.height > most).sum())
     if high and shape is not SPHERES:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import astuple
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +13,8 @@ import numpy as np
 from metafem._values import MICROMETRES, percent, three_digits
 from metafem.drawing.inline import drawn
 from metafem.errors import MetafemError
-from metafem.inversion import Design
+from metafem.inversion import Design, RadiusRange
+from metafem.inversion.assessment import empty_sites_words
 from metafem.prediction.validity import base_contact_load
 from metafem.progress import doing
 from metafem.report.comparison import MOST_COMPARED, Comparison, compared
@@ -145,6 +147,7 @@ def page(
         excerpt=design.surface.count > MOST_SHAPED,
         arranged=design.layout is not None,
         hardness=hardness,
+        height_sd=design.limits.height_sd,
         law=drawn(law_figure(design), "Target and achieved friction law"),
         forces=None
         if (friction := design.surface.friction) is None
@@ -180,7 +183,10 @@ def _tiles(design: Design) -> list[tuple[str, str]]:
     heights = design.surface.height * MICROMETRES
     return [
         misfit_words(design),
-        ("sites with an asperity", f"{design.surface.count} of {design.template.count}"),
+        (
+            "sites with an asperity",
+            f"{design.surface.count} of {design.template.count}{empty_sites_words(design)}",
+        ),
         ("heights", f"{heights.min():.1f} – {heights.max():.1f} µm"),
         ("largest load shown", f"{three_digits(design.law.load[-1])} N"),
     ]
@@ -241,12 +247,21 @@ def _radii(design: Design) -> str:
     return ", ".join(f"{radius:.6g}" for radius in radii)
 
 
+def _range(design: Design) -> list[Row]:
+    """Return the range from which radii were chosen, with its step."""
+    if not isinstance(design.radii, RadiusRange):
+        return []
+    low, high, step = (MICROMETRES * (value or 0.0) for value in astuple(design.radii))
+    return [("radii to choose from", f"{low:g} – {high:g}{f' in steps of {step:g}' if step else ''}", "µm")]
+
+
 def _inputs(design: Design) -> list[Row]:
     surface = design.template
     rows = [
         ("composite modulus E*", f"{surface.material.composite_modulus:g}", "MPa"),
         ("Poisson's ratio ν", f"{surface.material.poisson_ratio:g}", ""),
         ("summit radius R", _radii(design), "µm"),
+        *_range(design),
         ("sites for asperities", f"{surface.count}", ""),
         ("largest height h_m", f"{design.limits.max_height * MICROMETRES:g}", "µm"),
         ("offset h_0", f"{design.limits.offset * MICROMETRES:g}", "µm"),

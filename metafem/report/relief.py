@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from metafem.contact.cap_geometry import SPHERES, CapShape
-from metafem.drawing import FloatArray
+from metafem.drawing import FloatArray, spacing
 
 # Single precision is enough for the pixels of a picture.
 Single = NDArray[np.float32]
@@ -60,8 +60,7 @@ def relief(
     shape: CapShape = SPHERES,
 ) -> Relief:
     """Draw caps of a shape and of colours (n, 4) on the rectangle between two corners (2, 2) [mm]."""
-    distance = math.sqrt(float(np.prod(corners[1] - corners[0])) / len(height))
-    ideal = TALL * distance / max(float(height.max()), 1e-300)
+    ideal = TALL * spacing(position) / max(float(height.max()), 1e-300)
     factor = max(each for each in FACTORS if each <= max(1.0, ideal))
     right, away = turned(
         np.array([[x, y] for x in (corners[0, 0], corners[1, 0]) for y in (corners[0, 1], corners[1, 1])])

@@ -13,6 +13,7 @@ from metafem._validate import FloatArray
 from metafem._values import MICROMETRES, three_digits
 from metafem.drawing import QUIET, new_figure
 from metafem.inversion import Design
+from metafem.material import Block
 from metafem.models.model import contact_of
 from metafem.prediction import equilibrium
 from metafem.report.relief import SIDE, projected, relief
@@ -80,6 +81,8 @@ def shape_figure(design: Design) -> Figure:
     """The surface seen at an angle, coloured by height; of many summits, those around the tallest."""
     surface = design.surface
     corners, shown = _shown(surface)
+    if surface.block is not None and shown.all():
+        corners = _corners(surface.block)
     height = surface.height[shown]
     scale = drawing.height_scale(surface.height)
     shape = contact_of(design.law.model).shape()
@@ -110,9 +113,14 @@ def _shown(surface: Surface) -> tuple[FloatArray, NDArray[np.bool_]]:
         low, high = np.maximum(low, centre - half), np.minimum(high, centre + half)
     corners = np.array([low - 0.5 * distance, high + 0.5 * distance])
     if surface.block is not None:
-        edge = 0.5 * np.array([surface.block.width, surface.block.length])
-        corners = np.clip(corners, -edge, edge)
+        corners = np.clip(corners, *_corners(surface.block))
     return corners, ((position >= corners[0]) & (position <= corners[1])).all(axis=1)
+
+
+def _corners(block: Block) -> FloatArray:
+    """Return the left front and the right back corner of a block [mm]."""
+    edge = 0.5 * np.array([block.width, block.length])
+    return np.array([-edge, edge])
 
 
 def _name_edges(ax: Axes, corners: FloatArray, side: float) -> None:

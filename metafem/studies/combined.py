@@ -68,9 +68,9 @@ def combined(
     The largest tolerances are multiples of the given ones: one common factor of all, and that of each alone
     with the others as given. At the factor, the quantile of the misfit at the wanted probability is the
     largest allowed misfit. It is found by the method of false position, with the same random numbers at all
-    factors, and a fifth of the draws. 10,000 draws of 64 asperities take seconds without interaction, and
-    minutes with it. Aymard et al., Science 383, 200 (2024), doi:10.1126/science.adk4234,
-    Figs. S2 and S3, state the effects of single errors.
+    factors and a fifth of the draws, and a last step with all draws. 10,000 draws of 64 asperities take
+    seconds without interaction, and minutes with it. Aymard et al., Science 383, 200 (2024),
+    doi:10.1126/science.adk4234, Figs. S2 and S3, state the effects of single errors.
 
     Parameters
     ----------

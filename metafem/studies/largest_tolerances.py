@@ -1,4 +1,4 @@
-"""The largest multiples of tolerances at which made surfaces meet the target with a wanted probability."""
+"""The largest tolerances with which made surfaces do what is wanted."""
 
 from __future__ import annotations
 
@@ -10,8 +10,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from metafem._validate import FloatArray
+from metafem.inversion.assessment import REACHED
 from metafem.studies.made_laws import MadeLaws, Runs
 from metafem.surface import STEEPEST
+
+# The scatter of the slope that a part may have, as a fraction: a law within it counts as reached.
+ALLOWED = REACHED
 
 # Name of the common factor of all tolerances.
 ALL = "all"
@@ -28,7 +32,8 @@ BOUNDS: Mapping[str, Any] = {
 # A tolerance that is left out has this fraction of its value: its points are still drawn.
 NOTHING = 1e-9
 
-# The search for the largest tolerances evaluates this fraction of the draws about five times for each.
+# The search for the largest tolerances evaluates this fraction of the draws about five times for each, and
+# all of them once.
 SHARE = 0.2
 
 # Largest multiple of the given tolerance that is tried.
@@ -43,12 +48,12 @@ BEYOND, NEAREST, FARTHEST = 0.1, 0.05, 0.3
 # so many steps, each of which evaluates all draws.
 FRACTION, STEPS = 0.2, 12
 
-# A smaller rise of the quantile, relative to the wanted misfit, counts as none.
+# A smaller rise of the level, relative to the wanted one, counts as none.
 SMALLEST = 1e-9
 
 
 class Level(NamedTuple):
-    """Quantile of the misfit at the wanted probability, and its standard sampling error [-]."""
+    """Quantile of the misfit at the wanted probability, or a scatter, and its standard sampling error [-]."""
 
     value: float
     error: float
@@ -58,11 +63,13 @@ class Largest(NamedTuple):
     """A multiple of a tolerance, and its standard sampling error [-].
 
     The error is infinite where draws without a solution decide. The factor is nan where even without this
-    error the probability is too small, and infinite where it is large enough at the largest multiple tried.
+    error the wanted level is exceeded, and infinite where it is not at the largest multiple tried. The rate
+    is that of the level with the factor there.
     """
 
     factor: float
     error: float
+    rate: float = math.inf
 
 
 def quantile(misfit: FloatArray, probability: float) -> Level:
@@ -78,34 +85,34 @@ def quantile(misfit: FloatArray, probability: float) -> Level:
     return Level(value, 0.5 * (high - low) if math.isfinite(high) else math.inf)
 
 
-def largest(level: Callable[[float], Level], given: Level, misfit: float, most: float) -> Largest:
-    """Return the largest factor, up to `most`, at which the quantile of the misfit is the wanted one.
+def largest(level: Callable[[float], Level], given: Level, wanted: float, most: float) -> Largest:
+    """Return the largest factor, up to `most`, at which a level is the wanted one.
 
-    The misfit of each draw is a continuous function of the factor, and so is its quantile with common random
+    The level of each draw is a continuous function of the factor, and so is that of all with common random
     numbers: the root is bracketed and found by the method of false position in its Illinois form.
 
-    level: the quantile at a factor; given: that at 1.
+    level: that at a factor; given: that at 1.
     """
     low, at_low = 0.0, level(0.0)
     high, at_high = 1.0, given
-    if min(at_low.value, at_high.value) > misfit:
+    if min(at_low.value, at_high.value) > wanted:
         return Largest(math.nan, 0.0)
-    while at_high.value <= misfit:
+    while at_high.value <= wanted:
         if high >= most:
             return Largest(math.inf, 0.0)
-        rise = max(at_high.value - at_low.value, SMALLEST * misfit)
-        ahead = (misfit - at_high.value) * (high - low) / rise
+        rise = max(at_high.value - at_low.value, SMALLEST * wanted)
+        ahead = (wanted - at_high.value) * (high - low) / rise
         new = min((1.0 + BEYOND) * min(high + ahead, 2.0 * high), most)
         low, at_low, high, at_high = high, at_high, new, level(new)
     above = {high: at_high.value}
-    ends, kept = [at_low.value - misfit, at_high.value - misfit], 0
+    ends, kept = [at_low.value - wanted, at_high.value - wanted], 0
     for _ in range(STEPS):
-        # an infinite misfit has no line through it
+        # an infinite level has no line through it
         share = ends[0] / (ends[0] - ends[1]) if math.isfinite(ends[1]) else 0.5
         factor = low + (high - low) * share
         found = level(factor)
-        over = found.value - misfit
-        if math.isfinite(found.error) and abs(over) <= FRACTION * found.error:
+        over = found.value - wanted
+        if math.isfinite(found.error) and abs(over) <= max(FRACTION * found.error, SMALLEST * wanted):
             break
         # the end that is kept twice counts half
         if over > 0.0:
@@ -118,8 +125,10 @@ def largest(level: Callable[[float], Level], given: Level, misfit: float, most: 
     near = [times for times in above if NEAREST <= times / factor - 1.0 <= FARTHEST]
     apart = min(near, default=min((1.0 + BEYOND) * factor, most))
     rise = (above[apart] if near else level(apart).value) - found.value
-    known = 0.0 < rise < math.inf
-    return Largest(factor, found.error * (apart - factor) / rise if known else math.inf)
+    if not 0.0 < rise < math.inf:
+        return Largest(factor, math.inf)
+    rate = rise / (apart - factor)
+    return Largest(factor, found.error / rate, rate)
 
 
 def factors(
@@ -137,14 +146,19 @@ def factors(
         # a little less than the bound, for rounding
         most = min(MOST, *(0.999 * BOUNDS[name](task.surface) / given[name] for name in names))
 
-        def level(times: float) -> Level:
+        def level(times: float, draws: int = count) -> Level:
             if times == 0.0 and task.inputs is None and len(names) == len(given):
                 return Level(task.nominal[0], 0.0)
             scaled = {name: max(times, NOTHING) * given[name] for name in names}
-            changed = replace(task, tolerances=replace(task.tolerances, **scaled), draws=count)
+            changed = replace(task, tolerances=replace(task.tolerances, **scaled), draws=draws)
             return quantile(runs.misfits(changed), wanted)
 
-        return largest(level, at_given, allowed, most)
+        found = largest(level, at_given, allowed, most)
+        if not 0.0 < found.error < math.inf:
+            return found
+        # of all draws by one step, as the level of a part of them is already the wanted one
+        value, error = level(found.factor, len(drawn))
+        return Largest(found.factor - (value - allowed) / found.rate, error / found.rate, found.rate)
 
     if not given:
         return {}

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,12 +18,15 @@ from metafem.models.model import checked_model
 from metafem.notes import Note, information
 from metafem.prediction import Tolerances
 from metafem.progress import doing
-from metafem.studies.sampling.batches import Execution
+from metafem.studies.largest_tolerances import ALLOWED, MOST, Largest, Level, largest
+from metafem.studies.sampling.batches import Execution, opened
 from metafem.studies.sampling.dataset import QUANTILES, dataset
-from metafem.studies.sampling.draws import ROUND_POINTS, SlopeDraws, run
-from metafem.studies.sampling.moments import moments, quantiles
-from metafem.studies.sampling.points import batch_size, entropy
+from metafem.studies.sampling.draws import ROUND_POINTS, SlopeDraws, summed
+from metafem.studies.sampling.moments import Sums, moments, quantiles
+from metafem.studies.sampling.points import FEWEST_BATCHES, batch_size, entropy
+from metafem.studies.sampling.schedulers import Run
 from metafem.studies.sampling.slope import Slope
+from metafem.studies.sampling.store import inputs_hash
 from metafem.surface import Surface
 
 if TYPE_CHECKING:
@@ -53,6 +58,10 @@ def manufacturing(
     The draws are Sobol points, in batches that are scrambled independently. The linear response
     ``dm = sum_i dm/dh_i dh_i``, whose moments are known, serves as control variate of the mean and of the
     second moment. Both need fewer draws for the same sampling error; `saving` states the factor.
+
+    The largest errors of the heights with which the slope scatters by less than 1 % are solved for, with the
+    same random numbers and whatever `height_sd` is: that takes as long as about 4 further values of it, and
+    at most 21.
 
     Parameters
     ----------
@@ -86,7 +95,9 @@ def manufacturing(
         with its standard sampling error ``NAME_error``. ``nominal_slope`` and ``nominal_area`` are those
         without errors, ``draws`` the draws with a solution, ``failed`` those without. ``saving`` is the
         number of plain draws of equal error over the draws used, for the ``moment`` "mean" and "sd" of the
-        slope. ``slope_quantile_error`` is that of plain draws.
+        slope. ``slope_quantile_error`` is that of plain draws. ``largest_height_sd`` [mm] is that with which
+        `slope_sd` is ``allowed_scatter``, 1 % of the nominal slope: nan where the other errors alone cause
+        more, and infinite where no such value is found. Its error is infinite with fewer than 16 draws.
 
     Raises
     ------
@@ -115,10 +126,14 @@ def manufacturing(
         if plain:
             raise InvalidInput("error cannot be given with plain=True; state the number of draws")
     seed, slope = entropy(rng), Slope.of(surface, load_range, used)
-    dimensions = max(each.dimensions(surface) for each in tolerances)
+    dimensions = Tolerances(1.0, 0.0, radius_sd, position_sd).dimensions(surface)
     size = batch_size(number, dimensions) if error is None else ROUND_POINTS
     task = SlopeDraws.of(surface, used, slope, tolerances, seed=seed, draws=number, size=size, plain=plain)
-    sums, inputs = run("manufacturing", task, error=error, execution=execution)
+    own = (surface, used, slope.load_range, task.tolerances, seed, size, number, plain, error)
+    inputs = inputs_hash(("manufacturing", *own))
+    with opened(execution, "manufacturing", inputs) as compute:
+        sums, done = summed(compute, task, error)
+        limit = _largest_height_sd(compute, task, done, error)
     for deviation in deviations[sums.batches < 2]:
         raise NotConverged(
             "fewer than two batches of draws have a solution at "
@@ -151,6 +166,8 @@ def manufacturing(
             ("height_sd", "moment"),
             np.column_stack([found.saving_of_mean[:, 0], found.saving_of_sd[:, 0]]),
         ),
+        "largest_height_sd": ((), limit.factor),
+        "largest_height_sd_error": ((), limit.error),
         "nominal_slope": ((), nominal),
         "nominal_area": ((load,), areas),
         "failed": (sd, sums.failed),
@@ -160,4 +177,34 @@ def manufacturing(
     return dataset(
         "manufacturing", variables, coordinates, model=used, load_range=slope.load_range, seed=seed,
         draws=int(sums.count.max()), inputs=inputs, notes=notes,
-    )  # fmt: skip
+    ).assign_attrs(allowed_scatter=ALLOWED)  # fmt: skip
+
+
+def _largest_height_sd(compute: Run, task: SlopeDraws, first: int, error: float | None) -> Largest:
+    """Return the deviation of the heights with which the slope scatters by `ALLOWED`, and its error [mm].
+
+    first: number of the first batch that is free; error: as for `summed`.
+    """
+    others = replace(task.tolerances[0], height_sd=0.0)
+
+    def scatter(height_sd: float) -> Level:
+        nonlocal first
+        sums, first = summed(compute, task.at(replace(others, height_sd=height_sd), first), error)
+        return _scatter(sums, task.plain)
+
+    if error is None and task.draws < FEWEST_BATCHES:
+        return Largest(0.0, math.inf)
+    # half of that by linear response, and not more than the same fraction of the radius
+    response = float(np.linalg.norm(task.response[0]))
+    most = ALLOWED * float(task.surface.radius.mean())
+    start = min(0.5 * ALLOWED / response, most) if response > 0.0 else most
+    found = largest(lambda factor: scatter(factor * start), scatter(start), ALLOWED, MOST)
+    return Largest(found.factor * start, found.error * start)
+
+
+def _scatter(sums: Sums, plain: bool) -> Level:
+    """Return the relative deviation of the slope; it is infinite without enough solutions for its error."""
+    if sums.batches[0] < FEWEST_BATCHES:
+        return Level(math.inf, math.inf)
+    found = moments(sums, plain=plain).sd
+    return Level(float(found.value[0, 0]), float(found.error[0, 0]))

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -17,10 +18,12 @@ from metafem.models import Independent, Model
 from metafem.models.model import checked_model, contact_of
 from metafem.notes import Note, information
 from metafem.progress import doing
+from metafem.studies.largest_tolerances import ALLOWED, Largest
 from metafem.studies.sampling.batches import Execution, opened
 from metafem.studies.sampling.dataset import QUANTILES, dataset
 from metafem.studies.sampling.moments import Estimate
 from metafem.studies.sampling.points import entropy
+from metafem.studies.sampling.schedulers import Run
 from metafem.studies.sampling.slope import Slope
 from metafem.studies.sampling.store import inputs_hash
 from metafem.studies.sampling.uniform_angle import within
@@ -31,6 +34,11 @@ if TYPE_CHECKING:
 
 # Equal steps up to the largest angle, as in the source paper: 2,001 angles with both signs.
 STEPS = 1000
+
+# Steps up to an angle in the search for the largest one, which ends with it among the last three quarters of
+# them, where its error is below 1e-3; and the most searches: each finds it in steps 1/200 as large, or is
+# followed by one up to twice the angle.
+SEARCH_STEPS, SEARCHES = 400, 12
 
 # Shuffled placements of one batch: 2,001 angles and 20 loads of 64 independent asperities take a quarter of a
 # second. A batch of coupled asperities, which take a hundred times as long, is a single one.
@@ -68,6 +76,9 @@ def misalignment(
     al., Science 383, 200 (2024), doi:10.1126/science.adk4234, Fig. S2 and supplementary text "Effect of a
     misalignment on the friction law".
 
+    The largest angle with which the slope scatters by less than 1 % is found with steps of its own, whatever
+    `angle` is: with 801 angles about three times, and at most twelve times.
+
     Parameters
     ----------
     surface : Surface
@@ -98,7 +109,9 @@ def misalignment(
         angle and its neighbours. With at least two shuffled placements, ``slope_sd_quantile`` over
         ``quantile`` (0.05, 0.5 and 0.95) and ``angle`` describes them; its error is the sampling error, which
         is too small at 0.05 and 0.95 for fewer than about 100 placements. ``nominal_slope`` and
-        ``nominal_area`` are those without a tilt. ``failed`` is the number of laws without a solution; they
+        ``nominal_area`` are those without a tilt. ``largest_angle`` [rad] is the least one with which
+        `slope_sd` as made is ``allowed_scatter``, 1 % of the nominal slope; it is infinite without one up to
+        pi/4, and nan if none is found. ``failed`` is the number of laws without a solution; they
         are interpolated from those at the neighbouring angles.
 
     Raises
@@ -121,14 +134,13 @@ def misalignment(
     check.instance("surface", surface, Surface, "a metafem.Surface")
     if not isinstance(axes, str) or axes not in DIRECTIONS:
         raise InvalidInput(f"axes = {shown(axes)} must be one of {', '.join(map(repr, DIRECTIONS))}")
-    positive = _angles(angle)
-    signed = np.concatenate([-positive[::-1], [0.0], positive])
+    signed = _both_signs(_angles(angle))
     used = checked_model(Independent() if model is None else model)
     fit = Slope.of(surface, load_range, used)
     task = Tilts(
         surface,
         used,
-        np.outer(np.tan(signed), DIRECTIONS[axes]),
+        np.array(DIRECTIONS[axes]),
         signed,
         fit,
         check.integer("shuffles", shuffles, at_least=0),
@@ -137,9 +149,10 @@ def misalignment(
     inputs = inputs_hash(task)
     with opened(execution, "misalignment", inputs) as compute:
         batches = list(compute(task, range(task.batches)))
+        limit = _largest_angle(compute, task)
     slopes = np.concatenate([batch["slope"] for batch in batches])
     failed = int(sum(batch["failed"].sum() for batch in batches))
-    return _dataset(task, slopes, batches[0]["area"][0], failed, inputs)
+    return _dataset(task, slopes, batches[0]["area"][0], failed, limit, inputs)
 
 
 def _angles(angle: ArrayLike) -> FloatArray:
@@ -152,17 +165,52 @@ def _angles(angle: ArrayLike) -> FloatArray:
     return angles
 
 
+def _both_signs(angle: FloatArray) -> FloatArray:
+    return np.concatenate([-angle[::-1], [0.0], angle])
+
+
+def _largest_angle(compute: Run, task: Tilts) -> Largest:
+    """Return the least angle with which the slope as made scatters by `ALLOWED`, and its error [rad]."""
+    surface = task.surface
+    width = float(np.ptp(surface.position @ task.direction))
+    end = min(STEEPEST, math.atan2(float(surface.radius.mean()), width))
+    for number in range(task.batches, task.batches + SEARCHES):
+        angle = end * np.arange(1, SEARCH_STEPS + 1) / SEARCH_STEPS
+        trial = replace(task, angle=_both_signs(angle), shuffles=0, first=number)
+        (slope,) = next(iter(compute(trial, [number])))["slope"]
+        scatter = Estimate(*(each / slope[SEARCH_STEPS] for each in within(trial.angle, slope)[1]))
+        beyond = np.flatnonzero(scatter.value > ALLOWED)
+        if not beyond.size:
+            if end == STEEPEST:
+                return Largest(math.inf, 0.0)
+            end = min(2.0 * end, STEEPEST)
+            continue
+        i = int(beyond[0])
+        if 4 * i >= SEARCH_STEPS:
+            rate = float(scatter.value[i] - scatter.value[i - 1]) / float(angle[0])
+            over = float(scatter.value[i]) - ALLOWED
+            return Largest(float(angle[i]) - over / rate, float(scatter.error[i]) / rate)
+        end = 2.0 * float(angle[i])
+    return Largest(math.nan, 0.0)
+
+
 @dataclass(frozen=True, eq=False)
 class Tilts:
     """Laws of a surface at all angles, as made (batch 0) and for shuffled placements (further batches)."""
 
     surface: Surface
     model: Model
-    tilt: FloatArray  # (a, 2), slopes along x and along y [-]
+    direction: FloatArray  # (2,), slopes along x and along y over the tangent of the angle
     angle: FloatArray  # (a,) [rad]
     fit: Slope
     shuffles: int
     seed: int
+    first: int = 0  # number of the first batch
+
+    @property
+    def tilt(self) -> FloatArray:
+        """Slopes along x and along y [-], (a, 2)."""
+        return np.outer(np.tan(self.angle), self.direction)
 
     @property
     def at_once(self) -> int:
@@ -176,6 +224,7 @@ class Tilts:
 
     def __call__(self, batch: int) -> dict[str, FloatArray]:
         """Return the slopes (p, a) of the placements of a batch, and the areas of batch 0, (1, a, k)."""
+        batch -= self.first
         placements = range(self.at_once * (batch - 1), min(self.at_once * batch, self.shuffles))
         n = self.surface.count
         orders = [np.arange(n)]
@@ -215,7 +264,9 @@ class Tilts:
         return np.concatenate(parts)
 
 
-def _dataset(task: Tilts, slopes: FloatArray, area: FloatArray, failed: int, inputs: str) -> xr.Dataset:
+def _dataset(
+    task: Tilts, slopes: FloatArray, area: FloatArray, failed: int, limit: Largest, inputs: str
+) -> xr.Dataset:
     """Return the dataset of slopes (p, a) and of the areas as made (a, k)."""
     middle = len(task.angle) // 2
     by_slope, by_area = within(task.angle, slopes), within(task.angle, area.T)
@@ -238,6 +289,7 @@ def _dataset(task: Tilts, slopes: FloatArray, area: FloatArray, failed: int, inp
         variables["slope_sd_quantile"] = ("quantile", "angle"), quantile.value
         variables["slope_sd_quantile_error"] = ("quantile", "angle"), quantile.error
         coordinates["quantile"] = list(QUANTILES)
+    variables["largest_angle"], variables["largest_angle_error"] = ((), limit.factor), ((), limit.error)
     variables["nominal_slope"] = (), slopes[0, middle]
     variables["nominal_area"] = ("rescaled_load",), area[middle]
     variables["failed"] = (), failed
@@ -255,7 +307,7 @@ def _dataset(task: Tilts, slopes: FloatArray, area: FloatArray, failed: int, inp
     return dataset(
         "misalignment", variables, coordinates, model=task.model, load_range=task.fit.load_range,
         seed=task.seed, draws=slopes.size, inputs=inputs, notes=notes,
-    )  # fmt: skip
+    ).assign_attrs(allowed_scatter=ALLOWED)  # fmt: skip
 
 
 def _base_contact(task: Tilts) -> list[Note]:

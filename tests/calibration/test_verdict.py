@@ -1,11 +1,13 @@
 """Chi-square and runs of residuals against their distributions."""
 
+from dataclasses import replace
 from itertools import combinations, groupby
 
 import numpy as np
 import pytest
 
-from metafem.calibration.verdict import judged
+from metafem.calibration.serial_correlation import Succession
+from metafem.calibration.verdict import judged, judged_in_order
 
 
 @pytest.mark.parametrize(("count", "positive"), [(6, 3), (9, 4), (10, 2)])
@@ -45,3 +47,28 @@ def test_residuals_of_one_sign_are_no_fit():
 def test_one_degree_and_one_run_are_singular():
     assert "with 1 degree of freedom" in str(judged(np.array([0.4, 0.2]), 1))
     assert "1 run of residuals" in str(judged(np.array([0.4, 0.2]), 1))
+
+
+def test_the_outlier_is_the_point_whose_own_error_is_exceeded_most():
+    law = Succession(["a"] * 4, np.array([[1.0], [1.0], [1.0], [6.0]]))  # leverage 36/39 of the last
+    verdict = judged_in_order(np.array([2.0, -1.0, 0.0, 1.0]), np.arange(4.0), law)
+    assert verdict.outlier == 3
+    assert verdict.largest == pytest.approx(np.sqrt(13.0))
+
+
+@pytest.mark.parametrize(("others", "one"), [(1.0, True), (6.0, False)])
+def test_one_point_is_blamed_where_the_others_obey_the_law(others, one):
+    residual = others * np.tile([1.0, -1.0], 10)
+    residual[7] = 10.0
+    verdict = judged_in_order(residual, np.arange(20.0), Succession(["a"] * 20, np.ones((20, 1))))
+    assert verdict.largest_probability < 0.01
+    assert verdict.one_outlier is one
+    assert "(p < 1e-9)" in str(verdict)
+
+
+def test_a_law_fits_though_errors_drift_or_one_point_is_an_outlier():
+    verdict = replace(judged(np.tile([1.0, -1.0], 10), 2), largest=5.0, largest_probability=1e-5)
+    assert verdict.law_fits
+    assert not verdict.fits
+    assert str(verdict).startswith("the law fits: ")
+    assert ", but the largest residual is 5 standard deviations (p = 1e-05)" in str(verdict)

@@ -146,3 +146,10 @@ def test_values_outside_their_range_are_refused():
         mf.PowerCap(4, 0.0)
     with pytest.raises(mf.InvalidInput, match="exponent must be given"):
         mf.PowerCap()
+
+
+def test_load_and_indentation_of_a_paraboloid_are_inverse():
+    d = np.array([1e-6, 0.01, 0.1])
+    load = 4.0 / 3.0 * np.sqrt(RADIUS) * d**1.5
+    assert_allclose(mf.Hertz().load_at_indentation(d, RADIUS), load, rtol=1e-14)
+    assert_allclose(mf.Hertz().indentation_at_load(load, RADIUS), d, rtol=1e-14)

@@ -44,12 +44,27 @@ def test_the_sizes_of_the_blends_are_those_of_the_docstrings():
         blends = law.for_material(mf.Material(1.36, nu)).blends()
         return [[max(map(abs, part)) for part in (b.load_change, b.area_change)] for b in blends]
 
-    assert_allclose(
-        sizes(mf.KogutEtsion(0.1), 0.3), [[0.029, 0.075], [0.017, 0.015], [0.051, 0.042]], atol=5e-4
-    )
-    assert_allclose(sizes(mf.KogutEtsion(0.1), 0.5)[2], [0.042, 0.042], atol=5e-4)
-    assert_allclose(sizes(mf.JacksonGreen(0.002), 0.3), [[0.006, 0.015]], atol=5e-4)
-    assert_allclose(sizes(mf.JacksonGreen(0.002), 0.5), [[0.040, 0.015]], atol=5e-4)
+    for nu in np.linspace(0.0, 0.5, 6):
+        found = sizes(mf.KogutEtsion(0.1), nu)
+        assert_allclose([*found[0], *found[1], found[2][1]], [0.029, 0.075, 0.017, 0.015, 0.042], atol=5e-4)
+    for softness, area in ((0.0015, 0.015), (0.03, 0.028)):
+        assert_allclose(sizes(mf.JacksonGreen(softness * 1.36), 0.3)[0][1], area, atol=5e-4)
+    laws = [mf.KogutEtsion(0.1), mf.JacksonGreen(0.0015 * 1.36), mf.JacksonGreen(0.03 * 1.36)]
+    ratios = np.array(_row(mf.KogutEtsion, "nu"))
+    assert (ratios[[0, -1]] == [0.0, 0.5]).all()
+    rows = [
+        _row(mf.KogutEtsion, "third change of P, %"),
+        _row(mf.JacksonGreen, "change of P, S_y/E* = 0.0015, %"),
+        _row(mf.JacksonGreen, "change of P, S_y/E* = 0.03, %"),
+    ]
+    for law, row in zip(laws, rows, strict=True):
+        assert_allclose([100.0 * sizes(law, nu)[-1][0] for nu in ratios], row, atol=0.0501)
+
+
+def _row(law, name):
+    """Return the numbers of a row of the table in a docstring."""
+    (line,) = (line for line in law.__doc__.splitlines() if line.strip().startswith(name))
+    return [float(number) for number in line.split(name)[1].split()]
 
 
 @pytest.mark.parametrize("material", MATERIALS, ids=lambda m: str(m.poisson_ratio))
@@ -173,3 +188,13 @@ def test_the_notes_state_plastic_contacts_and_the_blends():
     _, warning = soft.notes(2.0 * soft.yield_indentation(np.ones(2)), np.ones(2))
     assert warning.warns
     assert "S_y/E* = 0.0735 exceeds 0.03" in warning.text
+
+
+def test_unloading_follows_the_published_powers():
+    """Etsion, Kligerman and Kadin (2005) at ten times the indentation at yield."""
+    law = mf.KogutEtsion(0.02).for_material(mf.Material(1.36, 0.3))
+    deepest = 10.0 * float(law.yield_indentation(0.526))
+    after, lost = law.unloaded(np.array([deepest]), np.array([0.526]))
+    assert lost[0] / deepest == pytest.approx((1.0 - 10.0**-0.28) * (1.0 - 10.0**-0.69), rel=1e-12)
+    assert after.load_exponent[0] == pytest.approx(1.5 * 10.0**-0.0331, rel=1e-12)
+    assert after.area_exponent[0] == pytest.approx(10.0**-0.12, rel=1e-12)

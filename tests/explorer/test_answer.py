@@ -1,6 +1,7 @@
 """Answers equal the design of the command, and say what is wrong by key."""
 
 import io
+import re
 
 import numpy as np
 import pytest
@@ -243,5 +244,7 @@ def test_a_refusal_is_in_the_unit_of_the_axes(forces):
     for newtons in (False, True):
         words = answered(State(text, newtons=newtons), 1).refusal
         assert words.startswith("operating point")
-        assert (" N," in words) == newtons
-        assert ("mm^2" in words) != newtons
+        # the load also in the other unit, in brackets
+        unit, other = ("N", r"mm\^2") if newtons else (r"mm\^2", "N")
+        assert re.search(rf"\(load \S+ {unit} \(\S+ {other}\), friction \S+ {unit}\)", words)
+        assert re.search(rf"can be from \S+ to \S+ {unit}$", words)

@@ -116,7 +116,7 @@ def test_every_second_slope_within_the_stated_bounds_is_solved(first, share, loa
     [
         (mf.LinearLaw(3.0), "slope 3 is not above the bound 3 pi/4 .* = 4.93303"),
         (mf.BilinearLaw((3.0, 9.0), 0.04), "slope 3 is not above"),
-        (mf.BilinearLaw((7.15, 12.0), 5.0), "crossover_load = 5 mm.2 is outside the law .* 0.4354"),
+        (mf.BilinearLaw((7.15, 12.0), 5.0), "crossover_load = 5 mm.2 .* is outside the law .* 0.4354"),
         (mf.BilinearLaw((7.15, 12.0), 0.4), "the second slope can be from 5.70.* to 7.78"),
     ],
 )
@@ -131,8 +131,10 @@ def test_crossover_with_too_few_asperities_is_refused(template):
     one = template.replaced(
         position=template.position[:1], height=template.height[:1], radius=template.radius[:1]
     )
-    with pytest.raises(mf.Infeasible, match="one of the branches has fewer than 1 of 1 asperities"):
+    with pytest.raises(mf.Infeasible, match="one of the branches has fewer than 1 of 1 asperities") as caught:
         mf.design(mf.BilinearLaw((7.15, 9.0), 0.001), one, limits=LIMITS)
+    assert "; use more asperities" in str(caught.value)
+    assert caught.value.nearest is None
 
 
 @pytest.mark.parametrize("slope", [50.0, 1e3, 1e6])

@@ -84,6 +84,8 @@ def test_two_branches_have_unit_mass_and_the_printed_slopes(scale, share, weight
     form = printed.second_slope(scale, RADIUS, TOP, share * TOP, weight)
     # the printed form loses digits where its k cancels: x^(3/2) of a unit in the last place
     assert density.asymptotic_slopes(RADIUS)[1] == pytest.approx(form, rel=1e-9)
+    first = printed.slope(scale, RADIUS, TOP)
+    assert density.asymptotic_slopes(RADIUS)[0] == pytest.approx(first, rel=1e-9)
     load = printed.crossover_load(scale, RADIUS, TOP, share * TOP, weight, 64)
     lost = (scale / (TOP * (1.0 - share))) ** 2.5 * np.finfo(float).eps
     assert density.crossover_load(64, RADIUS) == pytest.approx(load, rel=1e-9 + 100 * lost)

@@ -44,9 +44,40 @@ def test_powers_beyond_one_radius(template, exponent, radii, model):
     assert result.status is (DesignStatus.REFINED if moved else DesignStatus.REACHED)
     assert model.couples or not moved
     assert 0.2 <= result.surface.radius.min() < result.surface.radius.max() <= 0.8
-    if radii is TOOLS:
+    if radii is RANGE:
+        assert set(result.surface.radius) <= {i / 100 for i in range(20, 81)}
+    else:
         assert set(result.surface.radius) == set(TOOLS)
         assert result.parameters["radius_counts"].sum() == result.surface.count
+
+
+@pytest.mark.parametrize("common", [False, True])
+@pytest.mark.parametrize(("step", "most"), [(0.01, 61), (0.07, 11), (0.6, 3)])
+def test_radii_of_a_range_are_those_of_tools(template, step, most, common):
+    radii = mf.RadiusRange(0.2, 0.8, step)
+    assert radii.step == mf.RadiusRange(0.2, 0.8).step or step != 0.01
+    result = mf.design(mf.LinearLaw(4.5), template, limits=LIMITS, radii=radii, common_radius=common)
+    tools = {0.2, 0.8, *(round(i * step, 12) for i in range(1000) if 0.2 < i * step < 0.8)}
+    assert len(tools) == most
+    assert {*result.surface.radius, *result.parameters["tried_radii"]} <= tools
+    law = mf.friction_law(result.surface, load=result.law.load)
+    np.testing.assert_allclose(law.area, result.law.area, rtol=1e-12)
+    assert common or result.radii == radii
+
+
+def test_a_step_is_no_larger_than_its_range_whose_ends_are_tried():
+    with pytest.raises(
+        mf.InvalidInput, match=r"step = 0.01 exceeds the range from 0.523 to 0.529; .*, or None"
+    ):
+        mf.RadiusRange(0.523, 0.529)
+    tried = Radii.given(mf.RadiusRange(0.207, 0.803)).tried
+    assert (tried[0], tried[-1]) == (0.207, 0.803)
+
+
+def test_a_step_of_radii_is_positive_or_none():
+    assert mf.RadiusRange(0.2, 0.8, None).step is None
+    with pytest.raises(mf.InvalidInput, match="step = 0 must be greater than 0"):
+        mf.RadiusRange(0.2, 0.8, 0.0)
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -129,6 +160,10 @@ def test_a_mixture_reaches_between_the_tools(template):
     assert not [note for note in result.notes if "height_sd" in note.text]
     reach = result.parameters["reachable_coefficients"] / per_slope
     np.testing.assert_allclose(reach, [low[0], high[1]])
+    # without height_sd no largest slope is known, and one number is no range
+    result = mf.design(mf.LinearLaw(slope), template, limits=mf.Limits(0.12, offset=0.1), radii=[0.2, 1.6])
+    assert "reachable_coefficients" not in result.parameters
+    assert result.parameters["lowest_coefficients"].shape == (2,)
 
 
 @pytest.mark.slow

@@ -14,6 +14,7 @@ def test_law_agrees_with_single_equilibria_in_any_order(rough):
     law = mf.friction_law(rough, load=[0.4, 0.1])
     for i, load in enumerate((0.1, 0.4)):
         state = mf.equilibrium(rough, load=load)
+        assert state.load == pytest.approx(load, rel=1e-12)
         computed = law.load[i], law.area[i], law.separation[i], law.stiffness[i]
         assert computed == pytest.approx((load, state.area, state.separation, state.stiffness), rel=1e-12)
 

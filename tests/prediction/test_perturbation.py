@@ -39,6 +39,13 @@ def test_without_errors_a_draw_is_the_surface():
     assert position is None
 
 
+def test_a_point_of_the_cube_is_a_quantile():
+    """Probabilities of -2, 0 and 1 standard deviations."""
+    point = np.array([[0.022750131948179, 0.5, 0.841344746068543]])
+    height = mf.Tolerances(height_sd=0.003).perturbed(SURFACE, point).height[0]
+    assert_allclose(height, SURFACE.height + 0.003 * np.array([-2.0, 0.0, 1.0]), rtol=1e-12)
+
+
 def test_draws_have_the_stated_moments():
     """Five standard errors of means and standard deviations."""
     count = 20_000

@@ -178,7 +178,7 @@ def test_forces_are_shown_where_there_is_a_friction(template, paper):
 
 @pytest.mark.slow
 def test_page_states_friction_coefficients_of_such_a_target(template):
-    target = mf.LinearLaw.from_friction_coefficient(1.4, template.material, template.friction, (0.05, 0.2))
+    target = mf.LinearLaw.from_friction_coefficient(1.4, template.material, template.friction, (0.068, 0.272))
     text = page(mf.design(target, template, limits=mf.Limits(0.27)))
     assert "<h1>Friction proportional to load: friction coefficient 1.4 from 0.068 to 0.272 N</h1>" in text
     assert "<th>target friction coefficient</th>" in text
@@ -205,6 +205,15 @@ def test_tile_and_plot_state_one_quantity(template):
 def crowded(template, **changes):
     """The linear demo on another block or lattice."""
     return mf.design(mf.LinearLaw(6.87), template.replaced(**changes), limits=mf.Limits(0.12, offset=0.084))
+
+
+@pytest.mark.parametrize("height_sd", [None, 0.0001])
+def test_height_errors_are_mentioned_where_they_were_stated(template, height_sd):
+    limits = mf.Limits(0.12, offset=0.5, height_sd=height_sd)
+    design = mf.design(mf.OperatingPoints([0.01], [0.1]), template, limits=limits)
+    text = words_of(replace(design, notes=()))
+    assert "No warnings" in text
+    assert ("stated height errors" in text) == (height_sd is not None)
 
 
 @pytest.mark.parametrize(

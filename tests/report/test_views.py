@@ -69,6 +69,14 @@ def test_open_summits_are_rings_and_contacts_are_discs():
         assert filled.get_facecolor().size
 
 
+def test_the_picture_shows_the_whole_block():
+    lattice = {"radius": 0.526, "material": MATERIAL, "block": mf.Block(20.0, 18.0, 7.2)}
+    few, many = (mf.Surface.square_lattice(0.1, (n, n), pitch=0.6, **lattice) for n in (8, 21))
+    words = [[text.get_text() for text in shape_figure(_design(each)).axes[0].texts] for each in (few, many)]
+    assert words[0] == ["x: 20 mm", "y: 18 mm"]
+    assert words[1] == ["x: 12 mm", "y: 12 mm"]  # an excerpt
+
+
 def test_of_many_summits_the_surroundings_of_the_tallest_are_shown():
     height = np.full(900, 0.1)
     height[899] = 0.2

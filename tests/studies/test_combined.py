@@ -167,7 +167,7 @@ def test_errors_of_the_largest_factor_are_its_scatter(shape):
                 quantile(misfit(1.0, x, y), 0.9), allowed, 100.0,
             )
         )  # fmt: skip
-    factor, error = np.array(found).T
+    factor, error, _ = np.array(found).T
     # the scatter of a hundred is known to 7 %, and the spacing of 500 draws to twice that
     assert np.sqrt((error**2).mean()) == pytest.approx(factor.std(), rel=0.3)
 

@@ -141,6 +141,7 @@ def test_summits_of_one_height_have_no_slope(surface):
         ({"friction_force": [0.1]}, "friction_force must be given with the load"),
         ({"load": [0.1], "friction_force": [0.1, 0.2]}, r"friction_force has shape \(2,\)"),
         ({"parameters": {"height": 0.1}}, "no parameter 'height'; there are radius, composite_modulus"),
+        ({"parameters": {"young_modulus": 0.1}}, r"young_modulus is not an input; give composite_modulus"),
         ({"parameters": {"friction_force": 0.1}}, r"parameters\.friction_force needs measured friction"),
         ({"parameters": {"radius": -0.1}}, r"parameters\.radius = -0.1 must be at least 0"),
         ({"parameters": None}, "parameters = None must map names to standard deviations"),

@@ -41,6 +41,14 @@ def test_each_check_names_its_source(name):
         assert not VAGUE.search(str(check.source)), check
 
 
+@pytest.mark.parametrize("which", ["quick", pytest.param("all", marks=pytest.mark.slow)])
+def test_each_printed_number_is_counted_once(which):
+    found = [evaluate(name) for name in claims() if which == "all" or not is_slow(name)]
+    numbers = [(check.source.text, check.source.quantity) for claim in found for check in claim.numbers]
+    assert len(numbers) > 15
+    assert sorted(numbers) == sorted(set(numbers))
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_each_figure_has_a_caption_and_each_claim_a_text(name):
     claim = evaluate(name)

@@ -8,12 +8,15 @@ import numpy as np
 import pytest
 
 import metafem as mf
+from validation.check import Check, reported
 from validation.cost import model_table, peers, scaling, work_precision
 from validation.cost.measured import Point, fastest_within
 from validation.cost.peers import Grid
 from validation.cost.times import LEAST, exponent, floor, in_words, machine, renewed, rounded, timed
 from validation.readme import README
+from validation.results import Evaluated
 from validation.scenes import costs
+from validation.verdicts import Evidence, _cost
 
 PAIR = mf.Surface(np.array([[0.0, 0.0], [1.1, 0.3]]), [0.1, 0.12], [0.5, 0.7], mf.Material(1.36))
 
@@ -155,6 +158,73 @@ def test_picture_is_drawn():
     document = minidom.parse(str(model_table.PICTURE))
     labels = re.findall(r"(Interacting|BoundaryElements|Independent)\(", document.toxml())
     assert len(set(labels)) == 3
+
+
+@pytest.fixture
+def timed_beside_tamaas(monkeypatch):
+    """Rows of the ratios, from times and errors that are given: the next load of tamaas takes 3 s."""
+    own, moments = "tamaas", "tamaas, second moments"
+    model = (
+        (costs.ORDER_3, "", 1e-3, 1e-3, 1e-4, 1e-5, 1e-6),
+        (costs.RESOLVED, "10 µm", 2.0, 2.0, 0.0, 4e-3, 1e-3),
+    )
+    other = [
+        (own, 9.0, 0.02, 0.02),
+        (own, 50.0, 4e-3, 0.01),
+        (moments, 9.0, 3e-3, 0.02),
+        (moments, 50.0, 8e-4, 0.01),
+    ]
+    points = tuple(
+        Point(line, f"{cell}", cold, cold, np.nan, error, 0.0, cell) for line, cold, error, cell in other
+    )
+    monkeypatch.setattr(work_precision, "models", lambda _: tuple(Point(*each) for each in model))
+    monkeypatch.setattr(work_precision, "peers", lambda _: points)
+    monkeypatch.setattr(work_precision, "installed", lambda: {"tamaas": None})
+    monkeypatch.setattr(work_precision, "next_load_with_tamaas", lambda grid, load: 3.0)
+    return work_precision._ratios()
+
+
+def test_times_are_compared_at_equal_error_cold_with_cold_and_warm_with_warm(timed_beside_tamaas):
+    found = {row.name.partition(": ")[2]: row.value for row in timed_beside_tamaas}
+    order_3, cells = f"over that of {costs.ORDER_3}", f"over that of {costs.RESOLVED}, 10 µm"
+    cold, warm = "one load of a new surface", "each load of a curve"
+    own, moments = "time of tamaas", "time of tamaas, second moments"
+    # 9 or 50 s over 1 ms, 3 s over 0.1 ms, rounded down; no grid has an own area to 0.1 %
+    assert found == {
+        f"A0 to 0.5 %, {own} {order_3}, {cold}": 5e4,
+        f"A0 to 0.5 %, {own} {order_3}, {warm}": 2e4,
+        f"A0 to 0.5 %, {own} {cells}, {cold}": 20.0,
+        f"A0 to 0.5 %, {moments} {order_3}, {cold}": 5e3,
+        f"A0 to 0.5 %, {moments} {order_3}, {warm}": 2e4,
+        f"A0 to 0.5 %, {moments} {cells}, {cold}": 2.0,
+        f"A0 to 0.1 %, {moments} {order_3}, {cold}": 5e4,
+        f"A0 to 0.1 %, {moments} {order_3}, {warm}": 2e4,
+    }
+
+
+def test_a_ratio_of_times_is_no_check_and_states_tolerance_threads_and_error(timed_beside_tamaas):
+    for row in timed_beside_tamaas:
+        assert not isinstance(row, Check)
+        assert f"tolerance {peers.TAMAAS_TOLERANCE:g}" in row.method
+        assert f"threads: {peers.THREADS}" in row.method
+        assert re.search(r"error 0\.\d+ %", row.method)
+
+
+def test_the_verdict_quotes_the_smallest_ratio_to_order_3(timed_beside_tamaas):
+    name, title = "work_precision", costs.SCENES["paper"].title
+    times = [
+        reported(f"{title}: {costs.ORDER_3}, {kind} [s]", seconds, "")
+        for kind, seconds in (("one load", 1e-3), ("each load of a curve", 1e-4))
+    ]
+    rows = (*times, *timed_beside_tamaas)
+    _, sentence = _cost(Evidence({name: Evaluated(name, "Cost", "", "A text.", rows, (), 1.0)}))
+    assert "takes at least 5,000 times as long to errors of A0 of at most 0.5 % or 0.1 %" in sentence
+    assert "by both readings of its area" in sentence
+    moments = tuple(row for row in rows if "time of tamaas over" not in row.name)
+    _, sentence = _cost(Evidence({name: Evaluated(name, "Cost", "", "A text.", moments, (), 1.0)}))
+    assert "by the reading of its area that reaches this error" in sentence
+    _, sentence = _cost(Evidence({name: Evaluated(name, "Cost", "", "A text.", tuple(times), (), 1.0)}))
+    assert "tamaas is not installed" in sentence
 
 
 @pytest.mark.slow

@@ -2,8 +2,8 @@
 
 import pytest
 
-from validation.check import Check, below, near
-from validation.numbers import computed, expected, number, powers
+from validation.check import Check, above, below, near
+from validation.numbers import computed, expected, is_identity, number, powers, share
 from validation.sources import known_input
 
 HERE = known_input("a test")
@@ -51,3 +51,20 @@ def test_powers_of_ten_are_written_out():
 )
 def test_a_computed_number_has_the_digits_of_its_tolerance(check, words):
     assert f"{computed(check)} | {expected(check)}" == words
+
+
+@pytest.mark.parametrize(
+    ("check", "used", "identity"),
+    [
+        (near("slope", 6.9, 6.87, 0.05, HERE), 0.6, False),
+        (near("count", 64.0, 64.0, 0.0, HERE), 0.0, False),
+        (near("scale", 2.0, 2.0, 1e-10, HERE), 0.0, True),
+        (below("error", 0.3, 0.4, HERE), 0.75, False),
+        (below("residual", 1e-15, 1e-12, HERE), 0.001, True),
+        (above("gain", 4.0, 3.0, HERE), 0.75, False),
+        (Check("refused", 3.0, "all", True, HERE), 0.0, False),
+    ],
+)
+def test_the_used_share_of_a_limit_and_identities(check, used, identity):
+    assert share(check) == pytest.approx(used)
+    assert is_identity(check) == identity

@@ -10,7 +10,7 @@ from metafem.drawing import new_figure
 from metafem.drawing.inline import drawn
 from validation import verdicts
 from validation.chapters import CHAPTERS
-from validation.check import Difference, below, near, reported
+from validation.check import Difference, Reason, below, near, reported
 from validation.page import readme_table, report
 from validation.results import Evaluated
 from validation.sources import printed, publication
@@ -78,12 +78,63 @@ def test_checks_results_and_differences_stand_apart(results):
     assert text.count("as above") == 1  # the method of the second result
 
 
-def test_the_answer_on_the_paper_counts_the_differences_that_the_page_lists(results):
-    row = reported("largest difference of 64 heights [µm]", 0.1, "a method")
-    found = {**results, "table_s2": replace(results["fig4_linear"], name="table_s2", rows=(row,))}
-    headline, _ = verdicts._reproduced(Evidence(found))
-    assert headline == "Yes, except 2 printed numbers or statements"
-    assert "2 numbers or statements printed in the paper differ" in report(found)["index.html"]
+def test_the_answer_on_the_paper_says_what_is_reproduced_and_what_is_not(results):
+    fig5 = {
+        "red: fitted slope 2, deviation from the target [%]": 6.13,
+        "red: measured crossover load minus the predicted one [mm²]": 0.0061,
+        "red: measured crossover load minus the predicted one [standard deviations]": 1.21,
+        "blue: measured crossover load minus the predicted one [mm²]": 0.013,
+        "blue: measured crossover load minus the predicted one [standard deviations]": 2.61,
+    }
+    rows = {
+        "fig3_operating_points": {f"h_{i},a [µm]": height for i, height in ((1, 241), (2, 170), (3, 107))},
+        "fig5_bilinear": fig5,
+    }
+    for name, values in rows.items():
+        listed = tuple(reported(row, value, "a method") for row, value in values.items())
+        results[name] = replace(results["fig4_linear"], name=name, rows=listed)
+    numbers = (printed("Table S1", "numbers of asperities", 3), printed("Fig. 4 caption", "measured slope"))
+    checks = tuple(near("number", 7.0, 7.0, 0.0, source) for source in numbers)
+    results["table_s1"] = replace(results["fig4_linear"], name="table_s1", rows=checks)
+    headline, sentence = verdicts._reproduced(Evidence(results))
+    assert headline == "The computed numbers, yes; the crossover measured in Fig. 5, blue, no"
+    for words in (
+        "4 distinct printed numbers, 3 of them in Tables", "0.046 ± 0.005 and 0.098 ± 0.005 mm²",
+        "1.2 and 2.6 standard deviations above the predicted ones", "predicted 6.1 % above its target",
+        "differ from the printed ones by 2.6, 2.6 and 8.2 µm",
+        "2 printed numbers or statements are not reproduced",
+    ):  # fmt: skip
+        assert words in sentence
+    index = report(results)["index.html"]
+    assert "2 numbers or statements printed in the paper are not reproduced" in index
+    assert "4 distinct numbers printed in the paper" in index
+
+
+def test_what_is_not_reproduced_is_listed_by_reason(results):
+    row = Difference("slope", 7.0, "5", "The data say 7.", printed("Fig. 5 caption"), Reason.MEASURED)
+    results["fig4_linear"] = replace(results["fig4_linear"], rows=(*ROWS, row))
+    index = report(results)["index.html"]
+    listed = index[index.index('id="differences"') :]
+    measured, contradicted = (
+        listed.index(f"<h3>{why.value}") for why in (Reason.MEASURED, Reason.CONTRADICTED)
+    )
+    assert (
+        measured < listed.index("The data say 7.") < contradicted < listed.index("The integers add up to 65.")
+    )
+    assert Reason.MISPRINTED.value not in listed
+
+
+def test_a_chapter_begins_with_a_table_of_its_claims_and_folds_the_rest(results):
+    text = report(results)["paper.html"]
+    table, rest = text.split('<table class="summary">')[1].split("</table>", 1)
+    assert "Fig. 4: two linear laws of one material pair." in table
+    assert '<td class="value">2 of 2</td>' in table
+    assert 'slope &lt;m&gt;: <a href="#fig4_linear-slope-m">6.9</a>, expected 6.87 ± 0.05' in table
+    for title, row in (("Checks", "slope"), ("Identities", "error"), ("Results", "scale")):
+        folded = rest.split(f"<details>\n<summary><h3>{title}</h3>")[1].split("</details>")[0]
+        assert f'<td class="name">{row}' in folded
+    bad = {**results, "fig4_linear": replace(results["fig4_linear"], rows=(replace(ROWS[0], passed=False),))}
+    assert "<details open>" in report(bad)["paper.html"]
 
 
 def test_equal_results_give_equal_bytes_and_times_show_in_one_place(results):
@@ -125,13 +176,26 @@ def test_a_failed_check_is_shown_first_and_fails_its_verdict(results):
     assert json.loads(pages["results.json"])["claims"]["fe_hertz"]["checks"][0]["computed"] is None
 
 
-def test_verdicts_say_what_is_absent_and_refuse_rows_that_do_not_exist(results):
+def test_verdicts_say_what_is_absent_and_refuse_rows_that_do_not_exist(results, monkeypatch):
     assert readme_table(results).splitlines()[2].startswith("| Is it so? | **Yes.** The scale is 1e-12")
     (found,) = verdicts.verdicts(results)
     assert (found.state, found.link) == ("holds", "finite_elements.html#fe_hertz-error")
     (absent,) = verdicts.verdicts({"fig4_linear": results["fig4_linear"]})
     assert (absent.state, absent.link) == ("absent", "")
     assert "The claim fe_hertz was left out of this run" in absent.sentence
+    # what ran of the chapter is the answer
+    asked = (verdicts.Question("Is it?", verdicts.QUESTIONS[0].answer, "paper.html"),)
+    monkeypatch.setattr(verdicts, "QUESTIONS", asked)
+    (part,) = verdicts.verdicts({"fig4_linear": results["fig4_linear"]})
+    assert (part.headline, part.state) == ("In part: 2 of 2 checks passed", "absent")
+    assert part.link == "paper.html"
+    assert (
+        f"1 of {len(CHAPTERS[0].claims)} claims ran, with their numbers of checks: Fig. 4 (2)."
+        in part.sentence
+    )
+    bad = replace(results["fig4_linear"], rows=(replace(ROWS[0], passed=False),))
+    (failed,) = verdicts.verdicts({"fig4_linear": bad})
+    assert (failed.headline, failed.state) == ("1 check failed", "failed")
     evidence = Evidence(results)
     assert evidence.largest("fig4_linear", "scale") == 40.083
     assert evidence.least("fig4_linear", "sc", "[µm]") == 20.015

@@ -5,7 +5,7 @@ import pytest
 import metafem as mf
 from metafem.reference import single_contacts
 from validation.methods import independent
-from validation.sources import closed_form, printed, publication, second_method
+from validation.sources import Kind, closed_form, printed, publication, second_method
 
 
 @pytest.mark.parametrize(
@@ -18,6 +18,15 @@ from validation.sources import closed_form, printed, publication, second_method
 )
 def test_a_second_method_has_its_public_name(method, name):
     assert second_method(method, "cells").text == f"cells, {name}"
+
+
+def test_a_method_of_metafem_is_self_consistency():
+    assert second_method(mf.BoundaryElements, "cells").kind is Kind.SELF_CONSISTENCY
+    assert second_method(independent.areas, "sums").kind is Kind.SECOND_METHOD
+
+
+def test_a_printed_number_is_counted_under_its_quantity():
+    assert (printed("Table S2", "heights, red", 64).numbers, printed("Table S2").numbers) == (64, 0)
 
 
 def test_a_closed_form_is_a_function_of_the_reference():

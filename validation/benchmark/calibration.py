@@ -8,8 +8,16 @@ from metafem.calibration import contact
 from metafem.calibration.compression.distance_fit import adhesive_load
 from metafem.calibration.compression.scene import cap_curve
 from metafem.contact import Hertz
-from validation.calibration.contact_calibration import TRIALS, fitted
-from validation.scenes.compression_tests import ENERGY, ERRORS, RADII, RADIUS, TESTS, compression_tests
+from validation.calibration.contact_calibration import TRIALS
+from validation.scenes.compression_tests import (
+    ENERGY,
+    ERRORS,
+    RADII,
+    RADIUS,
+    TESTS,
+    compression_tests,
+    fitted,
+)
 from validation.timing import Row, best
 
 # Fits of which ODRPACK's mean time is taken.

@@ -16,7 +16,7 @@ from metafem.calibration.compression.scene import cap_curve
 from metafem.contact import Hertz
 from metafem.drawing import new_figure
 from validation.check import Claim, Picture, Row, below, near, reported
-from validation.scenes.compression_tests import ENERGY, ERRORS, MODULUS, RADIUS, compression_tests
+from validation.scenes.compression_tests import ENERGY, ERRORS, MODULUS, RADIUS, compression_tests, fitted
 from validation.scenes.repeated_estimates import ALLOWED, COVERED, NOMINAL, TRUTH, Errors, bias_and_coverage
 from validation.sources import known_input, second_method
 
@@ -43,18 +43,6 @@ BIASES = (
     "share of 68 % intervals that hold the true value. The grey bands are allowed. Circles, the fit, must "
     "lie in them; squares, the paper's straight line, need not."
 )
-
-
-def fitted(load: FloatArray, area: FloatArray, contacts: int) -> DistanceFit:
-    """Return the fits to many sets of loads and total areas, (trials, k)."""
-    return distance_fit(
-        load,
-        area[..., None] / contacts,
-        cap_curve(Hertz(), RADIUS).load_and_slope,
-        contacts=contacts,
-        load_sd=ERRORS.load,
-        area_sd=lambda of: ERRORS.of_area(of) / math.sqrt(contacts),
-    )
 
 
 @cache

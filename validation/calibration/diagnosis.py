@@ -28,7 +28,7 @@ PARTS, FORCE_PARTS = 1000, 200
 # The loads of Fig. 4 [N], and the noise of the paper.
 LOADS, NOISE = np.linspace(0.03, 0.6, 20), MeasurementErrors()
 
-# Errors of the whole part and of the calibration; single summits are as designed.
+# Errors of the whole part and of the calibration; single asperities are as designed.
 COMMON = Priors(height_sd=0.0, radius_sd=0.0)
 ALONE = mf.Independent()
 
@@ -45,12 +45,12 @@ FOUND = f"mean of {PARTS} synthetic parts, measured with the area of each contac
 ALONE_FOUND = f"{FORCE_PARTS} synthetic parts, measured by friction over load alone"
 
 POSTERIORS = (
-    "What was found of a part that was tilted by 0.08° about one axis and has one summit 15 µm too low: "
+    "What was found of a part that was tilted by 0.08° about one axis and has one asperity 15 µm too low: "
     "mean and 68 % interval of each error of the whole part, in units of its prior. Only the tilt along x "
     "is not 0."
 )
 HEIGHTS = (
-    "Errors of the single heights that were found for the same part, with their 68 % intervals. One summit "
+    "Errors of the single heights that were found for the same part, with their 68 % intervals. One asperity "
     "stands out by 15 µm, as it was made."
 )
 COVERAGES = (
@@ -182,7 +182,7 @@ def _forces_alone() -> list[Row]:
 
 @cache
 def explained(areas: bool, hole: float = 0.0, model: mf.Model = ALONE) -> mf.calibration.Explanation:
-    """Return the explanation of a part that is tilted by 0.08 degrees, with a hole at its tallest summit."""
+    """Return the explanation of a part tilted by 0.08 degrees, with a hole at its tallest asperity."""
     height = design().height.copy()
     height[height.argmax()] -= hole
     made = design().replaced(height=height).tilted(math.radians(0.08), 0.0)

@@ -126,9 +126,9 @@ def claim() -> Claim:
         {"errors against the radius": Picture(_figure, CAPTION)},
         "Contacts of known area are drawn into synthetic images with uneven light, a blur of "
         f"{BLUR} pixels and noise of {percent(NOISE)} of the contrast, and measured. "
-        "`contact_areas` is as exact as the noise permits, and "
-        "reports its errors rightly. Otsu's threshold, by which the paper measured, has a bias besides, "
-        "which depends on the radius of the contact and on the share of dark pixels in the image.",
+        "`contact_areas` is as exact as the noise permits, and states its errors to 20 %. Otsu's threshold, "
+        "by which the paper measured, is also biased, by an amount that depends on the radius of the contact "
+        "and on the share of dark pixels in the image.",
     )
 
 

@@ -32,7 +32,7 @@ BOUND = second_method(smallest_errors, "generalised least squares of a cap of kn
 WORDS = "generalised least squares of a cap with known covariance of its roughness"
 
 CAPTION = (
-    "A synthetic part of 16 caps, measured on a height map: the errors of the heights at their sites; what "
+    "A synthetic part of 16 asperities, measured on a height map: errors of the heights at their sites; what "
     "is left of the map without plane and caps, which is roughness alone; the errors over the heights with "
     "their systematic part; and the friction laws as designed and as made."
 )
@@ -66,7 +66,7 @@ def _made(ordered: mf.Surface, design: mf.Surface, rng: np.random.Generator) -> 
 
 
 def claim() -> Claim:
-    """Measure two parts of 16 caps, and correct the heights of the first."""
+    """Measure two parts of 16 asperities, and correct the heights of the first."""
     parts = [_part(seed) for seed in (1, 2)]
     error, sd, bound = (np.concatenate([each(part) for part in parts]) for each in (_errors, _sd, _bounds))
     height, radius, x, y = error.T
@@ -74,7 +74,7 @@ def claim() -> Claim:
     correction = mf.calibration.corrected(parts[0].design, parts[0].made)
     longest = _longest()
     checks: list[Row] = [
-        below("32 caps: root mean square error of the heights [µm]", 1e3 * _rms(height), 0.1, TRUE),
+        below("32 asperities: root mean square error of the heights [µm]", 1e3 * _rms(height), 0.1, TRUE),
         below("of the radii [%]", 100.0 * _rms(radius) / RADIUS, 0.5, TRUE),
         below("of the positions, both coordinates [µm]", 1e3 * _rms(np.hypot(x, y)), 0.5, TRUE),
         below("largest error of a height [µm]", 1e3 * float(np.abs(height).max()), 0.3, TRUE),
@@ -90,7 +90,7 @@ def claim() -> Claim:
         "Height maps: made surface and corrected heights",
         checks,
         {"a measured part": Picture(_figure, CAPTION)},
-        "Two synthetic parts of 16 caps with the roughness of the paper's are measured on height maps of 9 "
+        "Two synthetic parts of 16 asperities with the paper's roughness are measured on height maps of 9 "
         "megapixels. Heights are found to 0.1 µm, a ninth of the precision with which the paper's moulds "
         "were made, and not much worse than any method could find them. The systematic errors of the "
         "workshop follow from them, and heights that are ordered with these errors taken into account come "

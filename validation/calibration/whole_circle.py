@@ -114,10 +114,11 @@ def claim() -> Claim:
         "The whole circle from images to an explained law",
         checks,
         {"from images to an explained law": Picture(lambda: _figure(circle), CAPTION)},
-        "The whole way of the paper is gone once with synthetic images and forces, of which the truth is "
+        "All steps of the paper are carried out once with synthetic images and forces, of which the truth is "
         "known: images of a calibration sample give E*, adhesion, B and σ; with these a surface is "
         "designed, made with errors, photographed and sheared; its measured law is compared with the design "
-        "and explained. Every quantity that is found must agree with the one that was put in.",
+        "and explained. Every quantity that is found agrees within three standard deviations with the true "
+        "one.",
     )
 
 

@@ -10,6 +10,7 @@ import numpy as np
 import metafem as mf
 from metafem.drawing import QUIET, new_figure
 from validation.check import Check, Claim, Picture, Result, above, below, near, reported
+from validation.paper.pictures import INKS
 from validation.paper.surfaces import fig4, surfaces, template
 from validation.published import paper
 from validation.sources import known_input, printed, publication
@@ -203,7 +204,7 @@ def _criterion_figure():
     ax = figure.add_subplot()
     for name in surfaces():
         values = np.array([100.0 * _rms(changed(name, index)[0]) for index in INDICES])
-        ax.plot(INDICES, np.where(values > 1e-3, values, np.nan), "o-", ms=4, label=name)
+        ax.plot(INDICES, np.where(values > 1e-3, values, np.nan), "o-", ms=4, color=INKS[name], label=name)
     ax.axvline(LIMIT, color=QUIET, lw=0.8)
     ax.axhline(100.0 * paper()["interaction"]["rms_area_difference_below"], color=QUIET, lw=0.8, ls="--")
     ax.set(xscale="log", yscale="log", xlabel="plasticity index ψ", ylabel="rms change of A0(P) [%]")

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import importlib.util
 import math
+import os
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -22,6 +23,9 @@ import metafem as mf
 # the areas on the surface of Fig. 4, red, change by less than 0.2 %.
 TAMAAS_TOLERANCE = 1e-4
 PENETRATION = 1e-6  # ContactMechanics [mm]
+
+# Threads of tamaas: all processor cores. metafem's solver of interacting asperities starts none.
+THREADS = os.cpu_count() or 1
 
 # Width of the grid beyond the outermost summits, in radii of curvature: no contact here is that wide.
 MARGIN = 0.7
@@ -135,7 +139,7 @@ def _tamaas_model(grid: Grid) -> Any:
     import tamaas
 
     tamaas.set_log_level(tamaas.LogLevel.error)
-    tamaas.initialize(2)
+    tamaas.initialize(THREADS)
     width = grid.side * grid.cell
     model = tamaas.Model(tamaas.model_type.basic_2d, [width] * 2, [grid.side] * 2)
     model.E, model.nu = grid.surface.material.composite_modulus, 0.0

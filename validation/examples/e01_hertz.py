@@ -1,6 +1,6 @@
 """One contact, and Hertz's law.
 
-A rigid plane is pressed onto one spherical summit of an elastomer. You learn how to state a
+A rigid plane is pressed onto one spherical asperity of an elastomer. You learn how to state a
 material and a surface, how to compute the equilibrium under a load, and in which units the results
 are. The contact radius and the indentation are compared with Hertz's closed form. The picture shows
 rescaled quantities: P/E* and F/(σB), which is the contact area A0, both in mm².
@@ -10,7 +10,7 @@ import numpy as np
 
 import metafem as mf
 
-radius = 0.526  # of the summit [mm]
+radius = 0.526  # of the asperity [mm]
 material = mf.Material(composite_modulus=1.36, poisson_ratio=0.5)  # E* [MPa]
 surface = mf.Surface(position=[[0.0, 0.0]], height=[0.12], radius=radius, material=material)
 
@@ -33,5 +33,5 @@ x = law.rescaled_load[4::6]
 ax.plot(x, np.pi * (0.75 * radius * x) ** (2 / 3), "o", color="tab:orange", label="Hertz")
 ax.legend(frameon=False)
 
-# The contact area of one summit increases as the load to the power 2/3.
+# The contact area of one asperity increases as the load to the power 2/3.
 figure = ax.figure

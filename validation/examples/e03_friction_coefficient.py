@@ -12,7 +12,7 @@ import metafem as mf
 
 material = mf.Material(composite_modulus=1.36, poisson_ratio=0.5)  # E* [MPa]
 friction = mf.Friction(shear_strength=0.358, area_ratio=0.85)  # σ [MPa], B [-]
-# the sites and the radius of the summits; the design replaces the heights
+# the sites and the radius of the asperities; the design replaces the heights
 template = mf.Surface.square_lattice(
     0.12, shape=(8, 8), pitch=1.5, radius=0.526, material=material, friction=friction
 )
@@ -26,12 +26,12 @@ design = mf.design(
     mf.LinearLaw.from_friction_coefficient(wanted, material, friction), template, limits=limits
 )
 height = 1e3 * design.surface.height  # [µm]
-print(f"{design.surface.count} summits of {height.min():.1f} to {height.max():.1f} µm above the base")
+print(f"{design.surface.count} asperities of {height.min():.1f} to {height.max():.1f} µm above the base")
 print(f"scale λ of their exponential density: {1e3 * design.parameters['scale']:.1f} µm")
 
 fit = design.fits[0][1]  # a straight line through the law of the design
 print(f"friction coefficient dF/dP: wanted {wanted:.3f}, achieved {fit.friction_coefficient:.3f}")
 assert abs(fit.friction_coefficient / wanted - 1) < 0.02
 
-# The law is straight over the shaded loads. It bends where all summits are in contact.
+# The law is straight over the shaded loads. It bends where all asperities are in contact.
 figure = design.plot().figure

@@ -14,7 +14,7 @@ template = mf.Surface.square_lattice(0.12, shape=(8, 8), pitch=1.5, radius=0.526
 slopes, crossover = (7.15, 11.0), 0.07  # of A0 over P/E* [-], and P/E* where they meet [mm²]
 target = mf.BilinearLaw(slopes, crossover, load_range=(0.03, 0.15))
 design = mf.design(target, template, limits=mf.Limits(max_height=0.12, offset=0.05))  # [mm]
-print(f"{design.surface.count} summits; largest difference from the target {design.misfit:.2%}")
+print(f"{design.surface.count} asperities; largest difference from the target {design.misfit:.2%}")
 assert design.misfit < 0.01
 
 # Each branch of the law is fitted by a line A0 = slope · P/E* + intercept.

@@ -28,7 +28,7 @@ power = mf.design(mf.PowerLaw(1.2, load_range=(0.1, 0.4)), template, limits=limi
 print(f"exponent 1.2: misfit {power.misfit:.2%}")
 assert power.misfit < 0.01
 
-try:  # summits of one height have the exponent 2/3, by Hertz's law; no surface of one radius has less
+try:  # asperities of one height have the exponent 2/3, by Hertz's law; no surface of one radius has less
     mf.design(mf.PowerLaw(0.5, load_range=(0.1, 0.4)), template, limits=limits)
 except mf.Infeasible as error:
     print(f"exponent 0.5: {error}")

@@ -1,7 +1,7 @@
-"""Summits that interact through the elastic block.
+"""Asperities that interact through the elastic block.
 
 Each contact deforms the block and lowers its neighbours. You learn how to predict the law of
-independent summits, and of summits that interact through a half-space or through a bonded layer,
+independent asperities, and of asperities that interact through a half-space or through a bonded layer,
 which is close to the true block. Then the heights are refined until the law on the layer is right.
 """
 
@@ -26,7 +26,7 @@ rescaled = np.linspace(0.05, 0.2, 31)
 ax = pyplot.figure(figsize=(5.0, 3.6), layout="constrained").add_subplot()
 largest = []
 for surface, model, words in (
-    (simple, mf.Independent(), "independent summits"),
+    (simple, mf.Independent(), "independent asperities"),
     (simple, half_space, "on a half-space"),
     (simple, layer, "on the layer"),
     (refined, layer, "on the layer, refined"),

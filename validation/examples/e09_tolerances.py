@@ -36,5 +36,5 @@ right.plot(np.degrees(angle), variation[0], lw=2, label="this placement; grey: 2
 right.set(xlabel="largest tilt [°]", ylim=0)
 right.legend(frameon=False)
 
-# Both errors scatter the slope; the effect of a tilt depends on where the tall summits stand.
+# Both errors scatter the slope; the effect of a tilt depends on where the tall asperities stand.
 figure = left.figure

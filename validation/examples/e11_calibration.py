@@ -10,9 +10,9 @@ import numpy as np
 import metafem as mf
 
 radius, modulus, adhesion = 0.526, 1.36, 3e-5  # [mm], E* [MPa], w [N/mm]: 30 mJ/m²
-summit = mf.Surface([[0.0, 0.0]], [0.12], radius, mf.Material(composite_modulus=modulus, poisson_ratio=0.5))
+asperity = mf.Surface([[0.0, 0.0]], [0.12], radius, mf.Material(composite_modulus=modulus, poisson_ratio=0.5))
 load = np.geomspace(0.002, 0.15, 25)  # [N]
-area = mf.friction_law(summit, mf.Independent(contact=mf.JKR(adhesion)), load=load).area  # [mm²]
+area = mf.friction_law(asperity, mf.Independent(contact=mf.JKR(adhesion)), load=load).area  # [mm²]
 
 errors = mf.calibration.MeasurementErrors(load=0.0005, boundary=0.0014)  # [N], [mm]
 rng = np.random.default_rng(0)

@@ -17,6 +17,7 @@ from metafem.drawing import new_figure
 from metafem.reference import bonded_layer
 from validation.check import Claim, Picture, Row, below, reported
 from validation.methods import contact_equations
+from validation.paper.pictures import INKS
 from validation.paper.surfaces import surfaces
 from validation.published import paper
 from validation.sources import closed_form, known_input, second_method
@@ -225,11 +226,13 @@ def _order3() -> list[Row]:
 def _differences() -> Figure:
     figure = new_figure(8.4, 3.6)
     left, right = figure.subplots(1, 2)
-    for i, name in enumerate(surfaces()):
+    for name in surfaces():
         for substrate, style in (("half-space", "--"), ("layer", "-")):
             area, plane = difference(name, substrate, 3)
-            left.plot(LOADS, 100.0 * area, style, color=f"C{i}", label=name if substrate == "layer" else None)
-            right.plot(LOADS, plane, style, color=f"C{i}")
+            left.plot(
+                LOADS, 100.0 * area, style, color=INKS[name], label=name if substrate == "layer" else None
+            )
+            right.plot(LOADS, plane, style, color=INKS[name])
     left.set(xlabel="rescaled load  P/E* [mm²]", ylabel="difference of A0 from the true block [%]")
     right.set(xlabel="rescaled load  P/E* [mm²]", ylabel="separation on the block minus this one [µm]")
     left.legend(frameon=False, fontsize=7)

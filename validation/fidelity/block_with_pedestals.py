@@ -16,6 +16,7 @@ from metafem.contact import pedestal_compliance
 from metafem.drawing import QUIET, new_figure
 from validation.check import Check, Claim, Picture, Result, below, near, reported
 from validation.methods import contact_equations
+from validation.paper.pictures import INKS
 from validation.paper.surfaces import fig3, fig4, fig5, surfaces, template
 from validation.sources import known_input, second_method
 
@@ -232,12 +233,12 @@ def _rms(values: np.ndarray) -> float:
 
 def _change_figure():
     figure = new_figure(8.4, 3.8)
-    left, right = figure.subplots(1, 2)
-    for i, name in enumerate(surfaces()):
+    left, right = figure.subplots(1, 2, sharey=True)
+    for name in surfaces():
         ax = left if "3" in name else right
         for model, style in zip(MODELS, (":", "--", "-"), strict=True):
             label = name if model == WHOLE else None
-            ax.plot(LOADS, 100.0 * change(name, model), style, color=f"C{i}", label=label)
+            ax.plot(LOADS, 100.0 * change(name, model), style, color=INKS[name], label=label)
     for ax in (left, right):
         ax.axhline(0.0, color=QUIET, lw=0.8)
         ax.set_xlabel("rescaled load  P/E* [mm²]")
@@ -256,7 +257,7 @@ def _redesign_figure():
         (redesigned("Fig. 3"), "designed for the block with pedestals", "-"),
     ):
         ax.plot(load, MODELS[WHOLE].curve(design.surface, load).area, style, label=label)
-    ax.plot(target.load, target.base, "o", ms=8, color="C3", label="operating points")
+    ax.plot(target.load, target.base, "o", ms=8, color=INKS["Fig. 3"], label="operating points")
     ax.set(xlabel="rescaled load  P/E* [mm²]", ylabel="rescaled friction  F/(σB) [mm²]")
     ax.legend(frameon=False)
     return figure

@@ -12,6 +12,7 @@ from metafem.drawing import new_figure
 from validation.check import Claim, Picture, Row, near, reported
 from validation.methods import contact_equations
 from validation.paper.interaction_error import LOADS
+from validation.paper.pictures import INKS
 from validation.paper.surfaces import surfaces
 from validation.sources import second_method
 
@@ -97,7 +98,7 @@ def _figure() -> Figure:
     ax = figure.add_subplot()
     for name in surfaces():
         independent, _, pedestals = laws(name)
-        ax.plot(LOADS, 100.0 * (pedestals.area / independent.area - 1.0), label=name)
+        ax.plot(LOADS, 100.0 * (pedestals.area / independent.area - 1.0), color=INKS[name], label=name)
     ax.axhline(0.0, color="grey", lw=0.8)
     ax.set_xlabel("rescaled load  P/E* [mm²]")
     ax.set_ylabel("change of A0, layer and pedestals [%]")

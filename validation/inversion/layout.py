@@ -14,8 +14,9 @@ import numpy as np
 import metafem as mf
 from metafem.drawing import new_figure
 from validation.check import Claim, Picture, Row, below, reported
+from validation.paper.pictures import INKS
 from validation.paper.surfaces import fig3, surfaces
-from validation.sources import Source, second_method
+from validation.sources import Source, self_consistency
 
 # The tests of this claim carry the mark "slow".
 SLOW = True
@@ -108,17 +109,17 @@ def claim() -> Claim:
 
 def gain(fraction: float) -> Source:
     """Source of a bound that is a fraction of the value as designed."""
-    return second_method(rms, f"{fraction:g} times that of the surface as designed, in this run")
+    return self_consistency(rms, f"{fraction:g} times that of the surface as designed, in this run")
 
 
 def _laws():
     figure = new_figure(8.0, 3.4)
     ax = figure.add_subplot()
-    for i, (name, surface) in enumerate(surfaces().items()):
+    for name, surface in surfaces().items():
         independent = mf.Independent().curve(surface, OTHER_LOADS).area
         for part, style in ((surface, "--"), (arranged(name, False).surface, "-")):
             change = 100.0 * (MODEL.curve(part, OTHER_LOADS).area / independent - 1.0)
-            ax.plot(OTHER_LOADS, change, style, color=f"C{i}", label=name if style == "-" else None)
+            ax.plot(OTHER_LOADS, change, style, color=INKS[name], label=name if style == "-" else None)
     ax.set_xlabel("rescaled load  P/E* [mm²]")
     ax.set_ylabel("change of A0 by interaction [%]")
     ax.set_title("as designed (dashed) and arranged", fontsize=9)
@@ -131,12 +132,12 @@ def _tilts():
     ax = figure.add_subplot()
     direction = 2.0 * np.pi * np.arange(25) / 24
     slope = np.tan(TILT.angle) * np.stack([np.cos(direction), np.sin(direction)], axis=1)
-    for i, name in enumerate(TILTED):
+    for name in TILTED:
         for part, style in ((surfaces()[name], "--"), (arranged(name, True).surface, "-")):
             level = MODEL.curve(part, LOADS).area
             heights = part.height + slope @ part.position.T
             change = MODEL.curves(part, heights, LOADS)[2] / level - 1.0
-            ax.plot(np.degrees(direction), 100.0 * change[:, 5], style, color=f"C{i}",
+            ax.plot(np.degrees(direction), 100.0 * change[:, 5], style, color=INKS[name],
                     label=name if style == "-" else None)  # fmt: skip
     ax.set_xlabel("direction of a tilt of 0.1° [°]")
     ax.set_ylabel(f"change of A0 at {LOADS[5]:.2g} mm² [%]")

@@ -16,11 +16,11 @@ from validation.check import LINE_REQUIRED, REQUIRED, Claim, Picture, Row, above
 from validation.inversion.later_targets import area_at, largest_exponent
 from validation.paper.surfaces import template
 from validation.scenes.models import MODELS
-from validation.sources import closed_form, known_input, printed, second_method
+from validation.sources import closed_form, known_input, printed, second_method, self_consistency
 
 # Two tool radii, or any radius between them [mm]; loads and heights of the power laws.
 TOOLS = [0.2, 0.8]
-CHOICES = {"two tools": TOOLS, "any radius between": mf.RadiusRange(0.2, 0.8)}
+CHOICES = {"two tools": TOOLS, "any radius between": mf.RadiusRange(0.2, 0.8, step=None)}
 RANGE, LIMITS = (0.1, 0.4), mf.Limits(0.27, offset=0.05)
 BOUNDS = Bounds(mf.Hertz(), Radii.given(TOOLS), 64, RANGE[1])
 
@@ -76,7 +76,7 @@ def _largest() -> list[Row]:
     reached = largest_exponent(tuple(TOOLS))
     first, last = area_at(RANGE[0], min(TOOLS)), 64 * area_at(RANGE[1] / 64, max(TOOLS))
     bound = float(np.log(last / first) / np.log(RANGE[1] / RANGE[0]))
-    one = second_method(largest_exponent, "the same search with one radius")
+    one = self_consistency(largest_exponent, "the same search with one radius")
     ends = closed_form(hertz, "one small contact at the first load, 64 large ones at the last")
     return [
         above("largest exponent within 1 % with two tools", reached, largest_exponent(), one),
@@ -176,7 +176,7 @@ def _surface():
             surface = designed(exponent, choice, "independent").surface
             depth = 1e3 * (surface.height.max() - surface.height)
             ax.semilogy(depth, surface.radius, marker, ms=4, label=f"{exponent:g}, {choice}")
-    ax.set_xlabel("depth of the summit below the tallest [µm]")
+    ax.set_xlabel("depth below the tallest asperity [µm]")
     ax.set_ylabel("radius [mm]")
     ax.set_yticks([0.2, 0.4, 0.8], ["0.2", "0.4", "0.8"])
     ax.set_yticks([], minor=True)

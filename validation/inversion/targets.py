@@ -60,7 +60,7 @@ def claim() -> Claim:
         "An example of each target",
         checks,
         {name: Picture(partial(_picture, name), CAPTION) for name in TARGETS},
-        "Three laws that the paper does not show are designed on its lattice of 64 caps: given point by "
+        "Three laws that the paper does not show are designed on its lattice of 64 sites: given point by "
         "point, a power of the load, and two straight branches of which the second is less steep. Each is "
         "designed for independent asperities and for asperities that interact through a half-space or a "
         "bonded layer, and evaluated by the model for which it was designed. A design for independent "

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from metafem._validate import FloatArray
 from metafem.reference import bonded_layer
-from validation.methods.independent import approaches, sums
+from validation.methods.independent import FloatArray, approaches, sums
 
 # Steps of Newton's method, of which the loads of the paper need about six.
 MOST_STEPS = 60

@@ -70,7 +70,7 @@ def share_above(scale: float, weight: float, height: float, top: float) -> float
 def mean_power(
     scale: float, power: float, separation: float, top: float, crossover: float = 0.0, weight: float = 1.0
 ) -> float:
-    """Mean of ``(h - separation)^power`` over the summits in contact, for the density of eq. S6.
+    """Mean of ``(h - separation)^power`` over the asperities in contact, for the density of eq. S6.
 
     The weight applies above the crossover height; with a weight of 1 the density has one branch.
     """

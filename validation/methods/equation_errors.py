@@ -2,7 +2,8 @@
 
 A contact of radius a under the load p has to obey ``d(a, k) + u = approach - gap`` and ``p = P(a, k)`` of its
 law, where displacement u and curvature k are those by the other contacts, and an open asperity must not
-overlap: ``approach - gap - u <= 0``. Loads are P/E* [mm²].
+overlap: ``approach - gap - u <= 0``. Loads are P/E* [mm²]. Contact laws, influences and pedestals are those
+of metafem, so that this is a test of self-consistency.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ import metafem as mf
 from metafem.contact import Contact
 from metafem.models import Curve, Model
 from metafem.models.interacting.cap_influence import pedestal_influence
-from metafem.models.mean_field import MEAN_DISPLACEMENT, nominal_area
+from validation.methods.square_mean import mean_influence
 
 # Newton's steps to a contact radius, to rounding.
 MOST_STEPS = 20
@@ -58,10 +59,18 @@ def _first(surface: mf.Surface, model: Model, law: Contact, p: np.ndarray, a: np
     """Return displacement [mm] and curvature [1/mm] by point loads, or by the mean pressure."""
     none = np.zeros(surface.count)
     if isinstance(model, mf.MeanField):
-        return MEAN_DISPLACEMENT / math.sqrt(nominal_area(surface)) * p.sum() + none, none
+        return mean_influence() / math.sqrt(_nominal_area(surface.position)) * p.sum() + none, none
     if isinstance(model, mf.Interacting):
         return _influence(surface, model) @ p, none
     return none, none
+
+
+def _nominal_area(position: np.ndarray) -> float:
+    """Return the area A [mm²] with ``A² = (12 l1 + A/n)(12 l2 + A/n)``, l the second moments of the sites."""
+    n, moments = len(position), 12.0 * np.linalg.eigvalsh(np.cov(position.T, bias=True))
+    return (
+        float(np.roots([1.0 - 1.0 / n**2, -moments.sum() / n, -moments.prod()]).max()) if n > 1 else math.inf
+    )
 
 
 def _third(surface: mf.Surface, model: Model, law: Contact, p: np.ndarray, a: np.ndarray) -> tuple:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from metafem._validate import FloatArray
+from validation.methods.independent import FloatArray
 
 # Intervals of the separation in which a change of sign is looked for, and halvings of the one that has it.
 INTERVALS, HALVINGS = 400, 60

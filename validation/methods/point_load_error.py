@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from metafem._validate import FloatArray
+from validation.methods.independent import FloatArray
 
 
 def area_error(contact_radius: FloatArray, distance: FloatArray) -> float:

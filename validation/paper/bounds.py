@@ -9,6 +9,7 @@ from metafem.drawing import ACHIEVED, QUIET, TARGET, new_figure
 from metafem.inversion.height_density import TruncatedExponential, slope_excess
 from metafem.reference import height_densities as reference
 from validation.check import Claim, Picture, near
+from validation.paper.pictures import INKS
 from validation.paper.surfaces import template
 from validation.published import paper
 from validation.sources import closed_form, printed
@@ -37,11 +38,13 @@ def claim() -> Claim:
     low, high = mf.achievable_friction_coefficients(surface, limits)
     factor, radius = _factor(surface), float(surface.radius[0])
     finest = numbers["smallest_scale_um"] / 1e3
-    where = printed("SM, bounds on achievable friction coefficients")
+    where = "SM, bounds on achievable friction coefficients"
     tiny = 1e-9
     checks = [
-        near("smallest friction coefficient", low, smallest, 0.005, where),
-        near("largest friction coefficient", high, largest, 0.005, where),
+        near("smallest friction coefficient", low, smallest, 0.005,
+             printed(where, "smallest friction coefficient")),
+        near("largest friction coefficient", high, largest, 0.005,
+             printed(where, "largest friction coefficient")),
         near(
             "smallest friction coefficient, all digits", low,
             factor * reference.smallest_slope(radius, TOP), ROUNDING,
@@ -85,7 +88,13 @@ def _figure():
         ax.axhline(numbers[f"{name}_friction_coefficient"], color=TARGET, ls="--", lw=1.2, label=label)
     ax.axvline(numbers["smallest_scale_um"], color=QUIET, ls=":", label="smallest scale that can be made")
     red = paper()["fig4"]["red"]
-    ax.plot(red["scale_um"], factor * red["target_slope"], "s", color=TARGET, label="Fig. 4, red surface")
+    ax.plot(
+        red["scale_um"],
+        factor * red["target_slope"],
+        "s",
+        color=INKS["Fig. 4 red"],
+        label="Fig. 4, red surface",
+    )
     ax.set(xlabel="scale of the density  λ [µm]", ylabel="friction coefficient  μ")
     ax.set_yticks([1.0, 2.0, 3.0, 4.0], ["1", "2", "3", "4"])
     ax.minorticks_off()

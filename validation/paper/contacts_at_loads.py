@@ -10,9 +10,10 @@ from functools import cache
 import numpy as np
 
 import metafem as mf
-from metafem.drawing import ACHIEVED, circles, new_figure, plan
+from metafem.drawing import circles, new_figure, plan
 from validation.check import Check, Claim, Picture, Result, near, reported
 from validation.methods import contact_equations
+from validation.paper.pictures import INKS
 from validation.paper.surfaces import surfaces
 from validation.published import paper
 from validation.sources import second_method
@@ -121,7 +122,7 @@ def _picture():
     for ax, name in zip(figure.subplots(2, 3).flat, surfaces(), strict=False):
         found = state(name, "layer, order 3")
         circles(ax, surfaces()[name].position, 2.0 * np.sqrt(found.asperity_area / np.pi)).set_facecolor(
-            ACHIEVED
+            INKS[name]
         )
         plan(ax)
         ax.set_title(f"{name}, {load(name)} N: {_count(found)} contacts", fontsize=9)

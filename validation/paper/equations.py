@@ -52,6 +52,7 @@ def claim() -> Claim:
     intercepts = [
         d.intercept(COUNT, RADIUS) / reference.intercept(d.scale, RADIUS, TOP, COUNT) for d in plain[2:]
     ]
+    firsts = [d.asymptotic_slopes(RADIUS)[0] / reference.slope(d.scale, RADIUS, TOP) for d in branched]
     seconds = [d.asymptotic_slopes(RADIUS)[1] / reference.second_slope(*_printed(d)) for d in branched]
     loads = [
         d.crossover_load(COUNT, RADIUS) / reference.crossover_load(*_printed(d), COUNT) for d in branched
@@ -59,6 +60,7 @@ def claim() -> Claim:
     printed = (
         ("S3 to S5: slope m", slopes, reference.slope, "eqs. S3 to S5 as printed"),
         ("intercept α", intercepts, reference.intercept, "α as printed in SM, quasi-linear friction law"),
+        ("S7: first slope m_1", firsts, reference.slope, "eq. S7, eqs. S3 to S5 as printed"),
         ("S8: second slope m_2", seconds, reference.second_slope, "first line of eq. S8 as printed"),
         ("S8: crossover load P_c", loads, reference.crossover_load, "second line of eq. S8 as printed"),
     )

@@ -13,9 +13,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 import metafem as mf
-from metafem.drawing import ACHIEVED, TARGET, new_figure
+from metafem.drawing import new_figure
 from validation.check import Claim, Picture, Row, near, reported
 from validation.methods.small_errors import drawn_deviation, relative_error
+from validation.paper.pictures import INKS
 from validation.paper.surfaces import surfaces, words
 from validation.published import paper
 from validation.sources import second_method
@@ -147,8 +148,8 @@ def figure() -> Figure:
     """Draw the laws of Fig. 4 with the bars of measured pairs on both axes."""
     drawn = new_figure(7.0, 4.0)
     ax = drawn.add_subplot()
-    for colour, mark in (("blue", ACHIEVED), ("red", TARGET)):
-        name = f"Fig. 4 {colour}"
+    for name in ("Fig. 4 blue", "Fig. 4 red"):
+        mark = INKS[name]
         found = measured(name, largest(name) * DRAWN)
         law = mf.friction_law(surfaces()[name])
         ax.plot(law.rescaled_load, law.area, color=mark, lw=0.8)

@@ -7,6 +7,7 @@ the table of the mould, and the table of measured forces.
 from __future__ import annotations
 
 import numpy as np
+from scipy import stats
 
 import metafem as mf
 from metafem.drawing import ACHIEVED, MEASURED, QUIET, TARGET, circles, new_figure
@@ -31,6 +32,9 @@ SAMPLE = known_input("sites of the specification, a lattice of 8 × 8 as in the 
 LEVELS = known_input("steps of the specification, 6 µm as in the paper")
 MADE = printed("SM, effect of manufacturing errors: s.d. of the slope below 0.5 % at 0.9 µm")
 DENSITY = closed_form(height_densities.slope, "eq. S3, slope of the exponential density")
+FORCES = second_method(independent.areas, "σB times the areas of the heights, eq. S1, with numpy")
+LINE = second_method(stats.linregress, "Student's quantile times the standard error of the slope, with scipy")
+DRAWN = known_input("the draws that the check puts in, and the tilt x tan φ + y tan φ of the paper's SM")
 SUMS = second_method(independent.fitted_slope, "line through the law of the heights, eq. S1, with numpy")
 KEPT = known_input("the design as it was before saving")
 TRUE = known_input("true law of the made part, on which the errors of the forces are drawn")
@@ -93,11 +97,13 @@ def _heights(found: Flow) -> list[Check]:
     step = paper()["fig4"]["level_step_um"]
     # levels stand at the middle of the steps above the offset
     off = (1e3 * (height - limits.offset) / step - 0.5) % 1.0
-    top = 1e3 * (limits.offset + limits.max_height)
+    top, middles = 1e3 * (limits.offset + limits.max_height), np.arange(len(limits.levels)) + 0.5
     return [
         near("3 heights: number of asperities", len(height), paper()["fig4"]["asperities"], 0, SAMPLE),
         below("3 heights: tallest [µm]", 1e3 * float(height.max()), top, WITHIN),
         above("3 heights: lowest [µm]", 1e3 * float(height.min()), 1e3 * limits.offset, WITHIN),
+        below("3 heights: largest difference of a level from the middle of its step [µm]",
+              float(np.abs(1e3 * (limits.levels - limits.offset) - step * middles).max()), 1e-9, LEVELS),
         near("3 heights: largest distance from a level [µm]",
              step * float(np.minimum(off, 1.0 - off).max()), 0.0, 1e-9, LEVELS),
     ]  # fmt: skip
@@ -109,9 +115,14 @@ def _files(found: Flow) -> list[Check]:
     modulus = design.surface.material.composite_modulus
     again = mf.friction_law(found.table, load=design.law.load)
     loads = np.linspace(low, high, 100)
-    slope = mf.friction_law(found.table, load=modulus * loads).fit((low, high)).slope
+    line = mf.friction_law(found.table, load=modulus * loads)
+    found_line = line.fit((low, high))
+    slope = found_line.slope
     second = float(independent.fitted_slope(design.surface.height, loads, float(design.surface.radius[0])))
     worst = np.abs(again.area / design.law.area - 1.0).max()
+    heights, radius = design.surface.height, float(design.surface.radius[0])
+    area = independent.areas(heights, design.law.load / modulus, radius)
+    force = _factor(design.surface) * modulus * area
     return [
         near("files: designs that differ after saving and loading", found.loaded != design, 0, 0, KEPT),
         below("files: largest difference of the heights in heights.csv [µm]",
@@ -120,6 +131,12 @@ def _files(found: Flow) -> list[Check]:
               1e3 * np.abs(found.mould - design.surface.height).max(), WRITTEN_UM, KEPT),
         below("4 predicted law of heights.csv: largest difference from the design's law",
               worst, ROUNDING, KEPT),
+        below("4 predicted law: largest relative difference of the friction force F = σB A0",
+              float(np.abs(design.law.friction_force / force - 1.0).max()), ROUNDING, FORCES),
+        near("4 predicted law: friction coefficient of the fitted slope", fit.friction_coefficient,
+             second * _factor(design.surface), 0.005 * second * _factor(design.surface), SUMS),
+        near("4 predicted law: half of the 68 % interval of the slope", found_line.slope_interval[1] - slope,
+             *_interval(loads, line.area), LINE),
         near("4 predicted law: fitted slope", slope, second, ROUNDING * second, SUMS),
         near("4 predicted law: fitted slope in the design", fit.slope, second, 0.005 * second, SUMS),
     ]  # fmt: skip
@@ -137,6 +154,8 @@ def _part(found: Flow) -> list[Check | Result]:
     scatter = paper()["manufacturing"]["slope_sd_below_at_0p9um"]
     moved = 1e3 * (found.made.height - found.table.height)
     return [
+        below("5 made part: largest difference of the heights from those that were drawn [µm]",
+              float(np.abs(moved - drawn_errors(found.table)).max()), WRITTEN_UM, DRAWN),
         reported("5 made part: s.d. of the errors of the heights [µm]", float(moved.std()),
                  "draw with 0.9 µm, and a tilt of 0.005° about both axes"),
         below(f"5 made part: change of the slope, {SIGMAS:g} s.d.", abs(made / designed - 1.0),
@@ -147,6 +166,21 @@ def _part(found: Flow) -> list[Check | Result]:
         reported("6 measured law: standard deviation of the friction coefficient", feature.sd * factor,
                  "mf.calibration.compare"),
     ]  # fmt: skip
+
+
+def _interval(load: np.ndarray, area: np.ndarray) -> tuple[float, float]:
+    """Return half of the 68 % interval of the slope of a line, and its rounding."""
+    half = float(stats.t.ppf(0.84, len(load) - 2) * stats.linregress(load, area).stderr)
+    return half, 1e-8 * half
+
+
+def drawn_errors(surface: mf.Surface) -> np.ndarray:
+    """Return the errors of the heights (n,) [µm] of the made part: the same draws, and the tilt."""
+    sample, rng = paper()["sample"], np.random.default_rng(1)
+    rng.standard_normal(surface.count)  # of the radii
+    scatter = sample["depth_precision_um"] * rng.standard_normal(surface.count)
+    tilt = np.tan(np.radians(sample["alignment_precision_deg"]))
+    return scatter + 1e3 * tilt * surface.position.sum(axis=1)
 
 
 def _line(made: mf.Surface, measured: mf.calibration.MeasuredLaw, load_range: tuple[float, float]) -> float:

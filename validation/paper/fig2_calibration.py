@@ -63,7 +63,6 @@ def claim() -> Claim:
         near("B", friction.area_ratio, RATIO, WITHIN * shear_sd[0], TRUE),
         near("σ [MPa]", friction.shear_strength, STRENGTH, WITHIN * shear_sd[1], TRUE),
         near("area of the contact of Fig. 2A, 0.061 N, by the fit [mm²]", *_of_fig_2a()),
-        near("decrease of the area under shear, 1 − B", 1.0 - friction.area_ratio, 0.125, 0.025, DECREASE),
         Difference(
             "decrease of the area of batch 2 [%]",
             1e2 - 1e2 * paper()["batch"]["2"]["area_ratio"],

@@ -15,12 +15,10 @@ import metafem as mf
 from metafem.drawing import circles, law, name_law, new_figure
 from validation.check import Check, Claim, Picture, Result, below, near, reported
 from validation.methods import contact_equations
+from validation.paper.pictures import LEVELS
 from validation.paper.surfaces import fig3
 from validation.published import paper
 from validation.sources import known_input, printed, second_method
-
-# Colours of the three operating points in the paper.
-COLOURS = ("tab:green", "tab:blue", "tab:red")
 
 # Loads P/E* [mm²] up to which the figure is drawn; the last operating point is at 0.649.
 LAST = 0.75
@@ -32,7 +30,7 @@ ROUNDING = 1e-10
 # evaluated; the new contacts change the slope by its square root, times the kink: below 1e-3 of it.
 NEAR = 1e-9
 
-SCHEME = printed("SM, inversion scheme for operating points")
+ALL = known_input("all asperities of a level above the plane: n_i + 1, with the printed n_i")
 SAME = known_input("identity: up to the operating point the lower levels are open")
 KINK = known_input("identity dA0/dP = (π√R/2) n/Σ√d: n grows by the new contacts at the same Σ√d")
 SUMS = second_method(contact_equations.independent, "bisection of the sums of eq. S1 with numpy")
@@ -147,7 +145,7 @@ def _contacts() -> list[Check | Result]:
         name = f"level {i + 1} at {published['inset_load_N']} N"
         rows += [
             near(f"{name}: contacts, with the adjustment asperity",
-                 np.count_nonzero(on), count + 1, 0, SCHEME),
+                 np.count_nonzero(on), count + 1, 0, ALL),
             reported(f"{name}: area [mm²]", float(state.asperity_area[on].sum()), METHOD),
             reported(f"{name}: contact radius [µm]", float(radius.max()), METHOD),
             reported(f"{name}: contact radius of the adjustment asperity [µm]", float(radius.min()), METHOD),
@@ -179,9 +177,9 @@ def _branches():
         beyond = np.linspace(found.loads[i], LAST, 100)
         area = mf.friction_law(found.upper(i + 1), load=modulus * beyond).area
         label = "level 1 alone" if i == 0 else "levels 1 and 2"
-        ax.plot(beyond, area, "--", color=COLOURS[i], label=label)
+        ax.plot(beyond, area, "--", color=LEVELS[i], label=label)
     for i, (x, y) in enumerate(zip(published["load_mm2"], published["friction_mm2"], strict=True)):
-        ax.plot(x, y, "o", ms=9, color=COLOURS[i], label=f"operating point {i + 1}")
+        ax.plot(x, y, "o", ms=9, color=LEVELS[i], label=f"operating point {i + 1}")
     name_law(ax, forces=False)
     ax.set_xlim(right=LAST)
     ax.legend(frameon=False, loc="lower right", fontsize=8)
@@ -196,7 +194,7 @@ def _inset():
     figure = new_figure(8.0, 3.8)
     left, right = figure.subplots(1, 2)
     _draw_contacts(left, np.ones(found.surface.count, dtype=bool))
-    for i, colour in enumerate(COLOURS):
+    for i, colour in enumerate(LEVELS):
         left.plot([], [], "o", color=colour, label=f"level {i + 1}")
     left.legend(frameon=False, ncols=3, loc="lower center", bbox_to_anchor=(0.5, 1.0), fontsize=8)
     nine = (np.abs(found.surface.position - _middle()) < 2.0).all(axis=1)
@@ -219,7 +217,7 @@ def _middle() -> np.ndarray:
 def _draw_contacts(ax, shown: np.ndarray) -> None:
     """Draw contacts to scale in the colours of their levels, with a bar of 1.5 mm."""
     found, diameter = levels(), 2.0 * np.sqrt(inset().asperity_area / np.pi)
-    for i, colour in enumerate(COLOURS):
+    for i, colour in enumerate(LEVELS):
         on = (found.number == i) & shown
         circles(ax, found.surface.position[on], diameter[on]).set_facecolor(colour)
     low, high = found.surface.position[shown].min(axis=0), found.surface.position[shown].max(axis=0)

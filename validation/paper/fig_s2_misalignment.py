@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 import metafem as mf
-from metafem.drawing import QUIET
-from metafem.report.study_figures import COLOURS as MARKS
+from metafem.drawing import ACHIEVED, QUIET, TARGET
 from metafem.report.study_figures import misalignment_figure
-from validation.check import Claim, Difference, Picture, Row, below, near, reported
+from validation.check import Claim, Difference, Picture, Reason, Row, below, near, reported
 from validation.methods.tilts import slope_scatter
+from validation.paper.pictures import INKS, inked
 from validation.paper.surfaces import fig4, template
 from validation.published import paper
 from validation.sources import printed, second_method
@@ -159,19 +159,25 @@ def _quantiles(colour: str) -> list[Row]:
 
 def _tilt() -> list[Row]:
     """Check the largest change of a height, and report the printed formula."""
-    position = template("fig4_blue").position
-    reach = float((position - position.min(axis=0)).sum(axis=1).max())
-    change = 1e3 * reach * float(np.tan(np.radians(LARGEST)))
+    flat, angle = template("fig4_blue"), float(np.radians(LARGEST))
+    change = 1e3 * float(np.ptp(flat.tilted(angle, angle).height - flat.height))
     height = fig4("blue").surface.height
     doubled = float((height + (height + 0.0)).max() / height.max())
     return [
-        near(f"largest change of a height at {LARGEST:g}° [µm]", change, 37.0, 0.5, WHERE),
+        near(
+            f"largest change of a height at {LARGEST:g}° [µm]",
+            change,
+            37.0,
+            0.5,
+            printed(WHERE.text, f"largest change of a height at {LARGEST:g}°"),
+        ),
         Difference(
             "tallest height at φ = 0 by the printed formula, over the height of the list",
             doubled,
             "Δh_i = h_i + x_i tan φ + y_i tan φ, applied to the updated list of heights h_i + Δh_i",
             TWICE,
             WHERE,
+            Reason.MISPRINTED,
         ),
     ]
 
@@ -186,12 +192,14 @@ def relative_scatter(colour: str, degrees: float) -> np.ndarray:
 def _figure() -> Figure:
     """Draw the scatter as in Fig. S2, with the printed bounds."""
     drawn = misalignment_figure({colour: study(colour) for colour in COLOURS})
+    inked(drawn, {ACHIEVED: INKS["Fig. 4 blue"], TARGET: INKS["Fig. 4 red"]})
     (ax,) = drawn.axes
     for degrees, bound in bounds().items():
         label = f"bound of the paper, {1e2 * bound:g} %"
         ax.plot([0.0, degrees], [1e2 * bound] * 2, ":", color=QUIET, lw=1.6, label=label)
-        for colour, mark in zip(COLOURS, MARKS, strict=True):
+        for colour in COLOURS:
             if degrees < LARGEST:
-                ax.plot(degrees, 1e2 * relative_scatter(colour, degrees)[0], "o", color=mark)
+                scatter = relative_scatter(colour, degrees)[0]
+                ax.plot(degrees, 1e2 * scatter, "o", color=INKS[f"Fig. 4 {colour}"])
     ax.legend(frameon=False, fontsize="small")
     return drawn

@@ -14,9 +14,10 @@ import numpy as np
 
 import metafem as mf
 from metafem.drawing import new_figure
-from validation.check import Claim, Difference, Picture, Result, Row, below, near, reported
+from validation.check import Claim, Difference, Picture, Reason, Result, Row, below, near, reported
 from validation.methods.contact_equations import area, coupled, layer_influence
 from validation.methods.independent import areas
+from validation.paper.pictures import INKS
 from validation.paper.surfaces import surfaces
 from validation.published import paper
 from validation.sources import printed, second_method
@@ -154,7 +155,7 @@ def claim() -> Claim:
         "less than 2.3 % rms over all cases considered",
     )
     median = 1e2 * float(np.median(rms(changes("Fig. 3", HALF_SPACE)["random"])))
-    rows.append(Difference(label, median, statement, FIG3.format(**percent), NOTE))
+    rows.append(Difference(label, median, statement, FIG3.format(**percent), NOTE, Reason.AMBIGUOUS))
     for substrate in ("half-space", "layer"):
         orders = [changes("Fig. 5 red", f"{substrate}, order {order}", 0)["designed"] for order in (1, 3)]
         name = f"Fig. 5 red, {substrate}: largest difference of orders 1 and 3"
@@ -276,7 +277,7 @@ def _laws():
     figure = new_figure(8.0, 3.4)
     ax = figure.add_subplot()
     for name in surfaces():
-        ax.plot(LOADS, 100.0 * changes(name, "half-space, order 3")["designed"], label=name)
+        ax.plot(LOADS, 100.0 * changes(name, "half-space, order 3")["designed"], color=INKS[name], label=name)
     ax.set_xlabel("rescaled load  P/E* [mm²]")
     for sign in (-1.0, 1.0):
         ax.axhline(2.3 * sign, color="grey", lw=0.8, ls="--")

@@ -16,7 +16,7 @@ import metafem as mf
 from metafem._validate import FloatArray
 from metafem.calibration import MeasuredLaw, ShearCalibration, ShearRecord, shear, shear_record
 from metafem.drawing import ACHIEVED, MEASURED, MEASURED_BESIDE, QUIET, TARGET, new_figure
-from validation.check import Claim, Picture, Row, near, reported
+from validation.check import Claim, Picture, Row, below, near, reported
 from validation.methods import independent
 from validation.paper.surfaces import fig4
 from validation.published import paper
@@ -35,6 +35,9 @@ PULL, PEAK, DECAY = np.linspace(0.0, 1.0, 101), 0.15, 0.02
 WHITE = 0.02
 
 LOADS = np.linspace(0.03, 0.6, 20)
+
+# Loads at which all asperities of the surface are in contact [N].
+FULL = np.linspace(0.8, 1.2, 5)
 
 # Standard deviations within which a value counts as found; 99.7 % of correct ones are.
 WITHIN = 3.0
@@ -127,6 +130,7 @@ def claim() -> Claim:
     height = fig4("red").surface.height
     line = second_method(independent.areas, "slope of the line through A0 of the heights at the same loads")
     slopes = {}
+    rows += [each for friction in (STATIC, SLIDING) for each in _forces(friction)]
     for name, law, found in zip(("static", "sliding"), laws, calibrations(), strict=True):
         wanted = np.polyfit(law.rescaled_load, independent.areas(height, law.rescaled_load, 0.526), 1)[0]
         slope, sd = slope_of(law, found)
@@ -160,6 +164,38 @@ def claim() -> Claim:
     )
 
 
+def _forces(friction: mf.Friction) -> list[Row]:
+    """Compare forces of the design with σB times the areas of its heights, and rescale them again."""
+    surface = fig4("red").surface.replaced(friction=friction)
+    law, stress = mf.friction_law(surface, load=LOADS), friction.shear_strength * friction.area_ratio
+    area = independent.areas(surface.height, law.load / surface.material.composite_modulus, 0.526)
+    measured = MeasuredLaw(
+        law.load, friction_force=stress * area, material=surface.material, friction=friction
+    )
+    pairs = {
+        "predicted force F = σB A0": (law.friction_force, stress * area),
+        "rescaled friction F/(σB)": (law.rescaled_friction, area),
+        "rescaled measured friction": (measured.rescaled_friction, area),
+    }
+    label = f"σ = {friction.shear_strength} MPa: largest relative difference of the"
+    modulus = surface.material.composite_modulus
+    whole = stress * independent.areas(surface.height, FULL / modulus, 0.526)
+    given = MeasuredLaw(FULL, friction_force=whole, material=surface.material, friction=friction)
+    pairs["strength that full contact gives"] = (
+        np.array([mf.calibration.shear_strength(given, surface, FULL[0]).shear_strength]),
+        np.array([friction.shear_strength]),
+    )
+    return [below(f"{label} {what}", _largest(*pair), EXACT, FORCE) for what, pair in pairs.items()]
+
+
+def _largest(found: FloatArray, expected: FloatArray) -> float:
+    return float(np.abs(found / expected - 1.0).max())
+
+
+# Rounding of sums of 64 terms.
+EXACT = 1e-10
+
+FORCE = second_method(independent.areas, "A0 of the heights, eq. S1, with numpy")
 SAME = known_input("identity: both forces of the records are proportional to the same A0(P)")
 
 

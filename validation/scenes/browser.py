@@ -22,7 +22,11 @@ NAMES = ("chromium", "chromium-browser", "google-chrome")
 # What a page may link to outside its folder.
 OUTSIDE = ("https:", "data:", "mailto:")
 
-# Overflow of the page, pictures without a size, anchors that stand twice, and colours of text and ground.
+# Height of the longest page on a phone, which is so wide [px].
+TALLEST, PHONE = 20_000, 390
+
+# Height and overflow of the page, pictures without a size, anchors that stand twice, and colours of text and
+# ground.
 MEASURE = """() => {
   const seen = each => each.checkVisibility();
   const size = each => { const box = each.getBoundingClientRect(); return Math.min(box.width, box.height); };
@@ -30,6 +34,7 @@ MEASURE = """() => {
   const tone = text => text.match(/[\\d.]+/g).slice(0, 3).reduce((sum, each) => sum + Number(each), 0) / 765;
   const style = getComputedStyle(document.body);
   return {
+    tall: document.documentElement.scrollHeight,
     overflow: document.documentElement.scrollWidth - document.documentElement.clientWidth,
     empty: [...document.querySelectorAll('img, svg')].filter(seen).filter(each => size(each) < 5).length,
     broken: [...document.images].filter(each => !each.complete || each.naturalWidth === 0).length,
@@ -50,7 +55,7 @@ class View:
     dark: bool = False
 
 
-VIEWS = (View("wide", 1280), View("narrow", 390), View("dark", 1280, dark=True))
+VIEWS = (View("wide", 1280), View("narrow", PHONE), View("dark", 1280, dark=True))
 
 
 def browser_path() -> str | None:
@@ -115,6 +120,8 @@ def _shown(shown: dict[str, Any], view: View) -> list[str]:
     found = [f"the anchor {each} stands twice" for each in sorted(set(shown["repeated"]))]
     if shown["overflow"] > 0:
         found.append(f"the page is {shown['overflow']} px wider than its window of {view.width} px")
+    if view.width <= PHONE and shown["tall"] > TALLEST:
+        found.append(f"the page is {shown['tall']} px tall; at most {TALLEST}")
     if shown["empty"] or shown["broken"]:
         found.append(f"{shown['empty']} pictures have no size, {shown['broken']} are broken")
     if shown["ground"] == shown["ink"] or (shown["ground"] < shown["ink"]) != view.dark:

@@ -9,6 +9,8 @@ import numpy as np
 import metafem as mf
 from metafem._validate import FloatArray
 from metafem.calibration import MeasurementErrors
+from metafem.calibration.compression.distance_fit import DistanceFit, distance_fit
+from metafem.calibration.compression.scene import cap_curve
 
 RADIUS, MODULUS, ENERGY = 0.526, 1.36, 9e-6  # mm, MPa, N/mm: batch 1
 ERRORS = MeasurementErrors()
@@ -31,3 +33,16 @@ def compression_tests(
     area = contacts * math.pi * a**2
     load = contacts * loads(a, energy) + ERRORS.load * rng.standard_normal((trials, a.size))
     return load, area + ERRORS.of_area(area) * rng.standard_normal((trials, a.size))
+
+
+def fitted(load: FloatArray, area: FloatArray, contacts: int, *, robust: bool = False) -> DistanceFit:
+    """Return the fits to many sets of loads and total areas, (trials, k)."""
+    return distance_fit(
+        load,
+        area[..., None] / contacts,
+        cap_curve(mf.Hertz(), RADIUS).load_and_slope,
+        contacts=contacts,
+        load_sd=ERRORS.load,
+        area_sd=lambda of: ERRORS.of_area(of) / math.sqrt(contacts),
+        robust=robust,
+    )

@@ -16,11 +16,12 @@ from validation.paper.surfaces import fig4
 
 MATERIAL = mf.Material(1.36)
 
+ORDER_3 = "Interacting(order=3)"
 MODELS: dict[str, dict[str, Model]] = {
     "Independent()": {"": mf.Independent()},
     "MeanField()": {"": mf.MeanField()},
     "Interacting(order=1)": {"": mf.Interacting(order=1)},
-    "Interacting(order=3)": {"": mf.Interacting(order=3)},
+    ORDER_3: {"": mf.Interacting(order=3)},
 }
 RESOLVED, AUTOMATIC = "BoundaryElements(cell)", "Automatic(tolerance)"
 

@@ -117,7 +117,7 @@ def calibration_tests(count: int = 3, loads: int = 10, pixel: float = 0.01) -> l
 # Errors of the made part: scale of its heights, s.d. of each [mm] and tilt [rad].
 MADE = {"scale": 1.015, "height_sd": 9e-4, "angle": 3e-4}
 
-# Loads of the part over that at which the plane reaches its lowest summit; as many as points in Fig. 4.
+# Loads of the part over that at which the plane reaches its lowest asperity; as many as points in Fig. 4.
 LOADS = np.linspace(0.05, 1.2, 16)
 
 

@@ -29,7 +29,7 @@ WIDTH, CROWDING, LAYER = 0.5, 0.32, 0.3
 # Contact radius over R that a sphere can have.
 LESS_THAN_A_SPHERE = 0.95
 
-# Tallest summit over its radius for which the compliance of caps is tabulated (`Interacting`), with a margin.
+# Tallest height over the radius for which the compliance of caps is tabulated (`Interacting`), with a margin.
 TALLEST = 0.55
 
 # Least indentation of adhesive contacts at the largest load, over that without adhesion at the same radius.

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 import metafem as mf
+from metafem._validate import FloatArray
 
 RADIUS = 0.526
 LATTICE = mf.Surface.square_lattice(
@@ -29,6 +30,19 @@ def random_law(seed: int, points: int = 30) -> mf.SampledLaw:
     full = 4 / 3 * math.sqrt(RADIUS) * float(((height - height.min()) ** 1.5).sum())
     load = full * rng.uniform(0.5, 1.2) * np.arange(1, points + 1) / points
     return mf.SampledLaw(load, mf.Independent().curves(height, RADIUS, load)[2][0])
+
+
+def noisy_law(seed: int) -> tuple[mf.SampledLaw, FloatArray]:
+    """Return the law of a random surface as measured at 15 to 30 loads, and its friction without noise.
+
+    The noise of .3 to 3 % is stated as the error of the samples.
+    """
+    rng = np.random.default_rng(10_000 + seed)
+    count, noise = int(rng.integers(15, 31)), float(np.exp(rng.uniform(math.log(0.003), math.log(0.03))))
+    true = random_law(seed, count)
+    measured = true.rescaled_friction * (1.0 + noise * rng.standard_normal(count))
+    error = np.full(count, noise)
+    return mf.SampledLaw(true.rescaled_load, measured, relative_error=error), true.rescaled_friction
 
 
 def mixed_law(seed: int, tools: Sequence[float]) -> mf.SampledLaw:

@@ -18,7 +18,7 @@ from validation.methods.resolved_areas import extrapolated_area
 # The pitch is the unit of length. The contacts are paraboloids, for which R only scales the heights.
 PITCH, RADIUS = 1.0, 10.0
 
-# Contact radius of the tallest summit without interaction over the pitch; from 0.5 on contacts merge. The
+# Contact radius of the tallest asperity without interaction over the pitch; from 0.5 on contacts merge. The
 # tests take fewer.
 WIDTHS = (0.1, 0.2, 0.3, 0.36, 0.44, 0.54)
 
@@ -30,8 +30,12 @@ RANKS = np.array([0, 5, 2, 7, 4, 1, 8, 3, 6]) / 8.0
 LAYERS = (0.1, 0.3, 0.5, 0.8, 1.5)
 RATIOS = (0.0, 0.3, 0.5)
 
-# Ratios of the radii of two summits.
+# Ratios of the radii of two asperities.
 RADII = (1.0, 2.0, 5.0, 10.0)
+
+# Asperities on a side of the lattice of equal contacts, their radius without interaction over the pitch,
+# near the largest ratio to which order 3 was compared, cells per contact radius, and steps to equal contacts.
+SIDE, WIDE, FEWER_CELLS, STEPS = 8, 0.319, 14, 12
 
 # Asperities of a lattice.
 COUNTS = (1, 9, 100, 400, 2500, 10_000)
@@ -57,7 +61,7 @@ class Point:
     refusal: str  # the words with which order 3 refuses
 
 
-def solve(surface: mf.Surface, load: float, substrate: Radial, apart: float) -> Point:
+def solve(surface: mf.Surface, load: float, substrate: Radial, apart: float, cells: int = CELLS) -> Point:
     """Solve a scene by order 3 and by Automatic and compare both with resolved contacts."""
     rescaled = load / surface.material.composite_modulus
     third, estimate, steps, residual, warned, refusal = math.nan, math.inf, 0, 0.0, False, ""
@@ -72,7 +76,7 @@ def solve(surface: mf.Surface, load: float, substrate: Radial, apart: float) -> 
         refusal = str(error)
     state = mf.equilibrium(surface, mf.Automatic(TOLERANCE, substrate), load=load)
     exact, uncertainty = extrapolated_area(
-        surface, load, TOLERANCE / 3.0, substrate=substrate, first=CELLS, sizes=SIZES
+        surface, load, TOLERANCE / 3.0, substrate=substrate, first=cells, sizes=SIZES
     )
     return Point(
         third=third / exact - 1.0,
@@ -108,6 +112,19 @@ def crowded(width: float, spread: float) -> Point:
 
 
 @cache
+def equal() -> Point:
+    """A lattice whose heights make all contacts equal: the sum over the neighbours is largest there."""
+    size = SIDE, SIDE
+    surface = mf.Surface.square_lattice(2.0 * RADIUS, size, PITCH, radius=RADIUS, material=mf.Material(1.0))
+    load = surface.count * 4.0 / 3.0 * (WIDE * PITCH) ** 3 / RADIUS
+    for _ in range(STEPS):
+        state = mf.equilibrium(surface, mf.Interacting(), load=load)
+        square = state.asperity_area / math.pi
+        surface = surface.replaced(height=surface.height + ((WIDE * PITCH) ** 2 - square) / RADIUS)
+    return solve(surface, load, mf.HalfSpace(), PITCH, FEWER_CELLS)
+
+
+@cache
 def on_layer(width: float, poisson_ratio: float) -> Point:
     """One contact of a given width on a layer of thickness 1."""
     surface = mf.Surface(
@@ -122,7 +139,7 @@ def on_layer(width: float, poisson_ratio: float) -> Point:
 
 @cache
 def unequal(ratio: float) -> Point:
-    """A large and a small summit with equal indentations."""
+    """A large and a small asperity with equal indentations."""
     depth = 0.2**2 / RADIUS
     surface = mf.Surface([[0.0, 0.0], [1.0, 0.0]], [1.0, 1.0], [RADIUS, RADIUS / ratio], mf.Material(1.0))
     return solve(surface, alone(surface, depth), mf.HalfSpace(), 1.0)

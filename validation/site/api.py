@@ -90,11 +90,13 @@ def _shown(entry: Entry, address: Address) -> dict[str, Any]:
     """Return what the page shows of a name."""
     inner = members(entry.value) if inspect.isclass(entry.value) else []
     above = inherited(entry.value) if inspect.isclass(entry.value) else {}
+    rest = entry.docstring.partition("\n\n")[2]
     return {
         "name": entry.name,
         "kind": entry.kind,
         "call": entry.name + call(entry.value, address) if entry.is_called else "",
-        "text": html(entry.docstring, address),
+        "summary": summary(entry.docstring, address),
+        "text": html(rest, address) if rest else "",
         "constants": entry.constants,
         "short": [_member(each, address) for each in inner if not each.is_long],
         "long": [_member(each, address) for each in inner if each.is_long],

@@ -13,7 +13,7 @@ from metafem.models import Model
 from metafem.reference import single_contacts
 from validation.check import Check, Claim, Picture, Row, below, near, reported
 from validation.methods.equation_errors import equation_error
-from validation.sources import closed_form, known_input, second_method
+from validation.sources import closed_form, known_input, self_consistency
 
 MATERIAL = mf.Material(1.36)
 RADIUS, CELL = 0.526, 0.02
@@ -47,7 +47,7 @@ MODELS: dict[str, Model] = {
 SCALED = known_input("the same scene in other units: lengths or moduli multiplied by 1e-6 and 1e6")
 EQUAL = known_input("the same scene with equal heights")
 HERTZ = closed_form(single_contacts.hertz, "Hertz: P = 4/3 E* a³/R, A = πa²")
-RECOMPUTED = second_method(equation_error, "the equations in plain numpy, without the compiled kernels")
+RECOMPUTED = self_consistency(equation_error, "the equations in plain numpy, without the compiled kernels")
 RISING = known_input("requirement: A0 grows with the load, without a step back")
 SAID = known_input("requirement: a solution, or a refusal with words")
 

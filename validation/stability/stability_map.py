@@ -18,16 +18,14 @@ from metafem.prediction.validity import BOUND
 from validation.check import Check, Claim, Picture, Row, below, near, reported
 from validation.methods.resolved_areas import extrapolated_area
 from validation.scenes import stability_points as points
-from validation.sources import known_input, second_method
+from validation.scenes.models import AREA_ERROR, FEW_ERROR, LAYER_ERROR
+from validation.sources import known_input, self_consistency
 
 # Three quarters of a minute of one core.
 SLOW = True
 
 # Part of the tolerance from which an error is compared with its estimate; smaller ones are uncertain.
 CERTAIN = 0.2
-
-# Error of order 3 in A0 that the docstring of `Interacting` states up to a/r = 0.32.
-STATED = 1.2e-3
 
 # Beginnings of the two warnings of `metafem.prediction.validity`.
 OVERLAP = "contacts overlap: …"
@@ -36,7 +34,7 @@ TOO_WIDE = "the contacts are too wide for their distances or their layer: …"
 # Ticks of a colour bar [%].
 PERCENTS = (0.001, 0.01, 0.1, 1.0)
 
-RESOLVED = second_method(extrapolated_area, "resolved contacts, extrapolated to vanishing cells")
+RESOLVED = self_consistency(extrapolated_area, "resolved contacts, extrapolated to vanishing cells")
 SOLVED = known_input("largest residual of a converged equilibrium, stated by the model")
 ANNOUNCED = known_input(f"requirement: an error above {100 * BOUND:g} % is announced by a warning")
 
@@ -45,7 +43,7 @@ def claim() -> Claim:
     """Map the errors of order 3 and the choices of Automatic."""
     pairs = [points.crowded(width, spread) for spread in points.SPREADS for width in points.WIDTHS]
     layers = [points.on_layer(width, ratio) for ratio in points.RATIOS for width in points.LAYERS]
-    every = [*pairs, *layers, *(points.unequal(ratio) for ratio in points.RADII)]
+    every = [*pairs, *layers, *(points.unequal(ratio) for ratio in points.RADII), points.equal()]
     return Claim(
         "Maps of the errors: where order 3 holds, and what Automatic chooses",
         [*_checks(every, pairs), *_results(every)],
@@ -62,6 +60,8 @@ def _checks(every: list[points.Point], pairs: list[points.Point]) -> list[Check]
     """Compare the errors with those that the models state."""
     solved = [point for point in every if not point.refusal]
     inside = [point for point in pairs if point.ratio <= COMPARED]
+    narrow = [points.on_layer(width, ratio) for width in points.LAYERS if width <= 0.3
+              for ratio in points.RATIOS]  # fmt: skip
     least = CERTAIN * points.TOLERANCE
     known = [p for p in solved if math.isfinite(p.estimate) and _beyond(p.third, p) > least]
     silent = [point for point in solved if abs(point.third) > BOUND and not point.warned]
@@ -70,14 +70,17 @@ def _checks(every: list[points.Point], pairs: list[points.Point]) -> list[Check]
     return [
         below(f"Automatic({points.TOLERANCE:g}): largest error of A0",
               max(_beyond(point.automatic, point) for point in every), points.TOLERANCE, RESOLVED),
-        below(f"order 3 up to a/r = {COMPARED:g} on the half-space: largest error of A0",
-              max(_beyond(point.third, point) for point in inside), STATED, RESOLVED),
+        below(f"order 3 up to a/r = {COMPARED:g} on the half-space, nine contacts: largest error of A0",
+              max(_beyond(point.third, point) for point in inside), FEW_ERROR, RESOLVED),
+        below(f"order 3, {points.SIDE**2} equal contacts at a/r = {points.equal().ratio:.2g}: error of A0",
+              _beyond(points.equal().third, points.equal()), AREA_ERROR, RESOLVED),
+        below("order 3 up to a/t = 0.3 on a layer: largest error of A0",
+              max(_beyond(point.third, point) for point in narrow), LAYER_ERROR, RESOLVED),
         below(f"order 3: largest error of A0 over its estimate, of errors above {1e2 * least:.2g} %",
               max((_beyond(p.third, p) / p.estimate for p in known), default=0.0), 1.0, RESOLVED),
         near(f"order 3: scenes with an error above {100 * BOUND:g} % and no warning",
              len(silent), 0, 0, ANNOUNCED),
-        below("order 3: largest residual", max([point.residual for point in solved] + small),
-              RESIDUAL, SOLVED),
+        below("order 3: largest residual", max(small), RESIDUAL, SOLVED),
         below(f"order 3 above {DENSE_LIMIT} asperities: largest residual", max(large),
               LARGE_RESIDUAL, SOLVED),
     ]  # fmt: skip
@@ -92,7 +95,10 @@ def _results(every: list[points.Point]) -> list[Row]:
     resolved = sum(point.resolved for point in every)
     refused = sum(bool(point.refusal) for point in every)
     return [
-        reported("scenes", len(every), "nine contacts on a half-space, one on a layer, two of unequal radii"),
+        reported("scenes", len(every),
+                 "9 or 64 contacts on a half-space, one on a layer, two of unequal radii"),
+        reported(f"order 3, {points.SIDE**2} equal contacts: error of A0 [%]", 1e2 * points.equal().third,
+                 f"uncertainty {1e2 * points.equal().uncertainty:.2g} %"),
         reported("scenes in which Automatic chose resolved contacts", resolved, "in the others order 3"),
         reported("scenes that order 3 refuses", refused, "Automatic resolves the contacts there"),
         reported("largest uncertainty of the resolved contacts", max(point.uncertainty for point in every),

@@ -13,8 +13,9 @@ from metafem import _validate as check
 from metafem._given import formatted, label, shown
 from metafem._validate import FloatArray
 from metafem._values import percent
-from metafem.calibration.compression.distance_fit import DistanceFit, adhesive_load, distance_fit
+from metafem.calibration.compression.distance_fit import TUKEY, DistanceFit, adhesive_load, distance_fit
 from metafem.calibration.compression.scene import AreaCurve
+from metafem.calibration.magnitude import beyond, unit_hint
 from metafem.calibration.measurement_errors import MeasurementErrors
 from metafem.errors import InvalidInput, NotConverged
 
@@ -43,6 +44,7 @@ class Data:
     one_by_one: bool
     errors: MeasurementErrors
     test: tuple[str, ...]
+    robust: bool = False
 
     @property
     def total_contacts(self) -> int:
@@ -66,6 +68,7 @@ class Data:
             load_sd=self.load_sd[rows],
             area_sd=partial(self.sd_of, rows=rows),
             largest=curve.largest,
+            robust=self.robust,
         )
 
     def loads(self, curve: AreaCurve, fit: DistanceFit) -> FloatArray:
@@ -84,9 +87,9 @@ class Data:
 
     def refuse_beyond(self, curve: AreaCurve, law: Any, radius: float) -> None:
         """Raise InvalidInput for areas that the curve, or a cap of this radius, does not reach."""
-        beyond = np.argwhere(self.area > np.multiply(1.0 + ROUNDING, curve.largest))
-        if beyond.size:
-            i, j = beyond[0].tolist()
+        outside = np.argwhere(self.area > np.multiply(1.0 + ROUNDING, curve.largest))
+        if outside.size:
+            i, j = outside[0].tolist()
             most = self.contacts * float(np.broadcast_to(curve.largest, self.area.shape)[i, j])
             raise InvalidInput(
                 f"{self._area(i, j)} is beyond the last area of {shown(law)}, {formatted('area', most)}; "
@@ -98,19 +101,24 @@ class Data:
             raise InvalidInput(
                 f"{self._area(int(i), int(j))}: a contact radius of {widest:.4g} R, which no cap has; check "
                 f"the radius, {formatted('radius', radius)}, the unit of the areas, and the number of "
-                f"contacts that share a load, {self.total_contacts}"
+                f"contacts that share a load, {self.total_contacts}{beyond('area', widest**2)}"
             )
 
     def checked_fit(self, curve: AreaCurve) -> DistanceFit:
         """Return the fit to all points, or raise InvalidInput where the load falls as the area grows."""
         fit = self.fit(curve)
+        if self.robust and not np.isfinite(fit.modulus):
+            raise InvalidInput(
+                f"fewer than two points are within {TUKEY:.2g} standard deviations of the law; state larger "
+                "errors of load and area, or fit without robust"
+            )
         if not fit.converged:
             uncertain = self.sd_of(self.area) / np.where(self.area > 0.0, self.area, np.inf)
             i, j = np.unravel_index(int(uncertain.argmax()), uncertain.shape)
             raise NotConverged(
                 "the fit of E* and the adhesion energy does not converge; the most uncertain area is "
                 f"{self._area(int(i), int(j))}, with an error of {percent(float(uncertain.max()))}; leave "
-                "out areas that are not much larger than their errors",
+                f"out areas that are not much larger than their errors, or {unit_hint('area', 0.0)}",
                 fit,
             )
         if fit.modulus > 0.0:

@@ -20,6 +20,14 @@ SHARES, ENOUGH = (1.0,) * 15 + (0.5,) * 45 + (0.2,) * 140, 1e-9
 # Smallest fitted area over the measured one during the iteration: the area of a contact stays positive.
 SMALLEST_PART = 0.1
 
+# Residuals, in standard deviations, beyond which the weights of a robust fit fall (Huber) and are 0 (Tukey):
+# both have 95 % of the efficiency of least squares; the first steps with Huber's weights lead to Tukey's.
+HUBER, TUKEY, APPROACHING = 1.345, 4.685, 5
+
+# Variance of the parameters of Tukey's fit over the inverse of the weighted normal matrix, for normal errors:
+# E[psi^2] E[w]/E[psi']^2, with psi = w r.
+TUKEY_VARIANCE = 0.963
+
 # Load P/E* [mm^2] and its derivative by the area [-] of contacts of areas (..., n) [mm^2].
 Curve = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 
@@ -38,6 +46,10 @@ class DistanceFit:
         Distances of the points from the curve over their standard deviations [-].
     area : ndarray, (..., k, n)
         Fitted areas of single contacts [mm^2].
+    weight : ndarray, (..., k)
+        Weights of the points beyond their standard deviations, 1 of least squares [-].
+    regressor : ndarray, (..., k, 2)
+        Change of the loads with E* and b, so that the covariance is the inverse of X^T X.
     converged : ndarray of bool, (...,)
     """
 
@@ -46,6 +58,8 @@ class DistanceFit:
     covariance: FloatArray
     residual: FloatArray
     area: FloatArray
+    weight: FloatArray
+    regressor: FloatArray
     converged: NDArray[np.bool_]
 
     @property
@@ -76,6 +90,7 @@ def adhesive_load(area: FloatArray) -> tuple[FloatArray, FloatArray]:
     return lowered, np.divide(0.75 * lowered, area, np.zeros(area.shape), where=area > 0.0)
 
 
+@np.errstate(divide="ignore", invalid="ignore")  # draws of one area and points without weight have no fit
 def distance_fit(
     load: FloatArray,
     area: FloatArray,
@@ -85,12 +100,15 @@ def distance_fit(
     load_sd: Any,
     area_sd: Callable[[FloatArray], FloatArray],
     largest: float | FloatArray = math.inf,
+    robust: bool = False,
 ) -> DistanceFit:
     """Fit E* and b to loads (..., k) [N] and areas (..., k, n) [mm^2] of single contacts.
 
     The sum of the squared distances from the curve, over their variances, is smallest. A load is the sum over
     the n areas, times `contacts` where one area stands for that many. `load_sd` [N] is the standard deviation
     of the loads, `area_sd` returns those of areas [mm^2], and `largest` [mm^2] is the end of the curve.
+    `robust` multiplies the weights by Tukey's, ``(1 - (r/4.685)^2)^2`` and 0 beyond, of the residuals r.
+    Beaton and Tukey, Technometrics 16, 147 (1974), doi:10.1080/00401706.1974.10489171.
 
     In each step the curve is linear about the fitted areas A: ``y = P - c sum_j p'(A_j) (A_measured - A_j)``
     is regressed on q(A) and s(A) with the variances ``V = load_sd^2 + sum_j (c p' area_sd)^2``, and
@@ -105,6 +123,7 @@ def distance_fit(
     spread: FloatArray = np.zeros(area.shape)  # variances of the areas
     known = np.zeros((*load.shape[:-1], 2))
     done: NDArray[np.bool_] = np.zeros(load.shape[:-1], dtype=np.bool_)
+    residual, first = np.zeros(load.shape), APPROACHING if robust else 0
     for step in range(len(SHARES)):
         rescaled, slope = curve(fitted)
         lowered, steepness = adhesive_load(fitted)
@@ -112,9 +131,10 @@ def distance_fit(
         y = load - (sloped * (area - fitted)).sum(axis=-1)
         total = variance + (sloped**2 * spread).sum(axis=-1)
         weight = 1.0 / total
-        found, covariance = _regression(q, s, y, weight)
+        kept = _robust(residual * np.sqrt(weight), step) if robust else np.ones(load.shape)
+        found, covariance = _regression(q, s, y, weight * kept)
         deviation = np.sqrt(np.diagonal(covariance, axis1=-2, axis2=-1))
-        done = np.asarray((np.abs(found - known) <= ENOUGH * deviation).all(axis=-1) & (step > 0))
+        done = np.asarray((np.abs(found - known) <= ENOUGH * deviation).all(axis=-1) & (step > first))
         known = found
         residual = y - found[..., :1] * q - found[..., 1:] * s
         if done.all():
@@ -125,7 +145,17 @@ def distance_fit(
         moved = area + sloped * spread * (residual / total)[..., None]
         moved = np.minimum(np.maximum(moved, SMALLEST_PART * area), largest)
         fitted = fitted + SHARES[step] * (moved - fitted)
-    return DistanceFit(known[..., 0], known[..., 1], covariance, residual * np.sqrt(weight), fitted, done)
+    variance_of = TUKEY_VARIANCE if robust else 1.0
+    regressor = np.stack([q, s], axis=-1) * np.sqrt(weight * kept / variance_of)[..., None]
+    normal, covariance = residual * np.sqrt(weight), variance_of * covariance
+    return DistanceFit(known[..., 0], known[..., 1], covariance, normal, fitted, kept, regressor, done)
+
+
+def _robust(residual: FloatArray, step: int) -> FloatArray:
+    """Return the weights of residuals over their standard deviations (..., k) in a step of a robust fit."""
+    if step < APPROACHING:
+        return np.asarray(HUBER / np.maximum(np.abs(residual), HUBER))
+    return np.asarray((1.0 - np.minimum(np.abs(residual) / TUKEY, 1.0) ** 2) ** 2)
 
 
 def _regression(

@@ -4,12 +4,27 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+from numpy.typing import NDArray
+
+from metafem._given import label
 from metafem._values import percent
 from metafem.calibration.compression.data import FEWEST
 from metafem.calibration.compression.result import ContactCalibration
 from metafem.calibration.contact_table import listed
+from metafem.calibration.magnitude import OFF, unit_hint, within_errors
+from metafem.calibration.verdict import chance
 from metafem.contact import Contact, TabulatedContact
 from metafem.notes import Note, information
+
+# Weight in a robust fit below which a point is an outlier: beyond 2.5 standard deviations; and the share of
+# outliers from which on the law itself is in doubt.
+OUTLYING, MANY_OUTLIERS = 0.5, 0.1
+
+# Largest E* of elastomers and gels [MPa]; the contact radius over R at which the mean pressure of Hertz,
+# 4/(3 pi) E* a/R, is a tenth of E*: about the strength of a perfect solid, which no other solid reaches.
+STIFF, MEAN_PRESSURE = 300.0, 4.0 / (3.0 * math.pi)
+WIDEST_STIFF = 0.1 / MEAN_PRESSURE
 
 # Contact radius over R beyond which large strain bends the law. Up to there the load of a soft cap
 # (neo-Hookean, incompressible) is 1 to 4 % below Hertz's, and at 0.76 R from 2 % below to 1 % above it,
@@ -19,7 +34,7 @@ KNOWN = 0.5
 
 def notes_of(found: ContactCalibration, cap: Contact, draws: int) -> tuple[Note, ...]:
     """Return notes on range, adhesion, fit and tests."""
-    notes = []
+    notes: list[Note] = []
     contacts = 1 if found.area.ndim == 2 else found.contacts
     widest = math.sqrt(float(found.area.max()) / contacts / math.pi) / found.radius
     if widest > KNOWN and not isinstance(cap, TabulatedContact):
@@ -29,6 +44,17 @@ def notes_of(found: ContactCalibration, cap: Contact, draws: int) -> tuple[Note,
                 "strain rises from 3 to 4 % below Hertz's law to nearly that law, and the fit takes the bend "
                 "for adhesion. Leave out the largest loads, or use the table of metafem.fe.tabulated_contact "
                 "as the contact law"
+            )
+        )
+    notes += within_errors("load", found.load, found.load_sd)
+    notes += within_errors("area", found.total_area, found.total_area_sd)
+    modulus = found.composite_modulus
+    if modulus > STIFF and widest > WIDEST_STIFF:
+        notes.append(
+            Note(
+                f"E* = {modulus:.4g} MPa, but contact radii reach {widest:.2f} R, where the mean pressure is "
+                f"{MEAN_PRESSURE * widest:.2g} E*: only elastomers and gels, of less than {STIFF:g} MPa, "
+                f"remain elastic there; {unit_hint('load', OFF)}"
             )
         )
     if found.adhesion_energy_interval[0] == 0.0:
@@ -43,8 +69,9 @@ def notes_of(found: ContactCalibration, cap: Contact, draws: int) -> tuple[Note,
         notes.append(
             Note("contact_law is the table without adhesion, as models need the profile of an adhesive cap")
         )
-    if not found.verdict.fits:
+    if not found.verdict.law_fits:
         notes.append(Note(f"{found.verdict}; the stated uncertainties hold only for a law that fits"))
+    notes += _outliers(found)
     if found.heterogeneity is not None and not found.heterogeneity.agree:
         notes.append(found.heterogeneity.note())
     unfitted = [test for test in found.tests if test.composite_modulus is None]
@@ -66,3 +93,28 @@ def notes_of(found: ContactCalibration, cap: Contact, draws: int) -> tuple[Note,
         share = abs(found.radius_change[0]) / found.composite_modulus
         notes.append(information(f"the error of the radius alone changes E* by {percent(share)}"))
     return tuple(notes)
+
+
+def _outliers(found: ContactCalibration) -> list[Note]:
+    """Return which points are outliers, and those that a robust fit leaves out."""
+    left = np.flatnonzero(found.weight < OUTLYING)
+    if left.size:
+        text = f"the robust fit gives less than half of their weight to {_places(left)}"
+        if left.size > MANY_OUTLIERS * len(found.load):
+            return [Note(f"{text}: {left.size} of {len(found.load)} points; the law may not fit")]
+        return [information(text)]
+    verdict = found.verdict
+    if not verdict.one_outlier:
+        return []
+    return [
+        Note(
+            f"{_places(np.array([verdict.outlier]))} lies {verdict.largest:.2g} standard deviations from the "
+            f"law (p {chance(verdict.largest_probability, 1)} for the farthest of normal errors); the stated "
+            "uncertainties do not include outliers: check the point, leave it out, or calibrate with "
+            "robust=True (--robust on the command line)"
+        )
+    ]
+
+
+def _places(points: NDArray[np.intp]) -> str:
+    return listed([label(f"load[{i}]") for i in points.tolist()])

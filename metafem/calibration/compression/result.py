@@ -97,8 +97,11 @@ class ContactCalibration(Value):
         Number of contacts that share a load.
     residual : ndarray, (k,)
         Distances from the law over their standard deviations [-].
+    weight : ndarray, (k,)
+        Weights of a robust fit, from 1 down to 0 for outliers; 1 of all points of any other [-].
     verdict : Verdict
-        Whether the law fits.
+        Whether the law fits the points, of a robust fit those with at least half of their weight, or
+        all points if more than a tenth of them have less.
     line : AdhesiveLine
         The straight line of Aymard et al. through the same points.
     tests : tuple of ContactTest
@@ -135,6 +138,7 @@ class ContactCalibration(Value):
     area_sd: FloatArray
     contacts: int
     residual: FloatArray
+    weight: FloatArray
     verdict: Verdict
     line: AdhesiveLine
     tests: tuple[ContactTest, ...] = ()
@@ -147,7 +151,7 @@ class ContactCalibration(Value):
         return (
             f"<ContactCalibration: E* = {self.composite_modulus:.4g} ± {modulus:.2g} MPa, "
             f"sqrt(w) = {self.adhesion_root:.3g} ± {root:.2g} sqrt(N/mm), {len(self.load)} points, "
-            f"{'fits' if self.verdict.fits else 'does not fit'}, {counted(self.notes)}>"
+            f"{'fits' if self.verdict.law_fits else 'does not fit'}, {counted(self.notes)}>"
         )
 
     @property

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from metafem._validate import FloatArray
-from metafem._values import MICROMETRES, percent
+from metafem._values import MICROMETRES, percent, two_digits
 from metafem.calibration.verdict import Verdict, chi
 
 # Names of causes and of groups of them.
@@ -31,8 +31,8 @@ SMALL = 0.01
 # Difference of the logarithms of two evidences from which data favour a model: 20 to 1.
 FAVOURED = math.log(20.0)
 
-# Logarithm of odds above which only their power of ten is stated.
-LARGE = math.log(1e4)
+# Logarithm of odds above which their number says no more.
+LARGE = math.log(1e6)
 
 
 def amount(name: str, value: float, form: str = "+.3g") -> str:
@@ -126,7 +126,7 @@ def models(log_evidence: Mapping[str, float]) -> list[str]:
         return []
     (best, most), (second, less), *_ = sorted(log_evidence.items(), key=lambda item: -item[1])
     ratio = most - less
-    odds = f"{math.exp(ratio):.2g}" if ratio < LARGE else f"10^{ratio / math.log(10.0):.0f}"
+    odds = two_digits(math.exp(ratio)) if ratio < LARGE else "more than 10^6"
     if ratio < FAVOURED:
         return [f"The measured values do not tell the models {best} and {second} apart ({odds} to 1)."]
     return [f"The measured values favour the model {best} over {second} ({odds} to 1)."]

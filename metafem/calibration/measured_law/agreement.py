@@ -12,6 +12,7 @@ from metafem import _validate as check
 from metafem._calls import checked_call
 from metafem._validate import FloatArray
 from metafem._values import Value, span
+from metafem.calibration.magnitude import beyond, is_off, unit_hint, within_errors
 from metafem.calibration.measured_law.features import Deviations, Feature, features_of, operating_loads
 from metafem.calibration.measured_law.law import MeasuredLaw
 from metafem.calibration.measured_law.predicted import Prediction, predicted_at
@@ -23,6 +24,9 @@ from metafem.prediction import FrictionLaw
 
 # Parameters whose errors shift all points together.
 PARAMETERS = ("composite_modulus", "shear_strength", "area_ratio")
+
+# Ratio of E* to that of the design from which on it is another material, or a wrong unit.
+OTHER_MATERIAL = 3.0
 
 # Largest asymmetry of a covariance matrix, relative to its largest entry: the rounding of what was printed.
 ASYMMETRY = 1e-6
@@ -138,7 +142,7 @@ def compare(
     ------
     InvalidInput
         For unknown parameters, a matrix that is not positive semidefinite, errors of sigma or B of a law
-        without a Friction, and if no load is within the range of the design.
+        without a Friction, and if no load is within the range of the design or all are below its target's.
     NotConverged
         If the model of the design has no solution at a measured load.
 
@@ -171,11 +175,18 @@ def compare(
     smallest = measured.known().load[0]
     known, within = ~np.isnan(measured.rescaled_friction), measured.rescaled_load <= end
     point = np.flatnonzero(known & within)
+    modulus = measured.material.composite_modulus
     if not point.size:
-        modulus = measured.material.composite_modulus
         raise InvalidInput(
             f"all measured loads exceed the largest load of the design, P/E* = {end:.4g} mm^2 or "
             f"{modulus * end:.4g} N; the smallest is {smallest:.4g} N"
+            + beyond("load", smallest / modulus / end)
+        )
+    first, last = _first_load(design), float(measured.rescaled_load[point].max())
+    if last < first:
+        raise InvalidInput(
+            f"all measured loads lie below the first load of the target, P/E* = {first:.4g} mm^2 or "
+            f"{modulus * first:.4g} N; the largest is {modulus * last:.4g} N{beyond('load', last / first)}"
         )
     prediction = predicted_at(measured, point, design, operating_loads(design))
     deviation = measured.rescaled_friction[point] - prediction.friction
@@ -188,6 +199,7 @@ def compare(
         )
         if which.any()
     )
+    notes += _magnitudes(measured, point, prediction, design)
     features, more = features_of(Deviations(measured, point, prediction, total), design)
     # residuals in order of load, each less what those before it predict: independent if the law holds
     residual = np.linalg.solve(np.linalg.cholesky(total), deviation)
@@ -203,6 +215,31 @@ def compare(
         parameters=deviations,
         notes=(*measured.notes, *notes, *more),
     )
+
+
+def _first_load(design: Design | FrictionLaw) -> float:
+    """Return the smallest rescaled load of a target [mm^2], 0 of a law."""
+    if isinstance(design, FrictionLaw):
+        return 0.0
+    return min([float(design.target_law.load[0]), *(branch.load_range[0] for branch, _ in design.fits)])
+
+
+def _magnitudes(
+    measured: MeasuredLaw, point: NDArray[np.intp], prediction: Prediction, design: Design | FrictionLaw
+) -> tuple[Note, ...]:
+    """Return notes on loads within their errors, and on frictions and moduli far from the design's."""
+    notes = within_errors("load", measured.load, measured.load_sd)
+    there = prediction.friction > 0.0
+    if there.any():
+        ratio = float(np.median(measured.rescaled_friction[point][there] / prediction.friction[there]))
+        if is_off(ratio):
+            name = "friction_force" if measured.by_force else "area"
+            notes += (Note(f"{name} is {ratio:.2g} times that of the design; {unit_hint(name, ratio)}"),)
+    if isinstance(design, Design):
+        ratio = measured.material.composite_modulus / design.surface.material.composite_modulus
+        if not 1.0 / OTHER_MATERIAL < ratio < OTHER_MATERIAL:
+            notes += (Note(f"E* of the part is {ratio:.2g} times that of the design; check its unit"),)
+    return notes
 
 
 def _parameters(

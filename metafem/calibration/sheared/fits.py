@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -9,12 +10,14 @@ import numpy as np
 
 from metafem._validate import FloatArray
 from metafem.calibration.measurement_errors import MeasurementErrors
+from metafem.calibration.serial_correlation import Succession
 from metafem.calibration.sheared.proportional import proportional
 from metafem.calibration.sheared.result import ShearTest
-from metafem.calibration.verdict import Verdict, judged
+from metafem.calibration.verdict import Verdict, errors_of, judged_in_order
+from metafem.notes import Note
 
-# Residual over its standard deviation below which it is rounding.
-ROUNDING = 1e-6
+# The lines, each of which relates a quantity to the one before.
+LINES = ("Af = B A0", "F = sigma Af")
 
 # Numbers of points that are drawn at once.
 AT_ONCE = 200_000
@@ -29,6 +32,7 @@ class ShearFit:
     value: FloatArray
     residual: tuple[FloatArray, FloatArray]
     verdicts: tuple[Verdict, Verdict]
+    notes: tuple[Note, ...]
 
 
 def parameters(points: FloatArray, errors: MeasurementErrors) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -45,7 +49,7 @@ def parameters(points: FloatArray, errors: MeasurementErrors) -> tuple[FloatArra
     return np.stack([ratio, strength], axis=-1), covariance, value
 
 
-def fitted(points: FloatArray, errors: MeasurementErrors) -> ShearFit:
+def fitted(points: FloatArray, test: Sequence[str], errors: MeasurementErrors) -> ShearFit:
     """Fit points (3, k); those with a single quantity have no fitted value."""
     used = np.isfinite(points).sum(axis=0) >= 2
     value = np.full(points.shape[1], np.nan)
@@ -54,19 +58,21 @@ def fitted(points: FloatArray, errors: MeasurementErrors) -> ShearFit:
     before, sheared, force = points
     before_sd, sheared_sd = errors.of_area(value), errors.of_area(ratio * value)
     force_sd = errors.of_friction_force(strength * ratio * value)
-    residual = (
-        (sheared - ratio * before) / np.hypot(sheared_sd, ratio * before_sd),
-        (force - strength * sheared) / np.hypot(force_sd, strength * sheared_sd),
-    )
-    order = np.argsort(value, kind="stable")
-    of_area, of_friction = (_judged(each[order]) for each in residual)
-    return ShearFit(found, covariance, value, residual, (of_area, of_friction))
-
-
-def _judged(residual: FloatArray) -> Verdict:
-    """Return the verdict on the residuals of one line; rounding has no sign."""
-    known = residual[np.isfinite(residual)]
-    return judged(np.where(np.abs(known) > ROUNDING, known, 0.0), 1)
+    scale = np.hypot(sheared_sd, ratio * before_sd), np.hypot(force_sd, strength * sheared_sd)
+    residual = (sheared - ratio * before) / scale[0], (force - strength * sheared) / scale[1]
+    verdicts: list[Verdict] = []
+    notes: list[Note] = []
+    factor = np.ones(2)
+    for i, regressor in enumerate((value / scale[0], ratio * value / scale[1])):
+        known = np.isfinite(residual[i])
+        measured = Succession(np.array(test)[known], regressor[known, None])
+        verdict = judged_in_order(residual[i][known], value[known], measured)
+        rho, more = errors_of(verdict, measured, LINES[i])
+        factor[i] = math.sqrt(measured.covariance(rho)[0, 0] / measured.covariance(0.0)[0, 0])
+        verdicts.append(verdict)
+        notes += more
+    covariance = covariance * np.outer(factor, factor)
+    return ShearFit(found, covariance, value, residual, (verdicts[0], verdicts[1]), tuple(notes))
 
 
 def fitted_tests(

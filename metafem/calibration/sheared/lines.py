@@ -2,31 +2,34 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from metafem import _validate as check
 from metafem._calls import checked_call
 from metafem._validate import FloatArray
 from metafem.calibration.heterogeneity import Heterogeneity, heterogeneity
+from metafem.calibration.magnitude import OFF, is_off, unit_hint, within_errors
 from metafem.calibration.measurement_errors import MeasurementErrors
-from metafem.calibration.sheared.fits import ShearFit, fitted, fitted_tests, resampled
+from metafem.calibration.sheared.fits import LINES, ShearFit, fitted, fitted_tests, resampled
 from metafem.calibration.sheared.quantities import measured_or_nan
 from metafem.calibration.sheared.result import ShearCalibration
+from metafem.calibration.verdict import REJECTED
 from metafem.errors import InvalidInput
 from metafem.notes import Note, information
 
 # Names of the quantities of a point.
 NAMES = ("area_before", "area_sheared", "friction_force")
 
-# The lines, each of which relates a quantity to the one before.
-LINES = ("Af = B A0", "F = sigma Af")
-
 # Standard deviations by which B exceeds 1 so that it is above it: one normal error in a hundred is so large.
 ABOVE_ONE = 2.33
+
+# Shear strengths [MPa] of soft contacts: hydrogels have 1e-4 MPa, and elastomers less than their moduli.
+WEAKEST, STRONGEST = 1e-5, 30.0
 
 # Of a line through the origin: one for the factor, and one more for a residual.
 FEWEST = 2
@@ -100,7 +103,7 @@ def shear(
         if number < FEWEST:
             both = f"{NAMES[first]} and {NAMES[second]}"
             raise InvalidInput(f"{line} needs at least {FEWEST} points with {both}; there are {number}")
-    found = fitted(points, errors)
+    found = fitted(points, names, errors)
     _refuse_contradiction(points, found)
     tests, values, covariances = fitted_tests(points, names, errors) if len(set(names)) > 1 else ((), [], [])
     draws = resampled(points, names, errors, count, check.generator(rng)) if count else None
@@ -122,7 +125,7 @@ def shear(
         tests,
         compared,
         draws,
-        tuple(_notes(known, found, compared)),
+        tuple(_notes(points, found, errors, compared)),
     )
 
 
@@ -165,13 +168,17 @@ def _refuse_contradiction(points: FloatArray, found: ShearFit) -> None:
             )
 
 
-def _notes(known: NDArray[np.bool_], found: ShearFit, compared: Heterogeneity | None) -> list[Note]:
+def _notes(
+    points: FloatArray, found: ShearFit, errors: MeasurementErrors, compared: Heterogeneity | None
+) -> list[Note]:
     """Return notes on lines and tests that do not fit, and on points that lack a quantity."""
+    known = np.isfinite(points)
     notes = [
-        Note(f"{line}: {verdict}; the stated uncertainties hold only for a law that fits")
+        Note(f"{line}: {verdict}; the stated uncertainties hold only for a law that fits, without outliers")
         for line, verdict in zip(LINES, found.verdicts, strict=True)
-        if not verdict.fits
+        if not (verdict.law_fits and verdict.largest_probability >= REJECTED)
     ]
+    notes += found.notes
     ratio, sd = found.parameters[0], np.sqrt(found.covariance[0, 0])
     if ratio > 1.0 + ABOVE_ONE * sd:
         notes.append(
@@ -181,6 +188,7 @@ def _notes(known: NDArray[np.bool_], found: ShearFit, compared: Heterogeneity | 
                 "check that they are not exchanged"
             )
         )
+    notes += _magnitudes(points, found, errors)
     if compared is not None and not compared.agree:
         notes.append(compared.note())
     single = int((known.sum(axis=0) < 2).sum())
@@ -188,5 +196,29 @@ def _notes(known: NDArray[np.bool_], found: ShearFit, compared: Heterogeneity | 
         count = known.shape[1]
         notes.append(
             information(f"{single} of {count} points hold less than two quantities and are not used")
+        )
+    return notes
+
+
+def _magnitudes(points: FloatArray, found: ShearFit, errors: MeasurementErrors) -> list[Note]:
+    """Return notes on values that only a wrong unit explains."""
+    before, sheared, force = points
+    notes = [
+        *within_errors(NAMES[0], before, errors.of_area(before)),
+        *within_errors(NAMES[1], sheared, errors.of_area(sheared)),
+        *within_errors(NAMES[2], force, errors.of_friction_force(force)),
+    ]
+    ratio, strength = found.parameters.tolist()
+    if is_off(ratio):
+        notes.append(Note(f"B = {ratio:.2g}, but areas change little; {unit_hint(NAMES[1], ratio)}"))
+    soft = ratio < 1.0 - ABOVE_ONE * math.sqrt(found.covariance[0, 0])
+    if strength < WEAKEST or (soft and strength > STRONGEST):
+        name = NAMES[2] if STRONGEST < strength < STRONGEST * OFF else NAMES[1]
+        large = (strength > STRONGEST) == (name == NAMES[2])
+        notes.append(
+            Note(
+                f"sigma = {strength:.2g} MPa is outside {WEAKEST:g} to {STRONGEST:g} MPa, the range of soft "
+                f"contacts, whose areas shrink under shear; {unit_hint(name, OFF if large else 1.0 / OFF)}"
+            )
         )
     return notes

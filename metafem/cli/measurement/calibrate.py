@@ -22,7 +22,7 @@ from metafem.cli.measurement.fits import (
 )
 from metafem.cli.progress import progress
 from metafem.cli.study.options import option_name, seed_option, with_options
-from metafem.cli.terminal import notes_data, print_notes, print_table, terminal
+from metafem.cli.terminal import notes_data, print_json, print_notes, print_table, terminal
 from metafem.errors import InvalidInput
 
 if TYPE_CHECKING:
@@ -37,11 +37,11 @@ error_options = with_options(
     *(
         click.option(
             option_name(name),
-            metavar="QUANTITY",
+            metavar="PERCENT" if unit == "%" else "QUANTITY",
             help=f"Standard deviation {what}. Default: {default}"
             + (", or that of the tables of images." if name == "boundary_error" else "."),
         )
-        for name, (_, _, default, what) in ERRORS.items()
+        for name, (_, unit, default, what) in ERRORS.items()
     )
 )
 
@@ -91,6 +91,7 @@ length_options = with_options(
 )
 @click.option("--part", type=Name(), metavar="DIR", help="Result folder of that part.")
 @click.option("--load-min", metavar="FORCE", help='Smallest load that is used of it, such as "0.5 N".')
+@click.option("--robust", is_flag=True, help="Fit E* and w with small weights of outliers.")
 @click.option(
     "--bootstrap", type=click.IntRange(min=2), help="Also fit this number of times to points drawn again."
 )
@@ -167,7 +168,7 @@ def calibrate(
         if figure is not None:
             write_figure(figure, calibration_figure(contact, shear, strength), "calibration", force=force)
     if as_json:
-        click.echo(text)
+        print_json(found)
         return
     _print(contact, shear, strength, measured)
     for path in (*output, *([figure] if figure is not None else [])):

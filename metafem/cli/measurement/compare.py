@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,7 +17,7 @@ from metafem.cli.measurement.explanation import (
 from metafem.cli.measurement.pair import PARAMETERS, measured_laws, pair_of, pair_options
 from metafem.cli.progress import progress
 from metafem.cli.study.parameters import given_deviations
-from metafem.cli.terminal import print_notes, print_table, terminal
+from metafem.cli.terminal import loaded, print_json, print_notes, print_table, terminal
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -72,8 +71,8 @@ def compare(
 
     priors = given_priors(given, explain)
     still = same_design(folder)
-    design = mf.load(folder)
     with progress(), given_deviations(sd, PARAMETERS) as errors:
+        design = loaded(folder)
         pair = pair_of(design.surface, given, errors)
         laws = measured_laws(pair, table, sliding, design.sites)
         path = study_path(folder, "measured", force)
@@ -94,7 +93,7 @@ def compare(
         if why is not None:
             sentences = explained_answers(why)
             data["explanation"] = {"file": str(explained), "answers": sentences, **study_data(why)}
-        click.echo(json.dumps(data))
+        print_json(data)
     else:
         _print(dataset, path)
         if why is not None:

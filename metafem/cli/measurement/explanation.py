@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -70,18 +69,7 @@ def _number(name: str, text: str) -> float:
     unit, example, _ = EXPECTED[name]
     if text.strip() == "0":
         return 0.0
-    if unit != "%":
-        return quantity(option_name(name), text, unit, example)
-    number = text.strip()
-    try:
-        value = float(number.removesuffix("%"))
-    except ValueError:
-        value = math.nan
-    if not (number.endswith("%") and math.isfinite(value)):
-        raise InvalidInput(
-            f'{option_name(name)} = "{text:.40}" must be in percent; write for example "{example}"'
-        )
-    return value / 100.0
+    return quantity(option_name(name), text, unit, example)
 
 
 def explanation(law: MeasuredLaw, design: Design, priors: Priors | None) -> Dataset:

@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from metafem.cli.study.options import option_name
+from metafem.cli.terminal import loaded
 from metafem.errors import InvalidInput
 
 if TYPE_CHECKING:
@@ -20,7 +21,7 @@ ERRORS = {
     "load_error": ("load", "N", "5 mN", "of a load"),
     "boundary_error": ("boundary", "mm", "1.4 um", "of the boundary of a contact"),
     "friction_error": ("friction_force", "N", "1 mN", "of a friction force at zero"),
-    "friction_relative_error": ("friction_relative", "1", "1 %", "of a friction force in proportion to it"),
+    "friction_relative_error": ("friction_relative", "%", "1 %", "of a friction force in proportion to it"),
 }
 
 # The dimensions of a sample, with what is printed in help.
@@ -116,6 +117,7 @@ def fitted_contact(
                 model=model,
                 contact=None if model is not None else cap,
                 surface=surface,
+                robust=options["robust"],
                 bootstrap=options["bootstrap"] or 0,
                 rng=options["seed"],
             )
@@ -214,7 +216,7 @@ def fitted_strength(
             f"{' and '.join(missing)} must be given too, as in --full-contact measured.csv --part linear "
             '--load-min "0.5 N"'
         )
-    design = mf.load(given["part"])
+    design = loaded(given["part"])
     surface = design.surface
     if contact is not None:
         surface = surface.replaced(material=contact.material)

@@ -256,13 +256,14 @@ def _sites(source: Path | None, load: Any) -> tuple[Sites | None, Any]:
     import numpy as np
 
     import metafem as mf
+    from metafem.cli.terminal import loaded
     from metafem.files import Sites, read_sites
 
     if not source.is_dir():
         if not source.exists():
             raise InvalidInput(f"--sites {source}: no such file or folder")
         return read_sites(source), None
-    design = mf.load(source)
+    design = loaded(source)
     expected = np.full((len(load), design.surface.count), np.nan)
     with doing("predicting the areas"):
         for i, force in enumerate(load.tolist()):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,7 +9,7 @@ import click
 
 from metafem.cli.group import NOT_ACHIEVED, Name, force_option, json_option, main
 from metafem.cli.progress import progress
-from metafem.cli.terminal import print_notes, print_table, terminal
+from metafem.cli.terminal import print_json, print_notes, print_table, terminal
 from metafem.errors import InvalidInput
 from metafem.progress import doing
 
@@ -129,7 +128,7 @@ def images(
                 write_figure(picture, figure, file.name, force=force)
     files = [path for path in (output, picture) if path is not None]
     if as_json:
-        click.echo(json.dumps(found.data(files)))
+        print_json(found.data(files))
     else:
         _print(found, files)
     if found.failed:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +10,7 @@ import click
 from metafem.cli.group import Name, force_option, json_option, main
 from metafem.cli.measurement.made import made_data, print_made
 from metafem.cli.progress import progress
-from metafem.cli.terminal import terminal
+from metafem.cli.terminal import loaded, print_json, terminal
 from metafem.errors import InvalidInput
 
 if TYPE_CHECKING:
@@ -91,7 +90,8 @@ def topography(
         refuse_figure(picture, force)
     if output is not None and corrected is not None and output.absolute() == corrected.absolute():
         raise InvalidInput(f"--output and --corrected both name {output}; give each a file of its own")
-    design = mf.load(folder)
+    with progress():
+        design = loaded(folder)
     names = ErrorNames(names=_names(height_map, folder, pixel, height_unit))
     with progress(), error_names(names):
         stored = read_height_map(height_map, pixel, height_unit)
@@ -120,7 +120,7 @@ def topography(
     written = [path for path in (output, corrected, picture) if path is not None]
     if as_json:
         data = made_data(design, made, correction, law)
-        click.echo(json.dumps({**data, "files": [str(path) for path in written]}))
+        print_json({**data, "files": [str(path) for path in written]})
         return
     print_made(design, made, correction, law)
     for path in written:

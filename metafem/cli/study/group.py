@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import json
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from pathlib import Path
@@ -14,7 +13,7 @@ import click
 from metafem.cli.group import Name, force_option, json_option, main
 from metafem.cli.progress import progress
 from metafem.cli.study.kept import kept_batches
-from metafem.cli.terminal import print_notes, print_table, terminal
+from metafem.cli.terminal import loaded, print_json, print_notes, print_table, terminal
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -41,7 +40,6 @@ def of_design(compute: Callable[..., Dataset]) -> Callable[..., None]:
     @json_option
     @functools.wraps(compute)
     def command(folder: Path, force: bool, as_json: bool, **options: Any) -> None:
-        import metafem as mf
         from metafem._given import error_names
         from metafem.files import (
             option_names,
@@ -56,14 +54,15 @@ def of_design(compute: Callable[..., Dataset]) -> Callable[..., None]:
             read_handed_on(options["calibration"])
         path = study_path(folder, name, force)
         still = same_design(folder)
-        design = mf.load(folder)
+        with progress():
+            design = loaded(folder)
         with progress(), error_names(option_names(_first_texts(options))), ExitStack() as stack:
             if "workers" in options:  # a study in batches
                 options["kept"] = stack.enter_context(kept_batches(name, folder, options))
             dataset = compute(design, **options)
             write_study(dataset, path, force=force, still=still)
         if as_json:
-            click.echo(json.dumps({"file": str(path), **study_data(dataset)}))
+            print_json({"file": str(path), **study_data(dataset)})
         else:
             _print_study(dataset, path)
 

@@ -92,9 +92,7 @@ def draw_options(drawn: str, error: str) -> Options:
     return with_options(
         click.option("--draws", type=click.IntRange(min=2), help=f"Number of {drawn}. Default: 10000."),
         click.option(
-            "--error",
-            type=click.FloatRange(min=0.0, min_open=True),
-            help=f"Draw until {error} is this, such as 0.01, instead of --draws.",
+            "--error", metavar="PERCENT", help=f"Draw until {error} is this, such as 1%, instead of --draws."
         ),
     )
 
@@ -119,9 +117,12 @@ run_options = with_options(
 def run_arguments(options: Mapping[str, Any]) -> dict[str, Any]:
     """Return the arguments of the options of draws and of the run; `kept` is the folder of its batches."""
     import metafem as mf
+    from metafem.files import quantity
 
     found = {name: options[name] for name in ("draws", "error") if options.get(name) is not None}
     if len(found) == 2:
         raise InvalidInput("--draws and --error cannot be given together; give one of them")
+    if "error" in found:
+        found["error"] = quantity("--error", found["error"], "%", "1 %")
     execution = mf.studies.Execution(options["workers"], options["scheduler"], options["kept"])
     return {"rng": options["seed"], "execution": execution, **found}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, nullcontext
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -27,12 +28,15 @@ from metafem.errors import InvalidInput
 if TYPE_CHECKING:
     from xarray import Dataset
 
+    from metafem._given import ErrorNames
     from metafem.inversion import Design
+    from metafem.material import Material
 
 # Unit and example of each input.
 INPUTS = {
     "radius": ("mm", "2um"),
     "composite_modulus": ("MPa", "0.04MPa"),
+    "young_modulus": ("MPa", "0.03MPa"),
     "load": ("N", "2mN"),
     "shear_strength": ("MPa", "0.006MPa"),
     "area_ratio": ("1", "0.01"),
@@ -89,7 +93,7 @@ def uncertainty(design: Design, **options: Any) -> Dataset:
     arguments = {**law_arguments(design, options), **run_arguments(options)}
     if options["measured"] is not None:
         arguments["load"], arguments["friction_force"] = measured_pairs(options["measured"])
-    with given_deviations(options["sd"], INPUTS) as deviations:
+    with given_deviations(options["sd"], INPUTS, design.surface.material) as deviations:
         if options["calibration"] is None:
             if not deviations:
                 raise InvalidInput(
@@ -110,14 +114,14 @@ def uncertainty(design: Design, **options: Any) -> Dataset:
     "--misfit",
     default="10 %",
     show_default=True,
-    metavar="SHARE",
+    metavar="PERCENT",
     help="Largest misfit with which the target is met.",
 )
 @click.option(
     "--probability",
     default="90 %",
     show_default=True,
-    metavar="SHARE",
+    metavar="PERCENT",
     help="Wanted probability of meeting the target.",
 )
 @law_options
@@ -142,16 +146,19 @@ def combined(design: Design, **options: Any) -> Dataset:
     tolerances = mf.Tolerances(**given)
     arguments = {**law_arguments(design, options), **run_arguments(options)}
     for name in ("misfit", "probability"):
-        arguments[name] = quantity(f"--{name}", options[name], "1", "5 %")
-    with given_deviations(options["sd"], MADE) as deviations:
+        arguments[name] = quantity(f"--{name}", options[name], "%")
+    with given_deviations(options["sd"], MADE, design.surface.material) as deviations:
         return mf.studies.combined(design, tolerances, parameters=deviations or None, **arguments)
 
 
 @contextmanager
 def given_deviations(
-    given: tuple[str, ...], inputs: Mapping[str, tuple[str, str]]
+    given: tuple[str, ...], inputs: Mapping[str, tuple[str, str]], material: Material | None = None
 ) -> Iterator[dict[str, float]]:
-    """Yield the standard deviations by name; errors in the body name the option and the written unit."""
+    """Yield the standard deviations by name; errors in the body name the option and the written unit.
+
+    That of Young's modulus is yielded as that of E*, with the Poisson's ratio of the material.
+    """
     from metafem._given import error_names, printable
     from metafem.files import member_names, quantity
 
@@ -168,5 +175,23 @@ def given_deviations(
             raise InvalidInput(f"--sd {name} is given twice")
         texts[name] = value
     found = {name: quantity(f"--sd {name}", text, *inputs[name]) for name, text in texts.items()}
-    with error_names(member_names("parameters", texts, "--sd")) if texts else nullcontext():
+    names = member_names("parameters", texts, "--sd")
+    if material is not None and "young_modulus" in found:
+        found, names = _of_composite_modulus(found, names, material)
+    with error_names(names) if texts else nullcontext():
         yield found
+
+
+def _of_composite_modulus(
+    found: dict[str, float], names: ErrorNames, material: Material
+) -> tuple[dict[str, float], ErrorNames]:
+    """Return the deviations with that of E* in place of that of E, which errors still name."""
+    if "composite_modulus" in found:
+        raise InvalidInput("--sd young_modulus and --sd composite_modulus give one error twice; keep one")
+    ratio = material.composite_modulus / material.young_modulus
+    old, new = "parameters.young_modulus", "parameters.composite_modulus"
+    unit, size = names.units[old]
+    units, labels = {**names.units, new: (unit, size * ratio)}, {**names.names, new: names.names[old]}
+    young = {"young_modulus": ("composite_modulus", ratio)}
+    renamed = [(*young.get(name, (name, 1.0)), sd) for name, sd in found.items()]
+    return {name: times * sd for name, times, sd in renamed}, replace(names, units=units, names=labels)

@@ -18,7 +18,7 @@ from metafem.explorer.answer import Answer
 from metafem.explorer.certainty import band
 from metafem.explorer.certainty.band import MOST_COUPLED
 from metafem.inversion import Design
-from metafem.inversion.assessment import MISSED, REACHED, DesignStatus
+from metafem.inversion.assessment import DesignStatus
 from metafem.inversion.feasibility import ELASTIC_LIMIT
 from metafem.models import Independent
 from metafem.models.model import contact_of
@@ -32,8 +32,8 @@ from metafem.prediction.validity import (
     reference_of,
 )
 from metafem.report import fit_table, misfit_words
+from metafem.studies.largest_tolerances import ALLOWED
 from metafem.studies.sampling.slope import Slope
-from metafem.studies.summaries.tolerances import ALLOWED
 from metafem.substrate import HalfSpace
 
 
@@ -101,9 +101,9 @@ def _misfit(design: Design) -> Figure:
     name, value = misfit_words(design)
     missed = design.status is DesignStatus.MISSED
     remedy = " Move the target towards the achieved law, or widen the limits." if missed else ""
-    bound = MISSED if design.density is not None else REACHED
+    bound = design.largest_misfit
     return Figure(
-        name, value, f"at most {percent(bound, 'g')}", _judged(not missed),
+        name, value, f"at most {percent(bound, '.3g')}", _judged(not missed),
         _sentence(design.status.value) + remedy, ("law",),
     )  # fmt: skip
 
@@ -111,7 +111,7 @@ def _misfit(design: Design) -> Figure:
 def _slopes(design: Design) -> list[Figure]:
     columns, rows = fit_table(design)
     name, (loads, unit) = design.target.wording.name(), columns[0].rstrip("]").split(" [")
-    bound = MISSED if design.density is not None else REACHED
+    bound = design.largest_misfit
     found = []
     for (branch, fit), row in zip(design.fits, rows, strict=True):
         near = abs(fit.slope / branch.slope - 1.0) <= bound
@@ -119,7 +119,7 @@ def _slopes(design: Design) -> list[Figure]:
         found.append(
             Figure(
                 f"fitted {name}, {loads} {row[0]} {unit}", row[2], f"target {row[1]}", _judged(near),
-                f"It differs from the target by {row[3]}; up to {percent(bound, 'g')} counts as reached."
+                f"It differs from the target by {row[3]}; up to {percent(bound, '.3g')} counts as reached."
                 + remedy,
                 ("law",),
             )

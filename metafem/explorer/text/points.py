@@ -13,6 +13,9 @@ from metafem.explorer.text.written import ALL_DIGITS, between
 # Relative resolution of values that are copied from a table.
 EXACT = 10.0 ** (1 - ALL_DIGITS)
 
+# Optional lists with an entry for each point.
+OPTIONAL = ("weight", "relative_error")
+
 
 class PointHandles(Marks):
     """Operating points and samples: each is a handle that moves freely between its neighbours."""
@@ -79,6 +82,8 @@ class PointHandles(Marks):
         ):
             low = numbers[near[0]] if near[0] >= 0 else 0.0
             high = numbers[near[1]] if near[1] < len(numbers) else math.inf
+            if low >= high:  # samples with noise may fall
+                low, high = 0.0, math.inf
             placed, fine = between(value, low, high, resolution)
             placed = placed or resolution * numbers[0]  # of a single point
             values[name][i] = stated(placed, values[name][i], fine)
@@ -94,16 +99,17 @@ class PointHandles(Marks):
         """Return the lists of the points as they are written; those of a table replace its name."""
         section, scene = self.scene.section, self.scene
         names = self._names()
-        weight = {"weight": [*section["weight"]]} if isinstance(section.get("weight"), list) else {}
         if "file" not in section:
-            return {name: [*section[name]] for name in names} | weight
+            listed = [key for key in OPTIONAL if isinstance(section.get(key), list)]
+            return {name: [*section[name]] for name in (*names, *listed)}
         like = "1 mm^2" if names[0] == "rescaled_load" else "1 N"
         loads, frictions = self.points
         target: Any = scene.target
-        weights = target.weight.tolist()
+        weight, error = target.weight.tolist(), target.relative_error
+        more = {} if len(set(weight)) == 1 else {"weight": weight}
         return {
             "file": None,
             names[0]: [scene.load(load, like, EXACT) for load in loads],
             names[1]: [scene.friction(friction, like, EXACT) for friction in frictions],
-            **({} if len(set(weights)) == 1 else {"weight": weights}),
+            **(more if error is None else {"relative_error": error.tolist()}),
         }

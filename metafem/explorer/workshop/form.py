@@ -38,6 +38,7 @@ LABELS = {
     "friction.shear_strength": "shear strength σ",
     "friction.area_ratio": "area ratio B",
     "radii.range": "any radius within",
+    "radii.step": "step of these radii",
     "radii.mixed": "mixed radii",
     "robust.height_sd": "error of heights (SD)",
     "robust.angle": "largest tilt",

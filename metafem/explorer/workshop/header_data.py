@@ -8,12 +8,13 @@ from typing import Any
 from metafem._values import percent
 from metafem.explorer.answer import Answer
 from metafem.inversion import Design, DesignStatus
-from metafem.inversion.assessment import MISSED, REACHED, misfit_text
+from metafem.inversion.assessment import misfit_text
 
 # Words and kind of each status: "good", "warn" or neither.
 STATUS = {
     DesignStatus.EXACT: ("meets the target", "good"),
     DesignStatus.REACHED: ("meets the target", "good"),
+    DesignStatus.WITHIN_ERRORS: ("meets the target", "good"),
     DesignStatus.REFINED: ("meets the target", "good"),
     DesignStatus.APPROXIMATE: ("approximate", ""),
     DesignStatus.ROBUST: ("least expected misfit", ""),
@@ -50,7 +51,7 @@ def _status(answer: Answer) -> tuple[str, str]:
 
 def _misfit(design: Design) -> dict[str, str]:
     """Return what the misfit of a design measures and up to which value it is good, short and in full."""
-    bound = percent(MISSED if design.density is not None else REACHED, "g")
+    bound = percent(design.largest_misfit, ".3g")
     measure, meaning = design.misfit_meaning.partition(" from ")[0], design.misfit_meaning
     status = f"{design.status.value[:1].upper()}{design.status.value[1:]}"
     return {

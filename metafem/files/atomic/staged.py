@@ -21,6 +21,9 @@ from metafem.files.atomic.manifest import (
 )
 from metafem.files.atomic.replacement import NEW, refuse_foreign, replace_files
 
+# Most files that an error lists.
+MOST_NAMED = 3
+
 NOTHING: Mapping[str, bytes | None] = MappingProxyType({})
 
 
@@ -31,13 +34,14 @@ def staged(
     """Yield a temporary folder whose files become those of `folder` if the body ends without an error.
 
     It is hidden, locked for other runs of metafem, and removed if the body fails. A new folder appears by one
-    rename, which fails if a folder of that name was made in the meantime. An existing folder is refused,
-    except with `force` if it is empty or a result folder; then the files in it that metafem wrote, and no
-    others, are replaced by `replace_files`. `expected` are the names of the files that the body writes, with
-    their content if it is known: other files of these names are refused before the body runs.
+    rename, which fails if a folder of that name was made in the meantime. An existing folder is refused
+    unless it is empty, or with `force` a result folder; then the files in it that metafem wrote, and no
+    others, are replaced by `replace_files`. A link to a folder stands for that folder. `expected` are the
+    names of the files that the body writes, with their content if it is known: other files of these names
+    are refused before the body runs.
 
-    Raise InvalidInput if the folder exists, holds a changed file, is being written by another run, or cannot
-    be written; no unfinished file is left.
+    Raise InvalidInput if the folder holds files, holds a changed file, is being written by another run, or
+    cannot be written; no unfinished file is left.
     """
     target = check_free(folder, force, expected)
     inside = target.is_dir()
@@ -87,6 +91,8 @@ def check_free(
         raise InvalidInput(f"{str(target)!r:.80} is not a path: it holds a null character")
     if not target.name:
         raise InvalidInput(f"{folder} cannot be a result folder; name a new one")
+    if os.path.islink(target) and os.path.isdir(target):
+        target = target.resolve()
     _usable(target, force, expected, held=False)
     return target
 
@@ -107,15 +113,15 @@ def _check(target: Path, force: bool, expected: Mapping[str, bytes | None], held
         return
     if target.is_symlink() or not target.is_dir():
         raise InvalidInput(f"{target} is in the way and is not a folder; choose another name")
-    if not force:
-        raise InvalidInput(f"{target} exists; choose another folder, or replace it with force=True")
     sweep(target)
     if not held and (target / SUFFIX).exists():
         return  # another run may be replacing files; this is an error when the folder is claimed
-    names = [path.name for path in target.iterdir() if not path.name.endswith(SUFFIX)]
+    names = sorted(path.name for path in target.iterdir() if not path.name.endswith(SUFFIX))
     if names and MANIFEST not in names and not is_result_folder(target):
+        more = "" if len(names) <= MOST_NAMED else f" and {len(names) - MOST_NAMED} more"
         raise InvalidInput(
-            f"{target} holds no design.json of metafem, so it is not replaced; choose another folder"
+            f"{target} holds files that metafem did not write ({', '.join(names[:MOST_NAMED])}{more}), so it "
+            "is not replaced; choose another folder"
         )
     before = written(target)
     foreign = []
@@ -127,3 +133,5 @@ def _check(target: Path, force: bool, expected: Mapping[str, bytes | None], held
         if not unchanged(target / name, hashes):
             foreign.append(name)
     refuse_foreign(target, foreign, before)
+    if names and not force:
+        raise InvalidInput(f"{target} exists; choose another folder, or replace it with force=True")

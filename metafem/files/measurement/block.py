@@ -48,7 +48,7 @@ def _material(found: ContactCalibration) -> list[str]:
     if found.adhesion_energy <= 0.0:
         modulus, sd = found.modulus_without_adhesion
         comment = f"± {rounded(sd, sd)} MPa without adhesion"
-    if not found.verdict.fits:
+    if not found.verdict.law_fits:
         comment += "; the law does not fit"
     return [
         "[material]",
@@ -80,7 +80,7 @@ def _strength(shear: ShearCalibration | None, full: StrengthFit | None) -> str:
     """Return the key of the shear strength."""
     found = full if full is not None else shear
     assert found is not None
-    fits = full.verdict.fits if full is not None else found.friction_verdict.fits  # type: ignore[union-attr]
+    fits = full.verdict.law_fits if full is not None else found.friction_verdict.law_fits  # type: ignore[union-attr]
     sd = math.sqrt(found.covariance[-1, -1])
     comment = interval(found.shear_strength_interval, sd, "MPa")
     comment += ", of a surface in full contact" if full is not None else ""
@@ -94,7 +94,7 @@ def _ratio(shear: ShearCalibration | None, full: StrengthFit | None) -> str:
         assert full is not None
         return f"area_ratio = {full.area_ratio!r}  # that of the part"
     sd = math.sqrt(shear.covariance[0, 0])
-    fits = "" if shear.area_verdict.fits else "; the line does not fit"
+    fits = "" if shear.area_verdict.law_fits else "; the line does not fit"
     return (
         f"area_ratio = {rounded(shear.area_ratio, sd, 3)}  # {interval(shear.area_ratio_interval, sd)}{fits}"
     )

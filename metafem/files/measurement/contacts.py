@@ -78,7 +78,11 @@ def read_contacts(path: str | Path) -> ContactTable:
     Each image has the same contacts. The columns of the test, of the friction force, of the sites, of the
     sheared areas and of the remarks may be absent, and lengths, areas and forces may be in other units.
     """
-    table = read_table(path, HEADER)
+    return contacts_of(read_table(path, HEADER))
+
+
+def contacts_of(table: Table) -> ContactTable:
+    """Return the contact areas of a table whose columns are those of `read_contacts`."""
     columns = _columns(table)
     table.report_unread([table.header[column] for column, _ in columns.values()])
     entries = table.entries()

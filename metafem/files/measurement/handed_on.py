@@ -185,6 +185,10 @@ def _verdict(found: Verdict) -> dict[str, Any]:
         "probability": found.probability,
         "runs": found.runs,
         "runs_probability": found.runs_probability,
+        "correlation": found.correlation,
+        "correlation_probability": found.correlation_probability,
+        "largest": found.largest,
+        "largest_probability": found.largest_probability,
     }
 
 

@@ -7,6 +7,7 @@ import os
 import platform
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager
+from dataclasses import replace
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from types import MappingProxyType
@@ -21,6 +22,7 @@ from metafem.files.atomic.staged import staged
 from metafem.files.part.caps import with_alignment
 from metafem.files.part.plan import Part, PartOptions, part_notes, planned
 from metafem.files.reading import file_label, read_record
+from metafem.files.result.changes import FolderNote, compared
 from metafem.files.result.records import from_record, to_record
 from metafem.files.result.tables import heights_table, law_table, mould_table
 from metafem.files.result.vtu import write_surface
@@ -28,6 +30,7 @@ from metafem.files.specification.named_tables import RESULT_FILES
 from metafem.files.specification.read import Specification
 from metafem.inversion import Design
 from metafem.models.model import contact_of
+from metafem.notes import Note
 from metafem.progress import doing
 
 NO_PAGES: Mapping[str, str] = MappingProxyType({})
@@ -54,7 +57,7 @@ def save(
     ----------
     design : Design
     folder : str or Path
-        Does not exist yet; its parent does.
+        Does not exist yet or is empty; its parent exists.
     specification : Specification, optional
         The specification of the design; default: None.
     part : PartOptions, optional
@@ -63,13 +66,13 @@ def save(
         Names and texts of further files, for example ``{"report.html": metafem.report.page(design)}``;
         default: none.
     force : bool
-        Whether to write into an existing folder that is empty or a result folder: files that metafem wrote
-        and that were not changed are replaced, all others stay. Default: False.
+        Whether to write into an existing result folder: files that metafem wrote and that were not changed
+        are replaced, all others stay. Default: False.
 
     Raises
     ------
     InvalidInput
-        If the folder exists, holds a changed file of these names, is being written by another run or
+        If the folder holds files, holds a changed file of these names, is being written by another run or
         cannot be written, or if the part cannot be made: a summit outside ``0 < h <= R``, or caps that
         overlap or leave the block. No unfinished file is left.
 
@@ -145,6 +148,9 @@ def result_tables(design: Design, part: PartOptions) -> dict[str, str]:
 def load(folder: str | Path) -> Design:
     """Read the design of a result folder; it is equal to the saved one to the bit.
 
+    Files that were changed since are named in notes of the design. ``design.json`` counts: other files are
+    not read. If it was changed itself, law, misfit and status are those of its heights, computed anew.
+
     Parameters
     ----------
     folder : str or Path
@@ -169,6 +175,11 @@ def load(folder: str | Path) -> Design:
     ...     load(Path(parent, "result")) == design
     True
     """
+    return load_compared(folder)[0]
+
+
+def load_compared(folder: str | Path) -> tuple[Design, tuple[Note, ...]]:
+    """Return the design of `load`, and the notes on what was changed in the folder since it was written."""
     path, record = _read(folder)
     try:
         design = from_record(record.get("design"), "design")
@@ -178,7 +189,7 @@ def load(folder: str | Path) -> Design:
         raise InvalidInput(f"{file_label(path)} is damaged: it nests its values too deeply") from None
     if not isinstance(design, Design):
         raise InvalidInput(f"{file_label(path)} is damaged: it holds no design")
-    return design
+    return compared(design, Path(folder))
 
 
 def stored_hardness(folder: str | Path) -> float | None:
@@ -229,6 +240,7 @@ def _read(folder: str | Path) -> tuple[Path, dict[str, Any]]:
 def _record(
     design: Design, specification: Specification | None, part: Part | None, options: PartOptions
 ) -> dict[str, Any]:
+    kept = tuple(note for note in design.notes if not isinstance(note, FolderNote))
     return {
         "format": FORMAT,
         "versions": versions(),
@@ -244,7 +256,7 @@ def _record(
         },
         "part": None if part is None else part.record(),
         "notes": [note.text for note in part_notes(part, options)],
-        "design": to_record(design),
+        "design": to_record(replace(design, notes=kept)),
     }
 
 

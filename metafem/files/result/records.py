@@ -112,10 +112,16 @@ def _earlier_law(record: Mapping[str, Any]) -> dict[str, Any]:
     return {**{key: value for key, value in record.items() if key not in ("load", "stiffness")}, **rescaled}
 
 
+def _earlier_range(record: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a range of radii's record; before it had a step any radius was possible."""
+    return {"step": None, **record}
+
+
 # What makes a record of an earlier version one of today.
 EARLIER: Mapping[str, Callable[[Mapping[str, Any]], dict[str, Any]]] = {
     "LinearLaw": _earlier_line,
     "Design": _earlier_design,
+    "RadiusRange": _earlier_range,
     "FrictionLaw": _earlier_law,
 }
 

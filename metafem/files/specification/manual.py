@@ -19,9 +19,9 @@ HEAD = """\
 # `metafem spec --schema` prints the JSON schema, by which an editor completes keys and marks errors.
 # The misfit of a design is the rms of the relative difference between the law and the target or, if larger,
 # the largest relative error of a fitted slope. For operating points, and for linear and bilinear laws with a
-# load_range, it is the largest relative error. Above 1 % the target is missed. Linear and bilinear laws
-# without a load_range are compared with the law of their height density: above 1 % a note says so,
-# above 10 % the target is missed.
+# load_range, it is the largest relative error. Above 1 % (and the errors of samples) the target is missed.
+# Linear and bilinear laws without a load_range are compared with the law of their height density: above 1 %
+# a note says so, above 10 % the target is missed.
 """
 
 # Column of the comments, past most examples.

@@ -14,6 +14,7 @@ from metafem._given import printable, shown
 from metafem.errors import InvalidInput
 from metafem.files.columns import COLUMNS, TARGET, columns_of
 from metafem.files.reading import TABLE, file_label, read_bytes
+from metafem.files.samples import samples_of
 from metafem.files.units import converted
 
 # Files of a design in its result folder, which also holds a copy of the table.
@@ -110,7 +111,8 @@ def with_columns(label: str, section: dict[str, Any], source: Source) -> tuple[d
     if twice:
         raise InvalidInput(f"{label}.file and {label}.{twice[0]} both give the {columns.what}; keep one")
     title, content = source(f"{label}.file", name)
-    return {**rest, **columns_of(title, content, columns)}, content
+    entries = samples_of(title, content) if columns is TARGET else columns_of(title, content, columns)
+    return {**rest, **entries}, content
 
 
 def _refuse_no_file(key: str, name: str) -> None:
@@ -162,8 +164,8 @@ def _naming_copy(text: str, place: tuple[str, ...], section: dict[str, Any], cop
 
 def measured_pairs(path: str | Path) -> tuple[list[float], list[float]]:
     """Return the loads and friction forces [N] of a table, whose loads increase."""
-    samples = columns_of(file_label(path), read_bytes(path, TABLE), TARGET)
-    if "load" not in samples:
+    samples = samples_of(file_label(path), read_bytes(path, TABLE))
+    if "load" not in samples or "friction_force" not in samples:
         raise InvalidInput(f"{printable(str(path))} must hold forces; name its columns {TARGET.example}")
     load, force = ([converted(text, "N") for text in samples[name]] for name in ("load", "friction_force"))
     return load, force

@@ -83,6 +83,9 @@ class RadiiSection(Section):
     range: Annotated[
         tuple[Radius, Radius] | None, says("or: smallest and largest radius", ["200 um", "800 um"])
     ] = None
+    step: Annotated[
+        Radius | None, says("with range: radii between are multiples of it; default: 10 um", "10 um")
+    ] = None
     mixed: Annotated[Whether, says("a radius for each asperity instead of one for all", True)] = False
 
     @field_validator("range")
@@ -100,7 +103,11 @@ class RadiiSection(Section):
 
     def radii(self) -> RadiusRange | tuple[float, ...]:
         """Return the range, or the tools."""
-        return tuple(self.tools or ()) if self.range is None else RadiusRange(*self.range)
+        if self.range is None:
+            if self.step is not None:
+                raise InvalidInput("radii.step needs radii.range: tools are used as they are")
+            return tuple(self.tools or ())
+        return RadiusRange(*self.range, *(() if self.step is None else (self.step,)))
 
 
 class SitesSection(Section):

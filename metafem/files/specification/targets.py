@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, ClassVar, Literal
 
+import numpy as np
 from pydantic import BeforeValidator, model_validator
 
 from metafem import _validate as check
@@ -43,9 +44,19 @@ Load = Annotated[Any, BeforeValidator(Reader(given_load, ("mm^2", "N")))]
 Crossover = Annotated[Any, BeforeValidator(Reader(_crossover, ("mm^2", "N"), pairs=True))]
 
 
+# Targets that take points, and the keys of the points.
+Kind = type[OperatingPoints] | type[SampledLaw]
+CURVE_KEYS = ("rescaled_load", "load", "rescaled_friction", "friction_force")
+
+
 class CurveSection(Section):
     """Points of a law: rescaled values, or forces."""
 
+    # keys that are given together
+    pairs: ClassVar[tuple[tuple[str, ...], ...]] = (
+        ("rescaled_load", "rescaled_friction"),
+        ("load", "friction_force"),
+    )
     choices: ClassVar[Choices] = (("rescaled_load", "rescaled_friction"), ("load", "friction_force"))
 
     rescaled_load: Annotated[list[Area] | None, says("either: P/E*, increasing", LOADS)] = None
@@ -59,21 +70,22 @@ class CurveSection(Section):
 
     @model_validator(mode="after")
     def _one_pair(self) -> CurveSection:
-        rescaled = (self.rescaled_load is not None, self.rescaled_friction is not None)
-        forces = (self.load is not None, self.friction_force is not None)
-        if sorted((rescaled, forces)) != [(False, False), (True, True)]:
-            raise InvalidInput(
-                "needs rescaled_load and rescaled_friction [mm^2], or load and friction_force [N]"
-            )
+        given = tuple(key for key in CURVE_KEYS if getattr(self, key) is not None)
+        if given not in self.pairs:
+            raise InvalidInput(f"needs {', or '.join(map(' and '.join, self.pairs))}")
         return self
 
-    def points(self, material: Material, friction: Friction | None) -> OperatingPoints:
-        """Return the points, rescaled."""
+    def law(self, kind: Kind, material: Material, friction: Friction | None, **more: Any) -> Target:
+        """Return the target of a class of points."""
         if self.load is None:
-            return OperatingPoints(self.rescaled_load or [], self.rescaled_friction or [])
+            return kind(self.rescaled_load or [], self.rescaled_friction or [], **more)
+        if self.friction_force is None:  # areas that were measured at loads in newtons
+            modulus = material.composite_modulus
+            load = np.array(self.load) / modulus
+            return kind(load, self.rescaled_friction or [], **more, wording=Wording(modulus))
         if friction is None:
             raise InvalidInput("load and friction_force need [friction] with shear_strength")
-        return OperatingPoints.from_forces(self.load, self.friction_force or [], material, friction)
+        return kind.from_forces(self.load, self.friction_force, material, friction, **more)
 
 
 class PointsSection(CurveSection):
@@ -83,7 +95,7 @@ class PointsSection(CurveSection):
 
     def target(self, material: Material, friction: Friction | None) -> Target:
         """Return the target of these keys."""
-        return self.points(material, friction)
+        return self.law(OperatingPoints, material, friction)
 
 
 class SampledSection(CurveSection):
@@ -93,17 +105,28 @@ class SampledSection(CurveSection):
     """
 
     kind: Literal["sampled"]
+    pairs = (*CurveSection.pairs, ("load", "rescaled_friction"))
     choices = (*CurveSection.choices, ("file",))
-    weight: Annotated[list[Number] | None, says("of each sample; default: equal weights", [1.0, 2.0])] = None
+    weight: Annotated[
+        list[Number] | None, says("of each sample; default: 1/relative_error², or equal", [1.0, 2.0])
+    ] = None
+    relative_error: Annotated[
+        list[Number] | None,
+        says("standard deviation of each friction; the misfit may be 1 % plus their rms", [0.01, 0.02]),
+    ] = None
     file: Annotated[
         str | None,
-        says("or: a table with columns such as load_N,friction_force_N and optionally weight", "wanted.csv"),
+        says(
+            "or: a table as `metafem compare` reads it, such as load_N,friction_force_N with "
+            "friction_force_sd_N",
+            "wanted.csv",
+        ),
     ] = None
 
     def target(self, material: Material, friction: Friction | None) -> Target:
         """Return the target of these keys."""
-        points = self.points(material, friction)
-        return SampledLaw(points.rescaled_load, points.rescaled_friction, self.weight, points.wording)
+        more = {"weight": self.weight, "relative_error": self.relative_error}
+        return self.law(SampledLaw, material, friction, **more)
 
 
 class PowerSection(Section):
@@ -175,8 +198,9 @@ class MultilinearSection(StraightSection):
         if self.friction_coefficients is None:
             given = [*self.load_range, *(load for pair in self.crossover_loads for load in pair)]
             return MultilinearLaw(self.slopes or [], crossovers, ends, self.told_in(material, given))
-        pair = self.pair(material, friction, "friction_coefficients")
-        return MultilinearLaw.from_friction_coefficients(self.friction_coefficients, crossovers, ends, *pair)
+        wording = Wording.of(*self.pair(material, friction, "friction_coefficients"))
+        slopes = wording.given_slopes(self.friction_coefficients, None)
+        return MultilinearLaw(slopes, crossovers, ends, wording)
 
 
 class LinearSection(StraightSection):
@@ -198,8 +222,10 @@ class LinearSection(StraightSection):
         ends = rescaled_range(self.load_range, material)
         if self.friction_coefficient is None:
             return LinearLaw(self.slope or 0.0, ends, self.told_in(material, self.load_range or []))
-        pair = self.pair(material, friction, "friction_coefficient")
-        return LinearLaw.from_friction_coefficient(self.friction_coefficient, *pair, ends)
+        law = LinearLaw.from_friction_coefficient(
+            self.friction_coefficient, *self.pair(material, friction, "friction_coefficient")
+        )
+        return LinearLaw(law.slope, ends, law.wording)
 
 
 class BilinearSection(StraightSection):
@@ -227,5 +253,5 @@ class BilinearSection(StraightSection):
         if self.friction_coefficients is None:
             told_in = self.told_in(material, [self.crossover_load, *(self.load_range or [])])
             return BilinearLaw(self.slopes or [], crossover, ends, told_in)
-        pair = self.pair(material, friction, "friction_coefficients")
-        return BilinearLaw.from_friction_coefficients(self.friction_coefficients, crossover, *pair, ends)
+        wording = Wording.of(*self.pair(material, friction, "friction_coefficients"))
+        return BilinearLaw(wording.given_slopes(self.friction_coefficients, 2), crossover, ends, wording)

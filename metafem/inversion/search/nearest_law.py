@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -124,13 +124,23 @@ def nearest_law(task: LawSearch, radii: Radii) -> NearestLaw:
     mixing = Asperities(task.span, task.count, tools, depth)
     relaxed = between.nearest(task, starts, options.continuous_restarts)
     if ranged and relaxed.misfit <= task.goal:
-        return relaxed
+        relaxed = _on_steps(relaxed, task, replace(between, radii=radii))
+        if relaxed.misfit <= task.goal:
+            return relaxed
     rounded = (relaxed.height, tools.nearest(relaxed.radius))
     mixed = mixing.nearest(task, [rounded, *starts], options.mixed_restarts * task.restarts)
     found = [mixed, best]
     if ranged:  # the extreme radii can have a smaller misfit, and radii near them a smaller one still
-        found.append(between.nearest(task, [(mixed.height, mixed.radius)], options.continuous_restarts))
+        free = between.nearest(task, [(mixed.height, mixed.radius)], options.continuous_restarts)
+        found += [_on_steps(each, task, replace(between, radii=radii)) for each in (free, relaxed)]
     return min(found, key=lambda each: each.misfit)
+
+
+def _on_steps(found: NearestLaw, task: LawSearch, stepped: Asperities) -> NearestLaw:
+    """Return the asperities with their radii on the steps of a range, and heights searched anew for these."""
+    if stepped.radii.continuous:
+        return found
+    return stepped.nearest(task, [(found.height, found.radius)], 0)
 
 
 @dataclass(frozen=True)
@@ -196,7 +206,7 @@ class Asperities:
             at = contacts(law, depth, size)
             area_slope = law.area_slope(at.contact_radius, size)
             slope = area_slope.sum(axis=1) / at.stiffness.sum(axis=1)
-            if self.radii.tools is not None:
+            if not self.radii.continuous:
                 by_radius = np.zeros(depth.shape)
             elif law.similar:
                 by_radius = 2.0 * at.area - depth * area_slope

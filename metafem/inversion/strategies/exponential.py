@@ -5,29 +5,25 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.optimize import brentq
 
 from metafem._validate import FloatArray, IntArray
 from metafem.errors import Infeasible
-from metafem.inversion.bounds import at_load
 from metafem.inversion.candidate import Branch, Candidate, Parameter
 from metafem.inversion.feasibility import INSIDE
 from metafem.inversion.height_density import (
     FINEST_SCALE_IN_SD,
-    TIGHTEST,
     PiecewiseExponential,
     TruncatedExponential,
-    TwoBranchExponential,
     equal_masses,
     scale_from_slope,
     uniform_slope,
 )
 from metafem.inversion.limits import Limits
 from metafem.inversion.strategies.mixture import Mixture, best_mixture
+from metafem.inversion.strategies.two_branches import two_branches
 from metafem.inversion.targets.target_law import TargetLaw
 from metafem.models.model import PARABOLOID
 from metafem.notes import Note
@@ -91,7 +87,7 @@ def _linear(target: LinearLaw, mixture: Mixture, limits: Limits) -> Candidate:
 def _bilinear(target: BilinearLaw, mixture: Mixture, limits: Limits) -> Candidate:
     (first, second), count = target.slopes, mixture.count
     scale = _scale(first, mixture, limits, target, lambda slope: replace(target, slopes=(slope, second)))
-    density = _two_branches(target, scale, mixture, limits)
+    density = two_branches(target, TruncatedExponential(scale, limits.span), mixture)
     upper = min(max(round(count * density.upper_mass), 1), count - 1)  # N_1 of regime 1, h > h_c
     middle, top = density.crossover_height, limits.span
     parts = _middles(density, middle, top, upper), _middles(density, 0.0, middle, count - upper)
@@ -196,82 +192,6 @@ def _scale(
             with_slope(reached) if reached > bound * (1.0 + INSIDE) else None,
         )
     return scale_from_slope(slope, mixture.radius, limits.span, mixture.law)
-
-
-def _two_branches(
-    target: BilinearLaw, scale: float, mixture: Mixture, limits: Limits
-) -> TwoBranchExponential:
-    """Solve eq. S8 for u and h_c.
-
-    P_c is proportional to the weight u, so the crossover load fixes u for each h_c; m_2 then fixes h_c.
-    """
-    single, count, carrying = (mixture.radius, mixture.law), mixture.count, mixture.carrying
-    (first, second), crossover, top = target.slopes, target.crossover_load, limits.span
-    wording = target.wording
-    plain = TruncatedExponential(scale, top)
-    full_load = float(plain.rescaled_load(0.0, carrying, *single))
-    if crossover >= full_load:
-        raise Infeasible(
-            f"crossover_load = {wording.loads(crossover)} is outside the law of {wording.slopes(first)}, "
-            f"which ends at {wording.loads(full_load)} where the plane reaches the lowest asperity",
-            replace(target, slopes=(first, first / 0.75), crossover_load=0.5 * full_load),
-        )
-
-    # Where all the mass lies above a crossover height that is `depth` below the top, each asperity carries
-    # less than at that depth: the smallest depth. Beyond it the mass above decreases with the depth.
-    shallow = float(at_load(mixture.law, np.array([crossover / carrying]), mixture.radius)[0][0])
-    if float(plain.rescaled_load(top - shallow, carrying, *single)) == 0.0:
-        raise Infeasible(
-            f"{wording.slopes(first)} puts so few asperities near the top that double precision resolves no "
-            f"load at the crossover; lower the {wording.name()}"
-        )
-
-    def weight(middle: float) -> float:
-        return crossover / float(plain.rescaled_load(middle, carrying, *single))  # eq. S8, P_c/E*
-
-    def upper_mass(depth: float) -> float:
-        return weight(top - depth) * float(plain.mass(top - depth, top))
-
-    deepest = top * (1.0 - INSIDE)
-    ends = []
-    for share in (1.0 - 0.5 / count, 0.5 / count):  # each branch keeps at least half an asperity
-        if upper_mass(deepest) >= share:
-            ends.append(deepest)
-        elif upper_mass(shallow) <= share:
-            ends.append(shallow)
-        else:
-            excess = partial(lambda share, depth: upper_mass(depth) - share, share)
-            ends.append(float(brentq(excess, shallow, deepest, xtol=TIGHTEST * top, rtol=TIGHTEST)))
-    shallowest, deepest = ends
-
-    def density(depth: float) -> TwoBranchExponential:
-        return TwoBranchExponential(scale, top, top - depth, weight(top - depth))
-
-    def second_slope(depth: float) -> float:
-        return density(depth).asymptotic_slopes(*single)[1]  # eq. S8, m_2
-
-    low, high = second_slope(shallowest), second_slope(deepest)
-    if not low < high:
-        raise Infeasible(
-            f"with crossover_load = {wording.loads(crossover)} one of the branches has fewer than 1 of "
-            f"{count} asperities; the law of {wording.slopes(first)} ends at {wording.loads(full_load)}: "
-            "move the crossover towards its middle, or use more asperities",
-            replace(target, slopes=(first, first / 0.75), crossover_load=0.5 * full_load),
-        )
-    if not low <= second <= high:
-        name = wording.name()
-        inside = min(max(second, low * (1.0 + INSIDE)), high * (1.0 - INSIDE))
-        raise Infeasible(
-            f"{wording.keys[1]}[1] = {wording.coefficient(second):g} cannot follow a branch of "
-            f"{wording.slopes(first)} up to {wording.loads(crossover)} with {count} asperities: the "
-            f"second {name} can be from {wording.slope_bound(low, up=True)} to "
-            f"{wording.slope_bound(high, up=False)}",
-            replace(target, slopes=(first, inside)),
-        )
-    depth = brentq(  # eq. S8 for h_c: m_2 is the second slope
-        lambda depth: second_slope(depth) - second, shallowest, deepest, xtol=TIGHTEST * top, rtol=TIGHTEST
-    )
-    return density(float(depth))
 
 
 def _notes(scale: float, mixture: Mixture, limits: Limits, wording: Wording) -> tuple[Note, ...]:

@@ -19,7 +19,7 @@ def candidate(
 ) -> Candidate:
     """Return heights and radii whose independent law is nearest to the target."""
     law, limits, options = target.curve(), problem.limits, problem.options
-    guesses = target.guesses(law, problem.bounds.region(law.load), options.level_fractions)
+    guesses = target.guesses(law, problem.bounds, options.level_fractions)
     most = options.restarts if restarts is None else restarts
     task = LawSearch(
         problem.independent, law.load, law.late_residual, guesses, problem.count, limits.span, most, rng,

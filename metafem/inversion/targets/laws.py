@@ -13,31 +13,22 @@ from metafem import _validate as check
 from metafem._calls import checked_class
 from metafem._validate import FloatArray
 from metafem._values import Value
-from metafem.errors import Infeasible, InvalidInput
+from metafem.errors import Infeasible
 from metafem.inversion.bounds import ROUNDING
-from metafem.inversion.feasibility import broken_bound, margin_words, refuse_load
+from metafem.inversion.feasibility import broken_sample, margin_words, refuse_load
 from metafem.inversion.strategies import operating_points, sampled
-from metafem.inversion.targets.target import Bounds, LoadRange, Target
+from metafem.inversion.targets.target import Target
 from metafem.inversion.targets.target_law import TargetLaw
-from metafem.inversion.targets.wording import RESCALED, Wording, in_title
+from metafem.inversion.targets.wording import RESCALED, LoadRange, Wording
 from metafem.surface import Friction, Material
 
 if TYPE_CHECKING:
+    from metafem.inversion.bounds import Bounds
     from metafem.inversion.candidate import Parameter
     from metafem.inversion.problem import Problem
 
 # Number of loads at which a power law is compared.
 POINTS = 30
-
-
-def _points(rescaled_load: ArrayLike, rescaled_friction: ArrayLike) -> dict[str, FloatArray]:
-    """Return checked loads and frictions (k,), both increasing."""
-    load = check.array("rescaled_load", rescaled_load, shape=(None,))
-    friction = check.array("rescaled_friction", rescaled_friction, shape=(len(load),))
-    return {
-        "rescaled_load": check.increasing("rescaled_load", load),
-        "rescaled_friction": check.increasing("rescaled_friction", friction),
-    }
 
 
 @checked_class
@@ -71,7 +62,11 @@ class OperatingPoints(Value, Target):
     def __init__(
         self, rescaled_load: ArrayLike, rescaled_friction: ArrayLike, wording: Wording = RESCALED
     ) -> None:
-        self._set(wording, **_points(rescaled_load, rescaled_friction))
+        load = check.array("rescaled_load", rescaled_load, shape=(None,))
+        friction = check.array("rescaled_friction", rescaled_friction, shape=(len(load),))
+        load = check.increasing("rescaled_load", load)
+        friction = check.increasing("rescaled_friction", friction)
+        self._set(wording, rescaled_load=load, rescaled_friction=friction)
 
     @classmethod
     def from_forces(
@@ -96,92 +91,6 @@ class OperatingPoints(Value, Target):
         return TargetLaw.fixed(self.rescaled_load, self.rescaled_friction, pointwise=True)
 
     candidate = operating_points.candidate
-
-
-@checked_class
-@dataclass(frozen=True, eq=False, init=False, repr=False)
-class SampledLaw(Value, Target):
-    """A law given by samples; the design minimises the squared relative differences.
-
-    Parameters
-    ----------
-    rescaled_load : array_like, (k,)
-        P/E* [mm^2], positive and increasing.
-    rescaled_friction : array_like, (k,)
-        F/(sigma B) [mm^2], positive and increasing.
-    weight : array_like, (k,), optional
-        Positive weights of the squared relative differences; default: equal.
-
-    Raises
-    ------
-    InvalidInput
-        For arrays of different length, values that are not finite, samples that do not increase, and
-        weights that are not positive.
-
-    Examples
-    --------
-    >>> law = SampledLaw([0.1, 0.2, 0.3], [0.9, 1.6, 2.2])
-    >>> law.weight
-    array([1., 1., 1.])
-    """
-
-    rescaled_load: FloatArray
-    rescaled_friction: FloatArray
-    weight: FloatArray
-    wording: Wording = field(default=RESCALED, compare=False, repr=False)
-
-    def __init__(
-        self,
-        rescaled_load: ArrayLike,
-        rescaled_friction: ArrayLike,
-        weight: ArrayLike | None = None,
-        wording: Wording = RESCALED,
-    ) -> None:
-        points = _points(rescaled_load, rescaled_friction)
-        count = len(points["rescaled_load"])
-        weights = check.array("weight", np.ones(count) if weight is None else weight, shape=(count,))
-        if weights.min() <= 0.0:
-            i = int(weights.argmin())
-            raise InvalidInput(f"weight[{i}] = {weights[i]:g} must be greater than 0")
-        self._set(wording, **points, weight=weights)
-
-    @classmethod
-    def from_forces(
-        cls, load: ArrayLike, friction_force: ArrayLike, material: Material, friction: Friction
-    ) -> SampledLaw:
-        """Samples from loads P and friction forces F, both (k,) [N], of a material pair."""
-        wording = Wording.of(material, friction)
-        return cls(*wording.rescaled(load, friction_force), wording=wording)
-
-    @property
-    def title(self) -> str:
-        """The target in one line."""
-        return f"Friction law given by {len(self.rescaled_load)} samples"
-
-    @property
-    def last_load(self) -> float:
-        """Last rescaled load of the target [mm^2]."""
-        return float(self.rescaled_load[-1])
-
-    def curve(self) -> TargetLaw:
-        """Return the samples with their weights."""
-        return TargetLaw.fixed(self.rescaled_load, self.rescaled_friction, self.weight)
-
-    def refuse(self, problem: Problem, margin: float) -> None:
-        """Raise Infeasible for samples that break a bound by more than a margin (relative)."""
-        load, friction, wording = self.rescaled_load, self.rescaled_friction, self.wording
-        refuse_load(float(load[-1]), problem, wording)
-        broken = broken_bound(load, friction, problem.bounds, margin)
-        if broken is not None:
-            i, words, bound, nearest = broken
-            raise Infeasible(
-                f"sample {i + 1} (load {wording.loads(load[i])}, friction {wording.frictions(friction[i])}) "
-                f"is {words}, {wording.frictions(bound)}, for any surface of {problem.radii}"
-                f"{margin_words(margin)}",
-                SampledLaw(load, nearest, self.weight, wording),
-            )
-
-    candidate = sampled.candidate
 
 
 @checked_class
@@ -241,9 +150,13 @@ class PowerLaw(Target):
     @property
     def title(self) -> str:
         """The target in one line."""
-        return in_title(
-            f"Power law of exponent {self.exponent:.4g} from {self.wording.loads(*self.load_range)}"
-        )
+        loads = self.wording.title_loads(*self.load_range)
+        return f"Power law of exponent {self.exponent:.4g} from {loads}"
+
+    @property
+    def marked_loads(self) -> dict[str, tuple[tuple[float, ...], ...]]:
+        """The range of loads."""
+        return {"load range": (self.load_range,)}
 
     @property
     def last_load(self) -> float:
@@ -262,8 +175,8 @@ class PowerLaw(Target):
         """Return powers with several prefactors between the bounds where the prefactor is free."""
         if self.prefactor is not None:
             return [law.base]
-        (low, high), shape = bounds, law.free[:, 0]
-        least, most = float((low / shape).max()), float((high / shape).min())
+        shape = law.free[:, 0]
+        least, most = _levels(bounds.region(law.load), shape)
         return [shape * least * (most / least) ** fraction for fraction in fractions]
 
     def open_parameters(self, law: TargetLaw, area: FloatArray) -> dict[str, Parameter]:
@@ -285,8 +198,19 @@ class PowerLaw(Target):
                 f"{margin_words(margin)}",
                 PowerLaw(min(max(self.exponent, least), most), self.load_range, wording=wording),
             )
-        if self.prefactor is not None:
-            load = np.array(self.load_range)
-            SampledLaw(load, self.prefactor * load**self.exponent, wording=wording).refuse(problem, margin)
+        if self.prefactor is None:
+            return
+        load = np.array(self.load_range)
+        point = f"prefactor = {self.prefactor:g}: the friction at {{1}}, {{2}},"
+        friction = self.prefactor * load**self.exponent
+        broken = broken_sample(load, friction, problem, wording, margin, point)
+        if broken:  # a prefactor within the bounds need not be met
+            raise Infeasible(f"{broken}; without prefactor the design chooses it")
 
     candidate = sampled.candidate
+
+
+def _levels(bounds: tuple[FloatArray, FloatArray], shape: FloatArray) -> tuple[float, float]:
+    """Return the smallest and largest factor of a law (k,) that lies between two others."""
+    low, high = bounds
+    return float((low / shape).max()), float((high / shape).min())

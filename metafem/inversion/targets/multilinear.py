@@ -17,12 +17,13 @@ from metafem.errors import Infeasible, InvalidInput
 from metafem.inversion.bounds import ROUNDING
 from metafem.inversion.feasibility import margin_words, refuse_load
 from metafem.inversion.strategies import sampled
-from metafem.inversion.targets.target import Bounds, LoadRange, Target
+from metafem.inversion.targets.target import Target
 from metafem.inversion.targets.target_law import TargetLaw
-from metafem.inversion.targets.wording import RESCALED, Wording
+from metafem.inversion.targets.wording import RESCALED, LoadRange, Wording
 from metafem.surface import Friction, Material
 
 if TYPE_CHECKING:
+    from metafem.inversion.bounds import Bounds
     from metafem.inversion.candidate import Parameter
     from metafem.inversion.problem import Problem
 
@@ -75,7 +76,7 @@ class MultilinearLaw(Target):
                 f"loads for {len(values)} {wording.keys[1]}"
             )
         ends = check.interval("load_range", load_range)
-        pairs = tuple(_crossover(i, given) for i, given in enumerate(crossover_loads))
+        pairs = tuple(_crossover(f"crossover_loads[{i}]", given) for i, given in enumerate(crossover_loads))
         path = [ends[0], *(load for pair in pairs for load in pair), ends[1]]
         for i in range(0, len(path), 2):
             if not path[i] < path[i + 1]:
@@ -89,18 +90,21 @@ class MultilinearLaw(Target):
     def from_friction_coefficients(
         cls,
         friction_coefficients: ArrayLike,
-        crossover_loads: Sequence[object],
-        load_range: ArrayLike,
+        crossover_loads_N: Sequence[object],
+        load_range_N: ArrayLike,
         material: Material,
         friction: Friction,
     ) -> MultilinearLaw:
         """Law of friction coefficients dF/dP [-] of a material pair, one for each branch.
 
-        Titles and messages state friction coefficients and newtons.
+        The crossover loads, or pairs of them, and the range are loads P [N], not P/E* [mm^2]. Titles and
+        messages state friction coefficients and newtons.
         """
         wording = Wording.of(material, friction)
         slopes = wording.given_slopes(friction_coefficients, None)
-        return cls(slopes, crossover_loads, load_range, wording)
+        pairs = (_crossover(f"crossover_loads_N[{i}]", given) for i, given in enumerate(crossover_loads_N))
+        crossovers = [tuple(map(wording.from_newtons, pair)) for pair in pairs]
+        return cls(slopes, crossovers, wording.range_from_newtons(load_range_N) or (), wording)
 
     @classmethod
     def from_forces(
@@ -125,6 +129,13 @@ class MultilinearLaw(Target):
     def last_load(self) -> float:
         """Last rescaled load of the target [mm^2]."""
         return self.load_range[1]
+
+    @property
+    def marked_loads(self) -> dict[str, tuple[tuple[float, ...], ...]]:
+        """The crossovers and the range of loads."""
+        crossovers = tuple((low,) if low == high else (low, high) for low, high in self.crossover_loads)
+        found = {"crossover": crossovers, "load range": (self.load_range,)}
+        return {name: loads for name, loads in found.items() if loads}
 
     @property
     def branches(self) -> tuple[tuple[float, LoadRange], ...]:
@@ -162,7 +173,7 @@ class MultilinearLaw(Target):
 
     def guesses(self, law: TargetLaw, bounds: Bounds, fractions: tuple[float, ...]) -> list[FloatArray]:
         """Return the branches with several intercepts of the first group between the bounds."""
-        (low, high), found = bounds, []
+        (low, high), found = bounds.region(law.load), []
         for fraction in fractions:
             guess = np.empty_like(law.load)
             for column in range(law.free.shape[1]):
@@ -212,8 +223,8 @@ class MultilinearLaw(Target):
     candidate = sampled.candidate
 
 
-def _crossover(i: int, given: object) -> LoadRange:
-    name = f"crossover_loads[{i}]"
+def _crossover(name: str, given: object) -> LoadRange:
+    """Return the checked loads of a crossover, twice the same for one load."""
     if check.scalar(given):
         load = check.number(name, given, above=0.0)
         return load, load

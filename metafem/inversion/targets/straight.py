@@ -14,9 +14,9 @@ from metafem._calls import checked_class
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.inversion.strategies import exponential, proportional, sampled
-from metafem.inversion.targets.target import LoadRange, Target
+from metafem.inversion.targets.target import Target
 from metafem.inversion.targets.target_law import TargetLaw
-from metafem.inversion.targets.wording import RESCALED, Wording, in_title
+from metafem.inversion.targets.wording import RESCALED, LoadRange, Wording
 from metafem.surface import Friction, Material
 
 if TYPE_CHECKING:
@@ -46,6 +46,14 @@ class StraightLaw(Target):
         low, high = self.load_range
         ends = [low, *(start for _, start in self.lines[1:]), high]
         return tuple((slope, part) for (slope, _), part in zip(self.lines, pairwise(ends), strict=True))
+
+    @property
+    def marked_loads(self) -> dict[str, tuple[tuple[float, ...], ...]]:
+        """Crossovers, and the range of loads over which the target is the lines."""
+        crossovers = tuple((start,) for _, start in self.lines[1:])
+        ends = () if self.load_range is None else (self.load_range,)
+        found = {"crossover": crossovers, "load range": ends}
+        return {name: loads for name, loads in found.items() if loads}
 
     def line(self, rescaled_load: FloatArray) -> FloatArray:
         """Return the friction of the lines at rescaled loads, (k,) [mm^2]."""
@@ -125,16 +133,16 @@ class LinearLaw(StraightLaw):
         friction_coefficient: float,
         material: Material,
         friction: Friction,
-        load_range: ArrayLike | None = None,
+        load_range_N: ArrayLike | None = None,
     ) -> LinearLaw:
         """Law of a friction coefficient mu [-] of a material pair, ``m = mu E* / (sigma B)``.
 
-        With a `load_range`, ``F = mu P`` over it. Titles and messages state friction coefficients and
-        newtons.
+        With a range of loads P [N], ``F = mu P`` over it. Titles and messages state friction coefficients
+        and newtons.
         """
         wording = Wording.of(material, friction)
         mu = check.number("friction_coefficient", friction_coefficient, above=0.0)
-        return cls(wording.slope(mu), load_range, wording)
+        return cls(wording.slope(mu), wording.range_from_newtons(load_range_N), wording)
 
     @classmethod
     def from_forces(
@@ -156,7 +164,7 @@ class LinearLaw(StraightLaw):
         words = self.wording.slopes(self.slope)
         if self.load_range is None:
             return f"Linear friction law of {words}"
-        return f"Friction proportional to load: {words} from {in_title(self.wording.loads(*self.load_range))}"
+        return f"Friction proportional to load: {words} from {self.wording.title_loads(*self.load_range)}"
 
     @property
     def lines(self) -> tuple[tuple[float, float], ...]:
@@ -217,18 +225,21 @@ class BilinearLaw(StraightLaw):
     def from_friction_coefficients(
         cls,
         friction_coefficients: ArrayLike,
-        crossover_load: float,
+        crossover_load_N: float,
         material: Material,
         friction: Friction,
-        load_range: ArrayLike | None = None,
+        load_range_N: ArrayLike | None = None,
     ) -> BilinearLaw:
         """Law of two friction coefficients dF/dP [-] of a material pair, below and above the crossover.
 
-        Titles and messages state friction coefficients and newtons.
+        The crossover load and the range are loads P [N], not P/E* [mm^2]. Titles and messages state friction
+        coefficients and newtons.
         """
         wording = Wording.of(material, friction)
         slopes = wording.given_slopes(friction_coefficients, 2)
-        return cls(slopes, crossover_load, load_range, wording)
+        crossover = check.number("crossover_load_N", crossover_load_N, above=0.0)
+        ends = wording.range_from_newtons(load_range_N)
+        return cls(slopes, wording.from_newtons(crossover), ends, wording)
 
     @classmethod
     def from_forces(
@@ -252,7 +263,7 @@ class BilinearLaw(StraightLaw):
         words = f"Bilinear friction law of {self.wording.slopes(*self.slopes)}"
         if self.load_range is None:
             return words
-        return f"{words} through the origin from {in_title(self.wording.loads(*self.load_range))}"
+        return f"{words} through the origin from {self.wording.title_loads(*self.load_range)}"
 
     @property
     def lines(self) -> tuple[tuple[float, float], ...]:

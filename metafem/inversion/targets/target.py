@@ -8,17 +8,14 @@ import numpy as np
 
 from metafem import _validate as check
 from metafem._validate import FloatArray
+from metafem.errors import InvalidInput
 from metafem.inversion.targets.target_law import TargetLaw
-from metafem.inversion.targets.wording import Wording
+from metafem.inversion.targets.wording import LoadRange, Wording
 
 if TYPE_CHECKING:
+    from metafem.inversion.bounds import Bounds
     from metafem.inversion.candidate import Candidate, Parameter
     from metafem.inversion.problem import Problem
-
-LoadRange = tuple[float, float]
-
-# Lowest and highest friction (k,) [mm^2].
-Bounds = tuple[FloatArray, FloatArray]
 
 
 class Target:
@@ -52,12 +49,26 @@ class Target:
         """Slope [-] and range of rescaled loads [mm^2] of each straight branch."""
         return ()
 
+    @property
+    def marked_loads(self) -> dict[str, tuple[tuple[float, ...], ...]]:
+        """Crossovers and ranges of the target: loads, and pairs of them [mm^2]."""
+        return {}
+
     def curve(self) -> TargetLaw:
         """Return the law at the loads at which a design is compared with it."""
         raise NotImplementedError
 
+    @property
+    def law(self) -> tuple[FloatArray, FloatArray] | None:
+        """Rescaled loads and frictions, both (k,) [mm^2]; None where the target leaves its law open."""
+        try:
+            law = self.curve()
+        except InvalidInput:  # the law is that of a height density
+            return None
+        return None if law.is_open else (law.load, law.base)
+
     def guesses(self, law: TargetLaw, bounds: Bounds, fractions: tuple[float, ...]) -> list[FloatArray]:
-        """Return laws (k,) for initial guesses, between bounds of the friction at the loads of `law`.
+        """Return laws (k,) for initial guesses, within the bounds at the loads of `law`.
 
         Where the target leaves its level open, there is one for each fraction of the possible levels.
         """
@@ -73,3 +84,7 @@ class Target:
     def candidate(self, problem: Problem, rng: np.random.Generator) -> Candidate:
         """Return heights for independent asperities, or raise Infeasible."""
         raise NotImplementedError
+
+    def judged(self, problem: Problem, candidate: Candidate) -> Candidate:
+        """Return heights refined under the model with notes on the target, or raise Infeasible."""
+        return candidate

@@ -29,6 +29,7 @@ class TargetLaw:
     weight: FloatArray  # (k,), weights of the squared relative differences, of mean 1
     # whether the misfit is the largest difference (True) or their root mean square (False)
     pointwise: bool = False
+    noise: float = 0.0  # weighted root mean square of the relative errors of the law itself
 
     @classmethod
     def fixed(
@@ -37,10 +38,11 @@ class TargetLaw:
         friction: FloatArray,
         weight: FloatArray | None = None,
         pointwise: bool = False,
+        noise: float = 0.0,
     ) -> TargetLaw:
         """A law without open parameters."""
         given = np.ones(len(load)) if weight is None else weight
-        return cls(load, friction, np.empty((len(load), 0)), given / given.mean(), pointwise)
+        return cls(load, friction, np.empty((len(load), 0)), given / given.mean(), pointwise, noise)
 
     def thinned(self, most: int) -> TargetLaw:
         """Return the law at no more than `most` of its loads, evenly spaced among them, with both ends."""
@@ -53,7 +55,7 @@ class TargetLaw:
     def part(self, rows: IntArray) -> TargetLaw:
         """Return the law at some of its loads, with their weights."""
         given = self.load[rows], self.base[rows], self.free[rows], self.weight[rows]
-        return TargetLaw(*given, self.pointwise)
+        return TargetLaw(*given, self.pointwise, self.noise)
 
     @property
     def is_open(self) -> bool:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 from numpy.typing import ArrayLike
 
@@ -11,6 +12,8 @@ from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.surface import Friction, Material
+
+LoadRange = tuple[float, float]
 
 # Digits of a friction coefficient or force after the conversion to its rescaled value and back: a number
 # given with up to this many digits is reproduced.
@@ -34,9 +37,11 @@ class Wording:
     # sigma B, the friction force per initial real contact area [MPa]; with it friction is stated in newtons.
     # With both, slopes are stated as friction coefficients ``mu = sigma B / E* m``
     shear_stress: float | None = None
+    # E* [MPa] of the part; with it loads are also stated in the other unit
+    part_modulus: float | None = None
 
     def __post_init__(self) -> None:
-        for name in ("composite_modulus", "shear_stress"):
+        for name in ("composite_modulus", "shear_stress", "part_modulus"):
             check.member(self, name, optional=True, above=0.0)
 
     @classmethod
@@ -68,6 +73,17 @@ class Wording:
         """Return the slope of a value as given: the inverse of `coefficient`."""
         return coefficient / (self.per_slope or 1.0)
 
+    def from_newtons(self, load: float) -> float:
+        """Return P/E* [mm^2] of a load [N]."""
+        return load / (self.composite_modulus or 1.0)
+
+    def range_from_newtons(self, load_range: ArrayLike | None) -> LoadRange | None:
+        """Return a checked range of P/E* [mm^2] of one of loads [N]."""
+        if load_range is None:
+            return None
+        low, high = check.interval("load_range_N", load_range)
+        return self.from_newtons(low), self.from_newtons(high)
+
     def coefficient(self, slope: float) -> float:
         """Return a slope as it was given: itself, or its friction coefficient."""
         return _digits(slope * (self.per_slope or 1.0), DIGITS)
@@ -90,45 +106,65 @@ class Wording:
 
     def slope_bound(self, slope: float, *, up: bool) -> str:
         """Return the number of a bound on slopes, rounded to the reachable side."""
-        return f"{_rounded(self.coefficient(slope), up):.6g}"
+        return f"{_rounded(self.coefficient(slope), up, None):.6g}"
+
+    def of_part(self, material: Material) -> Wording:
+        """Return the wording that also states loads in the other unit for a part of a material."""
+        return replace(self, part_modulus=material.composite_modulus)
+
+    def title_loads(self, *loads: float) -> str:
+        """Return rescaled loads in words for a title, in the unit of the target: ``0.05 to 0.2 mm²``."""
+        return _stated(loads, self.composite_modulus).replace("^2", "²")
 
     def loads(self, *loads: float) -> str:
-        """Return rescaled loads in words: ``0.05 to 0.2 mm^2``."""
-        return _stated(loads, self.composite_modulus)
+        """Return rescaled loads in words: ``0.05 to 0.2 mm^2``, or ``0.068 N (0.05 mm^2)``."""
+        return self._in_both(lambda factor: _stated(loads, factor))
 
     def load_bound(self, load: float, *, up: bool) -> str:
         """Return a bound on loads in words, rounded to the reachable side."""
-        factor = self.composite_modulus or 1.0
-        return self.loads(_rounded(factor * load, up) / factor)
+        return self._in_both(lambda factor: _stated((_rounded(load, up, factor),), factor))
 
     def inside(self, low: float, high: float) -> str:
         """Return a range of loads in words, rounded to lie within the given one."""
-        factor = self.composite_modulus or 1.0
-        return self.loads(_rounded(factor * low, True) / factor, _rounded(factor * high, False) / factor)
+        return self._in_both(
+            lambda factor: _stated((_rounded(low, True, factor), _rounded(high, False, factor)), factor)
+        )
+
+    def _in_both(self, words: Callable[[float | None], str]) -> str:
+        """Return loads in the unit of the target, and in brackets in the other one where E* is known.
+
+        `words` is a function of E*, or of None for mm^2.
+        """
+        if self.composite_modulus is not None:
+            return f"{words(self.composite_modulus)} ({words(None)})"
+        return words(None) + (f" ({words(self.part_modulus)})" if self.part_modulus else "")
 
     def frictions(self, *frictions: float) -> str:
         """Return rescaled frictions in words: ``0.84 to 1.68 mm^2``."""
         return _stated(frictions, self.shear_stress)
 
     def rescaled(
-        self, load: ArrayLike, friction_force: ArrayLike, use: str = "a law", least: int = 1
+        self,
+        load: ArrayLike,
+        friction_force: ArrayLike,
+        use: str = "a law",
+        least: int = 1,
+        rising: bool = True,
     ) -> tuple[FloatArray, FloatArray]:
-        """Return P/E* and F/(sigma B) of increasing loads and friction forces [N], at least so many."""
+        """Return P/E* and F/(sigma B) of increasing loads and friction forces [N], at least so many.
+
+        Where `rising` is false the friction forces need not increase.
+        """
         newtons = check.increasing("load", check.array("load", load, shape=(None,)))
         if len(newtons) < least:
             raise InvalidInput(f"load holds {len(newtons)} value; {use} needs at least {least} points")
-        force = check.array("friction_force", friction_force, shape=(len(newtons),))
-        force = check.increasing("friction_force", force)
+        force = check.array("friction_force", friction_force, shape=(len(newtons),), positive=not rising)
+        force = check.increasing("friction_force", force) if rising else force
         return newtons / (self.composite_modulus or 1.0), force / (self.shear_stress or 1.0)
 
 
 # The default: rescaled values.
 RESCALED = Wording()
-
-
-def in_title(words: str) -> str:
-    """Return words for a title, with the sign for a square."""
-    return words.replace("^2", "²")
 
 
 def _digits(value: float, digits: int) -> float:
@@ -141,13 +177,14 @@ def _stated(values: tuple[float, ...], factor: float | None) -> str:
     return f"{' to '.join(digits)} {'mm^2' if factor is None else 'N'}"
 
 
-def _rounded(value: float, up: bool) -> float:
-    """Return a number of few digits that is not below, or not above, a given positive one."""
+def _rounded(given: float, up: bool, factor: float | None) -> float:
+    """Return a number that is not below, or not above, a given positive one; few digits times a factor."""
+    value = (factor or 1.0) * given
     near = _digits(value, BOUND_DIGITS)
-    if (near >= value) if up else (near <= value):
-        return near
-    step = 10.0 ** (math.floor(math.log10(value)) - BOUND_DIGITS + 1)
-    return _digits(near + (step if up else -step), BOUND_DIGITS)
+    if not ((near >= value) if up else (near <= value)):
+        step = 10.0 ** (math.floor(math.log10(value)) - BOUND_DIGITS + 1)
+        near = _digits(near + (step if up else -step), BOUND_DIGITS)
+    return near / (factor or 1.0)
 
 
 def _listed(words: list[str]) -> str:

@@ -70,7 +70,7 @@ def described(name: str) -> dict[str, str]:
     {'units': 'mm2', 'long_name': 'real contact area, mean, standard sampling error'}
     """
     words: list[str] = []
-    base, share = name.removeprefix("nominal_"), False
+    base, share = name.removeprefix("nominal_").removeprefix("largest_"), False
     while base not in QUANTITIES:
         end = next((end for end in STATISTICS if base.endswith(f"_{end}")), None)
         if end is None:
@@ -79,6 +79,7 @@ def described(name: str) -> dict[str, str]:
         words.insert(0, STATISTICS[end])
     units, quantity = QUANTITIES[base]
     words += ["without errors"] * name.startswith("nominal_")
+    words += ["largest with the allowed scatter of the slope"] * name.startswith("largest_")
     return {"units": "1" if share else units, "long_name": ", ".join([quantity, *words])}
 
 

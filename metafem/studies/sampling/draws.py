@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -11,11 +12,10 @@ from metafem._validate import FloatArray
 from metafem.errors import MetafemError
 from metafem.models import Model
 from metafem.prediction import Tolerances
-from metafem.studies.sampling.batches import Execution, opened
 from metafem.studies.sampling.moments import Sums, moments
 from metafem.studies.sampling.points import FEWEST_BATCHES, MOST_DRAWS, unit_points
+from metafem.studies.sampling.schedulers import Run
 from metafem.studies.sampling.slope import Slope
-from metafem.studies.sampling.store import inputs_hash
 from metafem.surface import Surface
 
 # Points of a batch where the number of draws follows from the wanted error: 16 of them are then few draws.
@@ -40,11 +40,11 @@ class SlopeDraws:
     active: tuple[bool, ...]  # levels that are drawn; the others have no draws
     nominal: FloatArray  # (q,)
     response: FloatArray  # (q, n), derivatives of the quantities by the heights, over the nominal values
-    scale: FloatArray  # (l, q), standard deviations of the linear responses
     seed: int
     size: int
     draws: int  # the last batch of plain draws may be smaller
     plain: bool
+    first: int = 0  # number of the first batch
 
     @staticmethod
     def of(
@@ -63,18 +63,27 @@ class SlopeDraws:
         nominal = np.concatenate([[slope.weight @ curve.area], curve.area])
         gradient = _gradient(model, surface, slope.load)
         response = np.vstack([slope.weight @ gradient, gradient]) / nominal[:, None]
-        scale = [np.sqrt(np.diag(each.linear_covariance(surface, response))) for each in tolerances]
         active = (True,) * len(tolerances)
         return SlopeDraws(
-            surface, model, slope, tuple(tolerances), active, nominal, response, np.array(scale),
-            seed, size, draws, plain,
-        )  # fmt: skip
+            surface, model, slope, tuple(tolerances), active, nominal, response, seed, size, draws, plain
+        )
+
+    def at(self, tolerances: Tolerances, first: int) -> SlopeDraws:
+        """Return the batches of the same points at another level, with numbers of their own."""
+        return replace(self, tolerances=(tolerances,), active=(True,), first=first)
+
+    @cached_property
+    def scale(self) -> FloatArray:
+        """Standard deviations of the linear responses, (l, q)."""
+        found = [each.linear_covariance(self.surface, self.response) for each in self.tolerances]
+        return np.array([np.sqrt(np.diag(each)) for each in found])
 
     def __call__(self, batch: int) -> dict[str, np.ndarray]:
         """Return the sums of one batch, stacked over the levels."""
-        size = min(self.size, self.draws - batch * self.size) if self.plain else self.size
+        local = batch - self.first
+        size = min(self.size, self.draws - local * self.size) if self.plain else self.size
         dimensions = [each.dimensions(self.surface) for each in self.tolerances]
-        points = unit_points(self.seed, batch, size, max(dimensions), plain=self.plain)
+        points = unit_points(self.seed, local, size, max(dimensions), plain=self.plain)
         levels = []
         for level, tolerances in enumerate(self.tolerances):
             # heights come first and are left out where they have no errors
@@ -101,33 +110,24 @@ def _gradient(model: Model, surface: Surface, load: FloatArray) -> FloatArray:
     return np.where(np.isfinite(found).all(axis=1, keepdims=True), found, 0.0)
 
 
-def run(
-    study: str,
-    task: SlopeDraws,
-    *,
-    error: float | None = None,
-    execution: Execution | None = None,
-) -> tuple[Sums, str]:
-    """Return the sums over all batches, and the hash of the inputs.
+def summed(compute: Run, task: SlopeDraws, error: float | None = None) -> tuple[Sums, int]:
+    """Return the sums over all batches, and the number after the last one.
 
     With `error` batches are added in fixed rounds, at the levels whose slope's standard deviation has a
     larger relative error.
     """
-    own = (task.surface, task.model, task.slope.load_range, task.tolerances, task.seed, task.size, task.draws)
-    inputs = inputs_hash((study, *own, task.plain, error))
-    total = None
-    with opened(execution, study, inputs) as compute:
-        first, last = 0, -(-task.draws // task.size) if error is None else FEWEST_BATCHES
-        while True:
-            for batch in compute(task, range(first, last)):
-                sums = Sums.of_batch(batch)
-                total = sums if total is None else total.plus(sums)
-            assert total is not None
-            if error is None:
-                return total, inputs
-            found = moments(total).sd
-            wanting = found.error[:, 0] > error * found.value[:, 0]
-            if not wanting.any() or last * task.size >= MOST_DRAWS:
-                return total, inputs
-            task = replace(task, active=tuple(wanting.tolist()))
-            first, last = last, last + ROUND_BATCHES
+    total, begin = None, task.first
+    first, last = 0, -(-task.draws // task.size) if error is None else FEWEST_BATCHES
+    while True:
+        for batch in compute(task, range(begin + first, begin + last)):
+            sums = Sums.of_batch(batch)
+            total = sums if total is None else total.plus(sums)
+        assert total is not None
+        if error is None:
+            return total, begin + last
+        found = moments(total).sd
+        wanting = found.error[:, 0] > error * found.value[:, 0]
+        if not wanting.any() or last * task.size >= MOST_DRAWS:
+            return total, begin + last
+        task = replace(task, active=tuple(wanting.tolist()))
+        first, last = last, last + ROUND_BATCHES

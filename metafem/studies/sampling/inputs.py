@@ -67,6 +67,10 @@ class Inputs:
         if not names or len(set(names)) < len(names):
             raise InvalidInput(f"parameters = {shown(parameters)} must name each of its parameters once")
         for name in names:
+            if name == "young_modulus":
+                raise InvalidInput(
+                    f"parameters.{name} is not an input; give composite_modulus = {name}/(1 - nu^2)"
+                )
             if name in missing:
                 raise InvalidInput(f"parameters.{name} needs {missing[name]}")
             if name not in mean:

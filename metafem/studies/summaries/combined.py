@@ -47,9 +47,9 @@ def combined_summary(study: Dataset) -> Summary:
         f"{percent(met, '.3g')}"
     )
     if "all" in study["tolerance"].values:
-        factor = float(study["factor"].sel({"tolerance": "all"}))
+        factor, sd = (float(study[name].sel({"tolerance": "all"})) for name in ("factor", "factor_error"))
         if math.isfinite(factor):
-            answer += f"; for {wanted} all errors may be at most {factor:.2g} times as large"
+            answer += f"; for {wanted} all errors may be at most {factor:.3g} ± {sd:.1g} times as large"
         else:
             answer += f"; for {wanted} " + (
                 "they may be much larger" if factor > 0.0 else "no errors are small enough"

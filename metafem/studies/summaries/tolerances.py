@@ -9,16 +9,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from metafem._validate import FloatArray
-from metafem._values import MICROMETRES, percent
-from metafem.inversion.assessment import REACHED
+from metafem._values import MICROMETRES, percent, two_digits
 from metafem.studies.summaries.table import Summary, stored_notes
 
 if TYPE_CHECKING:
     from xarray import Dataset
 
-# The scatter of the slope that a part may have, as a fraction: a law within it counts as reached.
-ALLOWED = REACHED
+# The largest errors are stated with this number of standard errors on both sides.
+ERRORS = 2.0
 
 # Largest number of rows of a table; of more levels or angles some are left out.
 MOST_ROWS = 12
@@ -45,20 +43,15 @@ def manufacturing_summary(study: Dataset) -> Summary:
             f"{100.0 * error[i]:.3f}",
             f"{100.0 * low[i]:+.2f}",
             f"{100.0 * high[i]:+.2f}",
-            f"{equal[i]:.2g}",
+            two_digits(equal[i]),
         )
         for i in shown(len(deviation))
     )
     title = f"Slope of the law of made surfaces; {nominal:.4f} with exact heights"
     answer = answered(
-        "errors of the heights of up to",
-        deviation,
-        scatter,
-        lambda value: f"{MICROMETRES * value:.2g} µm (SD)",
+        study, "errors of the heights of up to", lambda value: f"{MICROMETRES * value:.3g} µm", " (SD)"
     )
-    furthest = float((mean - 1.0)[np.abs(mean - 1.0).argmax()])
-    answer += f", and the largest change of its mean is {percent(furthest, '+.2g')}"
-    return Summary(title, columns, rows, stored_notes(study), f"{answer}.")
+    return Summary(title, columns, rows, stored_notes(study), answer)
 
 
 def misalignment_summary(study: Dataset) -> Summary:
@@ -82,27 +75,47 @@ def misalignment_summary(study: Dataset) -> Summary:
             (*row, *(f"{value:.3f}" for value in quantile[:, i]))
             for row, i in zip(rows, shown(len(angle)), strict=True)
         ]
-    answer = answered("tilts within", angle, scatter[0], lambda value: f"±{math.degrees(value):.2g}°")
+    median = ""
     if shuffled:
         middle = percent(float(np.median(scatter[1:, -1])))
-        answer += f", and by {middle} in the median of {shuffled} random assignments of the heights to sites"
+        median = f", and by {middle} in the median of {shuffled} random assignments of the heights to sites"
+    made = study.isel(placement=0)
+    answer = answered(made, "tilts within", lambda value: f"±{math.degrees(value):.3g}°", more=median)
     title = f"Slope of the law under tilts; {nominal:.4f} without a tilt"
-    return Summary(title, columns, tuple(rows), stored_notes(study), f"{answer}.")
+    return Summary(title, columns, tuple(rows), stored_notes(study), answer)
 
 
-def answered(errors: str, value: FloatArray, scatter: FloatArray, written: Callable[[float], str]) -> str:
-    """Return up to which errors the slope scatters by less than `ALLOWED`, and its scatter at the largest."""
-    largest = reach(value, scatter)
-    if math.isinf(largest):
-        last = written(value[-1])
-        return (
-            f"With {errors} {last}, the largest studied, the slope scatters by less than {percent(ALLOWED)} "
-            f"(SD), at most by {percent(scatter.max())}"
-        )
+def answered(
+    study: Dataset, errors: str, written: Callable[[float], str], kind: str = "", more: str = ""
+) -> str:
+    """Return with which errors the slope scatters as little as allowed, and what the largest studied do."""
+    (name,) = map(str, study["slope_mean"].dims)
+    last = study.isel({name: -1})
+    mean, sd = (float(last[f"slope_{moment}"] / last["nominal_slope"]) for moment in ("mean", "sd"))
+    where = "Within" if name == "angle" else "At"
+    there, change = f"{where} {written(float(last[name]))}{kind}", percent(round(mean - 1.0, 6), "+.2g")
     return (
-        f"With {errors} {written(largest)} the slope scatters by less than {percent(ALLOWED)} (SD); with "
-        f"{written(value[-1])} it scatters by {percent(scatter[-1])}"
+        f"{_limit(study, name, errors, written, kind)}{there} the slope scatters by {percent(sd)}{more}. "
+        f"The mean slope changes there by {change}."
     )
+
+
+def _limit(study: Dataset, name: str, errors: str, written: Callable[[float], str], kind: str) -> str:
+    """Return with which errors the slope scatters as little as allowed, as the study has solved for them."""
+    if f"largest_{name}" not in study:  # a study of an earlier version
+        return ""
+    value, error = float(study[f"largest_{name}"]), ERRORS * float(study[f"largest_{name}_error"])
+    allowed = f"{percent(study.attrs['allowed_scatter'])} (SD)"
+    if math.isinf(value):
+        return f"No errors were found with which the slope scatters by {allowed}. "
+    if math.isnan(value):
+        return f"No errors are small enough for a slope that scatters by less than {allowed}. "
+    if not error < value:
+        return f"The draws are too few to state with which errors the slope scatters by {allowed}. "
+    low, high = written(value - error), written(value + error)
+    if low != high:
+        allowed += f"; this limit lies between {low} and {high} (± two standard errors)"
+    return f"With {errors} {written(value)}{kind} the slope scatters by less than {allowed}. "
 
 
 def shown(count: int) -> list[int]:
@@ -110,16 +123,3 @@ def shown(count: int) -> list[int]:
     steps = (digit * 10**power for power in itertools.count() for digit in (1, 2, 5))
     step = next(step for step in steps if count <= MOST_ROWS * step)
     return list(range(count))[::-step][::-1]
-
-
-def reach(value: FloatArray, scatter: FloatArray) -> float:
-    """Return up to which value the scatter stays within `ALLOWED`, inf if it does at all of them.
-
-    The scatter is interpolated linearly, from 0 at the value 0.
-    """
-    beyond = np.flatnonzero(scatter > ALLOWED)
-    if not beyond.size:
-        return math.inf
-    i = int(beyond[0])
-    x0, y0 = (value[i - 1], scatter[i - 1]) if i else (0.0, 0.0)
-    return float(x0 + (ALLOWED - y0) / (scatter[i] - y0) * (value[i] - x0))

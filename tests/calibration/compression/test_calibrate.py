@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 import metafem as mf
 from metafem.calibration import MeasurementErrors, contact
+from validation.scenes.drift import with_outlier
 
 RADIUS, MODULUS, ENERGY = 0.526, 1.36, 9e-6
 A = np.linspace(0.08, 0.4, 20)
@@ -200,6 +201,69 @@ def test_another_law_is_rejected():
     assert any("does not fit" in str(note) for note in found.notes)
 
 
+def test_an_outlier_is_named_and_loses_its_weight_in_a_robust_fit():
+    load, area = noisy(4, contacts=5)
+    load[-1] += 8.0 * MeasurementErrors().load
+    found = contact(load, area, RADIUS, contacts=5)
+    assert found.verdict.largest_probability < 0.01
+    (note,) = [note for note in found.notes if "robust=True" in str(note)]
+    assert re.match(r"load\[19\] lies 4 standard deviations from the law", str(note))
+    steady = contact(load, area, RADIUS, contacts=5, robust=True)
+    assert steady.weight[-1] < 0.5 < steady.weight[:-1].min()
+    assert steady.verdict.fits
+    assert "gives less than half of their weight to load[19]" in " ".join(map(str, steady.notes))
+    error, robust_error = (abs(each.composite_modulus - MODULUS) for each in (found, steady))
+    assert robust_error < 0.5 * error
+    assert (found.weight == 1.0).all()
+
+
+def test_a_robust_fit_of_clean_data_has_slightly_wider_intervals():
+    usual, robust = (contact(*noisy(6), RADIUS, robust=each) for each in (False, True))
+    ratio = np.sqrt(np.diag(robust.root_covariance) / np.diag(usual.root_covariance))
+    assert ratio == pytest.approx(1.026, abs=0.03)
+    assert robust.verdict.fits
+
+
+def test_a_robust_fit_to_another_law_is_a_warning():
+    found = contact(5.0 * 2.0 * AREA**1.1, 5.0 * AREA, RADIUS, contacts=5, robust=True)
+    assert any(note.warns and "the law may not fit" in str(note) for note in found.notes)
+
+
+def test_a_robust_fit_without_most_points_does_not_fit():
+    errors = MeasurementErrors(load=1e-4, boundary=0.02 * MeasurementErrors().boundary)
+    found = contact(*noisy(4, contacts=5), RADIUS, contacts=5, errors=errors, robust=True)
+    assert (found.weight < 0.5).sum() > 10
+    assert not found.verdict.law_fits
+
+
+def test_a_robust_fit_to_no_point_asks_for_larger_errors():
+    errors = MeasurementErrors(load=1e-6, boundary=1e-4 * MeasurementErrors().boundary)
+    with pytest.raises(mf.InvalidInput, match=r"fewer than two points are within 4\.7 standard deviations"):
+        contact(*noisy(4, contacts=5), RADIUS, contacts=5, errors=errors, robust=True)
+
+
+@pytest.mark.parametrize("wrong", [{"load": 1e3}, {"errors": 1e-2}])
+def test_no_single_point_is_blamed_for_wrong_units_or_errors(wrong):
+    load, area = noisy(4, contacts=5)
+    usual, factor = MeasurementErrors(), wrong.get("errors", 1.0)
+    errors = MeasurementErrors(load=factor * usual.load, boundary=factor * usual.boundary)
+    found = contact(wrong.get("load", 1.0) * load, area, RADIUS, contacts=5, errors=errors)
+    assert found.verdict.largest_probability < 0.01
+    assert not any("robust=True" in str(note) for note in found.notes)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("contacts", "place"), [(1, None), (1, 59), (5, None), (5, 59)])
+def test_robust_intervals_hold_with_an_outlier(contacts, place):
+    rng = np.random.default_rng(7)
+    found = [
+        contact(*with_outlier(rng, contacts, place), RADIUS, contacts=contacts, robust=True)
+        for _ in range(300)
+    ]
+    inside = [low <= MODULUS <= high for low, high in (each.composite_modulus_interval for each in found)]
+    assert np.mean(inside) == pytest.approx(0.66, abs=3.0 * math.sqrt(0.68 * 0.32 / 300))
+
+
 def test_the_largest_radii_are_noted():
     notes = contact(load_of(A), AREA, RADIUS).notes
     assert any("contact radii reach 0.76 R" in str(note) for note in notes)
@@ -245,7 +309,7 @@ EACH = np.repeat(AREA[:, None], 2, axis=1)
             {"load": LOAD[:2], "area": AREA[:2]},
             "load has 2 points; E* and the adhesion energy need at least 3",
         ),
-        ({"area": AREA[:5]}, "area has shape (5,); it must have shape (20)"),
+        ({"area": AREA[:5]}, "area has shape (5,); it must have shape (20,)"),
         ({"area": np.where(A < 0.09, 0.0, AREA)}, "area[0] = 0: there is no contact at the load 0.0"),
         ({"area": np.where(A < 0.09, -0.01, AREA)}, "area[0] = -0.01 must not be negative"),
         ({"area": np.where(A < 0.09, np.nan, AREA)}, "area holds nan at entry 0"),

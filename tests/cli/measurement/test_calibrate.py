@@ -215,3 +215,37 @@ def test_files_are_not_replaced_without_force(run, tables):
     assert run("calibrate", "shear.csv", "-o", "a.toml", "--force").exit_code == 0
     Path("a.toml").write_text("[material]\n", "utf-8")
     assert run("calibrate", "shear.csv", "-o", "a.toml", "--force").exit_code == 2
+
+
+@pytest.mark.parametrize(
+    ("factor", "unit"), [(1e3, "load_mN would fit where a table says load_N"), (1e-3, "load_N would fit")]
+)
+def test_loads_in_another_unit_are_noticed(run, tables, factor, unit):
+    table("wrong.csv", "load_N,area_mm2", factor * LOAD, AREA)
+    assert unit in words(run("calibrate", "wrong.csv", *RADIUS))
+    assert "would fit" not in words(run("calibrate", "compression.csv", "shear.csv", *RADIUS))
+
+
+def test_an_outlier_is_printed_with_its_line_and_the_remedy(run):
+    load = LOAD + 5e-3 * np.random.default_rng(0).standard_normal(LOAD.size)
+    load[7] += 0.05
+    table("outlier.csv", "load_mN,area_mm2", 1e3 * load, AREA)
+    text = words(run("calibrate", "outlier.csv", *RADIUS))
+    assert "the law does not fit" in text
+    assert "the largest residual is" in text
+    assert "outlier.csv, line 9: load lies" in text
+    assert "--robust on the command line" in text
+    text = words(run("calibrate", "outlier.csv", *RADIUS, "--robust"))
+    assert "the law fits" in text
+    assert "the robust fit gives less than half of their weight to outlier.csv, line 9: load" in text
+
+
+def test_a_drift_of_the_loads_is_printed_and_written(run):
+    drift = 0.01 * np.sin(np.linspace(0.0, 9.0, LOAD.size))
+    table("drift.csv", "load_mN,area_mm2", 1e3 * (LOAD + drift), AREA)
+    result = run("calibrate", "drift.csv", *RADIUS, "-o", "calibration.json")
+    assert "successive residuals of a test are correlated by 0." in words(result)
+    found = json.loads(Path("calibration.json").read_text("utf-8"))["compression_verdict"]
+    assert found["correlation"] > 0.5
+    assert found["correlation_probability"] < 0.01
+    assert not found["fits"]

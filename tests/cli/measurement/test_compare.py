@@ -49,6 +49,20 @@ def test_a_measured_law_is_compared_and_stored(run, measured):
     assert "rms deviation 3 %" in report
 
 
+def test_loads_in_n_under_the_name_of_mn_do_not_agree(run, measured):
+    lines = Path("measured.csv").read_text("utf-8").splitlines()
+    rows = [line.split(",") for line in lines[1:]]
+    Path("wrong.csv").write_text(
+        "\n".join([lines[0], *(f"{float(load) / 1e3},{force}" for load, force in rows)]), "utf-8"
+    )
+    result = run("compare", "linear", "wrong.csv")
+    text = " ".join(result.output.split())
+    assert result.exit_code == 2, text
+    assert "agrees" not in text
+    assert "all measured loads lie below the first load of the target" in text
+    assert "check the unit of load: load_N would fit where a table says load_mN" in text
+
+
 def test_sliding_friction_stands_beside_with_its_own_strength(run, measured):
     options = ("--sliding", "sliding.csv", "--sliding-shear-strength", "0.3222 MPa", "--json")
     data = json.loads(run("compare", "linear", "measured.csv", *options).stdout)["data"]

@@ -84,7 +84,7 @@ def test_contacts_have_the_sites_of_a_design_that_leaves_some_empty(run, demo):
     ("options", "message"),
     [
         (("--angle-sd", "0.1deg"), "--angle-sd needs --explain"),
-        (("--explain", "--friction-sd", "3"), '--friction-sd = "3" must be in percent'),
+        (("--explain", "--friction-sd", "3"), '--friction-sd = "3" needs a unit; write "3 %" or "300 %"'),
         (("--explain", "--angle-sd", "3"), "--angle-sd"),
         (("--explain", "--height-scale-sd", "90%"), "--height-scale-sd = 90 % must be at most"),
     ],

@@ -38,7 +38,7 @@ STUDIES = {
     "combined": ("--height-sd", "3um", "--sd", "area_ratio=0.01", "--misfit", "3 %", "--draws", 200),
 }
 ANSWERS = {
-    "manufacturing": "With errors of the heights of up to 3 µm (SD), the largest studied, the slope",
+    "manufacturing": "With errors of the heights of up to 3.9",
     "misalignment": "With tilts within ±0.0",
     "uncertainty": "The composite modulus E* matters most: its error accounts for 9",
     "combined": "A surface made with the stated errors meets the target within 3 % with a probability of",
@@ -89,6 +89,16 @@ def test_measured_pairs_are_compared_with_the_law(run, demo):
     Path("measured.csv").write_text("rescaled_load_mm2,rescaled_friction_mm2\n0.1,0.9\n", "utf-8")
     refused = run("study", "uncertainty", "linear", *options, "--force")
     assert (refused.exit_code, "must hold forces" in refused.output) == (2, True)
+
+
+def test_the_error_of_youngs_modulus_is_that_of_e_star_with_the_poissons_ratio(run, demo):
+    demo("linear")
+    found = []
+    for deviation in ("young_modulus=30kPa", "composite_modulus=0.04MPa"):
+        options = ("--sd", "radius=2um", "--sd", deviation, "--draws", 100, "--force", "--json")
+        found.append(json.loads(run("study", "uncertainty", "linear", *options).stdout)["data"])
+    young, composite = (data["slope_sd"]["values"] for data in found)
+    assert young == pytest.approx(composite, rel=1e-12)  # nu = 0.5: E* = E/0.75
 
 
 def test_a_stopped_study_continues_by_the_same_command(run, demo, stopped_studies, monkeypatch):
@@ -162,10 +172,10 @@ def test_a_study_runs_without_a_cache(run, demo, stopped_studies):
         ("manufacturing", ("--height-sd", "3um,1"), '--height-sd = "1" needs a unit'),
         ("manufacturing", ("--position-sd", "1N"), '--position-sd = "1N" has the unit'),
         ("manufacturing", ("--draws", "1"), "--draws"),
-        ("manufacturing", ("--error", "0"), "--error"),
+        ("manufacturing", ("--error", "0 %"), "--error"),
         (
             "manufacturing",
-            ("--draws", "10", "--error", "0.1"),
+            ("--draws", "10", "--error", "10 %"),
             "--draws and --error cannot be given",
         ),
         ("manufacturing", ("--workers", "0"), "--workers"),
@@ -186,6 +196,16 @@ def test_a_study_runs_without_a_cache(run, demo, stopped_studies):
             "uncertainty",
             ("--sd", "composite_modulus=1MPa"),
             "--sd composite_modulus = 1 MPa must be",
+        ),
+        (
+            "uncertainty",
+            ("--sd", "young_modulus=1MPa"),
+            "--sd young_modulus = 1 MPa must be at most 0.145714 MPa",
+        ),
+        (
+            "uncertainty",
+            ("--sd", "young_modulus=0.03MPa", "--sd", "composite_modulus=0.04MPa"),
+            "--sd young_modulus and --sd composite_modulus give one error twice",
         ),
     ],
 )

@@ -34,19 +34,42 @@ def test_a_failing_body_leaves_nothing(tmp_path, error):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_an_existing_folder_is_refused_with_the_way_out(tmp_path):
+def test_a_result_folder_is_refused_with_the_way_out(tmp_path):
     (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "design.json").write_text(OURS)
     with pytest.raises(mf.InvalidInput, match="force=True"), staged(tmp_path / "out"):
         pass
 
 
-@pytest.mark.parametrize("content", [None, OURS])
-def test_force_replaces_an_empty_or_a_result_folder(tmp_path, content):
+@pytest.mark.parametrize("force", [False, True])
+def test_force_is_offered_only_where_it_replaces(tmp_path, force):
+    (tmp_path / "out").mkdir()
+    for name in ("a.txt", "b.txt", "c.txt", "d.txt"):
+        (tmp_path / "out" / name).touch()
+    with pytest.raises(mf.InvalidInput, match=r"\(a.txt, b.txt, c.txt and 1 more\)") as error:
+        check_free(tmp_path / "out", force)
+    assert str(error.value).endswith("choose another folder")
+    assert "force=True" not in str(error.value)
+
+
+@pytest.mark.parametrize("force", [False, True])
+def test_a_link_to_a_folder_stands_for_it(tmp_path, force):
+    (tmp_path / "out").mkdir()
+    (tmp_path / "link").symlink_to(tmp_path / "out")
+    put(tmp_path / "link", force, a="1")
+    assert texts(tmp_path / "out") == {"a": "1"}
+    put(tmp_path / "link", True, a="2")
+    assert texts(tmp_path / "out") == {"a": "2"}
+    assert (tmp_path / "link").is_symlink()
+
+
+@pytest.mark.parametrize(("content", "force"), [(None, False), (None, True), (OURS, True)])
+def test_an_empty_or_by_force_a_result_folder_is_used(tmp_path, content, force):
     target = tmp_path / "out"
     target.mkdir()
     if content:
         (target / "design.json").write_text(content)
-    with staged(target, force=True) as fresh:
+    with staged(target, force=force) as fresh:
         (fresh / "new.txt").write_text("new")
     assert sorted(path.name for path in target.iterdir()) == [MANIFEST, "new.txt"]
     assert list(tmp_path.iterdir()) == [target]
@@ -99,7 +122,7 @@ def test_the_root_is_refused():
 
 
 def test_the_error_for_an_existing_folder_suggests_another(tmp_path):
-    (tmp_path / "mine").mkdir()
+    put(tmp_path / "mine", design="1")
     with pytest.raises(mf.InvalidInput, match=r"^\S*mine exists; choose another folder"):
         check_free(tmp_path / "mine")
     with pytest.raises(mf.InvalidInput, match="is not a path"):

@@ -21,6 +21,7 @@ FIRST = {
     "file",
     "radius",
     "range",
+    "step",
     "mixed",
 }
 SECOND = {

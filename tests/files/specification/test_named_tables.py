@@ -27,6 +27,44 @@ def test_forces_of_a_table_are_rescaled(tmp_path):
     np.testing.assert_array_equal(target.weight, [1.0, 2.0])
 
 
+def test_error_bars_of_a_measured_law_become_relative_errors(tmp_path):
+    """As `metafem compare` reads them: in any order of the loads, which may be repeated."""
+    table = "load_mN,friction_force_mN,friction_force_sd_mN,load_sd_mN\n200,320,6.4,2\n100,160,6.4,1\n"
+    kind = 'kind = "sampled"\nfile = "wanted.csv"'
+    target = mf.read_spec(written(tmp_path, kind, table)).target
+    np.testing.assert_allclose(target.rescaled_load, np.array([0.1, 0.2]) / 1.36, rtol=1e-14)
+    # proportional, so that 1 % of the load is 1 % of the friction
+    np.testing.assert_allclose(
+        target.relative_error, [np.hypot(0.04, 0.01), np.hypot(0.02, 0.01)], rtol=1e-12
+    )
+    again = "load_mN,friction_force_mN,friction_force_sd_mN\n100,150,6\n200,320,6.4\n100,170,6.8\n"
+    mean = mf.read_spec(written(tmp_path, kind, again)).target
+    np.testing.assert_allclose(mean.rescaled_friction, target.rescaled_friction, rtol=1e-12)
+    np.testing.assert_allclose(mean.relative_error, [0.04 / np.sqrt(2.0), 0.02], rtol=1e-12)
+
+
+def test_repeated_loads_weigh_as_often_as_they_were_measured(tmp_path):
+    table = "load_mN,friction_force_mN\n200,320\n100,150\n200,330\n200,340\n"
+    target = mf.read_spec(written(tmp_path, 'kind = "sampled"\nfile = "wanted.csv"', table)).target
+    assert target.weight.tolist() == [1.0, 3.0]
+
+
+def test_measured_areas_are_the_rescaled_friction(tmp_path):
+    table = "load_mN,area_mm2,area_sd_mm2\n136,0.8,0.008\n272,1.5,0.03\n"
+    target = mf.read_spec(written(tmp_path, 'kind = "sampled"\nfile = "wanted.csv"', table)).target
+    np.testing.assert_allclose(target.rescaled_load, [0.1, 0.2], rtol=1e-14)
+    assert target.rescaled_friction.tolist() == [0.8, 1.5]
+    np.testing.assert_allclose(target.relative_error, [0.01, 0.02], rtol=1e-12)
+
+
+def test_areas_of_images_are_a_target(tmp_path):
+    rows = [f"{i}.tif,{100 * i},{j},{j},0,{a},0.001" for i in (1, 2) for j, a in ((1, 0.3 * i), (2, 0.5))]
+    table = "\n".join(["image,load_mN,contact,x_mm,y_mm,area_mm2,area_error_mm2", *rows])
+    target = mf.read_spec(written(tmp_path, 'kind = "sampled"\nfile = "wanted.csv"', table)).target
+    np.testing.assert_allclose(target.rescaled_friction, [0.8, 1.1], rtol=1e-12)
+    np.testing.assert_allclose(target.relative_error, np.sqrt(2e-6) / np.array([0.8, 1.1]), rtol=1e-12)
+
+
 def test_columns_that_are_not_read_are_reported(tmp_path):
     path = written(
         tmp_path,
@@ -78,7 +116,13 @@ def test_rescaled_columns_keep_their_digits(tmp_path):
             "load_N,friction_force_N\n0,0\n1,2\n",
             "wanted.csv, line 2: load_N = 0 must be",
         ),
-        ('file = "wanted.csv"', "load_N,friction_force_N\n1,2\n1,3\n", "line 3: load_N = 1 must exceed"),
+        ('file = "wanted.csv"', "load_N,area_sd_mm2,friction_force_N\n1,2,3\n", "area_sd_mm2 without area"),
+        ('file = "wanted.csv"', "load_N,load_sd_N,area_mm2\n1,0,3\n", "line 2: load_sd_N = 0 must be gr"),
+        (
+            'file = "wanted.csv"',
+            "load_N,load_sd_N,area_mm2\n1,2,3\n",
+            "wanted.csv: the error of sample 1 is as l",
+        ),
         ('file = "wanted.csv"\nload = ["1 N"]', "load_N\n1\n", "target.file and target.load both"),
     ],
 )

@@ -102,6 +102,37 @@ def test_each_problem_begins_with_its_key(old, new, key):
     assert "\n" not in problems[0]
 
 
+@pytest.mark.parametrize(
+    ("new", "words"),
+    [
+        ("slopes = [7.15, 12.52, 3]", "target.slopes has 3 numbers; it must have 2"),
+        ("slopes = [7.15]", "target.slopes has 1 number; it must have 2"),
+        (
+            'slopes = [7.15, 12.52]\nload_range = ["0.02 mm^2"]',
+            "target.load_range has 1 number; it must have 2",
+        ),
+    ],
+)
+def test_a_list_of_the_wrong_length_is_counted_in_numbers(new, words):
+    assert problems_of(demo_text("bilinear").replace("slopes = [7.15, 12.52]", new)) == (words,)
+
+
+@pytest.mark.parametrize(
+    ("keys", "radii"),
+    [
+        ('range = ["200 um", "800 um"]', mf.RadiusRange(0.2, 0.8, 0.01)),
+        ('range = ["200 um", "800 um"]\nstep = "25 um"', mf.RadiusRange(0.2, 0.8, 0.025)),
+    ],
+)
+def test_the_step_of_a_range_of_radii_is_read(keys, radii):
+    assert parsed(LINEAR.replace('radius = "526 um"', "") + f"\n[radii]\n{keys}\n").radii == radii
+
+
+def test_tools_have_no_step():
+    text = LINEAR.replace('radius = "526 um"', "") + '\n[radii]\ntools = ["0.3 mm"]\nstep = "10 um"\n'
+    assert problems_of(text) == ("radii.step needs radii.range: tools are used as they are",)
+
+
 def test_a_section_that_is_missing_is_its_own_key():
     start, rest = LINEAR.split("[material]")
     problems = problems_of(start + rest[rest.index("[friction]") :])

@@ -33,3 +33,24 @@ def test_later_points_move_as_well_where_the_moved_one_needs_all_asperities(temp
     target, near = nearest(LOADS, [4.0, 4.1, 4.2], template)
     assert np.array_equal(near.rescaled_load, target.rescaled_load)
     assert mf.design(near, template, limits=LIMITS).misfit < 1e-9
+
+
+def test_empty_sites_have_a_reason_that_holds(template):
+    """A further asperity adds friction at the loads of the points where it touches, and else none."""
+    target, limits = mf.OperatingPoints([0.05, 0.1], [0.5, 0.9]), mf.Limits(0.12)
+    design = mf.design(target, template, limits=limits)
+    assert design.surface.count < template.count
+    assert "sites; one more asperity in contact would exceed the target\n" in repr(design)
+    surface, model = design.surface, design.law.model
+    area = model.curve(surface, target.rescaled_load).area
+    for depth in np.linspace(0.0, np.ptp(surface.height) + 0.02, 12):
+        height = [*surface.height, surface.height.max() - depth]
+        position, radius = template.position[: len(height)], template.radius[: len(height)]
+        more = template.replaced(position=position, height=height, radius=radius)
+        assert (model.curve(more, target.rescaled_load).area >= area * (1.0 - 1e-12)).all()
+
+
+def test_a_full_lattice_and_empty_sites_of_the_user_need_no_reason(template):
+    pinned = {0: None}
+    design = mf.design(mf.LinearLaw(6.87), template, limits=mf.Limits(0.12), pinned=pinned)
+    assert "63 on 64 sites\n" in repr(design)

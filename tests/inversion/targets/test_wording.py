@@ -24,16 +24,16 @@ def test_a_friction_coefficient_is_kept_and_told():
     ("law", "title"),
     [
         (
-            mf.LinearLaw.from_friction_coefficient(1.4, *PAIR, load_range=(0.05, 0.2)),
+            mf.LinearLaw.from_friction_coefficient(1.4, *PAIR, load_range_N=(0.068, 0.272)),
             "Friction proportional to load: friction coefficient 1.4 from 0.068 to 0.272 N",
         ),
         (
-            mf.BilinearLaw.from_friction_coefficients((1.2, 1.9), 0.08, *PAIR, load_range=(0.05, 0.2)),
+            mf.BilinearLaw.from_friction_coefficients((1.2, 1.9), 0.1088, *PAIR, load_range_N=(0.068, 0.272)),
             "Bilinear friction law of friction coefficients 1.2 and 1.9 through the origin from 0.068 to "
             "0.272 N",
         ),
         (
-            mf.MultilinearLaw.from_friction_coefficients((1.2, 1.9), [0.08], (0.05, 0.2), *PAIR),
+            mf.MultilinearLaw.from_friction_coefficients((1.2, 1.9), [0.1088], (0.068, 0.272), *PAIR),
             "Friction law of friction coefficients 1.2 and 1.9",
         ),
         (mf.MultilinearLaw((9.5, 8, 7), [0.07, 0.1], (0.03, 0.2)), "Friction law of slopes 9.5, 8 and 7"),
@@ -48,8 +48,35 @@ def test_titles_speak_as_the_target_was_asked(law, title):
     assert from_record(to_record(law)).title == title
 
 
+def test_loads_of_coefficients_are_newtons():
+    """A crossover in N is not taken for one in mm^2, and the keyword of the latter is unknown."""
+    law = mf.BilinearLaw.from_friction_coefficients((1.2, 1.7), 0.3, *PAIR, load_range_N=(0.1, 0.6))
+    assert law.crossover_load == pytest.approx(0.3 / 1.36, rel=1e-15)
+    assert law.load_range == pytest.approx((0.1 / 1.36, 0.6 / 1.36), rel=1e-15)
+    many = mf.MultilinearLaw.from_friction_coefficients((1.2, 1.7), [(0.2, 0.3)], (0.1, 0.6), *PAIR)
+    assert many.crossover_loads[0] == pytest.approx((0.2 / 1.36, 0.3 / 1.36), rel=1e-15)
+    for make in (
+        lambda: mf.LinearLaw.from_friction_coefficient(1.4, *PAIR, load_range=(0.05, 0.2)),
+        lambda: mf.BilinearLaw.from_friction_coefficients((1.2, 1.9), *PAIR, crossover_load=0.08),
+        lambda: mf.MultilinearLaw.from_friction_coefficients((1.2,), [], load_range=(0.05, 0.2)),
+    ):
+        with pytest.raises(TypeError, match="load"):
+            make()
+    with pytest.raises(mf.InvalidInput, match=r"crossover_load = 0.8 N \(0.588235 mm\^2\) must lie inside"):
+        mf.BilinearLaw.from_friction_coefficients((1.2, 1.7), 0.8, *PAIR, load_range_N=(0.1, 0.6))
+
+
+def test_a_design_prints_crossovers_and_ranges_in_both_units(template):
+    printed = str(mf.design(mf.BilinearLaw((7.15, 12.52), 0.038), template, limits=LIMITS))
+    assert "crossover   0.038 mm^2 (0.05168 N)" in printed
+    given = mf.LinearLaw.from_friction_coefficient(1.5, *PAIR, load_range_N=(0.068, 0.272))
+    assert "load range  0.068 to 0.272 N (0.05 to 0.2 mm^2)" in str(mf.design(given, template, limits=LIMITS))
+    with pytest.raises(mf.Infeasible, match=r"load 90 mm\^2 \(122.4 N\) is beyond [\d.]+ mm\^2 \([\d.]+ N\)"):
+        mf.design(mf.LinearLaw(7.0, (0.1, 90.0)), template, limits=LIMITS)
+
+
 def test_two_targets_of_one_law_are_equal_however_asked():
-    law = mf.LinearLaw.from_friction_coefficient(1.4, *PAIR, load_range=(0.05, 0.2))
+    law = mf.LinearLaw.from_friction_coefficient(1.4, *PAIR, load_range_N=(0.068, 0.272))
     assert law == mf.LinearLaw(law.slope, (0.05, 0.2))
     assert hash(law) == hash(mf.LinearLaw(law.slope, (0.05, 0.2)))
 
@@ -63,12 +90,13 @@ def test_two_targets_of_one_law_are_equal_however_asked():
             "raise the friction coefficient",
         ),
         (
-            mf.LinearLaw.from_friction_coefficient(1.4, *PAIR, load_range=(0.01, 0.1)),
-            "friction coefficient 1.4 through the origin cannot begin at 0.0136 N: .* up to 0.0268 N",
+            mf.LinearLaw.from_friction_coefficient(1.4, *PAIR, load_range_N=(0.0136, 0.136)),
+            r"friction coefficient 1.4 through the origin cannot begin at 0.0136 N \(0.01 mm\^2\): .* up to "
+            r"0.0268 N \(0.0197 mm\^2\)",
         ),
         (
-            mf.BilinearLaw.from_friction_coefficients((1.6, 30.0), 0.038, *PAIR),
-            r"friction_coefficients\[1\] = 30 .* of friction coefficient 1.6 up to 0.05168 N .* second "
+            mf.BilinearLaw.from_friction_coefficients((1.6, 30.0), 0.05168, *PAIR),
+            r"friction_coefficients\[1\] = 30 .* coefficient 1.6 up to 0.05168 N \(0.038 mm\^2\) .* second "
             "friction coefficient can be from 0.7635 to 18.05",
         ),
     ],
@@ -85,10 +113,10 @@ def test_what_cannot_be_reached_is_answered_as_it_was_asked(template, law, words
 
 def test_samples_and_points_in_newtons_are_answered_in_newtons(template):
     points = mf.OperatingPoints.from_forces([0.2], [50.0], *PAIR)
-    with pytest.raises(mf.Infeasible, match=r"\(load 0.2 N, friction 50 N\) .* N$"):
+    with pytest.raises(mf.Infeasible, match=r"\(load 0.2 N \(0.147059 mm\^2\), friction 50 N\) .* N$"):
         mf.design(points, template, limits=LIMITS)
     samples = mf.SampledLaw.from_forces([0.2, 0.3], [50.0, 60.0], *PAIR)
-    with pytest.raises(mf.Infeasible, match=r"sample 1 \(load 0.2 N, friction 50 N\) is above .* N, for any"):
+    with pytest.raises(mf.Infeasible, match=r"sample 1 \(load 0.2 N \(0.147.*\), friction 50 N\) is above"):
         mf.design(samples, template, limits=LIMITS)
 
 

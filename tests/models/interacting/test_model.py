@@ -1,6 +1,7 @@
 """Interacting asperities against a readable twin, the printed 3 x 3 table and closed forms."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -213,8 +214,13 @@ def test_refuses_models_that_do_not_exist(arguments):
 
 def test_refuses_layers_thinner_than_the_contacts():
     surface = scene(PLACE[:1], [0.5], 5.0, thickness=0.3)
-    with pytest.raises(mf.InvalidInput, match="thinner than the contacts"):
-        mf.equilibrium(surface, mf.Interacting(substrate=mf.BondedLayer()), approach=0.4)
+    layer = mf.Interacting(substrate=mf.BondedLayer())
+    with pytest.raises(
+        mf.InvalidInput, match=r"0\.3 mm is thinner than the contacts: order 3 holds"
+    ) as caught:
+        mf.equilibrium(surface, layer, approach=0.4)
+    # no number of the solution that is refused
+    assert set(re.findall(r"[\d.]+ mm", str(caught.value))) == {"0.3 mm"}
 
 
 def test_an_ill_posed_scene_raises_with_its_state():

@@ -1,0 +1,54 @@
+"""Magnitudes that no measurement has, and the unit that would fit."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from metafem._given import label
+from metafem._validate import FloatArray
+from metafem.notes import Note
+
+# Usual units of a column that are confused, the smaller one first.
+CONFUSED = {"force": ("mN", "N"), "area": ("um2", "mm2")}
+
+# Ratio from which on a difference is taken for one of units: the root of the smallest step between these.
+OFF = math.sqrt(1e3)
+
+
+def unit_hint(name: str, ratio: float) -> str:
+    """Return which unit of a column would fit where its values are `ratio` times those expected.
+
+    Examples
+    --------
+    >>> unit_hint("load", 1000.0)
+    'check the unit of load: load_mN would fit where a table says load_N'
+    """
+    small, large = CONFUSED["area" if "area" in name else "force"]
+    right, wrong = (small, large) if ratio > 1.0 else (large, small)
+    return f"check the unit of {label(name)}: {name}_{right} would fit where a table says {name}_{wrong}"
+
+
+def is_off(ratio: float) -> bool:
+    """Whether a ratio to what is expected is that of a wrong unit rather than of a measurement."""
+    return not 1.0 / OFF < ratio < OFF
+
+
+def beyond(name: str, ratio: float) -> str:
+    """Return the hint for values whose ratio to what is expected is not 1, as the end of a sentence."""
+    return f"; {unit_hint(name, ratio)}" if is_off(ratio) else ""
+
+
+def within_errors(name: str, values: FloatArray, sd: FloatArray) -> tuple[Note, ...]:
+    """Return a note on values (k,) none of which exceeds its standard deviation."""
+    known = np.isfinite(values) & np.isfinite(sd)
+    if not known.any() or (np.abs(values[known]) > sd[known]).any():
+        return ()
+    return (
+        Note(
+            f"no value of {label(name)} exceeds its standard deviation: the largest is "
+            f"{float(np.abs(values[known] / sd[known]).max()):.2g} of it, and a law cannot be "
+            f"fitted to them; {unit_hint(name, 0.0)}, or state the errors of the measurement"
+        ),
+    )

@@ -1,0 +1,111 @@
+"""What was changed in a result folder since metafem wrote it, and the law of changed heights."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from metafem.errors import MetafemError
+from metafem.files.atomic.manifest import MANIFEST, unchanged, written
+from metafem.files.reading import file_label
+from metafem.inversion import Design
+from metafem.inversion.assessment import misfit_text, reassessed
+from metafem.notes import Note
+
+RECORD = "design.json"
+
+# Relative difference of a law from that of its heights up to which they agree. Sums in another order and the
+# last step of an iteration change areas by 1e-12, and heights that a table rounds by a hundredth of this.
+SAME = 1e-6
+
+# Relative difference of a height from its limits that is rounding.
+ROUNDING = 1e-9
+
+
+@dataclass(frozen=True)
+class FolderNote(Note):
+    """A note on a folder that was changed; it is not saved with the design in another one."""
+
+
+def compared(design: Design, folder: Path) -> tuple[Design, tuple[Note, ...]]:
+    """Return a loaded design, with the law of its heights if its record was changed, and what was changed.
+
+    A record without a list of files beside it, as in a copy of a folder without its hidden files, is compared
+    with the law of its heights, except under models without gradients, whose laws take minutes.
+    """
+    known = written(folder) if (folder / MANIFEST).is_file() else {}
+    changed = sorted(
+        name
+        for name, hashes in known.items()
+        if (folder / name).exists() and not unchanged(folder / name, hashes)
+    )
+    notes: list[Note] = [
+        FolderNote(
+            f"{file_label(folder / name)} was changed since metafem wrote it; the design of {RECORD} counts"
+        )
+        for name in changed
+        if name != RECORD
+    ]
+    model = design.law.model
+    if RECORD in changed or (RECORD not in known and model.gradient_model == model):
+        design, found = _recomputed(design, folder / RECORD, RECORD in changed)
+        notes = [*found, *notes]
+    return replace(design, notes=(*notes, *design.notes)) if notes else design, tuple(notes)
+
+
+def _recomputed(design: Design, path: Path, changed: bool) -> tuple[Design, list[Note]]:
+    """Return the design with the law of its heights if that differs from the stated one, and notes on it."""
+    name = file_label(path)
+    words = f"{name} was changed since metafem wrote it" if changed else f"{name} does not fit together"
+    try:
+        again = reassessed(design)
+    except MetafemError as reason:
+        words = f"{words}: the law of its heights is not found ({reason})"
+        return design, [FolderNote(words)] if changed else []
+    misfits = f"the misfit of its heights is {misfit_text(again.misfit)}"
+    limits, height = design.limits, design.surface.height
+    low, high = limits.foot, limits.offset + limits.max_height
+    slack = ROUNDING * high
+    outside = int(((height < low - slack) | (height > high + slack)).sum())
+    same = abs(again.misfit - design.misfit) <= SAME and _same_law(design, again)
+    other = _other_target(design)
+    notes: list[Note] = []
+    if other:
+        notes.append(FolderNote(f"{words}: {other}; run metafem design again"))
+    if not same:
+        stated = f"it states {misfit_text(design.misfit)}"
+        notes.append(FolderNote(f"{words}: {misfits}, and {stated}; law and misfit are computed anew"))
+    elif changed and not other:
+        notes.append(FolderNote(f"{words}: {misfits}, as it states"))
+    if outside:
+        many = f"{outside} of {len(height)} heights"
+        notes.append(FolderNote(f"{name} has {many} outside its limits, from {low:g} to {high:g} mm"))
+    return design if same else again, notes
+
+
+def _same_law(design: Design, again: Design) -> bool:
+    stated, found = design.law, again.law
+    return _same(stated.rescaled_load, found.rescaled_load) and _same(stated.area, found.area)
+
+
+def _other_target(design: Design) -> str:
+    """Return in words that the heights were designed for other lines than those of the target, or ""."""
+    target, made = design.target, [branch for branch, _ in design.fits]
+    wanted: ArrayLike = [(slope, *ends) for slope, ends in target.branches]
+    found: ArrayLike = [(branch.slope, *branch.load_range) for branch in made]
+    if not target.branches:  # only the slopes are given, and the loads between them
+        starts = [0.0, *(branch.load_range[1] for branch in made)]
+        wanted = target.lines
+        found = [(branch.slope, start) for branch, start in zip(made, starts, strict=False)]
+    if _same(wanted, found):
+        return ""
+    lines = [f"slope {branch.slope:.4g} to {branch.load_range[1]:.4g} mm^2" for branch in made]
+    words = " and ".join(lines) or "another law"
+    return f'it states the target "{target.title}", but its heights were designed for {words}'
+
+
+def _same(stated: ArrayLike, found: ArrayLike) -> bool:
+    return np.shape(stated) == np.shape(found) and np.allclose(stated, found, rtol=SAME, atol=0.0)

@@ -1,0 +1,47 @@
+"""Tolerances that studies state do not depend on the errors that are asked for, and are those of draws."""
+
+import numpy as np
+import pytest
+
+import metafem as mf
+from tests.conftest import MATERIAL, RADIUS
+from validation.scenes.stated_tolerances import ANGLE, HEIGHT_SD, differences
+
+
+@pytest.fixture(scope="module")
+def surface():
+    height = 0.2 - 0.02 * np.log(64 / (np.arange(64) + 0.5))
+    return mf.Surface.square_lattice(height, radius=RADIUS, material=MATERIAL)
+
+
+def test_the_largest_errors_of_the_heights_do_not_depend_on_those_studied(surface):
+    found = [mf.studies.manufacturing(surface, sd, draws=1024) for sd in (0.0, *HEIGHT_SD)]
+    assert len({float(study.largest_height_sd) for study in found}) == 1
+    there = mf.studies.manufacturing(surface, float(found[0].largest_height_sd), draws=1024)
+    # the search ends within a fifth of the sampling error
+    scatter, error = (float(there[name][0] / there.nominal_slope) for name in ("slope_sd", "slope_sd_error"))
+    assert scatter == pytest.approx(0.01, abs=0.2 * error)
+
+
+def test_the_largest_tilt_does_not_depend_on_those_studied(surface):
+    found = [mf.studies.misalignment(surface, np.radians(angle)) for angle in ANGLE]
+    assert len({float(study.largest_angle) for study in found}) == 1
+    there = mf.studies.misalignment(surface, float(found[0].largest_angle))
+    assert float(there.slope_sd[0, -1] / there.nominal_slope) == pytest.approx(0.01, rel=1e-3)
+
+
+def test_the_largest_multiple_of_all_errors_does_not_depend_on_those_given():
+    template = mf.Surface.square_lattice(0.12, (4, 4), radius=RADIUS, material=MATERIAL)
+    design = mf.design(mf.PowerLaw(0.9, (0.02, 0.06)), template)
+    found = [
+        sd * float(mf.studies.combined(design, mf.Tolerances(sd), misfit=0.02, draws=1000).factor[0])
+        for sd in (0.0003, 0.003, 0.03)
+    ]
+    assert max(found) / min(found) - 1.0 < 0.01
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [0, 1])
+def test_stated_tolerances_are_those_of_plain_draws(seed):
+    for study, spans, drawn in differences(seed, 20_000):
+        assert (abs(spans) < 0.03, abs(drawn) < 0.03) == (True, True), study

@@ -1,0 +1,44 @@
+"""The claim of Fig. 3 fails if a printed height is changed."""
+
+import pytest
+
+from validation.paper import fig3_operating_points as fig3
+from validation.published import paper
+
+HEIGHTS = [("levels_um", i) for i in range(3)] + [("adjustment_um", i) for i in range(3)]
+
+# Changes [µm]; the printed digits of the points allow the last adjustment height to be 12 µm lower.
+CHANGES = [
+    (*each, by) for each in HEIGHTS for by in (10.0, -10.0) if (*each, by) != ("adjustment_um", 2, -10.0)
+]
+
+
+def failed():
+    return [check.name for check in fig3.points_of_printed_heights() if not check.passed]
+
+
+def test_the_printed_heights_pass():
+    assert failed() == []
+
+
+@pytest.mark.parametrize(("key", "index", "by"), [*CHANGES, ("adjustment_um", 2, -13.0)])
+def test_a_changed_printed_height_fails_a_check(key, index, by, monkeypatch):
+    changed = list(paper()["fig3"][key])
+    changed[index] += by
+    monkeypatch.setitem(paper()["fig3"], key, changed)
+    assert failed()
+
+
+@pytest.mark.parametrize("key", ["load_mm2", "friction_mm2"])
+@pytest.mark.parametrize("index", range(3))
+def test_a_changed_printed_point_fails_a_check(key, index, monkeypatch):
+    changed = list(paper()["fig3"][key])
+    changed[index] *= 1.02
+    monkeypatch.setitem(paper()["fig3"], key, changed)
+    assert failed()
+
+
+def test_counts_of_another_design_fail(monkeypatch):
+    monkeypatch.setitem(paper()["fig3"], "counts", [5, 3, 46])
+    names = [check.name for check in fig3._designed() if not check.passed]
+    assert names == ["n_3"]

@@ -1,0 +1,95 @@
+"""The stated error of order 3, and its comparison with tamaas."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import metafem as mf
+from validation.check import below, reported
+from validation.cost import model_table
+from validation.fidelity import order3_independent as against
+from validation.readme import README
+from validation.results import Evaluated
+from validation.scenes.models import AREA_ERROR, FEW_ERROR, LAYER_ERROR, LOAD_ERROR
+from validation.sources import known_input
+from validation.verdicts import Evidence, _exact
+
+GUIDE = Path(against.__file__).parents[1] / "guide" / "models.md"
+
+
+def test_all_documents_state_one_error_of_order_3():
+    stated, few, layer, load = (
+        f"{100.0 * each:g} %" for each in (AREA_ERROR, FEW_ERROR, LAYER_ERROR, LOAD_ERROR)
+    )
+    documented, guide = (
+        re.sub(r"\s+", " ", text) for text in (mf.Interacting.__doc__, GUIDE.read_text("utf-8"))
+    )
+    assert f"{stated} in A0 at fixed load ({few} for up to nine contacts)" in documented
+    assert f"{load} in the total load" in documented
+    assert f"order 3 in A0 is at most {layer} up to a/t = 0.3" in documented
+    assert f"Its error of A0 is at most {stated} ({few} for up to nine contacts)" in guide
+    assert (
+        f"A0 to {stated} up to a/r = 0.32" in {row[0]: row[-1] for row in model_table.TABLE}["Interacting()"]
+    )
+    assert f"A0 to {stated} up to a/r = 0.32" in README.read_text("utf-8")
+
+
+def verdict(*more):
+    source = known_input("a test")
+    rows = {
+        "order3_against_resolved": (
+            below("a lattice, order 3: error of A0", 7e-4, 1e-2, source),
+            reported("a lattice, order 1: error of A0 [%]", 0.5, ""),
+        ),
+        "stability_map": (reported("order 3, 64 equal contacts: error of A0 [%]", 0.19, ""),),
+        "order3_independent": (reported(against.COUNT, len(more), ""), *more),
+    }
+    return _exact(Evidence({k: Evaluated(k, k, "", "A text.", v, (), 1.0) for k, v in rows.items()}))
+
+
+def test_the_verdict_states_the_documented_error_and_the_worst_of_the_samples():
+    headline, sentence = verdict(
+        reported(f"a pair, {against.AGAINST}", 1e-4, ""), reported("a pair: uncertainty of A0 [%]", 0.08, "")
+    )
+    assert headline == "Order 3: A0 to 0.25 %"
+    assert "at most 0.25 % where contact radii" in sentence
+    assert "by 0.19 % in the worst of the sampled scenes" in sentence
+    assert "by at most 0.12 % with up to nine" in sentence
+    assert (
+        "tamaas gives the same areas to 0.01 % on 2 scenes, with an uncertainty of up to 0.08 %" in sentence
+    )
+    assert "is not installed" in verdict()[1]
+
+
+def test_the_scenes_of_tamaas_are_unlike_and_inside_the_stated_range():
+    scenes = against.scenes()
+    assert len(scenes) >= 5
+    for scene in scenes.values():
+        state = scene.state(scene.expansion(3))
+        radius = np.sqrt(state.asperity_area / np.pi)
+        apart = np.linalg.norm(scene.surface.position[:, None] - scene.surface.position, axis=2)
+        assert (radius / (apart + np.diag([np.inf] * len(radius))).min(axis=1)).max() < 0.32
+        assert state.asperity_load.min() > 0.0
+
+
+def test_without_tamaas_a_row_says_so(monkeypatch):
+    monkeypatch.setattr(against, "installed", dict)
+    claim = against.claim()
+    assert (claim.rows[0].name, claim.rows[0].value) == (against.COUNT, 0)
+    assert "tamaas is not installed" in claim.rows[0].method
+    # two contacts are compared without it
+    assert len(claim.checks) == 2 * len(against.PAIRS)
+    assert all(check.passed for check in claim.checks)
+    assert not claim.figures
+
+
+@pytest.mark.slow
+def test_order_3_agrees_with_tamaas_on_a_pair():
+    pytest.importorskip("tamaas")
+    name = "two equal asperities"
+    first, third = against.compared(name, 1), against.compared(name, 3)
+    assert abs(third.area) < third.uncertain[0] < AREA_ERROR
+    assert abs(third.load) < LOAD_ERROR
+    assert first.area > 3e-3  # point loads

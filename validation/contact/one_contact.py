@@ -1,0 +1,192 @@
+"""One contact of each elastic law, against closed forms and sums of flat punches."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+import metafem as mf
+from metafem.calibration.compression.adhesive_line import adhesive_line
+from metafem.contact import Contact
+from metafem.drawing import new_figure
+from metafem.reference import single_contacts
+from metafem.reference.single_contacts import sneddon_sphere
+from validation.check import Claim, Picture, Row, below, near
+from validation.published import paper
+from validation.sources import closed_form, known_input, second_method
+
+RADIUS = paper()["sample"]["radius_um"] / 1e3
+
+# Material and adhesion energy of the paper, and contact radii [mm].
+MODULUS, ENERGY = 1.36, 9e-6
+RADII = np.linspace(0.02, 0.3, 8)
+
+# Extra curvature by neighbours [1/mm].
+CURVATURE = 0.2
+
+# Cells per radius of a resolved contact, and thickness of a layer [mm].
+CELLS, THICKNESS = 32, 4.0
+
+# Two evaluations of a closed form; numerical integrals and derivatives.
+ROUNDING, NUMERICAL = 1e-12, 1e-8
+
+CLOSED = {
+    "paraboloid": (mf.Hertz(), lambda a: single_contacts.hertz(a, RADIUS), single_contacts.hertz),
+    "sphere": (mf.SphericalCap(), lambda a: sneddon_sphere(a, RADIUS), sneddon_sphere),
+    "power 1.5": (mf.PowerCap(1.5), lambda a: _power(a, 1.5), single_contacts.power_law),
+    "power 4": (mf.PowerCap(4.0), lambda a: _power(a, 4.0), single_contacts.power_law),
+}  # fmt: skip
+
+PUNCHES = known_input("identity: the pressure is that of flat punches s with loads 2 s dD(s)")
+RATES = known_input("identity: stiffness and growth of the area are derivatives of load and area")
+SHARP = known_input("identity: a paraboloid of curvature 1/R + k")
+MODULI = known_input("identity: E = 3 G and E* = 2 G/(1 − ν) = E/(1 − ν²) of an incompressible solid")
+ENDS = closed_form(single_contacts.jkr_contact_radius, "pull-off load −3/2 π w R, where the root is 0")
+JKR = closed_form(single_contacts.jkr_contact_radius, "radius of an adhesive contact over its load")
+
+TEXT = """Indentation, load, second moment of the pressure, stiffness and growth of the area are compared
+with closed forms of Hertz and Sneddon, and with sums of flat punches, of which every axisymmetric contact
+consists. Adhesive paraboloids are compared with the closed form of Johnson, Kendall and Roberts, from
+pull-off to large loads. All other claims rest on these laws."""
+
+CAPTION = """Load P/E* [mm²] over the contact radius a [mm] of four caps of the paper's summit radius, by
+metafem (lines) and by closed forms (dots). The paraboloid and the sphere agree for narrow contacts."""
+
+
+def claim() -> Claim:
+    """Compare all laws."""
+    rows: list[Row] = []
+    for name, (law, exact, source) in CLOSED.items():
+        load, depth = np.array([exact(float(a)) for a in RADII]).T
+        form = closed_form(source, f"{name}: load and indentation")
+        found = law.load(RADII, RADIUS), law.indentation(RADII, RADIUS), law.contact_radius(depth, RADIUS)
+        worst = max(_error(*pair) for pair in zip(found, (load, depth, RADII), strict=True))
+        moment = _error(law.second_moment(RADII, RADIUS), [_moment(exact, float(a)) for a in RADII])
+        rows += [
+            below(f"{name}: load, indentation and contact radius, largest relative error",
+                  worst, ROUNDING, form),
+            below(f"{name}: second moment of the pressure, largest relative error",
+                  moment, NUMERICAL, PUNCHES),
+            *_rates(name, law),
+        ]  # fmt: skip
+    hertz, sharp = mf.Hertz(), RADIUS / (1.0 + CURVATURE * RADIUS)
+    for what in ("load", "indentation", "second_moment", "area_slope"):
+        pair = getattr(hertz, what)(RADII, RADIUS, CURVATURE), getattr(hertz, what)(RADII, sharp)
+        words = f"paraboloid with an extra curvature: {what.replace('_', ' ')}, largest relative error"
+        rows.append(below(words, _error(*pair), ROUNDING, SHARP))
+    rows += [*_adhesive(), *_states()]
+    return Claim("One contact of each elastic law", rows, {"Loads": Picture(_figure, CAPTION)}, TEXT)
+
+
+def _adhesive() -> list[Row]:
+    law = mf.JKR(ENERGY).for_material(mf.Material(MODULUS))
+    pull = 1.5 * math.pi * ENERGY / MODULUS * RADIUS
+    load = pull * np.concatenate([-1.0 + np.geomspace(1e-6, 1.0, 20), np.geomspace(0.01, 1e4, 20)])
+    a = np.array([single_contacts.jkr_contact_radius(float(p), RADIUS, ENERGY / MODULUS) for p in load])
+    plain, depth = np.array([single_contacts.hertz(float(x), RADIUS) for x in a]).T
+    lost = (plain - load) / (2.0 * a)
+    moment = np.array([_moment(CLOSED["paraboloid"][1], float(x)) for x in a]) - 4.0 / 3.0 * a**3 * lost
+    one = np.array([[0.0, 0.0]])
+    surface = mf.Surface(one, [0.1], RADIUS, mf.Material(MODULUS))
+    model = mf.Independent(contact=mf.JKR(ENERGY))
+    lowest = float(law.load(law.pull_off_radius(RADIUS), RADIUS))
+    solved = mf.friction_law(surface, model, load=MODULUS * load[load > 0.0]).area
+    line = adhesive_line(MODULUS * load[load > 0.0], np.pi * a[load > 0.0] ** 2, RADIUS)
+    return [
+        below("adhesive paraboloid: load, largest error over the pull-off load",
+              float(np.abs(law.load(a, RADIUS) - load).max() / pull), NUMERICAL, JKR),
+        below("adhesive paraboloid: indentation, largest error over its decrease by adhesion at pull-off",
+              float(np.abs(law.indentation(a, RADIUS) - (depth - lost)).max() / lost.min()), 1e-9, PUNCHES),
+        below("adhesive paraboloid: second moment, largest error over the largest one",
+              _error(law.second_moment(a, RADIUS), moment, np.abs(moment).max()), 1e-9, PUNCHES),
+        near("adhesive paraboloid: pull-off load over w R",
+             MODULUS * lowest / (ENERGY * RADIUS), -1.5 * math.pi, 1e-9, ENDS),
+        below("adhesive paraboloid: area of the solved contact, largest relative error",
+              _error(solved, np.pi * a[load > 0.0] ** 2), 1e-9, JKR),
+        near("adhesive paraboloid: E* by the straight line [MPa]",
+             line.composite_modulus, MODULUS, 1e-9, JKR),
+        near("adhesive paraboloid: w by the straight line [mJ/m²]",
+             1e6 * line.adhesion_energy, 1e6 * ENERGY, 1e-6, JKR),
+        *_rates("adhesive paraboloid", law),
+    ]  # fmt: skip
+
+
+def _states() -> list[Row]:
+    """Compare a contact under a load in newtons, alone and resolved into cells, with the closed form."""
+    a, shear = 0.2, 0.34  # contact radius [mm], and shear modulus [MPa] of the paper's elastomer
+    material = mf.Material.from_young(3.0 * shear, 0.5)  # E = 3 G
+    exact = 2.0 * shear / (1.0 - 0.5)  # E* = 2 G/(1 - nu)
+    load, depth = single_contacts.hertz(a, RADIUS)
+    surface = mf.Surface(np.zeros((1, 2)), [0.2], RADIUS, material, block=mf.Block(20.0, 20.0, THICKNESS))
+    state = mf.equilibrium(surface, load=exact * load)
+    resolved = mf.equilibrium(surface, mf.BoundaryElements(a / CELLS), approach=depth)
+    layer = mf.BondedLayer()
+    both = mf.BoundaryElements(a / CELLS, layer), mf.Interacting(3, layer)
+    area, law = (mf.equilibrium(surface, model, approach=depth).load for model in both)
+    form = closed_form(single_contacts.hertz, "load, area and stiffness 2 E* a")
+    cells = closed_form(single_contacts.hertz, "Hertz, within 0.4 over the square of the cells per radius")
+    expansion = second_method(mf.Interacting, "order 3 with the self terms of the layer")
+    bound = 0.4 / CELLS**2
+    inverse = float(mf.Hertz().indentation_at_load(load, RADIUS))
+    return [
+        near("indentation of a paraboloid under a load over a²/R", inverse / depth, 1.0, 1e-12, form),
+        near("E* of a rubber with G = 0.34 MPa [MPa]", material.composite_modulus, exact, 1e-12, MODULI),
+        near("state under a load: load over that given",
+             state.load / (exact * load), 1.0, 1e-12, form),
+        near("state under a load: area over π a²", state.area / (np.pi * a**2), 1.0, 1e-12, form),
+        near("state under a load: stiffness over 2 E* a",
+             state.stiffness / (2.0 * exact * a), 1.0, 1e-12, form),
+        near("resolved contact: load", resolved.load / (exact * load), 1.0, bound, cells),
+        near("resolved contact: area by the second moments",
+             resolved.area / (np.pi * a**2), 1.0, bound, cells),
+        near(f"resolved contact on a layer of {THICKNESS:g} mm: load", area / law, 1.0, bound, expansion),
+    ]  # fmt: skip
+
+
+def _power(a: float, exponent: float) -> tuple[float, float]:
+    return single_contacts.power_law(a, 0.5 * RADIUS ** (1.0 - exponent), exponent)
+
+
+def _rates(name: str, law: Contact) -> list[Row]:
+    """Compare stiffness and growth of the area with differences of fourth order."""
+
+    def slope(of) -> np.ndarray:
+        step = 1e-3 * RADII
+        near_, far = (of(RADII + s) - of(RADII - s) for s in (step, 2.0 * step))
+        return (8.0 * near_ - far) / (12.0 * step)
+
+    deeper = slope(lambda a: law.indentation(a, RADIUS))
+    stiffness, growth = slope(lambda a: law.load(a, RADIUS)) / deeper, slope(law.area) / deeper
+    worst = max(
+        _error(law.stiffness(RADII, RADIUS), stiffness), _error(law.area_slope(RADII, RADIUS), growth)
+    )
+    return [
+        below(f"{name}: stiffness and growth of the area, largest relative error", worst, NUMERICAL, RATES)
+    ]
+
+
+def _moment(exact, a: float) -> float:
+    """Second moment of the pressure [mm⁴] of flat punches: int 4/3 s³ dD = 4/3 a³ D − int 4 s² D ds."""
+    node, weight = np.polynomial.legendre.leggauss(40)
+    t = 0.5 * (node + 1.0)  # s = a t², smooth where D has a root
+    depth = np.array([exact(float(a * x**2))[1] for x in t])
+    rest = 0.5 * weight @ (4.0 * (a * t**2) ** 2 * depth * 2.0 * a * t)
+    return float(4.0 / 3.0 * a**3 * exact(a)[1] - rest)
+
+
+def _error(found, expected, scale=None) -> float:
+    """Return the largest relative difference."""
+    return float(np.abs((np.asarray(found) - expected) / (expected if scale is None else scale)).max())
+
+
+def _figure():
+    figure = new_figure(6.0, 3.4)
+    ax = figure.add_subplot()
+    a = np.linspace(0.0, 0.3, 100)
+    for name, (law, exact, _) in CLOSED.items():
+        (line,) = ax.plot(a, law.load(a, RADIUS), label=name)
+        ax.plot(RADII, [exact(float(x))[0] for x in RADII], "o", ms=4, color=line.get_color())
+    ax.set(xlabel="contact radius  a [mm]", ylabel="load  P/E* [mm²]")
+    ax.legend(frameon=False)
+    return figure

@@ -1,0 +1,143 @@
+"""The equations of third order, solved a second time in numpy and scipy."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+
+import metafem as mf
+from metafem.drawing import new_figure
+from metafem.models.interacting.model import DENSE_LIMIT
+from validation.check import Claim, Picture, Row, below, reported
+from validation.methods import third_order
+from validation.sources import second_method
+
+MODULUS, RATIO, LOAD = 1.36, 0.5, 0.25
+
+# Adhesion energy of the paper [N/mm], and a layer so thin that its self terms count [mm].
+ENERGY, THIN = 9e-6, 1.0
+
+# Rounding of two solutions; the kernel's tables replace the slope term of the lightest loads of other caps,
+# which is infinite at a flat summit; and the tolerance of fast sums.
+ROUNDING, TABLES, FAST = 1e-10, 1e-5, 1e-8
+
+SOLVED = second_method(third_order.solved, "the equations in numpy, by the root finder of scipy")
+
+TEXT = """Interaction of third order adds to the displacement by point loads the size of each contact, the
+curvature and the slope of its neighbours' field. These equations are written out a second time without the
+package: fields of point loads and of the layer's Hankel integral by quadrature, caps as sums of flat punches,
+and a general root finder. Paraboloids, quartic caps and adhesive contacts of unequal radii at irregular
+places are compared on a half-space and on a thin layer, and some high asperities among 2,000 low ones, for
+which the package takes its fast sums. This judges the solution of the equations; resolved contacts judge the
+equations."""
+
+CAPTION = """Change of the area of each of nine contacts against independent ones at the same load [%], over
+its place in the list: by metafem (circles) and by the second solution (dots), on a half-space and on a layer
+of 1 mm. Each dot lies within its circle."""
+
+
+@dataclass(frozen=True)
+class Scene:
+    """Nine asperities, or nine high ones among many, anywhere or on a lattice, with a cap and a substrate."""
+
+    exponent: float = 2.0
+    energy: float = 0.0
+    layer: bool = False
+    many: bool = False
+    lattice: bool = False
+
+    @property
+    def limit(self) -> float:
+        """Largest relative difference that is allowed."""
+        return FAST if self.many else TABLES if self.exponent != 2.0 and not self.energy else ROUNDING
+
+    @property
+    def surface(self) -> mf.Surface:
+        """Sites within 0.2 mm of a lattice, heights within 20 µm, and radii within a tenth of the paper's."""
+        rng = np.random.default_rng(0)
+        site = 1.5 * np.stack(np.meshgrid(np.arange(3.0), np.arange(3.0)), axis=-1).reshape(-1, 2)
+        position, height = site + rng.uniform(-0.2, 0.2, (9, 2)), 0.1 + rng.uniform(0.0, 0.02, 9)
+        radius = 0.526 * rng.uniform(0.9, 1.1, 9)
+        if self.many:  # the others stay open
+            side = int(np.sqrt(DENSE_LIMIT)) + 2
+            grid = np.stack(np.meshgrid(*[np.arange(float(side))] * 2), axis=-1).reshape(-1, 2)
+            rest = np.flatnonzero((grid > 2.0).any(axis=1))
+            beside = rng.uniform(-0.2, 0.2, (len(rest), 2))
+            position = np.concatenate([position, 1.5 * grid[rest] + beside])
+            if self.lattice:
+                position = 1.5 * np.rint(position / 1.5)
+            height = np.append(height, np.full(len(rest), -0.1))
+            radius = np.append(radius, np.full(len(rest), 0.526))
+        material = mf.Material(MODULUS, RATIO)
+        return mf.Surface(position, height, radius, material, block=mf.Block(20.0, 20.0, THIN))
+
+    @property
+    def model(self) -> mf.Interacting:
+        """Interaction of third order with the cap and the substrate."""
+        cap = mf.Hertz() if self.exponent == 2.0 else mf.PowerCap(self.exponent)
+        law = mf.JKR(self.energy, cap) if self.energy else cap
+        return mf.Interacting(3, mf.BondedLayer() if self.layer else mf.HalfSpace(), law)
+
+    def second(self) -> tuple[float, np.ndarray]:
+        """Return approach [mm] and contact radii (9,) [mm] by the second method."""
+        surface = self.surface
+        caps = third_order.Caps(surface.radius[:9], self.exponent, self.energy / MODULUS)
+        on = third_order.fields(surface.position[:9], (THIN, RATIO) if self.layer else None)
+        return third_order.solved(caps, on, surface.gap[:9], LOAD / MODULUS)
+
+
+SCENES = {
+    "paraboloids": Scene(),
+    "paraboloids, layer": Scene(layer=True),
+    "quartic caps": Scene(4.0),
+    "quartic caps, layer": Scene(4.0, layer=True),
+    "adhesive paraboloids, layer": Scene(energy=ENERGY, layer=True),
+    "adhesive quartic caps": Scene(4.0, ENERGY),
+    "paraboloids on a lattice of 2,116 sites": Scene(many=True, lattice=True),
+    "paraboloids at 2,116 irregular sites": Scene(many=True),
+}
+
+
+@cache
+def state(name: str) -> mf.ContactState:
+    """Return the equilibrium by the package."""
+    scene = SCENES[name]
+    return mf.equilibrium(scene.surface, scene.model, load=LOAD)
+
+
+def claim() -> Claim:
+    """Compare approach and areas of both solutions."""
+    rows: list[Row] = []
+    for name, scene in SCENES.items():
+        found, (approach, radius) = state(name), scene.second()
+        area = np.abs(found.asperity_area[:9] / (np.pi * radius**2) - 1.0).max()
+        point = mf.equilibrium(
+            scene.surface, mf.Interacting(1, scene.model.substrate, scene.model.contact), load=LOAD
+        )
+        change = np.abs(point.asperity_area[:9] / found.asperity_area[:9] - 1.0).max()
+        depth = abs(found.approach / approach - 1.0)
+        rows += [
+            below(f"{name}: largest relative difference of an area", float(area), scene.limit, SOLVED),
+            below(f"{name}: relative difference of the approach", depth, scene.limit, SOLVED),
+            reported(f"{name}: largest change of an area by the terms of third order [%]",
+                     1e2 * float(change), "order 1"),
+        ]  # fmt: skip
+    return Claim("Equations of third order, solved twice", rows, {"Areas": Picture(_figure, CAPTION)}, TEXT)
+
+
+def _figure():
+    figure = new_figure(7.0, 3.2)
+    for ax, name in zip(figure.subplots(1, 2, sharey=True), list(SCENES)[:2], strict=True):
+        scene = SCENES[name]
+        alone = mf.equilibrium(scene.surface, load=LOAD).asperity_area
+        place = np.arange(1, 10)
+        ax.plot(
+            place, 1e2 * (state(name).asperity_area / alone - 1.0), "o", mfc="none", ms=8, label="metafem"
+        )
+        ax.plot(place, 1e2 * (np.pi * scene.second()[1] ** 2 / alone - 1.0), "k.", label="second solution")
+        ax.set(xlabel="contact", title=name)
+    figure.axes[0].set_ylabel("change of the area [%]")
+    figure.axes[0].legend(frameon=False)
+    return figure

@@ -1,0 +1,245 @@
+"""Slopes of Figs. 4 and 5 by three contact laws, beside the measured ones.
+
+The paper fits σ to friction forces in full contact, with the areas of Hertz's law. The same forces give
+another σ with the areas of another law. All slopes are those of F over P in the paper's units, F/(σB) and
+P/E* with its σ and E*, so that the measured ones stay as they are printed.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+import metafem as mf
+from metafem.drawing import MEASURED, TARGET, new_figure
+from validation.check import Row, near, reported
+from validation.methods import independent, tabulated_contacts
+from validation.paper.surfaces import fig4, fig5, surfaces
+from validation.published import paper
+from validation.scenes.compression_tests import RADII
+from validation.sources import second_method
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+FloatArray = NDArray[np.float64]
+
+# The paper's adhesion energy [N/mm], and the radius of all asperities [mm].
+ENERGY = paper()["sample"]["adhesion_energy_mJ_per_m2"] * 1e-6
+RADIUS = paper()["sample"]["radius_um"] / 1e3
+
+ADHESION = "w = 9 mJ/m²"
+LAWS: dict[str, mf.Contact] = {"Hertz": mf.Hertz(), "spheres": mf.SphericalCap(), ADHESION: mf.JKR(ENERGY)}
+
+PRINTED, REFITTED, BOTH = "σ as printed", "σ refitted", "E* and σ refitted"
+CASES = (
+    ("Hertz", PRINTED), ("Hertz", BOTH), ("spheres", PRINTED), ("spheres", REFITTED),
+    (ADHESION, PRINTED), (ADHESION, REFITTED),
+)  # fmt: skip
+
+# Loads of the fit of σ over the load at which the lowest asperity touches, and those of two fits at one load:
+# the paper prints no range.
+FULL, ENDS = tuple(np.linspace(1.0, 2.0, 21)), (1.0, 3.0)
+
+# Largest contact radius of the tables of the second method [mm], and their relative accuracy with a margin.
+LARGEST, METHODS = 0.45, 1e-5
+
+SECOND = second_method(
+    tabulated_contacts.areas, "closed forms of one contact as tables, summed over the heights"
+)
+SIGMA = "F = σ B A0 by least squares, loads from full contact to twice that load, with the areas of both laws"
+SLOPE = "line through F(P) of independent asperities over the range of the design's fit"
+MODULUS = "A = π (3RP/4E*)^(2/3) by least squares to contacts of JKR's theory with radii of 0.08 to 0.4 mm"
+
+TEXT = """The paper fits σ with the areas of Hertz's law. With this σ, JKR's theory with w = 9 mJ/m² predicts
+slopes {high[0]} and {high[1]} standard deviations above those measured in Fig. 4. But the same forces in full
+contact give another σ with the areas of JKR's theory, {less[0]:.0f} to {less[1]:.0f} % smaller. With it, the
+difference is {low[0]} and {low[1]} standard deviations, that of Hertz's law {hertz[0]} and {hertz[1]}: these
+slopes cannot tell the laws apart. Of Fig. 5 the paper states that its slopes were measured within 5.2 % of
+their targets; they deviate by up to {fifth[0]:.1f} % by Hertz's law and by {fifth[1]:.1f} % by JKR's theory
+with σ refitted, so that Hertz's law is closer there. E* = 1.36 MPa is fitted to single contacts together with
+w, by JKR's theory. Hertz's law alone would give {modulus:.2f} MPa for the same contacts, which changes its
+slopes by at most {change:.1f} % once σ is refitted too."""
+
+CAPTION = """Predicted slopes over the measured ones of Fig. 4, with the printed standard deviations (bars),
+and over the targets of Fig. 5, which the measured slopes meet within 5.2 % (bars). Open symbols: σ as
+printed. Filled symbols: σ of the same forces in full contact, for Hertz's law also E* of the same contacts.
+JKR's theory with w = 9 mJ/m² (triangles) lies above all bars with σ as printed, and on those of Fig. 4 with
+σ refitted; of Fig. 5 it then exceeds both second slopes, by more than Hertz's law (circles) does."""
+
+
+@cache
+def branches() -> dict[str, tuple[str, FloatArray, float, float]]:
+    """Return surface, loads of the fit, measured slope and standard deviation; of Fig. 5 target and 5.2 %."""
+    printed, found = paper(), {}
+    within = printed["fig5"]["measured_within"]
+    for colour in ("blue", "red"):
+        name, ((branch, _),) = f"Fig. 4 {colour}", fig4(colour).fits
+        found[name] = (name, branch.load, *printed["fig4"][colour]["measured_slope"])
+    for colour in ("blue", "red"):
+        for i, (branch, _) in enumerate(fig5(colour).fits, 1):
+            name = f"Fig. 5 {colour}"
+            found[f"{name}, slope {i}"] = (name, branch.load, branch.slope, within * branch.slope)
+    return found
+
+
+def area(surface: str, law: str, load: FloatArray, factor: float = 1.0) -> FloatArray:
+    """Return A0 [mm²] at loads over the printed E* [mm²], with E* times a factor."""
+    found = surfaces()[surface]
+    printed = found.material.composite_modulus
+    softer = found.replaced(material=mf.Material(factor * printed, found.material.poisson_ratio))
+    return mf.friction_law(softer, mf.Independent(contact=LAWS[law]), load=printed * load).area
+
+
+def tabulated(surface: str, law: str, load: FloatArray) -> FloatArray:
+    """Return the same areas by the second method."""
+    found = surfaces()[surface]
+    if law == "spheres":
+        table = tabulated_contacts.sphere(RADIUS, LARGEST)
+    else:
+        table = tabulated_contacts.adhesive(ENERGY, found.material.composite_modulus, RADIUS, LARGEST)
+    return tabulated_contacts.areas(table, found.height, load)
+
+
+def full_contact(surface: str, over: tuple[float, ...] = FULL) -> FloatArray:
+    """Return the loads [mm²] at which σ is fitted, multiples of that at which the lowest asperity touches."""
+    height = surfaces()[surface].height
+    return np.array(over) * independent.sums(height - height.min(), RADIUS)[1]
+
+
+def refitted(hertz: FloatArray, other: FloatArray) -> float:
+    """Return σ fitted with other areas over σ with those of Hertz's law, by the same forces."""
+    return float(hertz @ other / (other @ other))
+
+
+@cache
+def strength(surface: str, law: str, factor: float = 1.0, over: tuple[float, ...] = FULL) -> float:
+    """Return σ of a law over the printed one."""
+    load = full_contact(surface, over)
+    return refitted(area(surface, "Hertz", load), area(surface, law, load, factor))
+
+
+@cache
+def softening(modulus: float) -> float:
+    """Return E* by Hertz's law over E* by JKR's theory, of the same single contacts."""
+    x = (modulus * mf.JKR(ENERGY).for_material(mf.Material(modulus)).load(RADII, RADIUS)) ** (2.0 / 3.0)
+    line = float(np.pi * RADII**2 @ x / (x @ x))
+    return float(0.75 * RADIUS * (np.pi / line) ** 1.5 / modulus)
+
+
+@cache
+def slope(branch: str, law: str, case: str) -> float:
+    """Return a predicted slope in the units of the measured one."""
+    surface, load, *_ = branches()[branch]
+    factor = softening(surfaces()[surface].material.composite_modulus) if case == BOTH else 1.0
+    sigma = 1.0 if case == PRINTED else strength(surface, law, factor)
+    return sigma * float(np.polyfit(load, area(surface, law, load, factor), 1)[0])
+
+
+def deviation(branch: str, law: str, case: str) -> float:
+    """Return the difference in standard deviations for Fig. 4, and from the target in percent for Fig. 5."""
+    *_, wanted, error = branches()[branch]
+    found = slope(branch, law, case)
+    return (found - wanted) / error if _linear(branch) else 1e2 * (found / wanted - 1.0)
+
+
+def compared() -> list[Row]:
+    """Return the ratios of σ, the slopes, and their differences from the measured ones."""
+    batch = paper()["batch"]["1"]["composite_modulus_MPa"]
+    found: list[Row] = [reported("E* of batch 1 by Hertz's law [MPa]", batch * softening(batch), MODULUS)]
+    for law in LAWS:
+        if law != "Hertz":
+            found += [
+                _sigma(surface, law) for surface in dict.fromkeys(each[0] for each in branches().values())
+            ]
+            found += [_slope(branch, law) for branch in branches()]
+    found += [_deviation(branch, *case) for case in CASES for branch in branches()]
+    return found + [_at_one_load(branch, over) for branch in branches() if _linear(branch) for over in ENDS]
+
+
+def _sigma(surface: str, law: str) -> Row:
+    load = full_contact(surface)
+    second = refitted(
+        independent.areas(surfaces()[surface].height, load, RADIUS), tabulated(surface, law, load)
+    )
+    name = f"{surface}, {law}: σ refitted over σ as printed"
+    return near(name, strength(surface, law), second, METHODS, SECOND)
+
+
+def _slope(branch: str, law: str) -> Row:
+    surface, load, *_ = branches()[branch]
+    second = float(np.polyfit(load, tabulated(surface, law, load), 1)[0])
+    return near(
+        f"{branch}, {law}, {PRINTED}: slope", slope(branch, law, PRINTED), second, METHODS * second, SECOND
+    )
+
+
+def _deviation(branch: str, law: str, case: str) -> Row:
+    *_, wanted, error = branches()[branch]
+    words = (
+        f"slope minus the measured {wanted:g} ± {error:g} [s.d.]"
+        if _linear(branch)
+        else f"slope over its target {wanted:g}, minus 1 [%]"
+    )
+    method = f"{slope(branch, law, case):.4g}; {SLOPE}" + ("" if case == PRINTED else f"; σ: {SIGMA}")
+    return reported(f"{branch}, {law}, {case}: {words}", deviation(branch, law, case), method)
+
+
+def _at_one_load(branch: str, over: float) -> Row:
+    """Report how much the answer depends on the loads at which σ is fitted."""
+    surface, _, wanted, error = branches()[branch]
+    found = strength(surface, ADHESION, over=(over,)) * slope(branch, ADHESION, PRINTED)
+    words = f"σ refitted at {over:g} times the load of full contact: slope minus the measured one [s.d.]"
+    return reported(f"{branch}, {ADHESION}, {words}", (found - wanted) / error, f"{found:.4g}; {SLOPE}")
+
+
+def _linear(branch: str) -> bool:
+    return branch.startswith("Fig. 4")
+
+
+def text() -> str:
+    """Return what the table says."""
+    modulus = paper()["batch"]["1"]["composite_modulus_MPa"]
+    linear, bilinear = ([name for name in branches() if _linear(name) == kind] for kind in (True, False))
+    less = [1e2 * (1.0 - strength(each[0], ADHESION)) for each in branches().values()]
+    change = [slope(name, "Hertz", BOTH) / slope(name, "Hertz", PRINTED) - 1.0 for name in branches()]
+    high, low, hertz = (
+        # 0.0 has no sign
+        [f"{round(deviation(name, *case), 1) + 0.0:.1f}" for name in linear]
+        for case in ((ADHESION, PRINTED), (ADHESION, REFITTED), ("Hertz", PRINTED))
+    )
+    cases = (("Hertz", PRINTED), (ADHESION, REFITTED))
+    fifth = [max(abs(deviation(name, *case)) for name in bilinear) for case in cases]
+    return TEXT.format(
+        high=high, low=low, hertz=hertz, less=(min(less), max(less)), fifth=fifth,
+        modulus=modulus * softening(modulus), change=1e2 * np.abs(change).max(),
+    )  # fmt: skip
+
+
+def picture() -> Figure:
+    """Draw the slopes over the measured ones."""
+    figure = new_figure(8.0, 3.8)
+    ax = figure.add_subplot()
+    place = np.arange(len(branches()))
+    wanted, error = np.array([each[2:] for each in branches().values()]).T
+    ax.errorbar(place - 0.36, np.ones(len(place)), error / wanted, fmt="k_", capsize=3, label="measured")
+    marks: dict[str, tuple[str, str]] = {
+        "Hertz": ("o", TARGET),
+        "spheres": ("s", "C2"),
+        ADHESION: ("^", MEASURED),
+    }
+    for k, (law, case) in enumerate(CASES):
+        marker, colour = marks[law]
+        value = [slope(name, law, case) for name in branches()]
+        ax.plot(
+            place + 0.1 * (k - 2), value / wanted, marker, color=colour, label=f"{law}, {case}",
+            mfc="none" if case == PRINTED else colour,
+        )  # fmt: skip
+    ax.axhline(1.0, color="grey", lw=0.6)
+    ax.set_xticks(place, [name.replace(", ", ",\n") for name in branches()], fontsize=8)
+    ax.set_ylabel("slope over the measured one or its target")
+    ax.legend(frameon=False, fontsize=8, ncols=2)
+    return figure
