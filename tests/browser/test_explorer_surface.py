@@ -19,10 +19,11 @@ def menu(visit, action):
 
 
 def after(visit, step):
-    """Do a step and wait for its answer."""
+    """Do a step and wait for its answer, and until the map has its place: other lines of text move it."""
     before = visit.asked
     step()
     visit.settled(before)
+    visit.at_rest()
     return asked_sites(visit.text)
 
 
