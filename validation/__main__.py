@@ -70,7 +70,7 @@ def main(output: str, quick: bool, site: bool, readme: bool, mutate: bool, names
 
     With --mutate NAMES are mutants of validation/mutants.toml, default: all. Each changes one constant, sign
     or term in a copy of the package; what a claim and a default test do not both notice is marked, and the
-    exit status is then 1. All take about fifteen minutes on two free cores, one about half a minute.
+    exit status is then 1. All take about five minutes on two free cores, one about half a minute.
     """
     from rich.console import Console
 
