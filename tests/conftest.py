@@ -23,13 +23,19 @@ settings.load_profile("metafem")
 # The tests of this folder run in one process, one after the other, and share a browser and a server.
 BROWSER = "tests/browser/"
 
+# The tests of one claim run in one process.
+CLAIMS = "tests/validation/test_claims.py"
+
 # One process compiles the kernels of interacting asperities in the first file, which takes 20 s. The second
-# runs the next files, which need none of them. The last two of these take longest among the slow tests.
+# runs the next files, which need none of them. Those that take longest follow.
 FIRST = (
-    *("tests/models/test_contract.py", "tests/fe/block3d/test_block3d.py"),
+    *("tests/models/test_contract.py", BROWSER, "tests/fe/block3d/test_block3d.py"),
     *("tests/fe/axisymmetric/test_press.py", "tests/validation/test_benchmarks.py"),
-    *("tests/studies/test_element_checks.py", "tests/validation/test_claims.py", BROWSER),
+    *("tests/studies/test_element_checks.py", "tests/studies/test_studies.py"),
 )
+
+# Claims are short, and let the processes end together. What all of them show is compared when they are done.
+LAST = (CLAIMS, "tests/validation/test_every_claim.py")
 
 # Examples that solve finite elements for longer than a few seconds.
 SLOW_EXAMPLES = (
@@ -40,8 +46,11 @@ SLOW_EXAMPLES = (
 
 
 def unit(nodeid):
-    """Return what runs in one process as a whole: the file of a test, or the folder of the browser."""
-    return BROWSER if nodeid.startswith(BROWSER) else nodeid.partition("::")[0]
+    """Return what runs in one process as a whole: a file, the folder of the browser, or a claim."""
+    file, _, test = nodeid.partition("::")
+    if file.startswith(BROWSER):
+        return BROWSER
+    return f"{file}[{test.partition('[')[2]}" if file == CLAIMS else file
 
 
 @pytest.hookimpl(tryfirst=True)
@@ -50,11 +59,17 @@ def pytest_collection_modifyitems(items):
     for item in items:
         if isinstance(item, pytest.DoctestItem) and item.name.endswith(SLOW_EXAMPLES):
             item.add_marker("slow")
-    count = Counter(unit(item.nodeid) for item in items)
+
+    def file(item):
+        return unit(item.nodeid).partition("[")[0]
+
+    count = Counter(map(file, items))
 
     def place(item):
-        name = unit(item.nodeid)
-        return FIRST.index(name) if name in FIRST else len(FIRST), -count[name]
+        name, others = file(item), len(FIRST)
+        if name in LAST:
+            return others + 1 + LAST.index(name), 0
+        return FIRST.index(name) if name in FIRST else others, -count[name]
 
     items.sort(key=place)
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import inspect
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
+from functools import partial
 from typing import Any
 
 from validation.sources import Source, known_input
@@ -58,10 +60,18 @@ class Difference:
 
 @dataclass(frozen=True)
 class Picture:
-    """A figure that is made when it is drawn, and a caption that says what to see."""
+    """A figure that is made when it is drawn.
+
+    Its caption, which says what to see, is the docstring of the function that draws it, with these values.
+    """
 
     draw: Callable[[], Any]
-    caption: str
+    values: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def caption(self) -> str:
+        """The caption."""
+        return prose(self.draw.func if isinstance(self.draw, partial) else self.draw, self.values)
 
 
 Row = Check | Result | Difference
@@ -95,17 +105,27 @@ class Rows:
 
 @dataclass(frozen=True)
 class Claim(Rows):
-    """What one file shows: checks, results, differences from the paper, titled figures, and a text."""
+    """What one file shows: checks, results, differences from the paper, and titled figures.
+
+    Its text is the docstring of the function that returns it, with these values.
+    """
 
     title: str
     rows: Sequence[Row]
     figures: dict[str, Picture] = field(default_factory=dict)
+    values: Mapping[str, Any] = field(default_factory=dict)
     text: str = ""
 
     def value(self, name: str) -> float:
         """Return the computed number of the row of a name."""
         (row,) = (row for row in self.rows if row.name == name)
         return row.value if isinstance(row, Result) else row.computed
+
+
+def prose(function: Callable[..., Any], values: Mapping[str, Any]) -> str:
+    """Return the paragraphs of a docstring, one a line, with values in place of their names in braces."""
+    paragraphs = (inspect.getdoc(function) or "").split("\n\n")
+    return "\n\n".join(" ".join(each.split()) for each in paragraphs).format(**values)
 
 
 def near(name: str, computed: float, expected: float, tolerance: float, source: Source) -> Check:

@@ -10,13 +10,13 @@ import traceback
 import warnings
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from types import ModuleType
 from typing import Any
 
 from metafem.drawing.inline import Drawn, drawn
-from validation.check import Check, Claim, Row, Rows
+from validation.check import Check, Claim, Row, Rows, prose
 from validation.discovery import groups, named, picked
 from validation.sources import Source, known_input
 
@@ -81,7 +81,9 @@ def evaluate(name: str) -> Claim:
     """Evaluate one claim; an exception is a failed check."""
     try:
         module = module_of(name)
-        return module.measure() if name in costs() else module.claim()
+        made = module.measure if name in costs() else module.claim
+        claim = made()
+        return replace(claim, text=prose(made, claim.values))
     except Exception as error:
         return Claim(name, [_ran_into(error)])
 

@@ -1,7 +1,12 @@
-"""Settings of the tests of the validation."""
+"""Settings and claims that the tests of the validation share."""
+
+import pickle
+from dataclasses import replace
+from functools import cache
 
 import pytest
 
+from validation.results import evaluate
 from validation.scenes import stability_points
 from validation.stability import random_scenes
 
@@ -16,3 +21,29 @@ def few_scenes():
         patch.setattr(stability_points, "SPREADS", (0.5,))
         patch.setattr(stability_points, "LAYERS", (0.3, 1.5))
         yield
+
+
+@pytest.fixture(scope="session")
+def evaluated(once):
+    """A function that returns a claim, with the captions in place of its figures.
+
+    Each claim is evaluated once for all processes.
+    """
+
+    @cache
+    def found(name):
+        def fill(folder):
+            claim = evaluate(name)
+            captions = {title: picture.caption for title, picture in claim.figures.items()}
+            plain = replace(claim, figures=captions, values={})
+            (folder / "claim.pickle").write_bytes(pickle.dumps(plain))
+
+        return pickle.loads((once(f"claim-{name}", fill) / "claim.pickle").read_bytes())
+
+    return found
+
+
+@pytest.fixture
+def claim(request, evaluated):
+    """The claim of a name."""
+    return evaluated(request.param)

@@ -7,6 +7,7 @@ import pytest
 from click.testing import CliRunner
 
 import metafem as mf
+from validation.check import prose
 from validation.scenes.random_contacts import random_scene
 from validation.stability import random_scenes
 
@@ -62,4 +63,5 @@ def test_scenes_without_a_solution_are_rows_with_the_reason_in_its_own_words():
     assert row.name == "not solved: load … mm^2 is beyond … mm^2"
     assert row.value == 5
     assert row.method.startswith("outside the ranges: seeds 0, 1, 2, and 2 more. Seed 0: “load 3.4 mm^2 is")
-    assert "Of 5 designs 5 were refused, of 1 other scenes 0." in random_scenes._text(found)
+    text = prose(random_scenes.claim, random_scenes._numbers(found))
+    assert "Of 5 designs 5 were refused, of 1 other scenes 0." in text

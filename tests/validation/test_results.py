@@ -1,5 +1,7 @@
 """Claims evaluated in processes: the same numbers as in one, and errors that are failed checks."""
 
+from functools import partial
+
 import pytest
 from click.testing import CliRunner
 
@@ -22,14 +24,15 @@ def test_two_processes_give_the_results_of_one():
 
 
 def test_a_figure_that_raises_is_a_failed_check(monkeypatch):
-    figures = {
-        "good": Picture(lambda: new_figure(3.0, 2.0), "Empty."),
-        "bad": Picture(lambda: 1 / 0, "None."),
-    }
+    def good(width):
+        """Empty, {width:g} inches wide."""
+        return new_figure(width, 2.0)
+
+    figures = {"good": Picture(partial(good, 3.0), {"width": 3.0}), "bad": Picture(lambda: 1 / 0)}
     monkeypatch.setattr(bounds, "claim", lambda: Claim("Bounds", [], figures))
     monkeypatch.setattr(results, "evaluate", results.evaluate.__wrapped__)
     found = evaluated("bounds")
-    assert [figure.caption for figure in found.figures] == ["Empty."]
+    assert [figure.caption for figure in found.figures] == ["Empty, 3 inches wide."]
     (check,) = found.failed
     assert check.name == "figure 'bad' ran into: ZeroDivisionError: division by zero"
 

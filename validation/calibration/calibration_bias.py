@@ -47,16 +47,6 @@ STATED = "bias over ±0.04 MPa, which the paper states for batch 1"
 SAME = known_input("E* and w of the synthetic data, which are fitted by the model that made them")
 DIAGONAL = known_input("identity: a compliance that is equal for all caps changes the approach alone")
 
-LOADS = (
-    "Load of one cap over that of Hertz's law at the same contact radius. A constant ratio is absorbed by "
-    "E*; only its change along the curve is a bias. The sphere at small strain rises, large strain takes it "
-    "back; the points of five interacting caps on the block lie on 1."
-)
-BIASES = (
-    "Bias of E* where Hertz's law of caps far apart is fitted to data of another law, by the effect left "
-    "out and the largest contact radius. The grey band is the uncertainty that the paper states."
-)
-
 
 @cache
 def fitted_by_hertz(effect: str) -> ContactCalibration:
@@ -105,18 +95,18 @@ def by_hand(rescaled: FloatArray, radii: FloatArray = RADII) -> float:
 
 
 def claim() -> Claim:
-    """Fit Hertz's law to data of each effect, and the effect's own law."""
+    """The paper fits E* by Hertz's law of caps far apart. Here that fit is applied to loads and areas of laws
+    that contain what it leaves out, without noise. Interaction, layer and pedestals change E* by less than a
+    fiftieth of the stated ±0.04 MPa. The shape of the caps must not be corrected alone: a sphere at small
+    strain would change E* by half, and large strain takes nearly all of that back. What is left of both
+    changes E* by up to 5 % and appears as adhesion of 2 to 16 mJ/m² (the paper finds 9), so that w from
+    contacts beyond a = R/2 is not adhesion alone. Predictions by Hertz's law need the E* that was fitted by
+    Hertz's law over the same contact radii.
+    """
     return Claim(
         "Bias of E* by what the calibration leaves out",
         [*_interaction(), *_sphere(), *_large_strain()],
-        {"bias of E* by effect": Picture(_biases, BIASES), "loads over Hertz's": Picture(_figure, LOADS)},
-        "The paper fits E* by Hertz's law of caps far apart. Here that fit is applied to loads and areas of "
-        "laws that contain what it leaves out, without noise. Interaction, layer and pedestals change E* by "
-        "less than a fiftieth of the stated ±0.04 MPa. The shape of the caps must not be corrected alone: a "
-        "sphere at small strain would change E* by half, and large strain takes nearly all of that back. "
-        "What is left of both changes E* by up to 5 % and appears as adhesion of 2 to 16 mJ/m² (the paper "
-        "finds 9), so that w from contacts beyond a = R/2 is not adhesion alone. Predictions by Hertz's law "
-        "need the E* that was fitted by Hertz's law over the same contact radii.",
+        {"bias of E* by effect": Picture(_biases), "loads over Hertz's": Picture(_figure)},
     )
 
 
@@ -214,6 +204,10 @@ def _large_strain() -> list[Row]:
 
 
 def _figure():
+    """Load of one cap over that of Hertz's law at the same contact radius. A constant ratio is absorbed by
+    E*; only its change along the curve is a bias. The sphere at small strain rises, large strain takes it
+    back; the points of five interacting caps on the block lie on 1.
+    """
     figure = new_figure(6.4, 3.6)
     ax = figure.add_subplot()
     a = np.linspace(RADII[0], RADII[-1], 200)
@@ -235,6 +229,9 @@ def _figure():
 
 
 def _biases():
+    """Bias of E* where Hertz's law of caps far apart is fitted to data of another law, by the effect left out
+    and the largest contact radius. The grey band is the uncertainty that the paper states.
+    """
     half = np.linspace(RADII[0], 0.5 * RADIUS, len(RADII))
     shifts = {name: shift(fitted_by_hertz(name)) for name in MODELS}
     shifts["small-strain sphere, a/R up to 0.25"] = shift(

@@ -44,21 +44,6 @@ IDENTICAL = known_input(
 FOUND = f"mean of {PARTS} synthetic parts, measured with the area of each contact"
 ALONE_FOUND = f"{FORCE_PARTS} synthetic parts, measured by friction over load alone"
 
-POSTERIORS = (
-    "What was found of a part that was tilted by 0.08° about one axis and has one asperity 15 µm too low: "
-    "mean and 68 % interval of each error of the whole part, in units of its prior. Only the tilt along x "
-    "is not 0."
-)
-HEIGHTS = (
-    "Errors of the single heights that were found for the same part, with their 68 % intervals. One asperity "
-    "stands out by 15 µm, as it was made."
-)
-COVERAGES = (
-    "Share of 68 % intervals that contain the true error. With the area of each contact (circles) all must "
-    "lie in the grey band, 64 to 72 %. From friction over load alone (squares) the law is not linear in the "
-    "errors, and the intervals are only approximate."
-)
-
 
 class Trial(NamedTuple):
     """Errors of one part, and the means and standard deviations found."""
@@ -129,20 +114,20 @@ NAMES = ("tilt along x", "tilt along y", "height scale", "E*", "σB")
 
 
 def claim() -> Claim:
-    """Explain parts whose errors are known."""
+    """Where a measured law differs from the design, `explain` finds which error explains it. Synthetic parts
+    are tilted, scaled and made of another E* and σB, all drawn from the priors, and measured at 20 loads with
+    the paper's noise; the true errors are therefore known. With the area of each contact all are found, with
+    right intervals. From friction over load alone only one combination of E*, σB and the height scale can be
+    found, and the result says so.
+    """
     return Claim(
         "What explains a measured law",
         [*_coverage(), *_forces_alone(), *_recognised(), *_interaction()],
         {
-            "coverage of the intervals": Picture(_coverages, COVERAGES),
-            "errors of a tilted part with a hole": Picture(_posteriors, POSTERIORS),
-            "heights of that part": Picture(_heights, HEIGHTS),
+            "coverage of the intervals": Picture(_coverages),
+            "errors of a tilted part with a hole": Picture(_posteriors),
+            "heights of that part": Picture(_heights),
         },
-        "Where a measured law differs from the design, `explain` finds which error explains it. Synthetic "
-        "parts are tilted, scaled and made of another E* and σB, all drawn from the priors, and measured at "
-        "20 loads with the paper's noise; the true errors are therefore known. With the area of each "
-        "contact all are found, with right intervals. From friction over load alone only one combination of "
-        "E*, σB and the height scale can be found, and the result says so.",
     )
 
 
@@ -233,6 +218,10 @@ def _odds(found: mf.calibration.Explanation) -> float:
 
 
 def _coverages() -> Any:
+    """Share of 68 % intervals that contain the true error. With the area of each contact (circles) all must
+    lie in the grey band, 64 to 72 %. From friction over load alone (squares) the law is not linear in the
+    errors, and the intervals are only approximate.
+    """
     figure = new_figure(6.0, 2.8)
     ax = figure.add_subplot()
     places = -np.arange(len(NAMES))
@@ -250,6 +239,10 @@ def _coverages() -> Any:
 
 
 def _posteriors() -> Any:
+    """What was found of a part that was tilted by 0.08° about one axis and has one asperity 15 µm too low:
+    mean and 68 % interval of each error of the whole part, in units of its prior. Only the tilt along x is
+    not 0.
+    """
     figure = new_figure(6.0, 3.2, (1.3, 0.2, 0.6, 0.4))
     causes = explained(True, 0.015).causes
     prior = np.array([cause.prior_sd for cause in causes])
@@ -259,6 +252,9 @@ def _posteriors() -> Any:
 
 
 def _heights() -> Any:
+    """Errors of the single heights that were found for the same part, with their 68 % intervals. One asperity
+    stands out by 15 µm, as it was made.
+    """
     figure = new_figure(6.0, 3.2)
     errors = explained(True, 0.015).single["height"]
     diagnosis.heights(figure.add_subplot(), 1e3 * errors.mean, 1e3 * errors.sd, 1e3 * errors.prior_sd)

@@ -39,12 +39,6 @@ CLEAN = known_input("areas of 50 synthetic contacts, noise 0.1 %: a tenth of the
 REPORTED = known_input("errors of the areas of synthetic contacts, which the reported ones must equal")
 OTSU = "pixels below Otsu's threshold, doi:10.1109/TSMC.1979.4310076, as in the paper"
 
-CAPTION = (
-    "Error of the area of one contact, root mean square of 200, against its radius. The boundary below "
-    "pixels (circles) follows the least error that is possible with this noise; Otsu's threshold (squares), "
-    "which the paper used, is biased besides. Dashes are the largest errors allowed here."
-)
-
 
 @dataclass(frozen=True)
 class Errors:
@@ -119,16 +113,16 @@ def uncorrected(radius: float) -> tuple[float, float]:
 
 
 def claim() -> Claim:
-    """Measure 200 contacts of each radius, circles and sheared ones."""
+    """Contacts of known area are drawn into synthetic images with uneven light, a blur of {blur} pixels and
+    noise of {noise} of the contrast, and measured. `contact_areas` is as exact as the noise permits, and
+    states its errors to 20 %. Otsu's threshold, by which the paper measured, is also biased, by an amount
+    that depends on the radius of the contact and on the share of dark pixels in the image.
+    """
     return Claim(
         "Contact areas from images",
         [*_circles(), *_curvature(), *_ellipses()],
-        {"errors against the radius": Picture(_figure, CAPTION)},
-        "Contacts of known area are drawn into synthetic images with uneven light, a blur of "
-        f"{BLUR} pixels and noise of {percent(NOISE)} of the contrast, and measured. "
-        "`contact_areas` is as exact as the noise permits, and states its errors to 20 %. Otsu's threshold, "
-        "by which the paper measured, is also biased, by an amount that depends on the radius of the contact "
-        "and on the share of dark pixels in the image.",
+        {"errors against the radius": Picture(_figure)},
+        {"blur": BLUR, "noise": percent(NOISE)},
     )
 
 
@@ -171,6 +165,10 @@ def _ellipses() -> list[Row]:
 
 
 def _figure() -> Any:
+    """Error of the area of one contact, root mean square of 200, against its radius. The boundary below
+    pixels (circles) follows the least error that is possible with this noise; Otsu's threshold (squares),
+    which the paper used, is biased besides. Dashes are the largest errors allowed here.
+    """
     figure = new_figure(5.0, 3.4)
     ax = figure.add_subplot(xscale="log", yscale="log")
     radii = np.array([6.0, 8.0, *REQUIRED, 14.0, 32.0])

@@ -36,12 +36,6 @@ CONTACTS = 5
 MISTAKE = known_input("a mistake put into synthetic data, which must be refused or named")
 HIDDEN = "the value that is found; nothing in the data contradicts it"
 
-CAPTION = (
-    "E* or σ found from data with a mistake, over the true value. Grey crosses are refused and have no "
-    "value. Blue points come with a statement that the law does not fit, or with a warning. Red points look "
-    "right: such mistakes cannot be seen in loads, areas and forces, and must be excluded by other means."
-)
-
 
 @dataclass(frozen=True)
 class Outcome:
@@ -138,7 +132,16 @@ UNSEEN = (
 
 
 def claim() -> Claim:
-    """Make each mistake once, and calibrate 300 times with loads that drift or have an outlier."""
+    """A calibration should not return a number for data that contradict its law. Usual mistakes are made in
+    synthetic data: wrong units, exchanged columns, zeros that are off, too few contacts, incomplete records.
+    They are refused with a message that names the value, or the result states that the law does not fit.
+    Three mistakes change areas or radius by one factor; no fit can recognise them, and their effect is
+    stated. Errors of the loads that drift, with a correlation of 0.9 from one load to the next, are noticed
+    by the order of the residuals, and the interval is enlarged by what they do to the fit. An outlier of four
+    standard deviations of a load is noticed about as often as any test at 1 % can. At the largest load it
+    does most harm: there the interval of least squares holds E* in about half of the cases, and that of the
+    robust fit nearly as often as stated.
+    """
     rows: list[Row] = []
     for name, found in outcomes().items():
         if name in UNSEEN:
@@ -152,17 +155,7 @@ def claim() -> Claim:
     return Claim(
         "Mistakes in measured data",
         rows,
-        {"what mistakes do to E* and σ": Picture(_figure, CAPTION)},
-        "A calibration should not return a number for data that contradict its law. Usual mistakes are made "
-        "in synthetic data: wrong units, exchanged columns, zeros that are off, too few contacts, "
-        "incomplete records. They are refused with a message that names the value, or the result states "
-        "that the law does not fit. Three mistakes change areas or radius by one factor; no fit can "
-        "recognise them, and their effect is stated. Errors of the loads that drift, with a correlation of "
-        "0.9 from one load to the next, are noticed by the order of the residuals, and the interval is "
-        "enlarged by what they do to the fit. An outlier of four standard deviations of a load is noticed "
-        "about as often as any test at 1 % can. At the largest load it does most harm: there the interval of "
-        "least squares holds E* in about half of the cases, and that of the robust fit nearly as often as "
-        "stated.",
+        {"what mistakes do to E* and σ": Picture(_figure)},
     )
 
 
@@ -196,6 +189,10 @@ def spread(share: float) -> float:
 
 
 def _figure():
+    """E* or σ found from data with a mistake, over the true value. Grey crosses are refused and have no
+    value. Blue points come with a statement that the law does not fit, or with a warning. Red points look
+    right: such mistakes cannot be seen in loads, areas and forces, and must be excluded by other means.
+    """
     figure = new_figure(8.0, 4.6)
     ax = figure.add_subplot(xscale="log")
     found = outcomes()

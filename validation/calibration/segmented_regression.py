@@ -58,12 +58,6 @@ COVERED = known_input(f"nominal 68 % of the intervals in {TRIALS} synthetic laws
 REGULAR = f"{TRIALS} synthetic laws; too small where splits of the points compete"
 RULE = "500 synthetic laws, with the rule by which the paper's crossovers can be read"
 
-CAPTION = (
-    "Left, one synthetic measurement of each surface of Fig. 5, with the paper's error bars, and its "
-    "regression by two lines. Right, the crossovers of all trials: they scatter about the crossover of the "
-    "64 asperities (full line), which lies beyond the target of the continuous distribution (dotted)."
-)
-
 
 def laws(colour: str, trials: int, noise: float = 1.0, seed: int = 0) -> tuple[Points, mf.Surface]:
     """Return simulated measurements of a surface, (trials, n), in order of load."""
@@ -108,7 +102,12 @@ def found(colour: str) -> dict[str, np.ndarray]:
 
 
 def claim() -> Claim:
-    """Compare the coverage with 68 %, and state the bias of the paper's rule."""
+    """The paper states the crossover between the two slopes of Fig. 5 as the middle of two neighbouring
+    loads, ±0.005 mm². Here laws of its two surfaces are measured 2,000 times with its error bars, and a
+    regression by two lines is fitted: its 68 % intervals hold the true crossover and slopes as often as they
+    should. The paper's rule contains the target in few of the trials, because it has no probability, and
+    because the crossover of 64 asperities lies beyond that of the continuous distribution.
+    """
     checks: list[Row] = []
     for colour in LOADS:
         result = found(colour)
@@ -138,13 +137,7 @@ def claim() -> Claim:
     return Claim(
         "Fig. 5: crossover and slopes of measured laws",
         checks,
-        {"measured laws and their crossovers": Picture(figure, CAPTION)},
-        "The paper states the crossover between the two slopes of Fig. 5 as the middle of two neighbouring "
-        "loads, ±0.005 mm². Here laws of its two surfaces are measured 2,000 times with its error bars, and "
-        "a regression by two lines is fitted: its 68 % intervals hold the true crossover and slopes as "
-        "often as they should. The paper's rule contains the target in few of the trials, because it has no "
-        "probability, and because the crossover of 64 asperities lies beyond that of the continuous "
-        "distribution.",
+        {"measured laws and their crossovers": Picture(figure)},
     )
 
 
@@ -182,7 +175,10 @@ def rule(colour: str, trials: int = 500) -> tuple[float, float]:
 
 
 def figure():
-    """Draw one simulated law of each colour with its regression, and the crossovers of all trials."""
+    """Left, one synthetic measurement of each surface of Fig. 5, with the paper's error bars, and its
+    regression by two lines. Right, the crossovers of all trials: they scatter about the crossover of the 64
+    asperities (full line), which lies beyond the target of the continuous distribution (dotted).
+    """
     drawn = new_figure(8.0, 3.4)
     left, right = drawn.subplots(1, 2)
     for colour, ink in (("blue", ACHIEVED), ("red", TARGET)):

@@ -24,10 +24,6 @@ NOISE, AREA_NOISE = 5e-3, 0.1
 # Lattices of another pitch [mm], and the number of their sites along a side.
 OTHERS = ((0.75, 8), (1.0, 8), (1.2, 8), (1.3, 8), (2.0, 8), (3.0, 8), (1.5, 12))
 
-CAPTION = (
-    "The first synthetic view, turned, scaled and shifted onto the lattice by the match. Each circle must "
-    "lie in a square; squares without a circle are open contacts; crosses are regions that are no contacts."
-)
 
 SITES = known_input("sites from which the synthetic views were made: no view may have a wrong one")
 TWO_PLACES = known_input(
@@ -39,7 +35,12 @@ ERROR = known_input("normal error of the centres of 5 µm along x and y, of whic
 
 
 def claim() -> Claim:
-    """Match random views of the 8 x 8 lattice with the pitch 1.5 mm."""
+    """Before each area of real contact can be compared with that of the design, each contact in the image
+    must be given its site. In these views 30 % of the contacts are open, the camera is turned by up to 5°,
+    the scale is wrong by up to 10 %, the centres have errors of 5 µm, and four regions are no contacts. Every
+    contact was given its right site. Where two places match equally well the result says so, and expected
+    areas decide between them.
+    """
     sites = lattice()
     wrong, residual = {}, []
     for mirrored, count in ((False, TRIALS), (True, TRIALS // 5)):
@@ -61,12 +62,7 @@ def claim() -> Claim:
             *_open_rows(sites),
             *_other_lattices(sites),
         ],
-        {"a view matched to the sites": Picture(_figure, CAPTION)},
-        "Before each area of real contact can be compared with that of the design, each contact in the "
-        "image must be given its site. In these views 30 % of the contacts are open, the camera is turned "
-        "by up to 5°, the scale is wrong by up to 10 %, the centres have errors of 5 µm, and four regions "
-        "are no contacts. Every contact was given its right site. Where two places match equally well the "
-        "result says so, and expected areas decide between them.",
+        {"a view matched to the sites": Picture(_figure)},
     )  # fmt: skip
 
 
@@ -111,7 +107,9 @@ def _other_lattices(sites: np.ndarray) -> list[Row]:
 
 
 def _figure() -> Any:
-    """Draw the view of the first trial, moved onto the sites that were found."""
+    """The first synthetic view, turned, scaled and shifted onto the lattice by the match. Each circle must
+    lie in a square; squares without a circle are open contacts; crosses are regions that are no contacts.
+    """
     sites = lattice()
     centre, true = trial(0, noise=NOISE)
     found = match_sites(centre, sites).site

@@ -31,12 +31,6 @@ MADE = known_input("systematic error with which the synthetic part was made, wit
 BOUND = second_method(smallest_errors, "generalised least squares of a cap of known roughness (Gauss-Markov)")
 WORDS = "generalised least squares of a cap with known covariance of its roughness"
 
-CAPTION = (
-    "A synthetic part of 16 asperities, measured on a height map: errors of the heights at their sites; what "
-    "is left of the map without plane and caps, which is roughness alone; the errors over the heights with "
-    "their systematic part; and the friction laws as designed and as made."
-)
-
 
 @dataclass(frozen=True, eq=False)
 class _Part:
@@ -66,7 +60,11 @@ def _made(ordered: mf.Surface, design: mf.Surface, rng: np.random.Generator) -> 
 
 
 def claim() -> Claim:
-    """Measure two parts of 16 asperities, and correct the heights of the first."""
+    """Two synthetic parts of 16 asperities with the paper's roughness are measured on height maps of 9
+    megapixels. Heights are found to 0.1 µm, a ninth of the precision with which the paper's moulds were made,
+    and not much worse than any method could find them. The systematic errors of the workshop follow from
+    them, and heights that are ordered with these errors taken into account come out without.
+    """
     parts = [_part(seed) for seed in (1, 2)]
     error, sd, bound = (np.concatenate([each(part) for part in parts]) for each in (_errors, _sd, _bounds))
     height, radius, x, y = error.T
@@ -89,12 +87,7 @@ def claim() -> Claim:
     return Claim(
         "Height maps: made surface and corrected heights",
         checks,
-        {"a measured part": Picture(_figure, CAPTION)},
-        "Two synthetic parts of 16 asperities with the paper's roughness are measured on height maps of 9 "
-        "megapixels. Heights are found to 0.1 µm, a ninth of the precision with which the paper's moulds "
-        "were made, and not much worse than any method could find them. The systematic errors of the "
-        "workshop follow from them, and heights that are ordered with these errors taken into account come "
-        "out without.",
+        {"a measured part": Picture(_figure)},
     )
 
 
@@ -160,6 +153,10 @@ def _rms(values: FloatArray) -> float:
 
 
 def _figure():
+    """A synthetic part of 16 asperities, measured on a height map: errors of the heights at their sites; what
+    is left of the map without plane and caps, which is roughness alone; the errors over the heights with
+    their systematic part; and the friction laws as designed and as made.
+    """
     from metafem.calibration.topography.picture import made_figure
     from metafem.calibration.topography.residual import residuals
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -39,11 +39,6 @@ SITES = known_input("sites of the synthetic part")
 AREAS = known_input("areas of the synthetic contacts, of radii of 7 pixels and more")
 CHI = known_input("the synthetic part has no other errors than those that are looked for")
 
-CAPTION = (
-    "An image of the synthetic part; loads and areas of the calibration sample with the fitted contact law; "
-    "the measured friction law of the part (points) beside that of the design (line), from which it differs "
-    "because of the errors with which the part was made; and the errors that explain the difference."
-)
 
 # Standard deviations within which a value counts as found; 99.7 % of correct ones are.
 WITHIN = 3.0
@@ -65,7 +60,11 @@ class Circle:
 
 
 def claim() -> Claim:
-    """Return the checks of each step against the truth of the synthetic laboratory."""
+    """All steps of the paper are carried out once with synthetic images and forces, of which the truth is
+    known: images of a calibration sample give E*, adhesion, B and σ; with these a surface is designed, made
+    with errors, photographed and sheared; its measured law is compared with the design and explained. Every
+    quantity that is found agrees within three standard deviations with the true one.
+    """
     circle = _circle()
     causes = {cause.name: cause for cause in circle.explanation.causes}
     made = laboratory.MADE
@@ -113,12 +112,7 @@ def claim() -> Claim:
     return Claim(
         "The whole circle from images to an explained law",
         checks,
-        {"from images to an explained law": Picture(lambda: _figure(circle), CAPTION)},
-        "All steps of the paper are carried out once with synthetic images and forces, of which the truth is "
-        "known: images of a calibration sample give E*, adhesion, B and σ; with these a surface is "
-        "designed, made with errors, photographed and sheared; its measured law is compared with the design "
-        "and explained. Every quantity that is found agrees within three standard deviations with the true "
-        "one.",
+        {"from images to an explained law": Picture(partial(_figure, circle))},
     )
 
 
@@ -188,7 +182,10 @@ def table_of(series: laboratory.Series, design: mf.Surface | None = None) -> Con
 
 
 def _figure(circle: Circle) -> Any:
-    """Draw an image, the calibration, the measured law beside the design, and the causes."""
+    """An image of the synthetic part; loads and areas of the calibration sample with the fitted contact law;
+    the measured friction law of the part (points) beside that of the design (line), from which it differs
+    because of the errors with which the part was made; and the errors that explain the difference.
+    """
     figure = new_figure(10.0, 7.6)
     image, fit, law, causes = figure.subplots(2, 2).ravel()
     image.imshow(circle.part.image(len(circle.part.load) - 1, False), cmap="gray", origin="upper")

@@ -46,19 +46,6 @@ GAIN = known_input("identity: a cycle of loading and unloading gains no energy")
 AGAIN = known_input("identity: the second loading reaches the state from which the first was unloaded")
 HERTZ = closed_form(single_contacts.hertz, "Hertz's law, to which the law tends")
 
-TEXT = """The laws of Kogut and Etsion and of Jackson and Green are compared with their published formulas,
-which jump by up to 8 % between regimes for Poisson's ratios of 0.3 to 0.5, and by up to 37 % at 0. Cubics
-close the jumps so that Newton's method converges; the largest change by them is listed. Load and area grow
-with the indentation for all materials tried, hard materials follow Hertz's law, no cycle of loading and
-unloading gains energy, and a second loading returns to the first."""
-
-CYCLE = """Load P/E* [mm²] of one contact over its indentation [µm], up to 60 times that at yield: first
-loading, Hertz's law of an elastic contact (grey), and unloading from two depths (dashed). Unloading ends at
-a residual depth, and the area between loading and unloading is the energy lost."""
-
-BLENDS = """Law with blends over the published formulas, minus 1 [%], over the indentation relative to that
-at yield, at a Poisson's ratio of 0.3. Steps are the jumps of the formulas; the law itself is continuous
-there. Between the blends the lines lie on zero."""
 
 # Laws of a cycle of loading and unloading; indentations at yield and far beyond.
 LAWS = (mf.KogutEtsion(0.02), mf.JacksonGreen(0.004))
@@ -71,15 +58,19 @@ def bound(law: mf.contact.Contact, ratio: float = 0.3) -> ElasticPlastic:
 
 
 def claim() -> Claim:
-    """Check the laws of Kogut and Etsion and of Jackson and Green, and laws of tables."""
+    """The laws of Kogut and Etsion and of Jackson and Green are compared with their published formulas, which
+    jump by up to 8 % between regimes for Poisson's ratios of 0.3 to 0.5, and by up to 37 % at 0. Cubics close
+    the jumps so that Newton's method converges; the largest change by them is listed. Load and area grow with
+    the indentation for all materials tried, hard materials follow Hertz's law, no cycle of loading and
+    unloading gains energy, and a second loading returns to the first.
+    """
     return Claim(
         "Elastic-plastic contacts and contacts of a table",
         [*_formulas(), *_growth(), *_limits(), *_cycles()],
         {
-            "A cycle of loading and unloading": Picture(_picture, CYCLE),
-            "Blends between the published formulas": Picture(_blends, BLENDS),
+            "A cycle of loading and unloading": Picture(_picture),
+            "Blends between the published formulas": Picture(_blends),
         },
-        TEXT,
     )
 
 
@@ -215,6 +206,10 @@ def _lost(star: float) -> float:
 
 
 def _picture() -> Figure:
+    """Load P/E* [mm²] of one contact over its indentation [µm], up to 60 times that at yield: first loading,
+    Hertz's law of an elastic contact (grey), and unloading from two depths (dashed). Unloading ends at a
+    residual depth, and the area between loading and unloading is the energy lost.
+    """
     figure = new_figure(8.0, 3.6)
     for ax, law in zip(figure.subplots(1, 2), LAWS, strict=True):
         one = bound(law)
@@ -244,7 +239,10 @@ def _picture() -> Figure:
 
 
 def _blends() -> Figure:
-    """Draw the change of load and area by the blends."""
+    """Law with blends over the published formulas, minus 1 [%], over the indentation relative to that at
+    yield, at a Poisson's ratio of 0.3. Steps are the jumps of the formulas; the law itself is continuous
+    there. Between the blends the lines lie on zero.
+    """
     figure = new_figure(8.0, 3.4)
     for ax, kind in zip(figure.subplots(1, 2, sharey=True), BREAKS, strict=True):
         load, area = 1e2 * relative(kind, 0.3).T

@@ -45,17 +45,13 @@ MODULI = known_input("identity: E = 3 G and E* = 2 G/(1 − ν) = E/(1 − ν²)
 ENDS = closed_form(single_contacts.jkr_contact_radius, "pull-off load −3/2 π w R, where the root is 0")
 JKR = closed_form(single_contacts.jkr_contact_radius, "radius of an adhesive contact over its load")
 
-TEXT = """Indentation, load, second moment of the pressure, stiffness and growth of the area are compared
-with closed forms of Hertz and Sneddon, and with sums of flat punches, of which every axisymmetric contact
-consists. Adhesive paraboloids are compared with the closed form of Johnson, Kendall and Roberts, from
-pull-off to large loads. All other claims rest on these laws."""
-
-CAPTION = """Load P/E* [mm²] over the contact radius a [mm] of four caps of the paper's summit radius, by
-metafem (lines) and by closed forms (dots). The paraboloid and the sphere agree for narrow contacts."""
-
 
 def claim() -> Claim:
-    """Compare all laws."""
+    """Indentation, load, second moment of the pressure, stiffness and growth of the area are compared with
+    closed forms of Hertz and Sneddon, and with sums of flat punches, of which every axisymmetric contact
+    consists. Adhesive paraboloids are compared with the closed form of Johnson, Kendall and Roberts, from
+    pull-off to large loads. All other claims rest on these laws.
+    """
     rows: list[Row] = []
     for name, (law, exact, source) in CLOSED.items():
         load, depth = np.array([exact(float(a)) for a in RADII]).T
@@ -76,7 +72,7 @@ def claim() -> Claim:
         words = f"paraboloid with an extra curvature: {what.replace('_', ' ')}, largest relative error"
         rows.append(below(words, _error(*pair), ROUNDING, SHARP))
     rows += [*_adhesive(), *_states()]
-    return Claim("One contact of each elastic law", rows, {"Loads": Picture(_figure, CAPTION)}, TEXT)
+    return Claim("One contact of each elastic law", rows, {"Loads": Picture(_figure)})
 
 
 def _adhesive() -> list[Row]:
@@ -181,6 +177,9 @@ def _error(found, expected, scale=None) -> float:
 
 
 def _figure():
+    """Load P/E* [mm²] over the contact radius a [mm] of four caps of the paper's summit radius, by metafem
+    (lines) and by closed forms (dots). The paraboloid and the sphere agree for narrow contacts.
+    """
     figure = new_figure(6.0, 3.4)
     ax = figure.add_subplot()
     a = np.linspace(0.0, 0.3, 100)

@@ -64,34 +64,22 @@ def changed(name: str, index: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 def claim() -> Claim:
-    """Evaluate the index, compare the criterion with an elastic-plastic law, and follow the design steps."""
-    text = (
-        "The paper takes from Greenwood and Williamson that elastic contacts suit a surface whose plasticity "
-        "index is below 0.6. Kogut and Etsion's law, fitted to finite elements of an elastic-plastic sphere, "
-        "tests this: at ψ = 0.6 a contact yields at an indentation of three standard deviations of the "
-        "heights. A few contacts are that deep and carry part of the load, but A0(P) changes by less than "
-        "the 2.3 % rms that the paper calls negligible for interaction. At ψ = 1 it changes "
-        "by more on every surface. An elastomer is far inside the limit; a glassy polymer or a metal of the "
-        "same shape is not, and needs a surface of smaller s/R or an elastic-plastic law. For a linear law "
-        "another radius does not help: its slope fixes λ/R, since m = √(πR/λ)."
-    )
+    """The paper takes from Greenwood and Williamson that elastic contacts suit a surface whose plasticity
+    index is below 0.6. Kogut and Etsion's law, fitted to finite elements of an elastic-plastic sphere, tests
+    this: at ψ = 0.6 a contact yields at an indentation of three standard deviations of the heights. A few
+    contacts are that deep and carry part of the load, but A0(P) changes by less than the 2.3 % rms that the
+    paper calls negligible for interaction. At ψ = 1 it changes by more on every surface. An elastomer is far
+    inside the limit; a glassy polymer or a metal of the same shape is not, and needs a surface of smaller s/R
+    or an elastic-plastic law. For a linear law another radius does not help: its slope fixes λ/R, since m =
+    √(πR/λ).
+    """
     return Claim(
         "Plasticity index: where elastic contacts suffice",
         [*_indices(), *_yield(), *_criterion(), *_steps()],
         {
-            "criterion": Picture(
-                _criterion_figure,
-                "Rms change of A0(P) by plastic deformation over the plasticity index, on the five "
-                "surfaces. It begins near the paper's limit of 0.6 (vertical line), where it is below the "
-                "2.3 % that the paper calls negligible (horizontal line), and exceeds that at 1.",
-            ),
-            "share": Picture(
-                _share_figure,
-                "Share of A0 in contacts that are past yield, at ψ = 0.6. Few contacts are past yield but "
-                "they are the largest; their area still follows Hertz's law closely.",
-            ),
+            "criterion": Picture(_criterion_figure),
+            "share": Picture(_share_figure),
         },
-        text,
     )
 
 
@@ -200,6 +188,10 @@ def _rms(values: np.ndarray) -> float:
 
 
 def _criterion_figure():
+    """Rms change of A0(P) by plastic deformation over the plasticity index, on the five surfaces. It begins
+    near the paper's limit of 0.6 (vertical line), where it is below the 2.3 % that the paper calls negligible
+    (horizontal line), and exceeds that at 1.
+    """
     figure = new_figure(6.4, 3.8)
     ax = figure.add_subplot()
     for name in surfaces():
@@ -216,6 +208,9 @@ def _criterion_figure():
 
 
 def _share_figure():
+    """Share of A0 in contacts that are past yield, at ψ = 0.6. Few contacts are past yield but they are the
+    largest; their area still follows Hertz's law closely.
+    """
     figure = new_figure(6.4, 3.4)
     ax = figure.add_subplot()
     for name in surfaces():

@@ -30,12 +30,6 @@ LOAD_PER_ASPERITY = 0.003
 STYLES = {"lattice": (ACHIEVED, "s"), "scattered": (TARGET, "o")}
 
 METHOD = "one load by order 1, median of three or more runs, rounded to 1, 2 or 5"
-CAPTION = (
-    "Medians of three or more runs, with bars from the fastest to the slowest, and fitted powers. Left of "
-    "the dotted line all pairs are in dense matrices. Dashed line: numpy reads a dense matrix of all pairs "
-    "once and sums its rows (time to read all pairs once). Open symbol: the lattice of "
-    "1,000,000 asperities, one run."
-)
 FIT = f"fitted to the times of all runs above {DENSE_LIMIT} asperities"
 
 
@@ -93,7 +87,11 @@ def largest() -> float:
 
 
 def measure() -> Claim:
-    """Fit the growth of the time on both substrates, for lattices and for scattered sites."""
+    """One load of a new surface by order 1, two thirds of whose asperities touch. Up to {dense:,} asperities
+    all pairs are in dense matrices. Above, the sums are made by fast Fourier transforms, on lattices directly
+    and at scattered sites by Ewald's method. python -m validation.benchmark interaction --long measures
+    1,000,000 scattered asperities. {machine}
+    """
     rows: list[Row] = []
     for substrate in SUBSTRATES:
         for sites in STYLES:
@@ -115,12 +113,8 @@ def measure() -> Claim:
     return Claim(
         "Seconds against the number of asperities",
         rows,
-        {"growth": Picture(_growth, CAPTION)},
-        "One load of a new surface by order 1, two thirds of whose asperities touch. Up to "
-        f"{DENSE_LIMIT:,} asperities all pairs are in dense matrices. Above, the sums are made by fast "
-        "Fourier transforms, on lattices directly and at scattered sites by Ewald's method. "
-        "python -m validation.benchmark interaction --long measures 1,000,000 scattered asperities. "
-        + machine(),
+        {"growth": Picture(_growth)},
+        {"dense": DENSE_LIMIT, "machine": machine()},
     )
 
 
@@ -133,7 +127,11 @@ def _load(surface: mf.Surface, model: mf.Interacting) -> float:
 
 
 def _growth():
-    """Draw seconds against the number of asperities, one panel for each substrate."""
+    """Medians of three or more runs, with bars from the fastest to the slowest, and fitted powers. Left of
+    the dotted line all pairs are in dense matrices. Dashed line: numpy reads a dense matrix of all pairs once
+    and sums its rows (time to read all pairs once). Open symbol: the lattice of 1,000,000 asperities, one
+    run.
+    """
     # one column: readable on a narrow screen
     figure = new_figure(6.0, 8.0)
     panels = figure.subplots(2, 1, sharex=True, sharey=True)

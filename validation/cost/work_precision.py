@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 
 import metafem as mf
 from metafem.drawing import new_figure
@@ -68,16 +69,19 @@ STYLES = {
 
 
 def measure() -> Claim:
-    """Compare errors with those that the models state, and times with those of tamaas in the same run."""
+    """Errors are counted from resolved contacts on a half-space, extrapolated from three cells. For 10,000
+    asperities there is no such reference: the error of order 3 is its own estimate, and the errors of the
+    other models are counted from order 3.{conditions} {machine}
+    """
     rows: list[Row] = [row for scene in SCENES for row in _errors(scene)]
     return Claim(
         "Seconds against error",
         [*_ratios(), *rows],
         {
-            "A0(P)": Picture(lambda: _drawn("area_error"), _caption("A0 at a given load", "load")),
-            "P(δ)": Picture(lambda: _drawn("load_error"), _caption("P at a given separation", "separation")),
+            "A0(P)": Picture(partial(_drawn, "area_error"), {"what": "A0", "given": "load"}),
+            "P(δ)": Picture(partial(_drawn, "load_error"), {"what": "P", "given": "separation"}),
         },
-        _text(),
+        {"conditions": _conditions(), "machine": machine(*installed())},
     )
 
 
@@ -179,7 +183,11 @@ def one_panel(scene: str):
 
 
 def _drawn(error: str):
-    """Draw one panel for each scene: seconds and one of the errors."""
+    """Error of {what} at a given {given} against the time for it. Filled symbols: one {given} of a new
+    surface. Open symbols: each load of a curve. Lines join finer cells or smaller tolerances. Errors below
+    the dotted line cannot be told from those of the reference. Dashed line: the time to read all pairs once,
+    in which numpy sums the rows of a dense matrix.
+    """
     # one column: readable on a narrow screen
     figure = new_figure(6.0, 2.9 * len(SCENES) + 1.2)
     panels = figure.subplots(len(SCENES), 1)
@@ -222,16 +230,8 @@ def _panel(ax, scene: str, error: str) -> None:
     ax.loglog()
 
 
-def _caption(what: str, given: str) -> str:
-    return (
-        f"Error of {what} against the time for it. Filled symbols: one {given} of a new surface. Open "
-        "symbols: each load of a curve. Lines join finer cells or smaller tolerances. Errors below the "
-        "dotted line cannot be told from those of the reference. Dashed line: the time to read all pairs "
-        "once, in which numpy sums the rows of a dense matrix."
-    )
-
-
-def _text() -> str:
+def _conditions() -> str:
+    """Return what holds for the other codes that are installed, and for the choices of Automatic."""
     absent = [name for name in PEERS if name not in installed()]
     chosen = all(
         each.area_error == next(other.area_error for other in models(scene) if other.line == ORDER_3)
@@ -256,8 +256,4 @@ def _text() -> str:
             f"most {RESIDUAL:g}, one. Times are compared where both have at most the same error of A0: one "
             "load of a new surface with one of a new surface, and the next load of a curve with the next one."
         )
-    return (
-        "Errors are counted from resolved contacts on a half-space, extrapolated from three cells. For "
-        "10,000 asperities there is no such reference: the error of order 3 is its own estimate, and the "
-        f"errors of the other models are counted from order 3.{codes}{note}{missing} {machine(*installed())}"
-    )
+    return f"{codes}{note}{missing}"

@@ -69,7 +69,14 @@ def curves(name: str, model: str) -> Curves:
 
 
 def claim() -> Claim:
-    """Compare the three curves of five models on five surfaces."""
+    """The paper compares its independent contacts with a model of elastic interaction and finds that P(δ) and
+    A0(δ) change, but A0(P) hardly. The reason is that interaction mostly lowers the base as a whole, which
+    changes the separation and nothing else; in the mean field, which keeps only this part, A0(P) is unchanged
+    exactly. On the block A0(P) changes by {least_area:.1f} to {most_area:.1f} % rms, P(δ) by {least_load:.0f}
+    to {most_load:.0f} %. To predict P(δ), use the true block or the layer: the half-space has no rigid base
+    7.2 mm below the contacts, the array sinks several times too far on it, and P(δ) errs by {least_wrong:.0f}
+    to {most_wrong:.0f} % rms, on the layer by {least_flat:.0f} to {most_flat:.0f} %.
+    """
     rows: list[Check | Result] = []
     for name in surfaces():
         rows += [*_mean_field(name), *_changes(name), *_second(name)]
@@ -77,35 +84,23 @@ def claim() -> Claim:
     area = [_rms(_change(name, "block")[0]) for name in surfaces()]
     load = [_rms(_change(name, "block")[1]) for name in surfaces()]
     wrong, flat = ([_rms(_to_block(name, each)) for name in surfaces()] for each in ("half-space", "layer"))
-    text = (
-        "The paper compares its independent contacts with a model of elastic interaction and finds that "
-        "P(δ) and A0(δ) change, but A0(P) hardly. The reason is that interaction mostly lowers the base as a "
-        "whole, which changes the separation and nothing else; in the mean field, which keeps only this "
-        f"part, A0(P) is unchanged exactly. On the block A0(P) changes by {min(area):.1f} to "
-        f"{max(area):.1f} % rms, P(δ) by {min(load):.0f} to {max(load):.0f} %. To predict P(δ), use the "
-        "true block or the layer: the half-space has no rigid base 7.2 mm below the contacts, the array "
-        f"sinks several times too far on it, and P(δ) errs by {min(wrong):.0f} to {max(wrong):.0f} % rms, "
-        f"on the layer by {min(flat):.0f} to {max(flat):.0f} %."
-    )
     return Claim(
         "A0(P), P(δ) and A0(δ) under five models",
         rows,
         {
-            "curves": Picture(
-                _curves_figure,
-                "Fig. 5, blue. Left: the five curves A0(P) coincide within the width of the lines. Middle "
-                "and right: at a given separation the half-space (dashed) and the mean field (dotted) have "
-                "about half of the load and area of independent contacts; layer and block are close to "
-                "each other.",
-            ),
-            "changes": Picture(
-                _changes_figure,
-                "Rms change of the three curves against independent contacts, on a logarithmic axis: "
-                "A0(P) changes by a few percent at most on every substrate, the other two by tens of "
-                "percent, and least on the layer. The grey line is the paper's bound for A0(P).",
-            ),
+            "curves": Picture(_curves_figure),
+            "changes": Picture(_changes_figure),
         },
-        text,
+        {
+            "least_area": min(area),
+            "most_area": max(area),
+            "least_load": min(load),
+            "most_load": max(load),
+            "least_wrong": min(wrong),
+            "most_wrong": max(wrong),
+            "least_flat": min(flat),
+            "most_flat": max(flat),
+        },
     )
 
 
@@ -207,6 +202,10 @@ def _rms(values: np.ndarray) -> float:
 
 
 def _curves_figure():
+    """Fig. 5, blue. Left: the five curves A0(P) coincide within the width of the lines. Middle and right: at
+    a given separation the half-space (dashed) and the mean field (dotted) have about half of the load and
+    area of independent contacts; layer and block are close to each other.
+    """
     figure = new_figure(9.0, 3.4)
     left, middle, right = figure.subplots(1, 3)
     for model, style in STYLES.items():
@@ -223,6 +222,10 @@ def _curves_figure():
 
 
 def _changes_figure():
+    """Rms change of the three curves against independent contacts, on a logarithmic axis: A0(P) changes by a
+    few percent at most on every substrate, the other two by tens of percent, and least on the layer. The grey
+    line is the paper's bound for A0(P).
+    """
     figure = new_figure(8.4, 3.4)
     axes = figure.subplots(1, 3, sharey=True)
     for k, (ax, title) in enumerate(zip(axes, CURVES, strict=True)):

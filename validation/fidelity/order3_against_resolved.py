@@ -140,31 +140,18 @@ def errors(name: str, order: int) -> Errors:
 
 
 def claim() -> Claim:
-    """Compare both orders with resolved contacts, and these with Hertz."""
-    text = (
-        "Order 1 represents the neighbours of a contact by point loads, as the paper does; order 3 adds the "
-        "size of the contacts and the curvature and slope of their fields. Resolved contacts assume nothing "
-        "of this. The error of order 1 in A0 grows as the cube of contact radius over distance and reaches "
-        "half a percent, as much as interaction itself changes A0(P) of some of the paper's surfaces."
-        " Order 3 is the default."
-    )
+    """Order 1 represents the neighbours of a contact by point loads, as the paper does; order 3 adds the size
+    of the contacts and the curvature and slope of their fields. Resolved contacts assume nothing of this. The
+    error of order 1 in A0 grows as the cube of contact radius over distance and reaches half a percent, as
+    much as interaction itself changes A0(P) of some of the paper's surfaces. Order 3 is the default.
+    """
     return Claim(
         "Interaction to third order against resolved contacts",
         [*_single(), *_scenes(), *_rates()],
         {
-            "errors": Picture(
-                _errors_figure,
-                "Relative error of A0 at a given load on the 3 x 3 lattice. Order 1 (circles) follows the "
-                "line, the closed form of its leading error with slope 3; order 3 (squares) is far "
-                "below it. The bars are the uncertainty of the resolved contacts.",
-            ),
-            "resolved contacts": Picture(
-                _cells_figure,
-                "Error of resolved contacts against Hertz's closed form for one contact, over the number of "
-                "cells per contact radius, and the documented bounds (lines).",
-            ),
+            "errors": Picture(_errors_figure),
+            "resolved contacts": Picture(_cells_figure),
         },
-        text,
     )
 
 
@@ -236,6 +223,10 @@ def _single() -> list[Check | Result]:
 
 
 def _errors_figure():
+    """Relative error of A0 at a given load on the 3 x 3 lattice. Order 1 (circles) follows the line, the
+    closed form of its leading error with slope 3; order 3 (squares) is far below it. The bars are the
+    uncertainty of the resolved contacts.
+    """
     figure = new_figure(7.0, 4.0)
     ax = figure.add_subplot()
     names = list(scenes())[: len(APPROACHES)]
@@ -258,6 +249,9 @@ def _errors_figure():
 
 
 def _cells_figure():
+    """Error of resolved contacts against Hertz's closed form for one contact, over the number of cells per
+    contact radius, and the documented bounds (lines).
+    """
     figure = new_figure(6.0, 3.4)
     ax = figure.add_subplot()
     cells = np.array(CELLS)

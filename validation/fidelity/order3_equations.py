@@ -25,18 +25,6 @@ ROUNDING, TABLES, FAST = 1e-10, 1e-5, 1e-8
 
 SOLVED = second_method(third_order.solved, "the equations in numpy, by the root finder of scipy")
 
-TEXT = """Interaction of third order adds to the displacement by point loads the size of each contact, the
-curvature and the slope of its neighbours' field. These equations are written out a second time without the
-package: fields of point loads and of the layer's Hankel integral by quadrature, caps as sums of flat punches,
-and a general root finder. Paraboloids, quartic caps and adhesive contacts of unequal radii at irregular
-places are compared on a half-space and on a thin layer, and some high asperities among 2,000 low ones, for
-which the package takes its fast sums. This judges the solution of the equations; resolved contacts judge the
-equations."""
-
-CAPTION = """Change of the area of each of nine contacts against independent ones at the same load [%], over
-its place in the list: by metafem (circles) and by the second solution (dots), on a half-space and on a layer
-of 1 mm. Each dot lies within its circle."""
-
 
 @dataclass(frozen=True)
 class Scene:
@@ -108,7 +96,14 @@ def state(name: str) -> mf.ContactState:
 
 
 def claim() -> Claim:
-    """Compare approach and areas of both solutions."""
+    """Interaction of third order adds to the displacement by point loads the size of each contact, the
+    curvature and the slope of its neighbours' field. These equations are written out a second time without
+    the package: fields of point loads and of the layer's Hankel integral by quadrature, caps as sums of flat
+    punches, and a general root finder. Paraboloids, quartic caps and adhesive contacts of unequal radii at
+    irregular places are compared on a half-space and on a thin layer, and some high asperities among 2,000
+    low ones, for which the package takes its fast sums. This judges the solution of the equations; resolved
+    contacts judge the equations.
+    """
     rows: list[Row] = []
     for name, scene in SCENES.items():
         found, (approach, radius) = state(name), scene.second()
@@ -124,10 +119,14 @@ def claim() -> Claim:
             reported(f"{name}: largest change of an area by the terms of third order [%]",
                      1e2 * float(change), "order 1"),
         ]  # fmt: skip
-    return Claim("Equations of third order, solved twice", rows, {"Areas": Picture(_figure, CAPTION)}, TEXT)
+    return Claim("Equations of third order, solved twice", rows, {"Areas": Picture(_figure)})
 
 
 def _figure():
+    """Change of the area of each of nine contacts against independent ones at the same load [%], over its
+    place in the list: by metafem (circles) and by the second solution (dots), on a half-space and on a layer
+    of 1 mm. Each dot lies within its circle.
+    """
     figure = new_figure(7.0, 3.2)
     for ax, name in zip(figure.subplots(1, 2, sharey=True), list(SCENES)[:2], strict=True):
         scene = SCENES[name]

@@ -45,22 +45,17 @@ EDGES = {"contact_edge": 1e-4, "foot_edge": 0.05}
 
 LOADS = "neo-Hookean cap over Hertz's law at the same deformed radius, finite elements at large strain"
 
-TEXT = """Small strain must not be used to improve Hertz's law of a soft sphere at large a/R. At a/R = 0.5
-the load of the true cap over that of Hertz at the same contact radius is {small:.2f} by small strain, but
-only {slip:.2f} by large strain (incompressible neo-Hookean, without friction; {stick:.2f} with stick). The
-corrections have opposite signs, and Hertz's law lies between them, closer to large strain. From a/R = 0.1 to
-0.5 the load of the soft cap is {least:.3f} to {most:.3f} of that of Hertz; this nearly constant factor is
-included in a fitted E*. The elements are checked by others of higher order on another mesh, and by the work
-of the plane, which must be stored as elastic energy. The cap is 0.38 R high and stands on a wide bonded
-block."""
-
-CAPTION = """Load over that of Hertz at the same contact radius, over a/R in the deformed state. At large
-strain it lies a few percent below 1 (circles and squares), with cubic elements (crosses) as with quadratic
-ones; at small strain (triangles) it rises above 1. The dashed line is Hertz's law."""
-
 
 def claim() -> Claim:
-    """Compare loads with other elements, work with energy, small strain with an active set, and the table."""
+    """Small strain must not be used to improve Hertz's law of a soft sphere at large a/R. At a/R = 0.5 the
+    load of the true cap over that of Hertz at the same contact radius is {small:.2f} by small strain, but
+    only {slip:.2f} by large strain (incompressible neo-Hookean, without friction; {stick:.2f} with stick).
+    The corrections have opposite signs, and Hertz's law lies between them, closer to large strain. From a/R =
+    0.1 to 0.5 the load of the soft cap is {least:.3f} to {most:.3f} of that of Hertz; this nearly constant
+    factor is included in a fitted E*. The elements are checked by others of higher order on another mesh, and
+    by the work of the plane, which must be stored as elastic energy. The cap is 0.38 R high and stands on a
+    wide bonded block.
+    """
     slip, stick = _contacts(False), _contacts(True)
     table = _table()
     cubic = self_consistency(cubic_load, "cubic displacements and quadratic pressures on another mesh")
@@ -99,10 +94,19 @@ def claim() -> Claim:
         ),
     ]
     ratios = [_over_hertz(contact) for contact in slip]
-    text = TEXT.format(small=_small(0.5 * R), slip=ratios[-1], stick=_over_hertz(stick[-1]),
-                       least=min(ratios), most=max(ratios))  # fmt: skip
-    figures = {"Load of the soft cap": Picture(_load, CAPTION)}
-    return Claim("Finite elements: the soft cap at large strain", rows, figures, text)
+    figures = {"Load of the soft cap": Picture(_load)}
+    return Claim(
+        "Finite elements: the soft cap at large strain",
+        rows,
+        figures,
+        {
+            "small": _small(0.5 * R),
+            "slip": ratios[-1],
+            "stick": _over_hertz(stick[-1]),
+            "least": min(ratios),
+            "most": max(ratios),
+        },
+    )
 
 
 @cache
@@ -161,6 +165,10 @@ def _searched(a: float) -> float:
 
 
 def _load() -> Figure:
+    """Load over that of Hertz at the same contact radius, over a/R in the deformed state. At large strain it
+    lies a few percent below 1 (circles and squares), with cubic elements (crosses) as with quadratic ones; at
+    small strain (triangles) it rises above 1. The dashed line is Hertz's law.
+    """
     figure = new_figure(5.6, 3.4)
     ax = figure.add_subplot()
     for stick, style in ((False, "o-"), (True, "s-")):

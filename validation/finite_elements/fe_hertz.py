@@ -11,37 +11,36 @@ from validation.finite_elements.rows import as_rows
 
 A, R = 0.2, 0.526
 
-TEXT = """A paraboloid of R = 526 µm is pressed on a half-space by two finite element methods: high-order
-elements with the contact radius prescribed, in coordinates that remove the singularity at the edge, and an
-active set on ordinary quadratic elements. Load, indentation and displacement are compared with Hertz's
-closed forms, that of a quartic punch with Sneddon's, and the orders of convergence with theory."""
-
-FIELDS = """Contact pressure over E*, and displacement of the surface, by finite elements and by Hertz's
-closed forms, over the radius. The curves coincide within the width of the lines."""
-
-RATES = """Relative error of the load against Hertz's. Left: with the degree of the high-order elements the
-error falls exponentially. Right: with the cell of the active set, relative to the contact radius, load and
-radius converge at the orders in the legend, at least 1."""
 
 # Several seconds of finite elements.
 SLOW = True
 
 
 def claim() -> Claim:
-    """Compare load, indentation and field, and fit the rates."""
+    """A paraboloid of R = 526 µm is pressed on a half-space by two finite element methods: high-order
+    elements with the contact radius prescribed, in coordinates that remove the singularity at the edge, and
+    an active set on ordinary quadratic elements. Load, indentation and displacement are compared with Hertz's
+    closed forms, that of a quartic punch with Sneddon's, and the orders of convergence with theory.
+    """
     return Claim(
         "Finite elements: Hertz's contact on a half-space",
         as_rows(studies.hertz_check()),
-        {"Pressure and displacement": Picture(_fields, FIELDS), "Convergence": Picture(_rates, RATES)},
-        TEXT,
+        {"Pressure and displacement": Picture(_fields), "Convergence": Picture(_rates)},
     )
 
 
 def _fields():
+    """Contact pressure over E*, and displacement of the surface, by finite elements and by Hertz's closed
+    forms, over the radius. The curves coincide within the width of the lines.
+    """
     return hertz_figure(fe.press(A, R), R)
 
 
 def _rates():
+    """Relative error of the load against Hertz's. Left: with the degree of the high-order elements the error
+    falls exponentially. Right: with the cell of the active set, relative to the contact radius, load and
+    radius converge at the orders in the legend, at least 1.
+    """
     figure = new_figure(8.0, 3.2)
     left, right = figure.subplots(1, 2)
     spectrum = spectral_convergence()

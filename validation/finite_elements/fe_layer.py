@@ -11,26 +11,25 @@ from metafem.studies.element_checks import RADIUS, THICKNESS
 from validation.check import Claim, Picture
 from validation.finite_elements.rows import as_rows
 
-TEXT = """The models use the influence of a bonded layer of 7.2 mm, a Hankel integral: the displacement of
-the surface at a distance r from a load. Here it is computed by finite elements of a small contact, and
-compared at seven distances and three Poisson's ratios, as a multiple of the influence of the half-space."""
-
-CAPTION = """Displacement at a distance r from a load on the layer, over that on a half-space, by finite
-elements (dots) and by the Hankel integral (line), at a Poisson's ratio of 0.5. The layer is stiffer than the
-half-space at all distances, and rises beside the load beyond 5.5 mm."""
-
 # Several seconds of finite elements.
 SLOW = True
 
 
 def claim() -> Claim:
-    """Compare at distances up to the block's half-width, for three Poisson ratios."""
+    """The models use the influence of a bonded layer of 7.2 mm, a Hankel integral: the displacement of the
+    surface at a distance r from a load. Here it is computed by finite elements of a small contact, and
+    compared at seven distances and three Poisson's ratios, as a multiple of the influence of the half-space.
+    """
     checks = [row for nu in (0.5, 0.49, 0.3) for row in as_rows(studies.layer_check(nu))]
-    figures = {"Influence of the layer": Picture(_figure, CAPTION)}
-    return Claim("Finite elements: the bonded layer's influence", checks, figures, TEXT)
+    figures = {"Influence of the layer": Picture(_figure)}
+    return Claim("Finite elements: the bonded layer's influence", checks, figures)
 
 
 def _figure():
+    """Displacement at a distance r from a load on the layer, over that on a half-space, by finite elements
+    (dots) and by the Hankel integral (line), at a Poisson's ratio of 0.5. The layer is stiffer than the
+    half-space at all distances, and rises beside the load beyond 5.5 mm.
+    """
     figure = new_figure(5.0, 3.4)
     ax = figure.add_subplot()
     contact = fe.press(0.01, RADIUS, thickness=THICKNESS)

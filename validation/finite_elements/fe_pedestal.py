@@ -21,27 +21,26 @@ SLOW = True
 
 SOURCE = second_method(fe.measure_pedestal, "finite elements of a shape between the nodes of the table")
 
-TEXT = """Below its contact a cap yields as a pedestal on the block. The models interpolate this compliance
-in a table over the shape of the cap and the size of the contact. Here it is computed by finite elements at
-four shapes between the nodes of the table."""
-
-CAPTION = """Compliance of the pedestal, times R, over the height of the cap relative to R: nodes of the
-table (dots) and their interpolation (lines), for contacts of 0.05, 0.2, 0.4 and 0.6 of the foot's radius,
-which lie close together. High caps yield more, and nearly independently of the size of the contact."""
-
 
 def claim() -> Claim:
-    """Compute the compliance by finite elements where the table has no node."""
+    """Below its contact a cap yields as a pedestal on the block. The models interpolate this compliance in a
+    table over the shape of the cap and the size of the contact. Here it is computed by finite elements at
+    four shapes between the nodes of the table.
+    """
     checks = []
     for ratio, fraction in BETWEEN:
         a = fraction * math.sqrt(ratio * (2.0 - ratio))
         error = abs(float(pedestal_compliance(ratio, 1.0, a)) / fe.measure_pedestal(ratio, a) - 1.0)
         checks.append(below(f"h/R = {ratio}, a/R = {a:.3f}: error of the table", error, 1e-3, SOURCE))
-    figures = {"Compliance of the pedestal": Picture(_figure, CAPTION)}
-    return Claim("The pedestal's compliance", checks, figures, TEXT)
+    figures = {"Compliance of the pedestal": Picture(_figure)}
+    return Claim("The pedestal's compliance", checks, figures)
 
 
 def _figure():
+    """Compliance of the pedestal, times R, over the height of the cap relative to R: nodes of the table
+    (dots) and their interpolation (lines), for contacts of 0.05, 0.2, 0.4 and 0.6 of the foot's radius, which
+    lie close together. High caps yield more, and nearly independently of the size of the contact.
+    """
     figure = new_figure(5.0, 3.4)
     ax = figure.add_subplot()
     table = np.array(TABLE)

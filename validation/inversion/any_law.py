@@ -34,19 +34,6 @@ LOW_COEFFICIENT, TOOLS, TOP = 0.9, [0.2, 0.3, 0.526], 0.12
 
 COEFFICIENT = printed("SM, bounds on achievable friction coefficients: 3π/4 √(R/h_m) σB/E* is at most μ")
 
-CAPTION = (
-    "Rescaled friction over rescaled load, which a friction force in proportion to the load makes constant. "
-    "Between the dotted loads each surface must follow the dashed target under the model for which it was "
-    "designed; below the first one contact has too much friction, beyond the last all asperities are in "
-    "contact."
-)
-
-
-STEPS = (
-    "Rescaled friction over rescaled load of four surfaces whose heights are multiples of 6 µm, and their "
-    "targets (dots). Each line must pass through its dots."
-)
-
 
 @cache
 def proportional(model: str) -> mf.Design:
@@ -63,7 +50,11 @@ def stepped(name: str) -> mf.Design:
 
 
 def claim() -> Claim:
-    """Design each law and compare it with its target."""
+    """The paper's linear laws have an intercept. Here a surface is designed whose friction is proportional to
+    the load over most of the range that 64 asperities can have, under each model. Laws of other shapes are
+    designed on height steps of 6 µm as the paper's mould had, and a friction coefficient below the paper's
+    least one with a tool of smaller radius.
+    """
     checks: list[Row] = []
     for name, model in MODELS.items():
         result = proportional(name)
@@ -92,13 +83,9 @@ def claim() -> Claim:
         "Laws of any shape, steps and tools",
         checks,
         {
-            "friction over load, designed to be constant": Picture(_ratio, CAPTION),
-            "laws on height steps": Picture(_stepped, STEPS),
+            "friction over load, designed to be constant": Picture(_ratio),
+            "laws on height steps": Picture(_stepped),
         },
-        "The paper's linear laws have an intercept. Here a surface is designed whose friction is "
-        "proportional to the load over most of the range that 64 asperities can have, under each model. "
-        "Laws of other shapes are designed on height steps of 6 µm as the paper's mould had, and a friction "
-        "coefficient below the paper's least one with a tool of smaller radius.",
     )
 
 
@@ -113,6 +100,11 @@ def _widest() -> tuple[float, Source]:
 
 
 def _ratio():
+    """Rescaled friction over rescaled load, which a friction force in proportion to the load makes constant.
+    Between the dotted loads each surface must follow the dashed target under the model for which it was
+    designed; below the first one contact has too much friction, beyond the last all asperities are in
+    contact.
+    """
     figure = new_figure(8.0, 3.4)
     ax = figure.add_subplot()
     for name, model in MODELS.items():
@@ -131,6 +123,9 @@ def _ratio():
 
 
 def _stepped():
+    """Rescaled friction over rescaled load of four surfaces whose heights are multiples of 6 µm, and their
+    targets (dots). Each line must pass through its dots.
+    """
     figure = new_figure(8.0, 3.4)
     ax = figure.add_subplot()
     for i, (name, target) in enumerate(STEPPED.items()):

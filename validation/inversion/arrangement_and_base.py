@@ -35,14 +35,6 @@ SAME = known_input("identity: a displacement that is equal for all asperities le
 METHOD = "interaction of order 3 against independent asperities, rms of A0 at twelve loads"
 
 
-CHANGES = (
-    "Change of the area of real contact by elastic interaction, for the surface of Fig. 4, red. Left, over "
-    "the distance of neighbouring asperities, on a half-space and on wide bases of three thicknesses; a "
-    "thin base changes the law of each contact alone, at any distance. Right, of 100 random arrangements at "
-    "the paper's pitch."
-)
-
-
 def change(surface: mf.Surface, model: mf.Model) -> float:
     """Return the rms of the relative change of A0 by interaction."""
     alone = mf.Independent().curve(surface, LOADS).area
@@ -70,16 +62,16 @@ def based(pitch: float, thickness: float) -> float:
 
 
 def claim() -> Claim:
-    """Change the places of the heights, their distance and the base."""
+    """Independent asperities have the same law wherever they stand. Elastic interaction through the base
+    depends on their places, and here its effect is computed for the surface of Fig. 4, red: for random
+    places, for heights in increasing order, for other distances, and for thinner and narrower bases. On the
+    paper's block it is about 1 %; a base of 1 mm, or heights that increase from one end to the other, change
+    the law several times as much.
+    """
     return Claim(
         "Arrangement, distance of the asperities and size of the base",
         _rows(),
-        {"change of the law by interaction": Picture(_changes, CHANGES)},
-        "Independent asperities have the same law wherever they stand. Elastic interaction through the base "
-        "depends on their places, and here its effect is computed for the surface of Fig. 4, red: for "
-        "random places, for heights in increasing order, for other distances, and for thinner and narrower "
-        "bases. On the paper's block it is about 1 %; a base of 1 mm, or heights that increase from one end "
-        "to the other, change the law several times as much.",
+        {"change of the law by interaction": Picture(_changes)},
     )
 
 
@@ -115,6 +107,11 @@ def _rows() -> list[Row]:
 
 
 def _changes():
+    """Change of the area of real contact by elastic interaction, for the surface of Fig. 4, red. Left, over
+    the distance of neighbouring asperities, on a half-space and on wide bases of three thicknesses; a thin
+    base changes the law of each contact alone, at any distance. Right, of 100 random arrangements at the
+    paper's pitch.
+    """
     figure = new_figure(8.0, 3.2)
     left, right = figure.subplots(1, 2)
     for thickness in (*THICKNESSES, np.inf):

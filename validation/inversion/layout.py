@@ -32,15 +32,6 @@ METHOD = "interaction of order 3 on the half-space"
 FOLLOW, TILT = mf.FollowLaw(LOADS), mf.InsensitiveToTilt(LOADS[2::3])
 TILTED = ("Fig. 4 red", "Fig. 5 red")
 
-LAWS = (
-    "Difference of the area of real contact with interaction from that of independent asperities, over the "
-    "load, for the paper's surfaces as designed (dashed) and with heights at sites that were chosen against "
-    "it (full)."
-)
-TILTS = (
-    "Change of the area of real contact by a tilt of 0.1°, twenty times the paper's precision, over the "
-    "direction of the tilt: as designed (dashed) and with sites chosen against interaction and tilt (full)."
-)
 
 # Random seeds of the surface with empty sites; the best arrangement is kept.
 SEEDS = 5
@@ -66,7 +57,11 @@ def rms(objective: mf.FollowLaw | mf.InsensitiveToTilt, surface: mf.Surface) -> 
 
 
 def claim() -> Claim:
-    """Compute the changes of A0 as designed and as arranged."""
+    """For independent asperities it does not matter which asperity stands on which site of the lattice, and
+    the paper leaves it open. Elastic interaction and a tilt of the sample do depend on it. Here the heights
+    of the paper's surfaces are assigned anew, so that the law with interaction is that without. Most of the
+    change by interaction vanishes where all heights differ, and less of it where many are equal.
+    """
     checks: list[Row] = []
     between = mf.FollowLaw(OTHER_LOADS)
     for name, surface in surfaces().items():
@@ -96,14 +91,9 @@ def claim() -> Claim:
         "Sites chosen against interaction and tilt",
         checks,
         {
-            "change of the law by interaction": Picture(_laws, LAWS),
-            "change by a tilt": Picture(_tilts, TILTS),
+            "change of the law by interaction": Picture(_laws),
+            "change by a tilt": Picture(_tilts),
         },
-        "For independent asperities it does not matter which asperity stands on which site of the lattice, "
-        "and the paper leaves it open. Elastic interaction and a tilt of the sample do depend on it. Here "
-        "the heights of the paper's surfaces are assigned anew, so that the law with interaction is that "
-        "without. Most of the change by interaction vanishes where all heights differ, and less of it where "
-        "many are equal.",
     )
 
 
@@ -113,6 +103,10 @@ def gain(fraction: float) -> Source:
 
 
 def _laws():
+    """Difference of the area of real contact with interaction from that of independent asperities, over the
+    load, for the paper's surfaces as designed (dashed) and with heights at sites that were chosen against it
+    (full).
+    """
     figure = new_figure(8.0, 3.4)
     ax = figure.add_subplot()
     for name, surface in surfaces().items():
@@ -128,6 +122,9 @@ def _laws():
 
 
 def _tilts():
+    """Change of the area of real contact by a tilt of 0.1°, twenty times the paper's precision, over the
+    direction of the tilt: as designed (dashed) and with sites chosen against interaction and tilt (full).
+    """
     figure = new_figure(8.0, 3.4)
     ax = figure.add_subplot()
     direction = 2.0 * np.pi * np.arange(25) / 24

@@ -28,14 +28,6 @@ BOUNDS = Bounds(mf.Hertz(), Radii.given(TOOLS), 64, RANGE[1])
 # Below 2/3 and above what one radius reaches within 1 %.
 EXPONENTS = (0.645, 1.55)
 
-LAWS = (
-    "Friction divided by the power law of one radius that is nearest to the target, which is the grey line. "
-    "The surfaces with caps of two radii must follow the dashed target, which is steeper or less steep."
-)
-CAPS = (
-    "Radius of each cap and its depth below the tallest. A small exponent needs large caps that touch first "
-    "among small ones of nearly the same height; a large one needs small caps first and large ones later."
-)
 
 # Longer than a few seconds: laws that cannot be reached use all restarts.
 SLOW = True
@@ -49,7 +41,10 @@ def designed(exponent: float, choice: str, model: str) -> mf.Design:
 
 
 def claim() -> Claim:
-    """Design power laws and friction coefficients beyond those of one radius."""
+    """Caps of one radius cannot have a friction law less steep than the power 2/3 of the load, and none much
+    steeper than the power 1.4. With a radius for each cap, from two tools or from a range, laws beyond both
+    are designed under each model, and friction coefficients between the ranges of the single tools.
+    """
     checks: list[Row] = [
         below(
             f"exponent {e:g}, {choice}, {model}: misfit", designed(e, choice, model).misfit, 1.5e-3, REQUIRED
@@ -62,13 +57,9 @@ def claim() -> Claim:
         "A radius for each asperity",
         [*checks, *_largest(), *_least(), *_coefficients()],
         {
-            "laws with a small and a large exponent": Picture(_exponents, LAWS),
-            "radii and heights of these surfaces": Picture(_surface, CAPS),
+            "laws with a small and a large exponent": Picture(_exponents),
+            "radii and heights of these surfaces": Picture(_surface),
         },
-        "Caps of one radius cannot have a friction law less steep than the power 2/3 of the load, and none "
-        "much steeper than the power 1.4. With a radius for each cap, from two tools or from a range, laws "
-        "beyond both are designed under each model, and friction coefficients between the ranges of the "
-        "single tools.",
     )
 
 
@@ -144,6 +135,9 @@ def _coefficients() -> list[Row]:
 
 
 def _exponents():
+    """Friction divided by the power law of one radius that is nearest to the target, which is the grey line.
+    The surfaces with caps of two radii must follow the dashed target, which is steeper or less steep.
+    """
     figure = new_figure(9.6, 3.6)
     largest = largest_exponent()
     bounds = {
@@ -169,6 +163,9 @@ def _exponents():
 
 
 def _surface():
+    """Radius of each cap and its depth below the tallest. A small exponent needs large caps that touch first
+    among small ones of nearly the same height; a large one needs small caps first and large ones later.
+    """
     figure = new_figure(8.0, 3.0)
     ax = figure.add_subplot()
     for exponent, marker in zip(EXPONENTS, "ox", strict=True):

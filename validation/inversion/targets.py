@@ -32,12 +32,6 @@ UNREFINED = second_method(
     mf.design, "a third of the rms of the design for independent asperities, on the layer"
 )
 
-CAPTION = (
-    "Above, the area of real contact against the load: the target (dots) and the law of each design under "
-    "the model for which it was designed. The lines cannot be told apart. Below, their differences from the "
-    "target."
-)
-
 
 @cache
 def designed(name: str, model: str) -> mf.Design:
@@ -46,7 +40,12 @@ def designed(name: str, model: str) -> mf.Design:
 
 
 def claim() -> Claim:
-    """Design each target under each model."""
+    """Three laws that the paper does not show are designed on its lattice of 64 sites: given point by point,
+    a power of the load, and two straight branches of which the second is less steep. Each is designed for
+    independent asperities and for asperities that interact through a half-space or a bonded layer, and
+    evaluated by the model for which it was designed. A design for independent asperities misses its target on
+    the layer; the design that is refined for the layer has at most a third of that error.
+    """
     checks = [
         below(f"{name}, {model}: misfit", designed(name, model).misfit, LARGEST[name], REQUIRED)
         for name in TARGETS
@@ -59,13 +58,7 @@ def claim() -> Claim:
     return Claim(
         "An example of each target",
         checks,
-        {name: Picture(partial(_picture, name), CAPTION) for name in TARGETS},
-        "Three laws that the paper does not show are designed on its lattice of 64 sites: given point by "
-        "point, a power of the load, and two straight branches of which the second is less steep. Each is "
-        "designed for independent asperities and for asperities that interact through a half-space or a "
-        "bonded layer, and evaluated by the model for which it was designed. A design for independent "
-        "asperities misses its target on the layer; the design that is refined for the layer has at most a "
-        "third of that error.",
+        {name: Picture(partial(_picture, name)) for name in TARGETS},
     )
 
 
@@ -75,6 +68,10 @@ def _misfit(result: mf.Design, model: mf.Model) -> float:
 
 
 def _picture(name: str):
+    """Above, the area of real contact against the load: the target (dots) and the law of each design under
+    the model for which it was designed. The lines cannot be told apart. Below, their differences from the
+    target.
+    """
     figure = new_figure(8.0, 4.6)
     ax, below_ax = figure.subplots(2, 1, sharex=True, height_ratios=[2, 1])
     law = TARGETS[name].curve()

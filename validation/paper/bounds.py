@@ -19,18 +19,13 @@ TOP = 0.120
 # Two evaluations of a closed form with different rounding.
 ROUNDING = 1e-9
 
-TEXT = """The friction coefficient μ = σB/E* · m of a truncated exponential density of heights is computed
-over its scale λ, for σ = 0.358 MPa, B = 0.85, E* = 1.36 MPa, R = 526 µm and h_m = 120 µm. It falls towards
-the value of a uniform density as λ grows. The largest value belongs to the smallest λ that the workshop can
-make, ten standard deviations of its heights (9 µm), a rule of thumb of the paper."""
-
-CAPTION = """Friction coefficient μ over the scale λ of the density [µm], on logarithmic axes. The curve runs
-between the two bounds that the paper prints (dashed lines, 1.10 and 3.03), and meets the upper one at λ = 9
-µm (dotted line). The square is the red surface of Fig. 4, designed for m = 6.87."""
-
 
 def claim() -> Claim:
-    """Compute both bounds with the paper's parameters, and the slope of a nearly uniform density."""
+    """The friction coefficient μ = σB/E* · m of a truncated exponential density of heights is computed over
+    its scale λ, for σ = 0.358 MPa, B = 0.85, E* = 1.36 MPa, R = 526 µm and h_m = 120 µm. It falls towards the
+    value of a uniform density as λ grows. The largest value belongs to the smallest λ that the workshop can
+    make, ten standard deviations of its heights (9 µm), a rule of thumb of the paper.
+    """
     numbers = paper()["bounds"]
     smallest, largest = numbers["smallest_friction_coefficient"], numbers["largest_friction_coefficient"]
     surface = template("fig4_red")
@@ -64,8 +59,7 @@ def claim() -> Claim:
     return Claim(
         "Bounds on the friction coefficient",
         checks,
-        {"Friction coefficient": Picture(_figure, CAPTION)},
-        TEXT,
+        {"Friction coefficient": Picture(_figure)},
     )
 
 
@@ -76,6 +70,10 @@ def _factor(surface: mf.Surface) -> float:
 
 
 def _figure():
+    """Friction coefficient μ over the scale λ of the density [µm], on logarithmic axes. The curve runs
+    between the two bounds that the paper prints (dashed lines, 1.10 and 3.03), and meets the upper one at λ =
+    9 µm (dotted line). The square is the red surface of Fig. 4, designed for m = 6.87.
+    """
     figure = new_figure(7.0, 3.6)
     ax = figure.add_subplot()
     surface, numbers = template("fig4_red"), paper()["bounds"]

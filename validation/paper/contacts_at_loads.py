@@ -57,23 +57,14 @@ def load(name: str) -> float:
 
 
 def claim() -> Claim:
-    """Count the contacts and add up their areas by two models, and by two programs."""
+    """The paper shows photographs of the contacts at these loads: 0.92 N (Fig. 3), 0.39 N (Fig. 4, blue),
+    0.93 N (Fig. 4, red), 0.34 N (Fig. 5, blue) and 0.23 N (Fig. 5, red). The models predict that on the
+    surfaces of Figs. 4 and 5 all 64 asperities are then in contact, down to the lowest. The paper prints no
+    sites: here those of Fig. 5 are Table S2 numbered row by row, the others those of the design. Interaction
+    depends on them, independent asperities do not.
+    """
     rows = [row for name in surfaces() for row in _rows(name)]
-    text = (
-        "The paper shows photographs of the contacts at these loads: 0.92 N (Fig. 3), 0.39 N (Fig. 4, blue), "
-        "0.93 N (Fig. 4, red), 0.34 N (Fig. 5, blue) and 0.23 N (Fig. 5, red). The models predict that on "
-        "the surfaces of Figs. 4 and 5 all 64 asperities are then in contact, down to the lowest. The paper "
-        "prints no sites: here those of Fig. 5 are Table S2 numbered row by row, the others those of the "
-        "design. Interaction depends on them, independent asperities do not."
-    )
-    caption = (
-        "Contacts at the loads of the paper's photographs, to scale, on the bonded layer at order 3. "
-        "Compare the mixture of large and small spots: few large ones on Fig. 3, a gradual decrease of the "
-        "sizes on Figs. 4 and 5."
-    )
-    return Claim(
-        "Contacts at the loads of the photographs", rows, {"contacts": Picture(_picture, caption)}, text
-    )
+    return Claim("Contacts at the loads of the photographs", rows, {"contacts": Picture(_picture)})
 
 
 def _rows(name: str) -> list[Check | Result]:
@@ -118,6 +109,10 @@ def _count(found: mf.ContactState) -> int:
 
 
 def _picture():
+    """Contacts at the loads of the paper's photographs, to scale, on the bonded layer at order 3. Compare the
+    mixture of large and small spots: few large ones on Fig. 3, a gradual decrease of the sizes on Figs. 4 and
+    5.
+    """
     figure = new_figure(8.4, 6.0)
     for ax, name in zip(figure.subplots(2, 3).flat, surfaces(), strict=False):
         found = state(name, "layer, order 3")

@@ -33,19 +33,13 @@ BRANCHES = ((0.03568, 0.015338, 0.14941), (0.03568, 0.011179, 0.24956), (0.02, 0
 # Separations of the integrals of eq. S2 [mm].
 SEPARATIONS = (0.0, 0.01, 0.06, 0.11)
 
-TEXT = """The design evaluates the paper's equations in forms that lose no digits. Here each is compared with
-its printed form, or with numerical integration: the two lines of eq. S1 at the designed points of Fig. 3,
-the integrals of eq. S2 for six densities of one branch and three of two, the slope and intercept of eqs. S3
-to S5, and both lines of eq. S8. The largest relative errors over all cases are listed."""
-
-CAPTION = """Relative error of k(x) of eq. S5 as it is printed, in double precision, over x = h_m/λ, against
-the incomplete gamma function γ(3/2, x), to which it is equal. The printed form loses digits below x = 1 and
-all of them below 10⁻¹⁵, where the density is nearly uniform. The designs use γ(3/2, x); the dots are the
-arguments at which the equations are compared here."""
-
 
 def claim() -> Claim:
-    """Compare each closed form with an integral or with its printed form."""
+    """The design evaluates the paper's equations in forms that lose no digits. Here each is compared with its
+    printed form, or with numerical integration: the two lines of eq. S1 at the designed points of Fig. 3, the
+    integrals of eq. S2 for six densities of one branch and three of two, the slope and intercept of eqs. S3
+    to S5, and both lines of eq. S8. The largest relative errors over all cases are listed.
+    """
     plain = [TruncatedExponential(TOP / x, TOP) for x in ARGUMENTS]
     branched = [TwoBranchExponential(scale, TOP, height, weight) for scale, height, weight in BRANCHES]
     slopes = [d.asymptotic_slope(RADIUS) / reference.slope(d.scale, RADIUS, TOP) for d in plain[1:]]
@@ -74,7 +68,7 @@ def claim() -> Claim:
             for name, ratios, function, words in printed
         ),
     ]  # fmt: skip
-    return Claim("Equations S1 to S8", checks, {"Digits of eq. S5": Picture(_figure, CAPTION)}, TEXT)
+    return Claim("Equations S1 to S8", checks, {"Digits of eq. S5": Picture(_figure)})
 
 
 def _printed(d: TwoBranchExponential) -> tuple[float, float, float, float, float]:
@@ -118,7 +112,11 @@ def _integrals(
 
 
 def _figure() -> Figure:
-    """Draw the relative error of k(x) in its printed form."""
+    """Relative error of k(x) of eq. S5 as it is printed, in double precision, over x = h_m/λ, against the
+    incomplete gamma function γ(3/2, x), to which it is equal. The printed form loses digits below x = 1 and
+    all of them below 10⁻¹⁵, where the density is nearly uniform. The designs use γ(3/2, x); the dots are the
+    arguments at which the equations are compared here.
+    """
     figure = new_figure(7.0, 3.2)
     ax = figure.add_subplot()
     x = np.geomspace(1e-15, 100.0, 500)

@@ -45,16 +45,6 @@ BATCH_2 = "Fig. 5 red"
 
 STUDY = f"mf.studies.uncertainty with {DRAWS} draws; the paper prints no bars"
 
-TEXT = """The paper draws error bars that are standard deviations over 10,000 draws of forces and parameters,
-and prints the errors of the parameters but no bar. The bars are computed here from those errors: of the
-predicted A0 by draws of R, E* and P, compared with as many plain draws in numpy, and of measured pairs of
-forces, compared with the propagation of small errors. At the largest loads the error of E* of batch 1, 3 %,
-causes most of the variance."""
-
-CAPTION = """Predicted laws of Fig. 4 (lines), and points on them with the error bars of measured pairs: one
-standard deviation of the rescaled load P/E* and of the rescaled friction F/(σB), both in mm². The bars grow
-with the load, because the errors of E*, σ and B are relative; those of friction are the shorter ones."""
-
 
 def errors(name: str) -> dict[str, float]:
     """Return the standard deviations of the parameters of a figure, such as "Fig. 4 blue"."""
@@ -98,7 +88,12 @@ def plain_deviation(name: str) -> np.ndarray:
 
 
 def claim() -> Claim:
-    """Compare the bars of the five laws."""
+    """The paper draws error bars that are standard deviations over 10,000 draws of forces and parameters, and
+    prints the errors of the parameters but no bar. The bars are computed here from those errors: of the
+    predicted A0 by draws of R, E* and P, compared with as many plain draws in numpy, and of measured pairs of
+    forces, compared with the propagation of small errors. At the largest loads the error of E* of batch 1, 3
+    %, causes most of the variance.
+    """
     rows: list[Row] = []
     plain = second_method(drawn_deviation, f"{DRAWS} plain draws of R, E* and P with the errors in the SM")
     for name in surfaces():
@@ -115,8 +110,8 @@ def claim() -> Claim:
                      float(last.area_first_order.sel(parameter="composite_modulus")), STUDY),
         ]  # fmt: skip
         rows += measured_checks(name)
-    figures = {"Fig. 4 with error bars": Picture(figure, CAPTION)}
-    return Claim("Figs. 3 to 5: error bars", rows, figures, TEXT)
+    figures = {"Fig. 4 with error bars": Picture(figure)}
+    return Claim("Figs. 3 to 5: error bars", rows, figures)
 
 
 def measured_checks(name: str) -> list[Row]:
@@ -145,7 +140,11 @@ def measured_checks(name: str) -> list[Row]:
 
 
 def figure() -> Figure:
-    """Draw the laws of Fig. 4 with the bars of measured pairs on both axes."""
+    """Predicted laws of Fig. 4 (lines), and points on them with the error bars of measured pairs: one
+    standard deviation of the rescaled load P/E* and of the rescaled friction F/(σB), both in mm². The bars
+    grow with the load, because the errors of E*, σ and B are relative; those of friction are the shorter
+    ones.
+    """
     drawn = new_figure(7.0, 4.0)
     ax = drawn.add_subplot()
     for name in ("Fig. 4 blue", "Fig. 4 red"):

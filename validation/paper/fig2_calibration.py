@@ -31,14 +31,6 @@ WITHIN = 3.0
 TRUE = known_input("true value of the synthetic tests, that of batch 1, within three standard deviations")
 DECREASE = printed("main text: the area decreases by about 10 to 15 %")
 
-CAPTION = (
-    "Synthetic measurements of single contacts with the paper's error bars, drawn as in its Fig. 2. Above, "
-    "left: area over load^(2/3), with Hertz's line for E* = 1.36 MPa as in the paper. Above, right: the "
-    "straight line by which the paper reads E* and the adhesion energy, fitted and true; the lightest "
-    "contacts, with the largest errors of the load, tilt it. Below: sheared area over area, and friction "
-    "force over sheared area, each with its fitted line."
-)
-
 
 @cache
 def compressed() -> ContactCalibration:
@@ -54,7 +46,11 @@ def slid() -> ShearCalibration:
 
 
 def claim() -> Claim:
-    """Calibrate once, and compare with the true values and with the paper's straight line."""
+    """The paper reads the composite modulus E*, the adhesion energy w, the ratio B of sheared to initial area
+    and the shear strength σ from single contacts. Here its tests are repeated on synthetic data of which the
+    true values are known. The fits find them within their errors; the paper's straight line has a small bias
+    in E* and a larger one in w.
+    """
     found, friction = compressed(), slid()
     fit_sd, shear_sd = np.sqrt(np.diag(found.root_covariance)), np.sqrt(np.diag(friction.covariance))
     rows: list[Row] = [
@@ -84,11 +80,7 @@ def claim() -> Claim:
     return Claim(
         "Fig. 2: calibration of single contacts",
         rows,
-        {"loads, areas and friction forces of single contacts": Picture(_figure, CAPTION)},
-        "The paper reads the composite modulus E*, the adhesion energy w, the ratio B of sheared to initial "
-        "area and the shear strength σ from single contacts. Here its tests are repeated on synthetic data "
-        "of which the true values are known. The fits find them within their errors; the paper's straight "
-        "line has a small bias in E* and a larger one in w.",
+        {"loads, areas and friction forces of single contacts": Picture(_figure)},
     )
 
 
@@ -103,6 +95,12 @@ def _of_fig_2a():
 
 
 def _figure():
+    """Synthetic measurements of single contacts with the paper's error bars, drawn as in its Fig. 2. Above,
+    left: area over load^(2/3), with Hertz's line for E* = 1.36 MPa as in the paper. Above, right: the
+    straight line by which the paper reads E* and the adhesion energy, fitted and true; the lightest contacts,
+    with the largest errors of the load, tilt it. Below: sheared area over area, and friction force over
+    sheared area, each with its fitted line.
+    """
     figure = new_figure(8.0, 6.4)
     (first, line), (areas, forces) = figure.subplots(2, 2)
     found, friction = compressed(), slid()

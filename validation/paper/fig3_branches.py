@@ -69,31 +69,18 @@ def inset() -> mf.ContactState:
 
 
 def claim() -> Claim:
-    """Follow the laws of the upper levels, and count the contacts at the load of the inset."""
-    text = (
-        "The surface of Fig. 3 has three levels of heights. The law of its first level alone, and that of "
-        "its first two, are the dashed lines of the figure. The paper prints no numbers for them, and shows "
-        "the contacts at 0.92 N as a photograph: the sites of the heights in it are not printed, so that the "
-        "picture below has the counts and sizes of the contacts, at sites chosen by this design."
-    )
+    """The surface of Fig. 3 has three levels of heights. The law of its first level alone, and that of its
+    first two, are the dashed lines of the figure. The paper prints no numbers for them, and shows the
+    contacts at 0.92 N as a photograph: the sites of the heights in it are not printed, so that the picture
+    below has the counts and sizes of the contacts, at sites chosen by this design.
+    """
     return Claim(
         "Fig. 3: continued branches, and contacts at 0.92 N",
         [*_continuations(), *_contacts()],
         {
-            "branches": Picture(
-                _branches,
-                "Law of the surface of Fig. 3 (solid) through its three operating points, and the "
-                "continuations without the lower levels (dashed), as in the paper. Each dashed line leaves "
-                "the solid one at an operating point. The inset shows the contacts at 0.92 N to scale, in "
-                "the colours of their levels.",
-            ),
-            "contacts at 0.92 N": Picture(
-                _inset,
-                "The same contacts, left, and nine of them magnified, right. The higher a level, the "
-                "larger its contacts; the smallest of each colour is the adjustment asperity.",
-            ),
+            "branches": Picture(_branches),
+            "contacts at 0.92 N": Picture(_inset),
         },
-        text,
     )
 
 
@@ -167,6 +154,10 @@ def _area(surface: mf.Surface, load: float) -> float:
 
 
 def _branches():
+    """Law of the surface of Fig. 3 (solid) through its three operating points, and the continuations without
+    the lower levels (dashed), as in the paper. Each dashed line leaves the solid one at an operating point.
+    The inset shows the contacts at 0.92 N to scale, in the colours of their levels.
+    """
     found, published = levels(), paper()["fig3"]
     modulus = found.surface.material.composite_modulus
     figure = new_figure(7.0, 4.6)
@@ -190,6 +181,9 @@ def _branches():
 
 
 def _inset():
+    """The same contacts, left, and nine of them magnified, right. The higher a level, the larger its
+    contacts; the smallest of each colour is the adjustment asperity.
+    """
     found = levels()
     figure = new_figure(8.0, 3.8)
     left, right = figure.subplots(1, 2)

@@ -50,36 +50,35 @@ AGAIN = known_input("the printed heights, from whose law these points follow")
 WITHIN = "the paper states that measured forces lie within 2.5 % of the first two targets, 5 % of the third"
 NOTICED = "smallest change with which the law of the printed heights fails a check of this claim"
 
-TEXT = """The surface is designed so that its law passes through the three printed points: a level of equal
-heights and one adjustment asperity for each point, as independent Hertz contacts. The design's counts are
-the printed ones; its heights differ from the printed ones by up to {most:.1f} µm, because the points are
-printed with three digits.
-
-That rounding is the reason follows from the printed heights themselves. With the plane at the next printed
-level, their law has a load and an area that round to the printed point, and a design for the points that are
-found in this way has the printed heights. This fails if a height is printed with an error: an increase of
-{up:.2g} µm is noticed for each height, and a decrease of {down:.2g} µm for each but h_3,a, which the printed
-digits fix only to {last:.2g} µm downwards. The paper prints no data points."""
 
 ROUNDED = """The printed points have three digits. Other points that round to the same digits lead to all of
 the printed heights, see the checks."""
 
-CAPTION = """Upper panel: predicted rescaled friction F/(σB) over rescaled load P/E* [mm²] of the design
-(solid) and of the printed heights (dashed, on the solid line), through the three printed points. The bars
-are the largest deviations of the measured forces that the paper states: 2.5 % at the first two points, 5 %
-at the third. Lower panel: the law meets the points without an error."""
-
 
 def claim() -> Claim:
-    """Design a surface from the operating points, and return from the printed heights to the points."""
+    """The surface is designed so that its law passes through the three printed points: a level of equal
+    heights and one adjustment asperity for each point, as independent Hertz contacts. The design's counts are
+    the printed ones; its heights differ from the printed ones by up to {most:.1f} µm, because the points are
+    printed with three digits.
+
+    That rounding is the reason follows from the printed heights themselves. With the plane at the next
+    printed level, their law has a load and an area that round to the printed point, and a design for the
+    points that are found in this way has the printed heights. This fails if a height is printed with an
+    error: an increase of {up:.2g} µm is noticed for each height, and a decrease of {down:.2g} µm for each but
+    h_3,a, which the printed digits fix only to {last:.2g} µm downwards. The paper prints no data points.
+    """
     changes = noticed()
     up, down = ([changes[name][side] for name in heights()] for side in (0, 1))
     differing = _differing()
     apart = np.subtract(_of_design(), list(heights().values())[1:])
-    figures = {"Law through the points": Picture(_figure, CAPTION)}
+    figures = {"Law through the points": Picture(_figure)}
     rows = [*_designed(), *points_of_printed_heights(), *_designed_again(), *differing, *_results(changes)]
-    words = TEXT.format(most=np.abs(apart).max(), up=max(up), down=max(down[:-1]), last=down[-1])
-    return Claim("Fig. 3: three operating points", rows, figures, words)
+    return Claim(
+        "Fig. 3: three operating points",
+        rows,
+        figures,
+        {"most": np.abs(apart).max(), "up": max(up), "down": max(down[:-1]), "last": down[-1]},
+    )
 
 
 def heights() -> dict[str, float]:
@@ -237,7 +236,11 @@ def _measured() -> list[Result]:
 
 
 def _figure() -> Figure:
-    """Draw the law of the design with that of the printed heights and the deviations of the measurements."""
+    """Upper panel: predicted rescaled friction F/(σB) over rescaled load P/E* [mm²] of the design (solid) and
+    of the printed heights (dashed, on the solid line), through the three printed points. The bars are the
+    largest deviations of the measured forces that the paper states: 2.5 % at the first two points, 5 % at the
+    third. Lower panel: the law meets the points without an error.
+    """
     figure, numbers = law_figure(fig3()), paper()["fig3"]
     ax = figure.axes[0]
     law, limit = mf.friction_law(printed_surface()), ax.get_xlim()

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -30,21 +31,14 @@ WHERE = "Fig. 4 caption"
 TARGET = known_input("target slope of the design, which is printed in the Fig. 4 caption")
 CONSISTENT = "consistency of the printed numbers, none of which metafem computes: {}"
 
-TEXT = """Both surfaces of Fig. 4 are designed from the printed target slopes: 64 heights on steps of 6 µm,
-which follow a truncated exponential density, and independent Hertz contacts. The slope of the density is the
-target; the slope of 64 asperities is fitted to the predicted law between 25 and 100 % of the load at which
-the plane reaches the foot of the density. The paper prints no data points, but the measured slopes with
-their errors: both predicted slopes lie within them."""
-
-SEEN = """{surface} surface, with the axes of the other one. Left: predicted rescaled friction F/(σB) over
-rescaled load P/E* [mm²], with the law of the continuous density and a straight line of the target slope.
-Right: slopes of both laws over the load. The slope of 64 asperities jumps whenever a level comes into
-contact; its fit (thick line) over the shaded range lies close to the target {target} (dashed line), and
-inside the band of the measured slope, {measured} ± {error}."""
-
 
 def claim() -> Claim:
-    """Fit the predicted laws and compare them with the targets and the measurements."""
+    """Both surfaces of Fig. 4 are designed from the printed target slopes: 64 heights on steps of 6 µm, which
+    follow a truncated exponential density, and independent Hertz contacts. The slope of the density is the
+    target; the slope of 64 asperities is fitted to the predicted law between 25 and 100 % of the load at
+    which the plane reaches the foot of the density. The paper prints no data points, but the measured slopes
+    with their errors: both predicted slopes lie within them.
+    """
     checks: list[Row] = []
     for colour in COLOURS:
         design, numbers = fig4(colour), paper()["fig4"][colour]
@@ -76,9 +70,9 @@ def claim() -> Claim:
                      CONSISTENT.format(f"σB/E* m; printed {numbers['measured_friction_coefficient']}")),
         ]  # fmt: skip
     return Claim("Fig. 4: linear laws", checks, {
-        f"{colour.capitalize()} surface": Picture(lambda colour=colour: _figure(colour), _seen(colour))
+        f"{colour.capitalize()} surface": Picture(partial(_figure, colour), _seen(colour))
         for colour in COLOURS
-    }, TEXT)  # fmt: skip
+    })  # fmt: skip
 
 
 def foot_load(colour: str) -> float:
@@ -101,16 +95,20 @@ def table_slope(colour: str, points: int) -> float:
     return float(fitted_slope(table_heights(colour), load, paper()["sample"]["radius_um"] / 1e3))
 
 
-def _seen(colour: str) -> str:
+def _seen(colour: str) -> dict[str, Any]:
     numbers = paper()["fig4"][colour]
     measured, error = numbers["measured_slope"]
-    return SEEN.format(
-        surface=colour.capitalize(), target=numbers["target_slope"], measured=measured, error=error
-    )
+    target = numbers["target_slope"]
+    return {"surface": colour.capitalize(), "target": target, "measured": measured, "error": error}
 
 
 def _figure(colour: str) -> Figure:
-    """Draw the predicted law and its slopes with the measured slope."""
+    """{surface} surface, with the axes of the other one. Left: predicted rescaled friction F/(σB) over
+    rescaled load P/E* [mm²], with the law of the continuous density and a straight line of the target slope.
+    Right: slopes of both laws over the load. The slope of 64 asperities jumps whenever a level comes into
+    contact; its fit (thick line) over the shaded range lies close to the target {target} (dashed line), and
+    inside the band of the measured slope, {measured} ± {error}.
+    """
     design = fig4(colour)
     figure, left, right = law_and_slopes(
         f"Fig. 4 {colour}", {f"Fig. 4 {each}": fig4(each) for each in COLOURS}

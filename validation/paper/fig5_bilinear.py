@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -36,19 +36,6 @@ STARTS = (0.1, 0.25, 0.5)
 
 PREDICTED = "independent Hertz contacts, line through the predicted law of 64 asperities"
 
-TEXT = """Both surfaces are designed for two slopes, 7.15 and 12.52, and a crossover load, with a weighted
-exponential density of heights, eq. S6. The densities meet the targets exactly; the laws of 64 asperities
-meet the slopes to about 6 %. Slopes are fitted between 25 and 100 % of each branch. The paper prints neither
-its ranges nor data points; it states that its measured slopes agree with the targets to 5.2 %.
-
-It also states the measured crossover loads, which lie 21 % (red) and 33 % (blue) above their targets. The
-lines fitted to the two branches of the predicted laws intersect {red:.0f} % (red) and {blue:.0f} % (blue)
-above the targets, because 64 asperities are few. The measured loads lie {red_sd:.1f} and {blue_sd:.1f}
-standard deviations above these intersections: the model does not predict the measured crossover of the blue
-surface. Other ranges of the fits do not change this. The paper reads the loads half-way between
-the last point on the line of the first branch and the first point off it. The claim “Fig. 5: crossover and
-slopes of measured laws” simulates this rule: it explains the deviation of the red surface, not that of the
-blue one. A regression by two lines puts the blue prediction still lower."""
 
 CROSSOVER = """The measured loads are {red_mm2:.3f} mm² (red, {red_sd:.1f} standard deviations) and
 {blue_mm2:.3f} mm² (blue, {blue_sd:.1f}) above the intersections of the lines that are fitted to the two
@@ -59,17 +46,22 @@ SLOPE = """The paper states this of its measured slopes, and prints neither them
 which they are fitted. The slope of the 64 designed asperities deviates by {least:.1f} to {most:.1f} % with
 ranges that begin at {first:.0f} to {last:.0f} % of the branch."""
 
-SEEN = """{} surface, with the axes of the other one. Left: predicted rescaled friction F/(σB) over rescaled
-load P/E* [mm²] with the law of the continuous density and lines of the target slopes. Vertical lines are the
-target crossover load (dotted) and the predicted one (solid); the band is the measured one, {:g} ± {:g} mm².
-Right: slopes of both laws over the load; the target slopes
-(dashed) lie in bands of 5.2 %, within which the measured slopes agree with them. The slope of the density
-changes at the crossover, that of 64 asperities jumps at each new contact; its fits (thick lines) deviate
-from the targets by {:+.1f} % and {:+.1f} %{}."""
-
 
 def claim() -> Claim:
-    """Compare the densities and the laws of 64 asperities with the targets and with the measurements."""
+    """Both surfaces are designed for two slopes, 7.15 and 12.52, and a crossover load, with a weighted
+    exponential density of heights, eq. S6. The densities meet the targets exactly; the laws of 64 asperities
+    meet the slopes to about 6 %. Slopes are fitted between 25 and 100 % of each branch. The paper prints
+    neither its ranges nor data points; it states that its measured slopes agree with the targets to 5.2 %.
+
+    It also states the measured crossover loads, which lie 21 % (red) and 33 % (blue) above their targets. The
+    lines fitted to the two branches of the predicted laws intersect {red:.0f} % (red) and {blue:.0f} % (blue)
+    above the targets, because 64 asperities are few. The measured loads lie {red_sd:.1f} and {blue_sd:.1f}
+    standard deviations above these intersections: the model does not predict the measured crossover of the
+    blue surface. Other ranges of the fits do not change this. The paper reads the loads half-way between the
+    last point on the line of the first branch and the first point off it. The claim “Fig. 5: crossover and
+    slopes of measured laws” simulates this rule: it explains the deviation of the red surface, not that of
+    the blue one. A regression by two lines puts the blue prediction still lower.
+    """
     rows: list[Row] = []
     for colour in COLOURS:
         rows += _densities(colour) + _asperities(colour)
@@ -81,7 +73,7 @@ def claim() -> Claim:
         f"{colour.capitalize()} surface": Picture(partial(_figure, colour), _seen(colour))
         for colour in COLOURS
     }
-    return Claim("Fig. 5: bilinear laws", rows, figures, TEXT.format(**above, **_above()))
+    return Claim("Fig. 5: bilinear laws", rows, figures, {**above, **_above()})
 
 
 def _above() -> dict[str, float]:
@@ -129,16 +121,21 @@ def lines(colour: str, start: float) -> tuple[float, float, float]:
     return float(first), float(second), float((at_0 - below_0) / (second - first))
 
 
-def _seen(colour: str) -> str:
-    """Return the caption of a surface, with the deviations of its fits."""
+def _seen(colour: str) -> dict[str, Any]:
+    """Return the numbers of a caption, with the deviations of the fits."""
     numbers, fits = paper()["fig5"], fig5(colour).fits
     deviations = [fit.slope / branch.slope - 1.0 for branch, fit in fits]
     outside = [i for i, each in enumerate(deviations) if abs(each) > numbers["measured_within"]]
     words = f"; the second, {fits[1][1].slope:.2f}, lies outside the band" if outside == [1] else ""
-    return SEEN.format(
-        colour.capitalize(), *numbers[colour]["measured_crossover_mm2"],
-        *(1e2 * each for each in deviations), words,
-    )  # fmt: skip
+    load, error = numbers[colour]["measured_crossover_mm2"]
+    percent = [1e2 * each for each in deviations]
+    return {
+        "surface": colour.capitalize(),
+        "load": load,
+        "error": error,
+        "deviations": percent,
+        "outside": words,
+    }
 
 
 def _densities(colour: str) -> list[Row]:
@@ -209,7 +206,14 @@ def _intersection(colour: str) -> float:
 
 
 def _figure(colour: str) -> Figure:
-    """Draw the predicted law and its slopes with the numbers of the measurements."""
+    """{surface} surface, with the axes of the other one. Left: predicted rescaled friction F/(σB) over
+    rescaled load P/E* [mm²] with the law of the continuous density and lines of the target slopes. Vertical
+    lines are the target crossover load (dotted) and the predicted one (solid); the band is the measured one,
+    {load:g} ± {error:g} mm². Right: slopes of both laws over the load; the target slopes (dashed) lie in
+    bands of 5.2 %, within which the measured slopes agree with them. The slope of the density changes at the
+    crossover, that of 64 asperities jumps at each new contact; its fits (thick lines) deviate from the
+    targets by {deviations[0]:+.1f} % and {deviations[1]:+.1f} %{outside}.
+    """
     design, numbers = fig5(colour), paper()["fig5"]
     figure, left, right = law_and_slopes(
         f"Fig. 5 {colour}", {f"Fig. 5 {each}": fig5(each) for each in COLOURS}

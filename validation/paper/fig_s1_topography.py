@@ -16,22 +16,17 @@ from validation.sources import known_input, second_method
 SKETCH = known_input("N = n1 + n2 + n3 + 3 of the Fig. S1 caption, with the printed n1 to n3")
 PLANE = second_method(contact_equations.independent, "plane at the operating point by bisection of eq. S1")
 
-TEXT = """Each operating point is reached by one level of equal heights and one adjustment asperity. The plane
-at an operating point touches the asperities of the next level, so that the law continues with all of them.
-The heights themselves are compared with the printed ones in the claim of Fig. 3."""
-
-CAPTION = """Side view of the 58 asperities, sorted by height and magnified vertically, in the colours of Fig.
-S1. The last asperity of each colour is the adjustment asperity. Dashed lines: planes at the operating points;
-the first two touch the asperities of the next level."""
-
 
 def claim() -> Claim:
-    """Count the asperities, and compare the levels with the planes at the operating points."""
+    """Each operating point is reached by one level of equal heights and one adjustment asperity. The plane at
+    an operating point touches the asperities of the next level, so that the law continues with all of them.
+    The heights themselves are compared with the printed ones in the claim of Fig. 3.
+    """
     design, numbers = fig3(), paper()["fig3"]
     total = sum(numbers["counts"]) + len(numbers["counts"])
     rows = [near("number of asperities N", design.surface.count, total, 0, SKETCH), *_planes()]
     title = "Fig. S1: topography for three operating points"
-    return Claim(title, rows, {"topography": Picture(_sketch, CAPTION)}, TEXT)
+    return Claim(title, rows, {"topography": Picture(_sketch)})
 
 
 def _planes() -> list[Check]:
@@ -51,6 +46,10 @@ def _radius() -> float:
 
 
 def _sketch():
+    """Side view of the 58 asperities, sorted by height and magnified vertically, in the colours of Fig. S1.
+    The last asperity of each colour is the adjustment asperity. Dashed lines: planes at the operating points;
+    the first two touch the asperities of the next level.
+    """
     design = fig3()
     levels, added = (1e3 * design.parameters[name] for name in ("levels", "adjustment_heights"))
     figure = new_figure(9.0, 3.6)

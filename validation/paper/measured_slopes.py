@@ -8,7 +8,7 @@ P/E* with its σ and E*, so that the measured ones stay as they are printed.
 from __future__ import annotations
 
 from functools import cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,22 +53,6 @@ SECOND = second_method(
 SIGMA = "F = σ B A0 by least squares, loads from full contact to twice that load, with the areas of both laws"
 SLOPE = "line through F(P) of independent asperities over the range of the design's fit"
 MODULUS = "A = π (3RP/4E*)^(2/3) by least squares to contacts of JKR's theory with radii of 0.08 to 0.4 mm"
-
-TEXT = """The paper fits σ with the areas of Hertz's law. With this σ, JKR's theory with w = 9 mJ/m² predicts
-slopes {high[0]} and {high[1]} standard deviations above those measured in Fig. 4. But the same forces in full
-contact give another σ with the areas of JKR's theory, {less[0]:.0f} to {less[1]:.0f} % smaller. With it, the
-difference is {low[0]} and {low[1]} standard deviations, that of Hertz's law {hertz[0]} and {hertz[1]}: these
-slopes cannot tell the laws apart. Of Fig. 5 the paper states that its slopes were measured within 5.2 % of
-their targets; they deviate by up to {fifth[0]:.1f} % by Hertz's law and by {fifth[1]:.1f} % by JKR's theory
-with σ refitted, so that Hertz's law is closer there. E* = 1.36 MPa is fitted to single contacts together with
-w, by JKR's theory. Hertz's law alone would give {modulus:.2f} MPa for the same contacts, which changes its
-slopes by at most {change:.1f} % once σ is refitted too."""
-
-CAPTION = """Predicted slopes over the measured ones of Fig. 4, with the printed standard deviations (bars),
-and over the targets of Fig. 5, which the measured slopes meet within 5.2 % (bars). Open symbols: σ as
-printed. Filled symbols: σ of the same forces in full contact, for Hertz's law also E* of the same contacts.
-JKR's theory with w = 9 mJ/m² (triangles) lies above all bars with σ as printed, and on those of Fig. 4 with
-σ refitted; of Fig. 5 it then exceeds both second slopes, by more than Hertz's law (circles) does."""
 
 
 @cache
@@ -200,8 +184,8 @@ def _linear(branch: str) -> bool:
     return branch.startswith("Fig. 4")
 
 
-def text() -> str:
-    """Return what the table says."""
+def answers() -> dict[str, Any]:
+    """Return the numbers that the text of the claim states."""
     modulus = paper()["batch"]["1"]["composite_modulus_MPa"]
     linear, bilinear = ([name for name in branches() if _linear(name) == kind] for kind in (True, False))
     less = [1e2 * (1.0 - strength(each[0], ADHESION)) for each in branches().values()]
@@ -213,14 +197,20 @@ def text() -> str:
     )
     cases = (("Hertz", PRINTED), (ADHESION, REFITTED))
     fifth = [max(abs(deviation(name, *case)) for name in bilinear) for case in cases]
-    return TEXT.format(
-        high=high, low=low, hertz=hertz, less=(min(less), max(less)), fifth=fifth,
-        modulus=modulus * softening(modulus), change=1e2 * np.abs(change).max(),
-    )  # fmt: skip
+    return {
+        "high": high, "low": low, "hertz": hertz, "less": (min(less), max(less)), "fifth": fifth,
+        "modulus": modulus * softening(modulus), "change": 1e2 * np.abs(change).max(),
+    }  # fmt: skip
 
 
 def picture() -> Figure:
-    """Draw the slopes over the measured ones."""
+    """Predicted slopes over the measured ones of Fig. 4, with the printed standard deviations (bars), and
+    over the targets of Fig. 5, which the measured slopes meet within 5.2 % (bars). Open symbols: σ as
+    printed. Filled symbols: σ of the same forces in full contact, for Hertz's law also E* of the same
+    contacts. JKR's theory with w = 9 mJ/m² (triangles) lies above all bars with σ as printed, and on those of
+    Fig. 4 with σ refitted; of Fig. 5 it then exceeds both second slopes, by more than Hertz's law (circles)
+    does.
+    """
     figure = new_figure(8.0, 3.8)
     ax = figure.add_subplot()
     place = np.arange(len(branches()))

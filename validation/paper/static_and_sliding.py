@@ -45,17 +45,6 @@ WITHIN = 3.0
 TRUE = known_input("σ and B of the synthetic records, within three standard deviations")
 RANGE = known_input("range of the evaluation, 100 to 200 µm after the peak as in the paper's SM")
 
-RECORD = (
-    "Left, a synthetic record of the tangential force: its peak is the static friction, its mean over the "
-    "grey range, 100 to 200 µm after the peak, the sliding friction. Right, the sum of the contact areas, "
-    "which falls as the force rises."
-)
-LAWS = (
-    "Left, friction force over load of the surface of Fig. 4, red: static and sliding friction differ. "
-    "Right, both rescaled by their own σB: the points must fall on one curve, which is that of the heights "
-    "(line)."
-)
-
 
 @dataclass(frozen=True, eq=False)
 class Test:
@@ -113,7 +102,11 @@ def measured() -> tuple[Test, tuple[MeasuredLaw, MeasuredLaw]]:
 
 
 def claim() -> Claim:
-    """Calibrate static and sliding friction, and compare the two laws of one surface."""
+    """The paper designs for the static friction and states that sliding friction obeys the same laws with
+    slightly different σ and B. Synthetic records with a peak and a plateau are read by `shear_record`; each
+    of both kinds is calibrated on single contacts, and rescales the law of the surface of Fig. 4, red. The
+    forces differ, the rescaled laws do not: a design holds for either.
+    """
     rows: list[Row] = []
     for name, found, true in zip(("static", "sliding"), calibrations(), (STATIC, SLIDING), strict=True):
         sd = WITHIN * np.sqrt(np.diag(found.covariance))
@@ -156,11 +149,7 @@ def claim() -> Claim:
     return Claim(
         "Static and sliding friction",
         rows,
-        {"one record": Picture(_record, RECORD), "laws of static and sliding friction": Picture(_laws, LAWS)},
-        "The paper designs for the static friction and states that sliding friction obeys the same laws "
-        "with slightly different σ and B. Synthetic records with a peak and a plateau are read by "
-        "`shear_record`; each of both kinds is calibrated on single contacts, and rescales the law of the "
-        "surface of Fig. 4, red. The forces differ, the rescaled laws do not: a design holds for either.",
+        {"one record": Picture(_record), "laws of static and sliding friction": Picture(_laws)},
     )
 
 
@@ -221,6 +210,10 @@ def _stress(index: int) -> float:
 
 
 def _record():
+    """Left, a synthetic record of the tangential force: its peak is the static friction, its mean over the
+    grey range, 100 to 200 µm after the peak, the sliding friction. Right, the sum of the contact areas, which
+    falls as the force rises.
+    """
     record = measured()[0].records[-1]
     figure = new_figure(8.0, 3.0)
     force, area = figure.subplots(1, 2)
@@ -240,6 +233,10 @@ def _record():
 
 
 def _laws():
+    """Left, friction force over load of the surface of Fig. 4, red: static and sliding friction differ.
+    Right, both rescaled by their own σB: the points must fall on one curve, which is that of the heights
+    (line).
+    """
     figure = new_figure(8.0, 3.4)
     forces, rescaled = figure.subplots(1, 2)
     for law, name, ink in zip(measured()[1], ("static", "sliding"), (ACHIEVED, MEASURED_BESIDE), strict=True):

@@ -22,18 +22,13 @@ than the closest integer at {level:g} µm, where the expectation is {expected:.2
 changed by one, has the smallest difference from its expectation, relative to it. The design changes numbers
 by that rule until the sum is N."""
 
-TEXT = """The surfaces of Fig. 4 are designed from their target slopes 9.43 and 6.87, with the tallest height
-h_m and the step of 6 µm that the paper prints. The scale λ of the density solves eqs. S3 to S5, and each
-level receives the whole number of asperities nearest to its expectation, changed by one on one level if the
-sum is not 64. All 33 printed numbers up to h_m are reproduced."""
-
-CAPTION = """Numbers of asperities on each height level [µm]: bars are the designs, short marks the numbers
-of Table S1, and the thin line is the expectation of the continuous density at each level. Every mark lies on
-the end of its bar."""
-
 
 def claim() -> Claim:
-    """Design both surfaces from their slopes and count the asperities on each level."""
+    """The surfaces of Fig. 4 are designed from their target slopes 9.43 and 6.87, with the tallest height h_m
+    and the step of 6 µm that the paper prints. The scale λ of the density solves eqs. S3 to S5, and each
+    level receives the whole number of asperities nearest to its expectation, changed by one on one level if
+    the sum is not 64. All 33 printed numbers up to h_m are reproduced.
+    """
     numbers, parameters = table("table_s1"), paper()["fig4"]
     rows: list[Row] = []
     for colour in ("blue", "red"):
@@ -70,8 +65,7 @@ def claim() -> Claim:
     return Claim(
         "Table S1: levels of the linear laws",
         rows,
-        {"Asperities on each level": Picture(_figure, CAPTION)},
-        TEXT,
+        {"Asperities on each level": Picture(_figure)},
     )
 
 
@@ -90,6 +84,10 @@ def _expected(colour: str) -> np.ndarray:
 
 
 def _figure():
+    """Numbers of asperities on each height level [µm]: bars are the designs, short marks the numbers of Table
+    S1, and the thin line is the expectation of the continuous density at each level. Every mark lies on the
+    end of its bar.
+    """
     figure = new_figure(7.0, 3.2)
     for ax, colour in zip(figure.subplots(1, 2, sharey=True), ("blue", "red"), strict=True):
         design, numbers = fig4(colour), table("table_s1")

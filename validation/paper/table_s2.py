@@ -28,20 +28,14 @@ WORDS = """Intervals of that mass, laid upwards from the foot of each branch, do
 branch, because 64 times the mass of a branch is not a whole number. The heights of Table S2 are the middles
 of N1 and N2 intervals of equal mass that fill their branches. The design does the same."""
 
-TEXT = """Both surfaces of Fig. 5 are designed from their two slopes (7.15 and 12.52) and crossover loads,
-with the tallest height of 120 µm and the offset of 50 µm that the paper prints. The scale λ, the weight u
-and the crossover height h_c solve eqs. S7 and S8; they are computed a second time with the densities
-integrated by quadrature. The heights stand in the middles of intervals of equal mass, and all 128 printed
-heights are reproduced within what the digits of heights, slopes and crossover loads leave open."""
-
-CAPTION = """Upper panel: the heights of both designs [µm], from the lowest to the tallest, as lines, and
-those of Table S2 as dots, which cover the lines. Lower panel: their differences [µm]; all lie below the grey
-line at {limit:.2f} µm, half of the last printed digit of the heights plus the largest effect of the last
-digits of the printed slopes and crossover loads on a height."""
-
 
 def claim() -> Claim:
-    """Design both surfaces from their slopes and crossover loads and compare the heights."""
+    """Both surfaces of Fig. 5 are designed from their two slopes (7.15 and 12.52) and crossover loads, with
+    the tallest height of 120 µm and the offset of 50 µm that the paper prints. The scale λ, the weight u and
+    the crossover height h_c solve eqs. S7 and S8; they are computed a second time with the densities
+    integrated by quadrature. The heights stand in the middles of intervals of equal mass, and all 128 printed
+    heights are reproduced within what the digits of heights, slopes and crossover loads leave open.
+    """
     rows: list[Row] = []
     for colour in COLOURS:
         design = fig5(colour)
@@ -72,8 +66,7 @@ def claim() -> Claim:
     return Claim(
         "Table S2: heights of the bilinear laws",
         rows,
-        {"Heights": Picture(_figure, CAPTION.format(limit=_limit()))},
-        TEXT,
+        {"Heights": Picture(_figure, {"limit": _limit()})},
     )
 
 
@@ -138,6 +131,11 @@ def _difference(design, colour: str) -> np.ndarray:
 
 
 def _figure():
+    """Upper panel: the heights of both designs [µm], from the lowest to the tallest, as lines, and those of
+    Table S2 as dots, which cover the lines. Lower panel: their differences [µm]; all lie below the grey line
+    at {limit:.2f} µm, half of the last printed digit of the heights plus the largest effect of the last
+    digits of the printed slopes and crossover loads on a height.
+    """
     figure = new_figure(7.0, 5.0)
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[2, 1])
     for colour in COLOURS:

@@ -133,13 +133,16 @@ def thin(width: float, poisson_ratio: float) -> tuple[str, str]:
 
 
 def claim() -> Claim:
-    """Solve scenes with extreme inputs."""
+    """All models give the same areas in other units, with heights that are equal or differ by less than can
+    be made, with one asperity and over twelve decades of load. On layers thinner than the contacts order 3
+    refuses and says what to use; Automatic resolves these contacts. {refused}
+    """
     ends = {f"a/t = {w:g}, ν = {r:g}": thin(w, r) for w in THIN for r in RATIOS}
     return Claim(
         "Extreme inputs",
         [*_checks(ends), *_results(ends)],
-        {"twelve decades of load": Picture(_decades_figure, DECADES)},
-        _text(ends),
+        {"twelve decades of load": Picture(_decades_figure)},
+        {"refused": _refused(ends)},
     )
 
 
@@ -174,27 +177,19 @@ def _results(ends: dict[str, tuple[str, str]]) -> list[Row]:
     return [reported("thin layers that order 3 refuses", refused, f"of {len(ends)} layers")]
 
 
-def _text(ends: dict[str, tuple[str, str]]) -> str:
-    """Say how the thin layers end, with the words of one refusal."""
+def _refused(ends: dict[str, tuple[str, str]]) -> str:
+    """Say which thin layers are refused, with the words of one refusal."""
     refused = {name: first for name, (first, _) in ends.items() if first.startswith("refused")}
-    text = (
-        "All models give the same areas in other units, with heights that are equal or differ by less "
-        "than can be made, with one asperity and over twelve decades of load. On layers thinner than the "
-        "contacts order 3 refuses and says what to use; Automatic resolves these contacts."
-    )
     if not refused:
-        return text
+        return ""
     words = next(iter(refused.values())).removeprefix("refused: ")
-    return f"{text} Refused are those with {'; '.join(refused)}. The words for the first: “{words}”."
-
-
-DECADES = (
-    "A0 of four asperities over twelve decades of load, from the contact of the tallest alone, which is "
-    "Hertz's (grey line), to the load at which the plane reaches the base plane."
-)
+    return f"Refused are those with {'; '.join(refused)}. The words for the first: “{words}”."
 
 
 def _decades_figure():
+    """A0 of four asperities over twelve decades of load, from the contact of the tallest alone, which is
+    Hertz's (grey line), to the load at which the plane reaches the base plane.
+    """
     figure = new_figure(6.4, 3.8)
     ax = figure.add_subplot()
     load, _ = decades("independent")

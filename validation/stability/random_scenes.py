@@ -8,6 +8,7 @@ from __future__ import annotations
 import re
 from collections import Counter, defaultdict
 from dataclasses import dataclass, replace
+from functools import partial
 
 import click
 import numpy as np
@@ -119,13 +120,20 @@ def _designed(names: tuple[int, bool, str, str], scene: Scene) -> Outcome:
 
 
 def claim() -> Claim:
-    """Solve all scenes and count how they end."""
+    """Documented ranges: a/R ≤ {width:g}, a/r ≤ {crowding:g}, a/t ≤ {layer:g} on a layer, with the contact
+    radius a, the radius of curvature R, the distance r of the nearest neighbour and the thickness t. The
+    loads of half of the scenes end inside them, those of the others at one to two times their ends. Of
+    {designs:,} designs {refused_designs:,} were refused, of {others:,} other scenes {refused_others:,}. A
+    design is refused with a message where its target needs loads at which the plane reaches the base plane.
+    The rows “not solved” list all reasons. Each scene follows from its seed: python -m
+    validation.stability.random_scenes 8 --outside repeats that of seed 8 outside the ranges.
+    """
     found = [outcome(seed, inside) for inside in (True, False) for seed in range(SCENES // 2)]
     return Claim(
         "Random scenes: surfaces, contact laws, models and loads",
         [*_checks(found), *_results(found)],
-        {"ends by model and law": Picture(lambda: _ends(found), CAPTION)},
-        _text(found),
+        {"ends by model and law": Picture(partial(_ends, found))},
+        _numbers(found),
     )
 
 
@@ -161,8 +169,7 @@ def _results(found: list[Outcome]) -> list[Row]:
             outside = _count(group, "refused") - inside
             words = f"of {len(group)} scenes; refused: {inside} inside the ranges, {outside} outside"
             rows.append(reported(f"{kind} {name}: scenes that converge", _count(group, "converged"), words))
-    designs = [each for each in found if each.model == "design"]
-    others = [each for each in found if each.model != "design"]
+    designs, others = _designs(found)
     rows += [
         reported("designs that are refused", _count(designs, "refused"), f"of {len(designs):,} designs"),
         reported(
@@ -185,21 +192,24 @@ def _count(found: list[Outcome], end: str) -> int:
     return sum(each.end == end for each in found)
 
 
-def _text(found: list[Outcome]) -> str:
-    """State the ranges, which scenes are refused most, and how one is repeated."""
+def _numbers(found: list[Outcome]) -> dict[str, float]:
+    """Return the numbers that the text states."""
+    designs, others = _designs(found)
+    return {
+        "width": WIDTH,
+        "crowding": CROWDING,
+        "layer": LAYER,
+        "designs": len(designs),
+        "refused_designs": _count(designs, "refused"),
+        "others": len(others),
+        "refused_others": _count(others, "refused"),
+    }
+
+
+def _designs(found: list[Outcome]) -> tuple[list[Outcome], list[Outcome]]:
+    """Return the outcomes of designs, and the others."""
     designs = [each for each in found if each.model == "design"]
-    others = [each for each in found if each.model != "design"]
-    return (
-        f"Documented ranges: a/R ≤ {WIDTH:g}, a/r ≤ {CROWDING:g}, a/t ≤ {LAYER:g} on a layer, with the "
-        "contact radius a, the radius of curvature R, the distance r of the nearest neighbour and the "
-        "thickness t. The loads of half of the scenes end inside them, those of the others at one to two "
-        f"times their ends. Of {len(designs):,} designs {_count(designs, 'refused'):,} were "
-        f"refused, of {len(others):,} other scenes {_count(others, 'refused'):,}. "
-        "A design is refused with a message where its target needs loads at which the plane reaches the "
-        "base plane. The rows “not solved” list all reasons. "
-        "Each scene follows from its seed: python -m validation.stability.random_scenes 8 --outside repeats "
-        "that of seed 8 outside the ranges."
-    )
+    return designs, [each for each in found if each.model != "design"]
 
 
 def _unsolved(found: list[Outcome]) -> list[Row]:
@@ -229,14 +239,11 @@ def _examples(group: list[Outcome]) -> str:
     return f"{'; '.join(parts)}. Seed {group[0].seed}: “{group[0].reason}”"
 
 
-CAPTION = (
-    "How the scenes of each kind of model, and of each contact law, end: those inside and outside the "
-    "documented ranges together. Designs are refused where the plane would reach the base plane below their "
-    "largest load."
-)
-
-
 def _ends(found: list[Outcome]):
+    """How the scenes of each kind of model, and of each contact law, end: those inside and outside the
+    documented ranges together. Designs are refused where the plane would reach the base plane below their
+    largest load.
+    """
     figure = new_figure(9.0, 4.0)
     for ax, kind in zip(figure.subplots(1, 2), ("model", "law"), strict=True):
         groups = _groups(found, kind)

@@ -40,7 +40,13 @@ ANNOUNCED = known_input(f"requirement: an error above {100 * BOUND:g} % is annou
 
 
 def claim() -> Claim:
-    """Map the errors of order 3 and the choices of Automatic."""
+    """Order 3 holds while contacts are narrow compared with their distances and with the thickness of a
+    layer. Automatic solves it first, estimates its error from the contacts, and resolves the contacts by
+    cells where the estimate exceeds the tolerance, where contacts overlap, and where order 3 refuses. Errors
+    are those of A0 at a given load. Order 3 warns where contacts overlap (“{overlap}”) and where its
+    estimated error exceeds {bound:g} % (“{wide}”); it notes where a/r, the contact radius over the distance
+    of a neighbour, exceeds {compared:g}. For a smaller tolerance use Automatic.{refusal}
+    """
     pairs = [points.crowded(width, spread) for spread in points.SPREADS for width in points.WIDTHS]
     layers = [points.on_layer(width, ratio) for ratio in points.RATIOS for width in points.LAYERS]
     every = [*pairs, *layers, *(points.unequal(ratio) for ratio in points.RADII), points.equal()]
@@ -48,11 +54,24 @@ def claim() -> Claim:
         "Maps of the errors: where order 3 holds, and what Automatic chooses",
         [*_checks(every, pairs), *_results(every)],
         {
-            "crowded contacts": Picture(_crowded_figure, CROWDED),
-            "layers": Picture(_layer_figure, ON_LAYERS),
-            "number of asperities": Picture(_numerous_figure, NUMEROUS),
+            "crowded contacts": Picture(_crowded_figure),
+            "layers": Picture(_layer_figure),
+            "number of asperities": Picture(_numerous_figure),
         },
-        _text(every),
+        {
+            "overlap": OVERLAP,
+            "bound": 100.0 * BOUND,
+            "wide": TOO_WIDE,
+            "compared": COMPARED,
+            "refusal": next(
+                (
+                    f" On a layer thinner than the contacts order 3 refuses: “{point.refusal}”."
+                    for point in every
+                    if point.refusal
+                ),
+                "",
+            ),
+        },
     )
 
 
@@ -115,44 +134,19 @@ def _results(every: list[points.Point]) -> list[Row]:
     ]  # fmt: skip
 
 
-def _text(every: list[points.Point]) -> str:
-    """Explain the maps, and quote a refusal and the warnings of order 3."""
-    text = (
-        "Order 3 holds while contacts are narrow compared with their distances and with the thickness of a "
-        "layer. Automatic solves it first, estimates its error from the contacts, and resolves the contacts "
-        "by cells where the estimate exceeds the tolerance, where contacts overlap, and where order 3 "
-        "refuses. Errors are those of A0 at a given load. Order 3 warns where contacts overlap "
-        f"(“{OVERLAP}”) and where its estimated error exceeds {100.0 * BOUND:g} % (“{TOO_WIDE}”); it "
-        f"notes where a/r, the contact radius over the distance of a neighbour, exceeds {COMPARED:g}. "
-        "For a smaller tolerance use Automatic."
-    )
-    refusal = next((point.refusal for point in every if point.refusal), "")
-    return f"{text} On a layer thinner than the contacts order 3 refuses: “{refusal}”." if refusal else text
-
-
-CROWDED = (
-    "Left: error of A0 by order 3 for nine contacts on a half-space; a/L is the radius of the tallest "
-    "contact without interaction over the pitch of the lattice, and the spread of the heights is that over "
-    "the indentation of the tallest. Errors below 0.001 % are shown as 0.001 %. 3: Automatic keeps order "
-    "3; R: it resolves the contacts. Right: the error of what Automatic chose stays below its tolerance "
-    "(line), also where contacts merge (a/L above 0.5). In the text above, a/r is the radius of a contact in "
-    "equilibrium over the distance r of a neighbour."
-)
-ON_LAYERS = (
-    "Error of A0 by order 3 for one contact on a bonded layer of thickness t (lines) and of Automatic (open "
-    "circles). The error of order 3 grows as (a/t)⁵, most for an incompressible layer. Errors below 0.001 % "
-    "are shown as 0.001 %. Lines end where order 3 refuses, because the contact is wider than the layer is "
-    "thick."
-)
-NUMEROUS = "Newton steps and residual of order 3 under one load, over the number of asperities of a lattice."
-
-
 def _percent(error: float) -> float:
     """Return the size of an error in percent, at least the smallest one that is shown."""
     return max(1e2 * abs(error), PERCENTS[0])
 
 
 def _crowded_figure():
+    """Left: error of A0 by order 3 for nine contacts on a half-space; a/L is the radius of the tallest
+    contact without interaction over the pitch of the lattice, and the spread of the heights is that over the
+    indentation of the tallest. Errors below 0.001 % are shown as 0.001 %. 3: Automatic keeps order 3; R: it
+    resolves the contacts. Right: the error of what Automatic chose stays below its tolerance (line), also
+    where contacts merge (a/L above 0.5). In the text above, a/r is the radius of a contact in equilibrium
+    over the distance r of a neighbour.
+    """
     figure = new_figure(9.0, 3.6)
     left, right = figure.subplots(1, 2)
     rows = [[points.crowded(width, spread) for width in points.WIDTHS] for spread in points.SPREADS]
@@ -182,6 +176,10 @@ def _crowded_figure():
 
 
 def _layer_figure():
+    """Error of A0 by order 3 for one contact on a bonded layer of thickness t (lines) and of Automatic (open
+    circles). The error of order 3 grows as (a/t)⁵, most for an incompressible layer. Errors below 0.001 % are
+    shown as 0.001 %. Lines end where order 3 refuses, because the contact is wider than the layer is thick.
+    """
     figure = new_figure(6.4, 3.8)
     ax = figure.add_subplot()
     for i, ratio in enumerate(points.RATIOS):
@@ -200,6 +198,7 @@ def _layer_figure():
 
 
 def _numerous_figure():
+    """Newton steps and residual of order 3 under one load, over the number of asperities of a lattice."""
     figure = new_figure(7.6, 3.2)
     left, right = figure.subplots(1, 2)
     left.semilogx(points.COUNTS, [points.numerous(count)[0] for count in points.COUNTS], "o-", ms=4)
