@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from metafem.calibration.heterogeneity import heterogeneity
+from metafem.calibration.verdict import heterogeneity
 
 
 def test_tests_with_common_parameters_differ_as_often_as_stated():

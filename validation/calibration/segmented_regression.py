@@ -17,12 +17,13 @@ import metafem as mf
 from metafem.calibration.measured_law.bent_line import (
     KINK,
     LEFT,
+    REGULAR_GROWTH,
     RIGHT,
     Points,
     fitted,
+    growths,
     least,
 )
-from metafem.calibration.measured_law.growth import REGULAR_GROWTH, growths
 from metafem.calibration.measured_law.segmented import TRIED
 from metafem.drawing import ACHIEVED, MEASURED, TARGET, new_figure
 from validation.check import Claim, Picture, Row, near, reported

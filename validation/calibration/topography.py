@@ -160,8 +160,7 @@ def _rms(values: FloatArray) -> float:
 
 
 def _figure():
-    from metafem.calibration.topography.picture import made_figure
-    from metafem.calibration.topography.residual import residuals
+    from metafem.calibration.figures import made_figure, residuals
 
     part = _part(1)
     rest = residuals(part.heights, (PIXEL, PIXEL), part.made)

@@ -26,10 +26,9 @@ from metafem.calibration.compression.scene import (
     sample_curve,
     scaled_cap,
 )
-from metafem.calibration.heterogeneity import Heterogeneity, heterogeneity
 from metafem.calibration.measurement_errors import MeasurementErrors
 from metafem.calibration.serial_correlation import Succession
-from metafem.calibration.verdict import Verdict, errors_of, judged_in_order
+from metafem.calibration.verdict import Heterogeneity, Verdict, errors_of, heterogeneity, judged_in_order
 from metafem.contact import Contact, Hertz
 from metafem.errors import InvalidInput
 from metafem.material import Material

@@ -14,8 +14,7 @@ from metafem._validate import FloatArray
 from metafem._values import Value
 from metafem.calibration.bounded_interval import WIDTH, bounded_interval
 from metafem.calibration.compression.adhesive_line import AdhesiveLine
-from metafem.calibration.heterogeneity import Heterogeneity
-from metafem.calibration.verdict import Verdict
+from metafem.calibration.verdict import Heterogeneity, Verdict
 from metafem.contact import Contact
 from metafem.material import Material
 from metafem.notes import Note, counted

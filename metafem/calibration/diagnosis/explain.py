@@ -11,14 +11,12 @@ from metafem._calls import checked_call
 from metafem._given import shown
 from metafem._validate import FloatArray
 from metafem._values import percent
-from metafem.calibration.diagnosis.causes import LEAST, Causes
+from metafem.calibration.diagnosis.causes import LEAST, Causes, Priors
 from metafem.calibration.diagnosis.explanation import Cause, Explanation, SingleErrors
 from metafem.calibration.diagnosis.linearised import Scene
 from metafem.calibration.diagnosis.observations import Observations
-from metafem.calibration.diagnosis.priors import Priors
 from metafem.calibration.diagnosis.sentences import NAMES
-from metafem.calibration.diagnosis.shares import shares
-from metafem.calibration.diagnosis.unresolved import unresolved
+from metafem.calibration.diagnosis.shares import shares, unresolved
 from metafem.calibration.diagnosis.update import NEARLY, Posterior, update
 from metafem.calibration.measured_law.law import MeasuredLaw
 from metafem.calibration.verdict import judged

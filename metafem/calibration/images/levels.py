@@ -9,9 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from metafem._validate import FloatArray
-from metafem.calibration.images.boundary import Contours, contours
+from metafem.calibration.images.boundary import Contours, at_edge, contours, pixels_of, single
 from metafem.calibration.images.errors import EDGE_CURVATURE, EDGE_INTERPOLATION
-from metafem.calibration.images.flags import at_edge, pixels_of, single
 from metafem.calibration.images.illumination import MAD, Ground
 from metafem.errors import InvalidInput
 

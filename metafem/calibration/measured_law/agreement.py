@@ -13,9 +13,15 @@ from metafem._calls import checked_call
 from metafem._validate import FloatArray
 from metafem._values import Value, span
 from metafem.calibration.magnitude import beyond, is_off, unit_hint, within_errors
-from metafem.calibration.measured_law.features import Deviations, Feature, features_of, operating_loads
+from metafem.calibration.measured_law.features import (
+    Deviations,
+    Feature,
+    Prediction,
+    features_of,
+    operating_loads,
+    predicted_at,
+)
 from metafem.calibration.measured_law.law import MeasuredLaw
-from metafem.calibration.measured_law.predicted import Prediction, predicted_at
 from metafem.calibration.verdict import Verdict, judged
 from metafem.errors import InvalidInput
 from metafem.inversion import Design

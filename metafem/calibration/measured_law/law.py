@@ -13,9 +13,8 @@ from metafem._calls import checked_class
 from metafem._given import shown
 from metafem._validate import FloatArray
 from metafem._values import span
-from metafem.calibration.contact_table import ContactTable
+from metafem.calibration.contact_table import ContactTable, of_contacts
 from metafem.calibration.measured_law.given import ARRAYS, checked
-from metafem.calibration.measured_law.images import of_contacts
 from metafem.calibration.measurement_errors import MeasurementErrors
 from metafem.drawing import measured
 from metafem.errors import InvalidInput

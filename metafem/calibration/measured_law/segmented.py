@@ -20,10 +20,10 @@ from metafem.calibration.measured_law.bent_line import (
     Points,
     deviations,
     fitted,
+    growths,
     kink_grid,
     least,
 )
-from metafem.calibration.measured_law.growth import growths
 from metafem.calibration.measured_law.law import MeasuredLaw
 from metafem.calibration.verdict import Verdict, judged
 from metafem.errors import InvalidInput

@@ -12,13 +12,12 @@ from numpy.typing import ArrayLike
 from metafem import _validate as check
 from metafem._calls import checked_call
 from metafem._validate import FloatArray
-from metafem.calibration.heterogeneity import Heterogeneity, heterogeneity
 from metafem.calibration.magnitude import OFF, is_off, unit_hint, within_errors
 from metafem.calibration.measurement_errors import MeasurementErrors
 from metafem.calibration.sheared.fits import LINES, ShearFit, fitted, fitted_tests, resampled
-from metafem.calibration.sheared.quantities import measured_or_nan
+from metafem.calibration.sheared.record import measured_or_nan
 from metafem.calibration.sheared.result import ShearCalibration
-from metafem.calibration.verdict import REJECTED
+from metafem.calibration.verdict import REJECTED, Heterogeneity, heterogeneity
 from metafem.errors import InvalidInput
 from metafem.notes import Note, information
 

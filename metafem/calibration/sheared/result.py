@@ -13,9 +13,8 @@ from metafem._given import shown
 from metafem._validate import FloatArray
 from metafem._values import Value
 from metafem.calibration.bounded_interval import bounded_interval
-from metafem.calibration.heterogeneity import Heterogeneity
 from metafem.calibration.measurement_errors import MeasurementErrors
-from metafem.calibration.verdict import Verdict
+from metafem.calibration.verdict import Heterogeneity, Verdict
 from metafem.errors import InvalidInput
 from metafem.material import Friction
 from metafem.notes import Note

@@ -1,4 +1,4 @@
-"""A sphere fitted to each cap of a map, with the covariance of its summit and radius."""
+"""Spheres fitted to the caps of a map, with the covariance of summit and radius."""
 
 from __future__ import annotations
 
@@ -175,3 +175,18 @@ def _summed(
 
     sums = np.array([total(each) for each in matrix])
     return _Grid(total(distance), total(np.ones(len(distance))), sums, inverse)
+
+
+def pooled(value: FloatArray, covariance: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return (x, y, height, radius) of caps (n, 4) and their covariance (n, 4, 4) under one common radius.
+
+    The radius is the mean weighted by the inverse variances. The others follow by their regression on it:
+    ``v - C_vR / C_RR (R_i - R)``, and lose the variance that they owe to the error of their own radius.
+    """
+    variance = covariance[:, 3, 3]
+    common = float((value[:, 3] / variance).sum() / (1.0 / variance).sum())
+    own = 1.0 / float((1.0 / variance).sum())
+    slope = covariance[:, :, 3] / variance[:, None]
+    result = value - slope * (value[:, 3] - common)[:, None]
+    outer = slope[:, :, None] * slope[:, None, :]
+    return result, covariance - outer * variance[:, None, None] + outer * own

@@ -13,12 +13,10 @@ from metafem._calls import checked_call
 from metafem._given import label
 from metafem._validate import FloatArray, IntArray
 from metafem._values import MICROMETRES, Value, span
-from metafem.calibration.topography.alignment import Alignment, aligned
-from metafem.calibration.topography.caps import Cap, fitted_caps
+from metafem.calibration.topography.alignment import Alignment, aligned, no_cap, on_map, placement_notes
+from metafem.calibration.topography.caps import Cap, fitted_caps, pooled
 from metafem.calibration.topography.cells import HeightMap, cells
 from metafem.calibration.topography.levelled import Levelling, levelled
-from metafem.calibration.topography.placement_notes import no_cap, on_map, placement_notes
-from metafem.calibration.topography.radii import pooled
 from metafem.calibration.topography.summits import hills
 from metafem.errors import InvalidInput
 from metafem.notes import Note

@@ -106,8 +106,7 @@ def topography(
         correction = _correction(design, made, corrected)
         law = mf.friction_law(made.surface, design.law.model, load=design.law.load)
         if picture is not None:
-            from metafem.calibration.topography.picture import made_figure
-            from metafem.calibration.topography.residual import residuals
+            from metafem.calibration.figures import made_figure, residuals
 
             rest = residuals(stored.values, stored.pixel, made, mould)
             figure = made_figure(made, correction, rest, design.law, law)

@@ -5,8 +5,7 @@ import pytest
 
 import metafem as mf
 from metafem.calibration import MeasuredLaw, branches, segmented
-from metafem.calibration.measured_law.bent_line import Points
-from metafem.calibration.measured_law.growth import REGULAR_GROWTH, growths
+from metafem.calibration.measured_law.bent_line import REGULAR_GROWTH, Points, growths
 
 LOAD = np.linspace(0.01, 0.19, 19)
 

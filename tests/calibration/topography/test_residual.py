@@ -3,8 +3,7 @@
 import numpy as np
 
 import metafem as mf
-from metafem.calibration.topography.picture import made_figure
-from metafem.calibration.topography.residual import residuals
+from metafem.calibration.figures import made_figure, residuals
 from validation.scenes.height_maps import Roughness, height_map
 
 DESIGN = mf.Surface.square_lattice([0.05, 0.12, 0.2], (1, 3), radius=0.526, material=mf.Material(1.36))
