@@ -9,7 +9,6 @@ from functools import cached_property
 import numpy as np
 
 from metafem import _validate as check
-from metafem._calls import checked_class
 from metafem._validate import FloatArray
 from metafem.surface import STEEPEST, Material, Surface
 
@@ -162,7 +161,6 @@ class Causes:
 WIDEST = 1.0 / 3.0
 
 
-@checked_class
 @dataclass(frozen=True)
 class Priors:
     """Standard deviations of the errors that may explain a measured law; all are independent and Gaussian.

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from scipy.linalg import cho_factor, cho_solve
 
 from metafem._validate import FloatArray
 from metafem.calibration.diagnosis.causes import GROUPS, Causes
@@ -30,8 +31,6 @@ def shares(causes: Causes, posterior: Posterior) -> Shares:
     ``r'(S + J J')^-1 r = r'S^-1 r - sum_c (J_c'S^-1 r).m_c`` with the posterior means m: cause c explains the
     term c. It is negative where a cause corrects what another one does too much.
     """
-    from scipy.linalg import cho_factor, cho_solve
-
     at, load = posterior.linear, causes.where["load"]
     residual = at.residual + at.gradient @ posterior.mean
     information, force = at.gradient.T @ at.gradient, at.gradient.T @ residual

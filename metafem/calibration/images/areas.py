@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from metafem import _validate as check
-from metafem._calls import checked_call
 from metafem._given import shown
 from metafem.calibration.images.contact_areas import ContactAreas
 from metafem.calibration.images.grey import Options
@@ -21,7 +20,6 @@ from metafem.notes import Note
 from metafem.progress import each
 
 
-@checked_call
 def contact_areas(
     image: Any,
     pixel_size: float,
@@ -99,7 +97,6 @@ def contact_areas(
     return measured(image, options)[0]
 
 
-@checked_call
 def stack_areas(
     images: Sequence[Any],
     pixel_size: float,

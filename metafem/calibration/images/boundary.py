@@ -8,6 +8,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import binary_fill_holes
 
 from metafem._validate import FloatArray, IntArray
 from metafem.calibration.images.grey import clipped
@@ -181,8 +182,6 @@ def single(region: NDArray[np.bool_]) -> bool:
 
 def _filled(region: NDArray[np.bool_]) -> float:
     """Return the compactness of a region without its holes."""
-    from scipy.ndimage import binary_fill_holes
-
     rows, columns = np.nonzero(binary_fill_holes(region))
     y, x = rows - rows.mean(), columns - columns.mean()
     # each pixel is a square, with moments of 1/12

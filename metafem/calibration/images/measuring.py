@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import find_objects, label
 
 from metafem._validate import FloatArray
 from metafem._values import percent
@@ -60,8 +61,6 @@ def _contacts(
     values: NDArray[Any], ground: Ground, found: Levels, options: Options, own: bool
 ) -> ContactAreas:
     """Measure the contacts of an image whose levels are known; `own` says that they are from this image."""
-    from scipy.ndimage import find_objects, label
-
     width = max(found.blur, levels.LEAST_SMOOTHING)
     image, variance = levels.smoothed(ground.corrected, width)
     labels, count = label(image < found.half)

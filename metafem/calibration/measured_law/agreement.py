@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from metafem import _validate as check
-from metafem._calls import checked_call
 from metafem._validate import FloatArray
 from metafem._values import Value, span
 from metafem.calibration.magnitude import beyond, is_off, unit_hint, within_errors
@@ -110,7 +109,6 @@ class Comparison(Value):
         return "\n".join([*lines, f"  verdict   {self.verdict}"])
 
 
-@checked_call
 def compare(
     measured: MeasuredLaw,
     design: Design | FrictionLaw,

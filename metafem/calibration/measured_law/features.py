@@ -13,7 +13,7 @@ from metafem._values import percent
 from metafem.calibration.measured_law.bent_line import KINK, least
 from metafem.calibration.measured_law.law import MeasuredLaw
 from metafem.calibration.measured_law.segmented import LEAST as LEAST_BENT
-from metafem.calibration.measured_law.segmented import TRIED, points_of, segmented
+from metafem.calibration.measured_law.segmented import TRIED, fit_segments, points_of
 from metafem.errors import InvalidInput
 from metafem.inversion import BilinearLaw, Design, MultilinearLaw, OperatingPoints
 from metafem.notes import Note, information
@@ -210,7 +210,7 @@ def _crossover(found: Deviations, design: Design) -> tuple[list[Feature], list[N
         return [], [information(f"crossover: {words}; it needs at least {LEAST_BENT}")]
     law = found.compared(below)
     try:
-        fit = segmented(law)
+        fit = fit_segments(law)
     except InvalidInput as error:
         return [], [information(f"crossover: {error}")]
     # the same estimator on the law of the design at the same loads

@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike
 
 from metafem import _validate as check
 from metafem import drawing
-from metafem._calls import checked_call
 from metafem._given import formatted, label, shown
 from metafem._validate import FloatArray
 from metafem._values import Value
@@ -20,6 +19,7 @@ from metafem.calibration.bounded_interval import bounded_interval
 from metafem.calibration.measured_law.law import MeasuredLaw
 from metafem.calibration.sheared.proportional import proportional
 from metafem.calibration.verdict import Verdict, judged
+from metafem.drawing import calibration
 from metafem.errors import InvalidInput, MetafemError
 from metafem.material import Friction
 from metafem.models import Independent, Model
@@ -46,7 +46,6 @@ PARAMETERS = ("composite_modulus", "area_ratio", "radius")
 FEWEST = 2
 
 
-@checked_call
 def shear_strength(
     law: MeasuredLaw,
     surface: Surface,
@@ -325,7 +324,6 @@ class StrengthFit(Value):
         low, high = bounded_interval(self.shear_strength, np.sqrt(self.covariance[-1, -1]))
         return float(low), float(high)
 
-    @checked_call
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw friction forces over predicted areas with error bars and the line, and return the axes.
 
@@ -334,8 +332,6 @@ class StrengthFit(Value):
         ax : matplotlib Axes, optional
             Axes to draw on; default: those of a new figure of ``matplotlib.pyplot``.
         """
-        from metafem.drawing import calibration
-
         ax = drawing.axes(ax)
         calibration.measured(ax, self.area, self.friction_force, self.area_sd, self.friction_force_sd)
         ends = np.array([0.0, 1.05 * float(self.area.max())])

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from metafem import _validate as check
-from metafem._calls import checked_call
 from metafem._given import formatted, label, plain, shown
 from metafem._validate import FloatArray
 from metafem._values import Value, span
@@ -84,7 +83,6 @@ class ShearRecord(Value):
         )
 
 
-@checked_call
 def shear_record(
     displacement: ArrayLike,
     friction_force: ArrayLike,

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from metafem import _validate as check
-from metafem._calls import checked_call
 from metafem._given import shown
 from metafem._validate import FloatArray
 from metafem._values import Value
@@ -42,7 +41,6 @@ ON_SITES = 0.6
 TURN, STRETCH = math.radians(5.0), 0.1
 
 
-@checked_call
 def match_sites(
     centre: ArrayLike,
     site_position: ArrayLike,

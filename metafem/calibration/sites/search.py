@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from metafem._validate import FloatArray
 
@@ -55,8 +56,6 @@ class Lattice:
     @cached_property
     def tree(self) -> Any:
         """The sites in a tree of their positions."""
-        from scipy.spatial import cKDTree
-
         return cKDTree(real_points(self.sites))
 
     @cached_property
@@ -136,8 +135,6 @@ def shifted(points: ComplexArray, lattice: Lattice, pose: Pose, bounds: Bounds) 
 
 def _candidates(points: ComplexArray, lattice: Lattice, bounds: Bounds) -> tuple[ComplexArray, ComplexArray]:
     """Return factors and shifts of the similarities that map a pair of sites to a pair of contacts."""
-    from scipy.spatial import cKDTree
-
     first, second = near_pairs(cKDTree(real_points(points)), LONGEST * lattice.spacing)
     apart = np.abs(points[second] - points[first])
     long = np.flatnonzero(apart > REACH * lattice.spacing)

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from metafem import _validate as check
-from metafem._calls import checked_call
 from metafem._given import printable
 from metafem._validate import FloatArray
 from metafem._values import Value
@@ -26,7 +25,6 @@ from metafem.notes import Note
 TRIED = 3
 
 
-@checked_call
 def track_contacts(
     areas: Sequence[ContactAreas],
     image: Sequence[str],

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import binary_dilation
 
 from metafem._validate import FloatArray
 from metafem.calibration.topography.cells import HeightMap
@@ -152,8 +153,6 @@ def _outliers(
     z: FloatArray, known: NDArray[np.bool_], x: FloatArray, y: FloatArray, cap: Cap
 ) -> NDArray[np.bool_]:
     """Return the pixels too far from a sphere and those beside them."""
-    from scipy.ndimage import binary_dilation
-
     square = (x - cap.x) ** 2 + (y - cap.y) ** 2
     root = np.sqrt(np.maximum(cap.radius**2 - square, 0.0))
     distance = (z - (cap.height - cap.radius + root)) * root / cap.radius

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from metafem import _validate as check
-from metafem._calls import checked_call
 from metafem._given import label
 from metafem._validate import FloatArray, IntArray
 from metafem._values import MICROMETRES, Value, span
@@ -118,7 +117,6 @@ class MadeSurface(Value):
         )
 
 
-@checked_call
 def measured_surface(
     height_map: ArrayLike,
     pixel_size: float | tuple[float, float],

@@ -143,10 +143,10 @@ def _names(height_map: Path, folder: Path, pixel: str | None, height_unit: str |
 
 def _correction(design: Design, made: MadeSurface, wanted: Path | None) -> Correction | None:
     """Return the correction; None if there are too few asperities for one and none is asked for."""
-    from metafem.calibration import corrected
+    from metafem.calibration import corrected_heights
 
     try:
-        return corrected(design, made)
+        return corrected_heights(design, made)
     except InvalidInput:
         if wanted is not None:
             raise

@@ -28,7 +28,7 @@ def test_the_figure_has_four_pictures():
     made = mf.calibration.measured_surface(rough, PIXEL, DESIGN)
     rest = residuals(rough, (PIXEL, PIXEL), made)
     law = mf.friction_law(DESIGN)
-    correction = mf.calibration.corrected(DESIGN, made)
+    correction = mf.calibration.corrected_heights(DESIGN, made)
     figure = made_figure(made, correction, rest, law, mf.friction_law(made.surface, load=law.load))
     titles = [ax.get_ylabel() for ax in figure.axes]
     assert titles[2:4] == ["height error [µm]", "rescaled friction  F/(σB) [mm²]"]
