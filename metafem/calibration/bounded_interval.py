@@ -6,6 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.special import ndtr
 
 from metafem._validate import FloatArray
 
@@ -44,8 +45,6 @@ def _accepted() -> tuple[FloatArray, FloatArray, FloatArray]:
 
     Estimates from ``m - (m^2 + t^2)/(2 m)``, where the ratio is that of ``m + t``, to ``m + t``.
     """
-    from scipy.special import ndtr
-
     mean = np.geomspace(SMALLEST_MEAN, WIDTH, MEANS)
     low, high = np.zeros(MEANS), np.full(MEANS, 2.0)
     for _ in range(BISECTIONS):

@@ -1,16 +1,19 @@
-"""Areas of the contacts in a series of images, with the measured forces."""
+"""Contacts in a series of images with the measured forces, and the points of fits and laws that they hold."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from metafem._given import printable
-from metafem._validate import FloatArray
+from metafem._validate import FloatArray, IntArray
 from metafem._values import Value
+from metafem.errors import InvalidInput
+from metafem.notes import Note, information
 
 # Images or contacts that a sentence names, so that it stays readable.
 NAMED = 5
@@ -99,3 +102,199 @@ def listed(names: Sequence[str]) -> str:
     """
     more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
     return ", ".join(printable(name, 60) for name in names[:NAMED]) + more
+
+
+def pressed_images(table: ContactTable) -> tuple[NDArray[np.intp], tuple[Note, ...]]:
+    """Return the numbers of the images that are used, and notes on those that are left out.
+
+    The load is that of all contacts. Where the area of one is unknown, its load is one more unknown in the
+    only equation of the image, which then says nothing about E*. A smaller sum of areas would.
+    """
+    loaded, known = np.isfinite(table.load), np.isfinite(table.area)
+    whole = loaded & known.all(axis=1)
+    touching = (table.area > 0.0).any(axis=1)
+    notes = []
+    left = np.flatnonzero(loaded & ~whole)
+    if left.size:
+        missing = np.flatnonzero(~known[left].all(axis=0)).tolist()
+        notes.append(
+            information(
+                f"E* is fitted to {int((whole & touching).sum())} of the {int(loaded.sum())} images with a "
+                f"load: in {listed([table.image[i] for i in left.tolist()])} the area of "
+                f"{listed([table.name_of(j) for j in missing])} could not be measured, and the load is that "
+                "of all contacts"
+            )
+        )
+    never = np.flatnonzero(~known[loaded].any(axis=0)).tolist() if loaded.any() else []
+    if never:
+        notes.append(
+            Note(
+                f"no image with a load has the area of {listed([table.name_of(j) for j in never])}, so that "
+                "E* cannot be fitted: take images of all contacts"
+            )
+        )
+    empty = np.flatnonzero(whole & ~touching).tolist()
+    if empty:
+        names = listed([table.image[i] for i in empty])
+        notes.append(information(f"E* is fitted without {names}: no contact was found there"))
+    return np.flatnonzero(whole & touching), tuple(notes)
+
+
+@dataclass(frozen=True, eq=False)
+class ShearedPoints:
+    """Total areas [mm^2] and friction forces [N] (k,), nan where not measured, and the image of each."""
+
+    area_before: FloatArray
+    area_sheared: FloatArray
+    friction_force: FloatArray
+    image: NDArray[np.intp]
+
+
+def sheared_points(table: ContactTable) -> tuple[ShearedPoints, tuple[Note, ...]]:
+    """Return the points of the images, and notes on what they lack.
+
+    An image of which all contacts were measured before and after is one point. Else it is up to two: the
+    areas of the contacts that both images show, for B, and the sheared area of all contacts with the friction
+    force, for sigma, if all were measured. Two points of an image share the errors of sheared areas, which
+    only changes the covariance of B and sigma.
+
+    A contact that is below the smallest area in one of the images would bias the ratio of the sums. In the
+    sum for sigma its sheared area is the smaller one of the smallest area and of what the ratio of the other
+    contacts says.
+    """
+    before, after, force = table.area, table.sheared_area, table.friction_force
+    both = np.isfinite(before) & np.isfinite(after)
+    seen = both & (before > 0.0) & (after > 0.0)
+    one = both & ((before > 0.0) != (after > 0.0))
+    first, second = (np.where(seen, area, 0.0).sum(axis=1) for area in (before, after))
+    ratio = np.divide(second, first, np.zeros(first.shape), where=first > 0.0)[:, None]
+    fell = one & (before > 0.0)
+    filled = np.where(fell, np.minimum(ratio * np.where(fell, before, 0.0), table.sheared_area_error), after)
+    total = filled.sum(axis=1)  # nan where a contact was not measured
+    total = np.where(total > 0.0, total, np.nan)
+    of_ratio = first > 0.0
+    of_strength = np.isfinite(total) & np.isfinite(force)
+    single = of_ratio & of_strength & both.all(axis=1) & ~one.any(axis=1)
+    rows = []
+    for i in np.flatnonzero(of_ratio | of_strength).tolist():
+        if single[i]:
+            rows.append((first[i], second[i], force[i], i))
+            continue
+        if of_ratio[i]:
+            rows.append((first[i], second[i], np.nan, i))
+        if of_strength[i]:
+            rows.append((np.nan, total[i], force[i], i))
+    columns = np.array(rows, dtype=np.float64).reshape(-1, 4).T
+    points = ShearedPoints(columns[0], columns[1], columns[2], columns[3].astype(np.intp))
+    notes = []
+    mixed = np.flatnonzero(one.any(axis=1) & of_ratio)
+    if mixed.size:
+        notes.append(
+            information(
+                f"{listed([table.image[i] for i in mixed.tolist()])}: contacts are below the smallest area "
+                "that is found in one of the images before and after shear; B is fitted to those that both "
+                "show"
+            )
+        )
+    unused = np.flatnonzero(np.isfinite(force) & np.isfinite(after).any(axis=1) & ~of_strength)
+    if unused.size:
+        images = listed([table.image[i] for i in unused.tolist()])
+        missing = [table.name_of(j) for j in np.flatnonzero(~np.isfinite(after[unused]).all(axis=0)).tolist()]
+        notes.append(
+            information(
+                f"sigma is fitted without {images}: the sheared area of {listed(missing) or 'all contacts'} "
+                "could not be measured, and the friction force is that of all contacts"
+            )
+        )
+    return points, tuple(notes)
+
+
+def of_contacts(
+    table: ContactTable, rescaled: bool, numbers: IntArray | None
+) -> tuple[dict[str, Any], tuple[Note, ...]]:
+    """Return the arrays of a law by name, and notes that name the images that are left out.
+
+    `numbers` are the sites of the design's asperities; without them, these have the numbers of the sites.
+    Friction forces are used where they can be `rescaled`, else the areas.
+    """
+    forces, total = np.isfinite(table.friction_force), ~np.isnan(table.area.sum(axis=1))
+    by_force = rescaled and bool(forces.any())
+    sites = table.matched & (table.site >= 0)
+    # without friction forces, the areas of some contacts are of use where those of all others are known
+    known = ~np.isnan(table.area)
+    usable = known[:, ~sites].all(axis=1) & known.any(axis=1)
+    kept: NDArray[np.bool_] = np.isfinite(table.load) & (forces if by_force else usable)
+    if not kept.any():
+        what = "a friction force" if by_force else "the areas of all its contacts"
+        raise InvalidInput(f"none of the {len(kept)} images has a load and {what}")
+    notes = [
+        Note(f"image {table.image[i]} is left out: it has no {_missing(table, i, by_force)}")
+        for i in np.flatnonzero(~kept).tolist()
+    ]
+    notes += _unknown(table, kept, ~known & sites)
+    overlooked = np.nanmax(np.where(table.area[kept] == 0.0, table.area_error[kept], 0.0))
+    if overlooked > 0.0 and not by_force:
+        notes.append(
+            Note(
+                f"contacts of less than {overlooked:.2g} mm^2 count as open; the errors of the total areas "
+                "do not include what these contacts lack"
+            )
+        )
+    area, area_sd = table.area[kept], np.nan_to_num(table.area_error[kept])
+    found: dict[str, Any] = {"load": table.load[kept]}
+    if forces[kept].all():
+        found["friction_force"] = table.friction_force[kept]
+    if table.matched:
+        found |= {"asperity_area": area[:, sites], "asperity_area_sd": area_sd[:, sites]}
+        found["site"] = _asperities(table.site[sites], numbers)
+    sd = np.sqrt((np.where(area > 0.0, area_sd, 0.0) ** 2).sum(axis=1))  # open contacts are taken as open
+    if total[kept].all() or (table.matched and total[kept].any()):
+        found["area"] = area.sum(axis=1)
+        if (sd > 0.0).all():  # else from the errors: an image without contacts has none
+            found["area_sd"] = sd
+    return found, tuple(notes)
+
+
+def _asperities(sites: NDArray[np.intp], numbers: IntArray | None) -> NDArray[np.intp]:
+    """Return the asperities of the design at sites."""
+    if numbers is None:
+        return sites
+    order = np.argsort(numbers)
+    place = np.minimum(np.searchsorted(numbers, sites, sorter=order), len(numbers) - 1)
+    found = order[place]
+    for site in sites[numbers[found] != sites][:1]:
+        raise InvalidInput(f"the contacts have site {site}, which the design leaves empty or does not have")
+    return found
+
+
+def _unknown(table: ContactTable, kept: NDArray[np.bool_], unknown: NDArray[np.bool_]) -> list[Note]:
+    """Return which areas of contacts (k, n) the images that are kept lack, one note for images alike."""
+    images: dict[str, list[str]] = {}
+    for i in np.flatnonzero(kept & unknown.any(axis=1)).tolist():
+        sites = table.site[unknown[i]].tolist()
+        several = "s" if len(sites) > 1 else ""
+        where = f"area{several} of the contact{several} at site{several} {', '.join(map(str, sites))}"
+        images.setdefault(where, []).append(table.image[i])
+    return [
+        Note(
+            f"{_named(names)}: the {where} {'are' if where.startswith('areas') else 'is'} unknown; the other "
+            "contacts are used"
+        )
+        for where, names in images.items()
+    ]
+
+
+def _named(images: list[str]) -> str:
+    """Return the names of images, of many the first and the last."""
+    if len(images) == 1:
+        return f"image {images[0]}"
+    return f"{len(images)} images, {images[0]} to {images[-1]}"
+
+
+def _missing(table: ContactTable, i: int, by_force: bool) -> str:
+    """Return what image i lacks."""
+    if np.isnan(table.load[i]):
+        return "load"
+    if by_force:
+        return "friction force"
+    return f"area of {table.name_of(int(np.isnan(table.area[i]).argmax()))}"

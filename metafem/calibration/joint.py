@@ -2,37 +2,31 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from metafem._given import shown
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 
-
-class Calibration(Protocol):
-    """Parameters in the names of `metafem.studies.uncertainty`, with their covariance."""
-
-    @property
-    def parameters(self) -> tuple[str, ...]:
-        """Names of the parameters."""
-        ...
-
-    @property
-    def parameter_covariance(self) -> FloatArray:
-        """Covariance of the parameters, (p, p)."""
-        ...
+if TYPE_CHECKING:
+    from metafem.calibration.compression.result import ContactCalibration
+    from metafem.calibration.sheared.full_contact import StrengthFit
+    from metafem.calibration.sheared.result import ShearCalibration
 
 
-def joint_covariance(*calibrations: Calibration) -> tuple[tuple[str, ...], FloatArray]:
+def joint_covariance(
+    *calibrations: ContactCalibration | ShearCalibration | StrengthFit,
+) -> tuple[tuple[str, ...], FloatArray]:
     """Return the names of all parameters and their covariance, for `metafem.studies.uncertainty`.
 
     Calibrations from different measurements are independent: the matrix is block diagonal.
 
     Parameters
     ----------
-    *calibrations : ContactCalibration or ShearCalibration
+    *calibrations : ContactCalibration, ShearCalibration or StrengthFit
         Each parameter belongs to one of them.
 
     Returns
@@ -48,10 +42,10 @@ def joint_covariance(*calibrations: Calibration) -> tuple[tuple[str, ...], Float
 
     Examples
     --------
-    >>> from metafem.calibration import contact, shear
+    >>> from metafem.calibration import fit_compression, shear
     >>> a = np.linspace(0.08, 0.4, 20)
     >>> area = np.pi * a**2
-    >>> pressed = contact(1.36 * 4 / 3 * a**3 / 0.526, area, 0.526)
+    >>> pressed = fit_compression(1.36 * 4 / 3 * a**3 / 0.526, area, 0.526)
     >>> names, covariance = joint_covariance(pressed, shear(area, 0.85 * area, 0.3 * area))
     >>> names, np.sqrt(np.diag(covariance)).round(3)
     (('composite_modulus', 'area_ratio', 'shear_strength'), array([0.06 , 0.003, 0.002]))
@@ -61,7 +55,7 @@ def joint_covariance(*calibrations: Calibration) -> tuple[tuple[str, ...], Float
     for calibration in calibrations:
         if isinstance(calibration, type) or not hasattr(calibration, "parameter_covariance"):
             raise InvalidInput(
-                f"{shown(calibration)} must be a result of metafem.calibration.contact or "
+                f"{shown(calibration)} must be a result of metafem.calibration.fit_compression or "
                 "metafem.calibration.shear"
             )
         twice = [name for name in calibration.parameters if name in names]
@@ -71,10 +65,4 @@ def joint_covariance(*calibrations: Calibration) -> tuple[tuple[str, ...], Float
             )
         names += calibration.parameters
         blocks.append(calibration.parameter_covariance)
-    matrix = np.zeros((len(names), len(names)))
-    start = 0
-    for block in blocks:
-        end = start + len(block)
-        matrix[start:end, start:end] = block
-        start = end
-    return tuple(names), matrix
+    return tuple(names), np.asarray(block_diag(*blocks)) if blocks else np.zeros((0, 0))

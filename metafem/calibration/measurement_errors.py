@@ -8,11 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from metafem import _validate as check
-from metafem._calls import checked_class
 from metafem._validate import FloatArray
 
 
-@checked_class
 @dataclass(frozen=True)
 class MeasurementErrors:
     """Standard deviations of the errors of a measurement; all errors are independent of each other.

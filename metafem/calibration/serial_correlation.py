@@ -9,6 +9,8 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import brentq
+from scipy.special import ndtr
 
 from metafem._validate import FloatArray
 
@@ -63,8 +65,6 @@ class Succession:
         Biometrika 37, 409 (1950), doi:10.1093/biomet/37.3-4.409: W holds 1/2 beside its diagonal. The
         distribution is taken as normal.
         """
-        from scipy.special import ndtr
-
         ordered, pairs = residual[self._order], self._joined.sum()
         freedom = len(ordered) - self._basis.shape[1]
         square = float(ordered @ ordered)
@@ -85,7 +85,6 @@ class Succession:
 
         A fit removes part of slow errors, so that residuals are less correlated than errors.
         """
-        from scipy.optimize import brentq
 
         def excess(rho: float) -> float:
             turned, beside = self._correlated(self._basis, rho), self._beside(self._basis)

@@ -1,13 +1,16 @@
-"""Whether a law fits measured points: chi-square of the residuals, their order, and the largest of them."""
+"""Whether a law fits measured points, and whether tests that were fitted one by one agree."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.special import gammaincc, ndtr
 
 from metafem._validate import FloatArray
+from metafem._values import Value
 from metafem.calibration.serial_correlation import Succession
 from metafem.notes import Note
 
@@ -22,84 +25,99 @@ ROUNDING = 1e-6
 
 
 @dataclass(frozen=True)
+class SignificanceTest:
+    """A test of residuals.
+
+    Attributes
+    ----------
+    name : str
+        ``chi_square``, ``runs``, ``correlation`` or ``largest``.
+    statistic : float
+        Sum of the squares of the normalised residuals [-]; number of runs of residuals of one sign in the
+        order of the points; correlation of successive residuals in the order measured [-]; largest residual
+        over its own standard deviation [-].
+    probability : float
+        Probability that a correct law with independent normal errors has a statistic at least as extreme [-].
+    noticed : bool
+        Whether the probability is below 1 %.
+
+    Examples
+    --------
+    >>> SignificanceTest("largest", 5.0, 1e-5).noticed
+    True
+    """
+
+    name: str
+    statistic: float
+    probability: float
+
+    @property
+    def noticed(self) -> bool:
+        """Whether the test rejects a correct law with independent normal errors."""
+        return self.probability < REJECTED
+
+
+@dataclass(frozen=True)
 class Verdict:
     """Whether residuals, divided by their standard deviations, are those of the law.
 
     Attributes
     ----------
-    chi_square : float
-        Sum of the squares of the normalised residuals [-].
     freedom : int
         Number of points minus number of fitted parameters.
-    probability : float
-        Probability that a correct law has a chi-square at least as large [-].
-    runs : int
-        Number of runs of residuals of one sign, in the order of the points.
-    runs_probability : float
-        Probability that independent residuals have at most as many runs [-].
-    correlation, correlation_probability : float
-        Correlation of successive residuals in the order measured, and the probability that independent errors
-        have one at least as large [-]; 0 and 1 where the order is not known.
-    largest, largest_probability : float
-        Largest residual over its own standard deviation, and the probability that normal errors have one as
-        large [-]; 0 and 1 where it is not tested.
+    tests : tuple of SignificanceTest
+        ``chi_square`` and ``runs`` judge the law; where the order of measurement is known, ``correlation``
+        and ``largest`` judge the errors. ``verdict["runs"]`` is one of them.
     outlier : int
         Row of the point with the largest residual; 0 where it is not tested.
-    fits : bool
-        Whether all probabilities are at least 1 %.
 
     Examples
     --------
     >>> verdict = judged(np.array([0.5, -1.0, 0.8, -0.2, 1.1, -0.9]), parameters=1)
-    >>> verdict.fits, verdict.runs, str(verdict)
+    >>> verdict.fits, verdict["runs"].statistic, str(verdict)
     (True, 6, 'the law fits: chi² = 3.95 with 5 degrees of freedom (p = 0.56), 6 runs of residuals (p = 1)')
     """
 
-    chi_square: float
     freedom: int
-    probability: float
-    runs: int
-    runs_probability: float
-    correlation: float = 0.0
-    correlation_probability: float = 1.0
-    largest: float = 0.0
-    largest_probability: float = 1.0
+    tests: tuple[SignificanceTest, ...]
     outlier: int = 0
+
+    def __getitem__(self, name: str) -> SignificanceTest:
+        return next(test for test in self.tests if test.name == name)
 
     @property
     def fits(self) -> bool:
         """Whether no test rejects the law with independent normal errors."""
-        return self.law_fits and min(self.correlation_probability, self.largest_probability) >= REJECTED
+        return not any(test.noticed for test in self.tests)
 
     @property
     def law_fits(self) -> bool:
         """Whether chi-square and runs do not reject the law."""
-        return min(self.probability, self.runs_probability) >= REJECTED
+        return not any(test.noticed for test in self.tests[:2])
 
     @property
     def one_outlier(self) -> bool:
         """Whether one point is an outlier, without which chi-square does not reject the law."""
-        without = _chi_probability(max(self.chi_square - self.largest**2, 0.0), self.freedom - 1)
-        return self.largest_probability < REJECTED <= without
+        largest = self["largest"]
+        square = max(self["chi_square"].statistic - largest.statistic**2, 0.0)
+        return largest.noticed and _chi_probability(square, self.freedom - 1) >= REJECTED
 
     def __str__(self) -> str:
-        degrees = f"{self.freedom} degree{'s' * (self.freedom != 1)} of freedom"
-        runs = f"{self.runs} run{'s' * (self.runs != 1)} of residuals"
+        square, runs = self["chi_square"], self["runs"]
         found = (
-            f"the law {'fits' if self.law_fits else 'does not fit'}: chi² = {chi(self.chi_square)} with "
-            f"{degrees} (p {chance(self.probability)}), {runs} (p {chance(self.runs_probability)})"
+            f"the law {'fits' if self.law_fits else 'does not fit'}: chi² = {chi(square.statistic)} with "
+            f"{self.freedom} degree{'s' * (self.freedom != 1)} of freedom (p {chance(square.probability)}), "
+            f"{runs.statistic} run{'s' * (runs.statistic != 1)} of residuals (p {chance(runs.probability)})"
         )
-        also = []
-        if self.correlation_probability < REJECTED:
-            also.append(
-                f"successive residuals are correlated by {self.correlation:.2g} "
-                f"(p {chance(self.correlation_probability)})"
-            )
-        if self.largest_probability < REJECTED:
-            also.append(
-                f"the largest residual is {self.largest:.2g} standard deviations "
-                f"(p {chance(self.largest_probability)})"
-            )
+        words = {
+            "correlation": "successive residuals are correlated by {:.2g} (p {})",
+            "largest": "the largest residual is {:.2g} standard deviations (p {})",
+        }
+        also = [
+            words[test.name].format(test.statistic, chance(test.probability))
+            for test in self.tests[2:]
+            if test.noticed
+        ]
         return found + (f", {'but' if self.law_fits else 'and'} {' and '.join(also)}" if also else "")
 
 
@@ -128,10 +146,13 @@ def chance(probability: float, digits: int = 2) -> str:
 def judged(residual: FloatArray, parameters: int) -> Verdict:
     """Return the verdict on normalised residuals (k,), in the order of load, after a fit of parameters."""
     square, freedom = float((residual**2).sum()), max(len(residual) - parameters, 0)
-    probability = _chi_probability(square, freedom)
     signs = residual[residual != 0.0] > 0.0
     runs = int(np.count_nonzero(signs[1:] != signs[:-1])) + 1 if signs.size else 0
-    return Verdict(square, freedom, probability, runs, _runs_probability(int(signs.sum()), signs.size, runs))
+    tests = (
+        SignificanceTest("chi_square", square, _chi_probability(square, freedom)),
+        SignificanceTest("runs", runs, _runs_probability(int(signs.sum()), signs.size, runs)),
+    )
+    return Verdict(freedom, tests)
 
 
 def judged_in_order(residual: FloatArray, load: FloatArray, measured: Succession) -> Verdict:
@@ -140,35 +161,30 @@ def judged_in_order(residual: FloatArray, load: FloatArray, measured: Succession
     The largest of k normal residuals is tested at their common level: each has the variance 1 less its
     leverage.
     """
-    from scipy.special import ndtr
-
     clear = np.where(np.abs(residual) > ROUNDING, residual, 0.0)
     verdict = judged(clear[np.argsort(load, kind="stable")], measured.regressor.shape[1])
-    correlation, probability = measured.lag_one(clear)
     size = np.abs(clear) / np.sqrt(np.maximum(1.0 - measured.leverage, ROUNDING))
     largest = float(size.max())
     by_chance = float(-np.expm1(len(clear) * np.log1p(-2.0 * ndtr(-largest)))) if largest else 1.0
-    return replace(
-        verdict,
-        correlation=correlation,
-        correlation_probability=probability,
-        largest=largest,
-        largest_probability=by_chance,
-        outlier=int(size.argmax()),
+    of_errors = (
+        SignificanceTest("correlation", *measured.lag_one(clear)),
+        SignificanceTest("largest", largest, by_chance),
     )
+    return replace(verdict, tests=(*verdict.tests, *of_errors), outlier=int(size.argmax()))
 
 
 def errors_of(verdict: Verdict, measured: Succession, what: str) -> tuple[float, tuple[Note, ...]]:
     """Return the correlation rho of successive errors, 0 unless it is noticed, with a note on it."""
-    if verdict.correlation_probability >= REJECTED:
+    correlation = verdict["correlation"]
+    if not correlation.noticed:
         return 0.0, ()
-    rho = measured.of_errors(verdict.correlation)
-    alone = np.diagonal(measured.covariance(0.0))
-    factor = float(np.sqrt(np.diagonal(measured.covariance(rho)) / alone).max())
+    rho = measured.of_errors(correlation.statistic)
+    independent = np.diagonal(measured.covariance(0.0))
+    factor = float(np.sqrt(np.diagonal(measured.covariance(rho)) / independent).max())
     return rho, (
         Note(
-            f"{what}: successive residuals of a test are correlated by {verdict.correlation:.2g} (p "
-            f"{chance(verdict.correlation_probability, 1)}): the errors drift, or the law does not fit. "
+            f"{what}: successive residuals of a test are correlated by {correlation.statistic:.2g} (p "
+            f"{chance(correlation.probability, 1)}): the errors drift, or the law does not fit. "
             f"Errors with a correlation of {rho:.2g} make standard deviations {factor:.2g} times as large "
             "as independent ones; those stated include this factor. Measure the loads in random order, and "
             "more tests"
@@ -178,8 +194,6 @@ def errors_of(verdict: Verdict, measured: Succession, what: str) -> tuple[float,
 
 def _chi_probability(square: float, freedom: int) -> float:
     """Return the probability that a correct law has a chi-square at least as large."""
-    from scipy.special import gammaincc
-
     return float(gammaincc(0.5 * freedom, 0.5 * square)) if freedom > 0 else 1.0
 
 
@@ -202,3 +216,113 @@ def _runs_probability(positive: int, count: int, runs: int) -> float:
         else:
             weight += 2 * math.comb(positive - 1, j - 1) * math.comb(negative - 1, j - 1)
     return weight / math.comb(count, positive)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SingleTest(Value):
+    """Fit of one of several pooled tests.
+
+    Attributes
+    ----------
+    name : str
+        Label of the test.
+    points : int
+        Number of points.
+    value : ndarray, (2,)
+        E* [MPa] and sqrt(w) [sqrt(N/mm)] of a compression test, B [-] and sigma [MPa] of a shear test; nan
+        where the points do not determine one.
+    covariance : ndarray, (2, 2)
+        Their covariance, without the error of the radius.
+    verdict : Verdict or None
+        Whether the law fits this test; None of a shear test.
+    sd : ndarray, (2,)
+        Standard deviations of the values.
+
+    Examples
+    --------
+    >>> SingleTest("1", 20, np.array([0.85, 0.37]), np.diag([4e-6, 1e-6])).sd
+    array([0.002, 0.001])
+    """
+
+    name: str
+    points: int
+    value: FloatArray
+    covariance: FloatArray
+    verdict: Verdict | None = None
+
+    @property
+    def sd(self) -> FloatArray:
+        """Standard deviations of the values."""
+        return np.sqrt(np.diagonal(self.covariance))
+
+
+@dataclass(frozen=True)
+class Heterogeneity:
+    """Comparison of the parameters of several tests with their weighted mean.
+
+    Attributes
+    ----------
+    chi_square : float
+        Sum over the tests of ``(p - m)^T C^-1 (p - m)`` with the parameters p, their covariance C and the
+        weighted mean m [-].
+    freedom : int
+        Number of fitted parameters of all tests minus that of the mean.
+    probability : float
+        Probability that tests with the same parameters have a chi-square at least as large [-].
+    agree : bool
+        Whether the probability is at least 1 %.
+    birge_ratio : float
+        Root of chi-square over freedom [-].
+
+    Examples
+    --------
+    >>> tests = [SingleTest(str(b), 20, np.array([b]), np.eye(1) * 1e-4) for b in (0.84, 0.86)]
+    >>> found = heterogeneity(tests)
+    >>> found.agree, str(found)
+    (True, 'the tests agree: chi² = 2 with 1 degree of freedom (p = 0.16)')
+    """
+
+    chi_square: float
+    freedom: int
+    probability: float
+
+    @property
+    def agree(self) -> bool:
+        """Whether the tests are compatible with common parameters."""
+        return self.probability >= REJECTED
+
+    @property
+    def birge_ratio(self) -> float:
+        """Root of chi-square over freedom, by which the differences exceed the stated uncertainties.
+
+        Birge, Phys. Rev. 40, 207 (1932), doi:10.1103/PhysRev.40.207.
+        """
+        return math.sqrt(self.chi_square / self.freedom) if self.freedom else 1.0
+
+    def __str__(self) -> str:
+        return (
+            f"the tests {'agree' if self.agree else 'differ'}: chi² = {chi(self.chi_square)} with "
+            f"{self.freedom} degree{'s' * (self.freedom != 1)} of freedom (p = {self.probability:.2g})"
+        )
+
+    def note(self) -> Note:
+        """Return what the stated uncertainties leave out if the tests differ."""
+        return Note(
+            f"{self}; the stated uncertainties do not include what makes them differ: "
+            f"{self.birge_ratio:.2g} times as large ones would (Birge ratio)"
+        )
+
+
+def heterogeneity(tests: Sequence[SingleTest]) -> Heterogeneity:
+    """Compare the values (p,) of several tests; nan where a test does not determine one."""
+    rows, values = [], []
+    for test in tests:
+        known = np.isfinite(test.value)
+        root = np.linalg.cholesky(test.covariance[np.ix_(known, known)])
+        rows.append(np.linalg.solve(root, np.eye(len(known))[known]))
+        values.append(np.linalg.solve(root, test.value[known]))
+    # least squares of the whitened values: the weighted mean, as far as the tests determine it
+    matrix, wanted = np.concatenate(rows), np.concatenate(values)
+    mean, _, determined, _ = np.linalg.lstsq(matrix, wanted, rcond=None)
+    square, freedom = float(((wanted - matrix @ mean) ** 2).sum()), len(wanted) - int(determined)
+    return Heterogeneity(square, freedom, _chi_probability(square, freedom))

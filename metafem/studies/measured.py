@@ -91,8 +91,10 @@ def measured(comparisons: Sequence[Comparison], model: Model) -> xr.Dataset:
     for name, column in columns.items():
         variables[name] = ("feature",), np.array(column, dtype=str if name in texts else float)
     verdicts = [each.verdict for each in comparisons]
-    for name in ("chi_square", "freedom", "probability", "runs", "runs_probability"):
-        variables[name] = ("law",), [getattr(verdict, name) for verdict in verdicts]
+    variables["freedom"] = ("law",), [verdict.freedom for verdict in verdicts]
+    for name, probability in (("chi_square", "probability"), ("runs", "runs_probability")):
+        variables[name] = ("law",), [verdict[name].statistic for verdict in verdicts]
+        variables[probability] = ("law",), [verdict[name].probability for verdict in verdicts]
     variables["fits"] = ("law",), [int(verdict.fits) for verdict in verdicts]
     variables["verdict"] = ("law",), [str(verdict) for verdict in verdicts]
     several = len(comparisons) > 1

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.calibration import contact, joint_covariance, shear
+from metafem.calibration import Sample, fit_compression, joint_covariance, shear
 
 A = np.linspace(0.08, 0.4, 20)
 AREA = math.pi * A**2
@@ -15,7 +15,7 @@ LOAD = 1.36 * 4.0 / 3.0 * A**3 / 0.526
 
 @pytest.fixture(scope="module")
 def calibrations():
-    return contact(5.0 * LOAD, 5.0 * AREA, 0.526, contacts=5, radius_sd=0.005), shear(
+    return fit_compression(5.0 * LOAD, 5.0 * AREA, 0.526, sample=Sample(contacts=5, radius_sd=0.005)), shear(
         AREA, 0.85 * AREA, 0.34 * AREA
     )
 
@@ -66,6 +66,8 @@ def test_an_error_of_the_radius_nearly_cancels_in_the_area(calibrations, surface
 
 def test_a_parameter_belongs_to_one_calibration(calibrations):
     with pytest.raises(mf.InvalidInput, match="composite_modulus is a parameter of two calibrations"):
-        joint_covariance(contact(LOAD, AREA, 0.526), contact(LOAD, AREA, 0.526))
-    with pytest.raises(mf.InvalidInput, match=r"'E\*' must be a result of metafem.calibration.contact"):
+        joint_covariance(fit_compression(LOAD, AREA, 0.526), fit_compression(LOAD, AREA, 0.526))
+    with pytest.raises(
+        mf.InvalidInput, match=r"'E\*' must be a result of metafem.calibration.fit_compression"
+    ):
         joint_covariance("E*")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.calibration import MeasuredLaw, MeasurementErrors, compare, contact, shear
+from metafem.calibration import MeasuredLaw, MeasurementErrors, Sample, compare, fit_compression, shear
 from validation.scenes.compression_tests import ENERGY, RADII, RADIUS, compression_tests
 from validation.scenes.sheared_contacts import sheared
 
@@ -32,7 +32,7 @@ def slid():
     ("load", "unit"), [(1e3, "load_mN would fit where a table says load_N"), (1e-3, "load_N would fit")]
 )
 def test_calibrate_notices_loads_in_another_unit(pressed, load, unit):
-    found = contact(load * pressed[0], pressed[1], RADIUS, contacts=5)
+    found = fit_compression(load * pressed[0], pressed[1], RADIUS, sample=Sample(contacts=5))
     assert any(unit in each for each in hints(found))
 
 
@@ -41,7 +41,7 @@ def test_calibrate_notices_loads_in_another_unit(pressed, load, unit):
 )
 def test_calibrate_notices_areas_in_another_unit(pressed, area, unit):
     try:
-        words = hints(contact(pressed[0], area * pressed[1], RADIUS, contacts=5))
+        words = hints(fit_compression(pressed[0], area * pressed[1], RADIUS, sample=Sample(contacts=5)))
     except mf.MetafemError as error:
         words = [str(error)]
     assert any(unit in each for each in words), words
@@ -73,7 +73,7 @@ def test_calibrations_of_any_modulus_are_not_suspected(modulus, contacts):
     rng = np.random.default_rng(1)
     load = load + errors.load * rng.standard_normal(a.size)
     area = contacts * math.pi * a**2
-    found = contact(load, area, RADIUS, contacts=contacts, errors=errors)
+    found = fit_compression(load, area, RADIUS, sample=Sample(contacts=contacts), errors=errors)
     assert hints(found) == []
 
 

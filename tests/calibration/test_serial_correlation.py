@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from metafem.calibration import contact
+from metafem.calibration import Sample, fit_compression
 from metafem.calibration.serial_correlation import Succession
 from metafem.calibration.verdict import judged_in_order
 from validation.scenes.compression_tests import ENERGY, ERRORS, MODULUS, RADII, RADIUS, compression_tests
@@ -61,8 +61,8 @@ def test_independent_normal_errors_are_noticed_as_often_as_stated():
     law = Succession(TEST, np.column_stack([x, x**2]))
     left = np.eye(60) - law.regressor @ law.covariance(0.0) @ law.regressor.T
     found = [judged_in_order(left @ rng.standard_normal(60), x, law) for _ in range(1000)]
-    for name in ("correlation_probability", "largest_probability"):
-        share = np.mean([getattr(each, name) < 0.1 for each in found])
+    for name in ("correlation", "largest"):
+        share = np.mean([each[name].probability < 0.1 for each in found])
         assert abs(share - 0.1) < 4.0 * math.sqrt(0.1 * 0.9 / 1000)
     # four tests at 1 %
     assert np.mean([not each.fits for each in found]) < 0.05
@@ -70,13 +70,13 @@ def test_independent_normal_errors_are_noticed_as_often_as_stated():
 
 def test_drifting_loads_are_noticed_and_widen_the_interval():
     load, area = drifting(np.random.default_rng(3), 5)
-    found = contact(load, area, RADIUS, contacts=5, test=TEST)
-    assert found.verdict.correlation_probability < 0.01
+    found = fit_compression(load, area, RADIUS, sample=Sample(contacts=5), test=TEST)
+    assert found.verdict["correlation"].probability < 0.01
     (note,) = [str(note) for note in found.notes if "successive residuals" in str(note)]
     assert "E* and w: successive residuals of a test are correlated by 0." in note
     assert "times as large as independent ones; those stated include this factor" in note
-    steady = contact(*(each[0] for each in compression_tests(1, 5, ENERGY, np.random.default_rng(3))), RADIUS,
-                     contacts=5, test=TEST)  # fmt: skip
+    measured = (each[0] for each in compression_tests(1, 5, ENERGY, np.random.default_rng(3)))
+    steady = fit_compression(*measured, RADIUS, Sample(contacts=5), test=TEST)
     assert steady.verdict.fits
     assert found.root_covariance[0, 0] > 2.0 * steady.root_covariance[0, 0]
 
@@ -85,7 +85,10 @@ def test_drifting_loads_are_noticed_and_widen_the_interval():
 @pytest.mark.parametrize(("contacts", "covered"), [(1, 0.68), (5, 0.64)])
 def test_three_hundred_calibrations_with_drifting_loads(contacts, covered):
     rng = np.random.default_rng(5)
-    found = [contact(*drifting(rng, contacts), RADIUS, contacts=contacts, test=TEST) for _ in range(300)]
+    found = [
+        fit_compression(*drifting(rng, contacts), RADIUS, sample=Sample(contacts=contacts), test=TEST)
+        for _ in range(300)
+    ]
     assert np.mean([not each.verdict.fits for each in found]) >= 0.9
     inside = [low <= MODULUS <= high for low, high in (each.composite_modulus_interval for each in found)]
     assert np.mean(inside) == pytest.approx(covered, abs=3.0 * math.sqrt(0.68 * 0.32 / 300))
@@ -102,5 +105,5 @@ def test_the_synthetic_drift_has_the_errors_of_independent_loads():
 @pytest.mark.parametrize("seed", range(5))
 def test_three_points_have_no_drift(robust, seed):
     load, area = (each[0] for each in compression_tests(1, 5, ENERGY, np.random.default_rng(seed)))
-    found = contact(load[4:20:7], area[4:20:7], RADIUS, contacts=5, robust=robust)
-    assert found.verdict.correlation_probability == 1.0
+    found = fit_compression(load[4:20:7], area[4:20:7], RADIUS, sample=Sample(contacts=5), robust=robust)
+    assert found.verdict["correlation"].probability == 1.0

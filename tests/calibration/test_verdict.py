@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from metafem.calibration.serial_correlation import Succession
-from metafem.calibration.verdict import judged, judged_in_order
+from metafem.calibration.verdict import SignificanceTest, judged, judged_in_order
 
 
 @pytest.mark.parametrize(("count", "positive"), [(6, 3), (9, 4), (10, 2)])
@@ -19,7 +19,7 @@ def test_the_probability_of_runs_is_that_of_all_orders_of_the_signs(count, posit
     for most in sorted(set(runs)):
         residual = np.where(_with_runs(count, positive, most), 1.0, -1.0)
         expected = np.mean(np.array(runs) <= most)
-        assert judged(residual, 0).runs_probability == pytest.approx(expected, rel=1e-12)
+        assert judged(residual, 0)["runs"].probability == pytest.approx(expected, rel=1e-12)
 
 
 def _with_runs(count, positive, runs):
@@ -33,7 +33,7 @@ def _with_runs(count, positive, runs):
 def test_correct_laws_are_rejected_as_often_as_stated():
     rng = np.random.default_rng(1)
     verdicts = [judged(rng.standard_normal(30), 0) for _ in range(2000)]
-    probabilities = np.array([verdict.probability for verdict in verdicts])
+    probabilities = np.array([verdict["chi_square"].probability for verdict in verdicts])
     # the binomial standard deviation of a share of 2000
     assert abs((probabilities < 0.2).mean() - 0.2) < 4.0 * np.sqrt(0.2 * 0.8 / 2000)
     assert np.mean([not verdict.fits for verdict in verdicts]) < 0.03  # two tests at 1 %
@@ -53,7 +53,7 @@ def test_the_outlier_is_the_point_whose_own_error_is_exceeded_most():
     law = Succession(["a"] * 4, np.array([[1.0], [1.0], [1.0], [6.0]]))  # leverage 36/39 of the last
     verdict = judged_in_order(np.array([2.0, -1.0, 0.0, 1.0]), np.arange(4.0), law)
     assert verdict.outlier == 3
-    assert verdict.largest == pytest.approx(np.sqrt(13.0))
+    assert verdict["largest"].statistic == pytest.approx(np.sqrt(13.0))
 
 
 @pytest.mark.parametrize(("others", "one"), [(1.0, True), (6.0, False)])
@@ -61,13 +61,14 @@ def test_one_point_is_blamed_where_the_others_obey_the_law(others, one):
     residual = others * np.tile([1.0, -1.0], 10)
     residual[7] = 10.0
     verdict = judged_in_order(residual, np.arange(20.0), Succession(["a"] * 20, np.ones((20, 1))))
-    assert verdict.largest_probability < 0.01
+    assert verdict["largest"].probability < 0.01
     assert verdict.one_outlier is one
     assert "(p < 1e-9)" in str(verdict)
 
 
 def test_a_law_fits_though_errors_drift_or_one_point_is_an_outlier():
-    verdict = replace(judged(np.tile([1.0, -1.0], 10), 2), largest=5.0, largest_probability=1e-5)
+    verdict = judged(np.tile([1.0, -1.0], 10), 2)
+    verdict = replace(verdict, tests=(*verdict.tests, SignificanceTest("largest", 5.0, 1e-5)))
     assert verdict.law_fits
     assert not verdict.fits
     assert str(verdict).startswith("the law fits: ")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from metafem.calibration import contact
+from metafem.calibration import Bootstrap, Sample, fit_compression
 from metafem.calibration.compression.distance_fit import adhesive_load
 from metafem.calibration.compression.scene import cap_curve
 from metafem.contact import Hertz
@@ -30,8 +30,13 @@ def rows() -> list[Row]:
     test = np.repeat(np.arange(TESTS), len(RADII))
 
     def whole() -> object:
-        return contact(
-            load[0], area[0], RADIUS, contacts=5, radius_sd=0.005, test=test, bootstrap=1000, rng=0
+        return fit_compression(
+            load[0],
+            area[0],
+            RADIUS,
+            sample=Sample(contacts=5, radius_sd=0.005),
+            test=test,
+            bootstrap=Bootstrap(1000, 0),
         )
 
     together = best(lambda: fitted(load, area, 5), 3)

@@ -9,7 +9,7 @@ import numpy as np
 
 import metafem as mf
 from metafem._validate import FloatArray
-from metafem.calibration import ContactCalibration, contact
+from metafem.calibration import ContactCalibration, Sample, fit_compression
 from metafem.drawing import ACHIEVED, QUIET, new_figure
 from metafem.fe.axisymmetric.geometry import Cap
 from metafem.fe.large_strain.press import press_sequence
@@ -51,7 +51,7 @@ DIAGONAL = known_input("identity: a compliance that is equal for all caps change
 @cache
 def fitted_by_hertz(effect: str) -> ContactCalibration:
     """Return the fit of Hertz's law of contacts far apart to data of an effect, for the effect of a model."""
-    return contact(*data(MODELS[effect]), RADIUS, contacts=5)
+    return fit_compression(*data(MODELS[effect]), RADIUS, sample=Sample(contacts=5))
 
 
 @cache
@@ -63,7 +63,7 @@ def data(model: mf.Interacting) -> tuple[FloatArray, FloatArray]:
 
 def of_cap(cap: mf.contact.Contact, radii: FloatArray = RADII, energy: float = 0.0) -> ContactCalibration:
     """Return the fit of Hertz's law to the data of five caps of another law."""
-    return contact(*pressed(cap, radii, energy), RADIUS, contacts=5)
+    return fit_compression(*pressed(cap, radii, energy), RADIUS, sample=Sample(contacts=5))
 
 
 def pressed(cap: mf.contact.Contact, radii: FloatArray, energy: float = 0.0) -> tuple[FloatArray, FloatArray]:
@@ -114,7 +114,7 @@ def _interaction() -> list[Row]:
     shifts = {name: shift(fitted_by_hertz(name)) for name in MODELS}
     checks: list[Row] = []
     for name, model in MODELS.items():
-        own = contact(*data(model), RADIUS, contacts=5, model=model, surface=SAMPLE)
+        own = fit_compression(*data(model), RADIUS, sample=Sample(contacts=5, model=model, surface=SAMPLE))
         checks += [
             reported(f"{name}: bias of E*", shifts[name], FITTED),
             reported(f"{name}: bias over the published uncertainty", abs(shifts[name]) / PUBLISHED, STATED),
@@ -148,7 +148,11 @@ def _interaction() -> list[Row]:
 
 def _sphere() -> list[Row]:
     found = of_cap(mf.SphericalCap())
-    own = contact(*pressed(mf.SphericalCap(), RADII), RADIUS, contacts=5, contact=mf.SphericalCap())
+    own = fit_compression(
+        *pressed(mf.SphericalCap(), RADII),
+        RADIUS,
+        sample=Sample(contacts=5, model=mf.Independent(contact=mf.SphericalCap())),
+    )
     light = RADII[RADII < 0.25 * RADIUS]
     expected = by_hand(np.array([sneddon_sphere(radius, RADIUS)[0] for radius in light]), light)
     return [
@@ -170,7 +174,9 @@ def _large_strain() -> list[Row]:
         name = f"large strain, cap {height:g} mm high"
         cap = soft_cap(height)
         small, large = of_cap(cap, half), of_cap(cap)
-        own = contact(*pressed(cap, RADII, ENERGY), RADIUS, contacts=5, contact=cap)
+        own = fit_compression(
+            *pressed(cap, RADII, ENERGY), RADIUS, sample=Sample(contacts=5, model=mf.Independent(contact=cap))
+        )
         checks += [
             reported(f"{name}: bias of E*, a/R up to 0.5", shift(small), FITTED),
             reported(f"{name}: bias of E*, a/R up to 0.76", shift(large), FITTED),

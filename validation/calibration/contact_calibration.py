@@ -8,7 +8,7 @@ from functools import cache
 import numpy as np
 
 from metafem._validate import FloatArray
-from metafem.calibration import contact
+from metafem.calibration import fit_compression
 from metafem.calibration.bounded_interval import bounded_interval
 from metafem.calibration.compression.adhesive_line import line_points, straight_lines
 from metafem.calibration.compression.distance_fit import DistanceFit, adhesive_load, distance_fit
@@ -144,7 +144,7 @@ def _regressions() -> list[Row]:
             diff_scheme="central", sstol=1e-15, partol=1e-15,
         )  # fmt: skip
         apart.append(abs(other.beta[0] - fit.modulus[i]) / math.sqrt(fit.covariance[i, 0, 0]))
-    one = contact(load[0], area[0], RADIUS)
+    one = fit_compression(load[0], area[0], RADIUS)
     return [
         below(
             "largest difference of E* from ODRPACK over the uncertainty, 20 fits",
@@ -155,7 +155,7 @@ def _regressions() -> list[Row]:
             ),
         ),
         near(
-            "metafem.calibration.contact on the first set of data, E* [MPa]",
+            "metafem.calibration.fit_compression on the first set of data, E* [MPa]",
             *(one.composite_modulus, float(fit.modulus[0]), 1e-9, BATCH),
         ),
     ]

@@ -9,8 +9,7 @@ from functools import cache
 import numpy as np
 
 import metafem as mf
-from metafem.calibration import MeasuredLaw, contact, shear, shear_record, shear_strength
-from metafem.calibration.verdict import REJECTED
+from metafem.calibration import MeasuredLaw, Sample, fit_compression, shear, shear_record, shear_strength
 from metafem.drawing import ACHIEVED, QUIET, TARGET, new_figure
 from metafem.notes import Note
 from validation.check import Claim, Picture, Row, above, near, reported
@@ -71,7 +70,7 @@ def outcomes() -> dict[str, Outcome]:
     )
 
     def pressed(load, area, radius=RADIUS, contacts=CONTACTS) -> Outcome:
-        found = contact(load, area, radius, contacts=contacts)
+        found = fit_compression(load, area, radius, sample=Sample(contacts=contacts))
         return Outcome(
             False, not found.verdict.fits or _suspected(found.notes), found.composite_modulus / MODULUS
         )
@@ -163,7 +162,7 @@ def _statistics(contacts: int) -> list[Row]:
     """Return how often 300 calibrations notice what is wrong, and how often their intervals hold E*."""
     case = f"{contacts} contact{'s' * (contacts > 1)}"
     clean, drift, outlier = (repeated(scene, contacts) for scene in (steady, drifting, with_outlier))
-    farthest = np.mean([each.verdict.largest_probability < REJECTED for each in outlier.found])
+    farthest = np.mean([each.verdict["largest"].noticed for each in outlier.found])
     return [
         near(f"{case}, nothing wrong: noticed", clean.noticed, 0.04, WITHIN * spread(0.04), LEVEL),
         near(f"{case}, nothing wrong: E* held", clean.covered, COVERED, WITHIN * spread(COVERED), STATED),

@@ -17,12 +17,13 @@ import metafem as mf
 from metafem.calibration.measured_law.bent_line import (
     KINK,
     LEFT,
+    REGULAR_GROWTH,
     RIGHT,
     Points,
     fitted,
+    growths,
     least,
 )
-from metafem.calibration.measured_law.growth import REGULAR_GROWTH, growths
 from metafem.calibration.measured_law.segmented import TRIED
 from metafem.drawing import ACHIEVED, MEASURED, TARGET, new_figure
 from validation.check import Claim, Picture, Row, near, reported
@@ -147,7 +148,7 @@ def exact() -> list[Row]:
     area = 0.05 + slopes[0] * load + (slopes[1] - slopes[0]) * np.maximum(load - crossover, 0.0)
     material = surfaces()["Fig. 5 red"].material
     law = mf.calibration.MeasuredLaw(material.composite_modulus * load, area=area, material=material)
-    fit = mf.calibration.segmented(law)
+    fit = mf.calibration.fit_segments(law)
     return [
         near("points on two lines: crossover [mm²]", fit.crossover_load, crossover, EXACT * crossover, LINES),
         *(near(f"points on two lines: slope {i + 1}", fit.slopes[i], slopes[i], EXACT * slopes[i], LINES)

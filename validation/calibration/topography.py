@@ -69,7 +69,7 @@ def claim() -> Claim:
     error, sd, bound = (np.concatenate([each(part) for part in parts]) for each in (_errors, _sd, _bounds))
     height, radius, x, y = error.T
     score = error / sd
-    correction = mf.calibration.corrected(parts[0].design, parts[0].made)
+    correction = mf.calibration.corrected_heights(parts[0].design, parts[0].made)
     longest = _longest()
     checks: list[Row] = [
         below("32 asperities: root mean square error of the heights [µm]", 1e3 * _rms(height), 0.1, TRUE),
@@ -157,11 +157,10 @@ def _figure():
     is left of the map without plane and caps, which is roughness alone; the errors over the heights with
     their systematic part; and the friction laws as designed and as made.
     """
-    from metafem.calibration.topography.picture import made_figure
-    from metafem.calibration.topography.residual import residuals
+    from metafem.calibration.figures import made_figure, residuals
 
     part = _part(1)
     rest = residuals(part.heights, (PIXEL, PIXEL), part.made)
     law = mf.friction_law(part.design)
     made = mf.friction_law(part.made.surface, load=law.load)
-    return made_figure(part.made, mf.calibration.corrected(part.design, part.made), rest, law, made)
+    return made_figure(part.made, mf.calibration.corrected_heights(part.design, part.made), rest, law, made)

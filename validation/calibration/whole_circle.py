@@ -16,10 +16,11 @@ from metafem.calibration import (
     ContactTable,
     Explanation,
     MeasuredLaw,
+    Sample,
     ShearCalibration,
     compare,
-    contact,
     explain,
+    fit_compression,
     shear,
     stack_areas,
     track_contacts,
@@ -141,8 +142,13 @@ def _circle() -> Circle:
         return np.concatenate([getattr(table, name) for table in tables])
 
     test = [str(number) for number, table in enumerate(tables, 1) for _ in table.load]
-    contacts = contact(
-        joined("load"), joined("area"), laboratory.RADIUS, contacts=5, test=test, area_sd=joined("area_error")
+    contacts = fit_compression(
+        joined("load"),
+        joined("area"),
+        laboratory.RADIUS,
+        sample=Sample(contacts=5),
+        test=test,
+        area_sd=joined("area_error"),
     )
     sheared = shear(joined("area"), joined("sheared_area"), joined("friction_force"), test=test)
     template = mf.Surface.square_lattice(

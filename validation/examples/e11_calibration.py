@@ -19,7 +19,7 @@ rng = np.random.default_rng(0)
 measured_load = load + rng.normal(0.0, errors.of_load(load))
 measured_area = area + rng.normal(0.0, errors.of_area(area))
 
-found = mf.calibration.contact(measured_load, measured_area, radius, errors=errors)
+found = mf.calibration.fit_compression(measured_load, measured_area, radius, errors=errors)
 sd = np.sqrt(np.diag(found.covariance))
 print(f"E*: true {modulus:.2f} MPa, found {found.composite_modulus:.3f} ± {sd[0]:.3f} MPa")
 print(

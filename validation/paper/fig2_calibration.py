@@ -13,7 +13,7 @@ from functools import cache
 
 import numpy as np
 
-from metafem.calibration import ContactCalibration, ShearCalibration, contact, shear
+from metafem.calibration import ContactCalibration, Sample, ShearCalibration, fit_compression, shear
 from metafem.drawing import ACHIEVED, MEASURED, QUIET, TARGET, new_figure
 from metafem.reference.single_contacts import hertz
 from validation.calibration.contact_calibration import results
@@ -36,7 +36,7 @@ DECREASE = printed("main text: the area decreases by about 10 to 15 %")
 def compressed() -> ContactCalibration:
     """Return the calibration by three compression tests."""
     load, area = compression_tests(1, CONTACTS, ENERGY, np.random.default_rng(0))
-    return contact(load[0], area[0], RADIUS, contacts=CONTACTS)
+    return fit_compression(load[0], area[0], RADIUS, sample=Sample(contacts=CONTACTS))
 
 
 @cache

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.special import ndtr, ndtri
 
 from metafem._validate import FloatArray
-from metafem.calibration import ContactCalibration, contact
+from metafem.calibration import ContactCalibration, Sample, fit_compression
 from metafem.calibration.bounded_interval import WIDTH
 from metafem.calibration.verdict import REJECTED
 from validation.scenes.compression_tests import (
@@ -69,7 +69,8 @@ def repeated(
     """Calibrate 300 times to three tests of 20 loads."""
     rng, test = np.random.default_rng(5), np.repeat(np.arange(TESTS), RADII.size)
     found = tuple(
-        contact(*scene(rng, contacts), RADIUS, contacts=contacts, test=test) for _ in range(REPETITIONS)
+        fit_compression(*scene(rng, contacts), RADIUS, sample=Sample(contacts=contacts), test=test)
+        for _ in range(REPETITIONS)
     )
     intervals = np.array([each.composite_modulus_interval for each in found])
     held = (intervals[:, 0] <= MODULUS) & (intervals[:, 1] >= MODULUS)

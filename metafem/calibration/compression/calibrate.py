@@ -6,40 +6,28 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from metafem import _validate as check
-from metafem._calls import checked_call
-from metafem._given import formatted
 from metafem._validate import FloatArray
 from metafem.calibration.compression.adhesive_line import adhesive_line
 from metafem.calibration.compression.data import FEWEST, ONE_AREA, Data, checked_data
 from metafem.calibration.compression.distance_fit import DistanceFit
 from metafem.calibration.compression.notes import MANY_OUTLIERS, OUTLYING, notes_of
-from metafem.calibration.compression.result import ContactCalibration, ContactTest
-from metafem.calibration.compression.scene import (
-    AreaCurve,
-    adhesive_cap,
-    cap_curve,
-    checked_cap,
-    checked_sample,
-    sample_curve,
-    scaled_cap,
-)
-from metafem.calibration.heterogeneity import Heterogeneity, heterogeneity
+from metafem.calibration.compression.result import ContactCalibration
+from metafem.calibration.compression.scene import AreaCurve, Sample, adhesive_cap
 from metafem.calibration.measurement_errors import MeasurementErrors
+from metafem.calibration.resampling import Bootstrap
 from metafem.calibration.serial_correlation import Succession
-from metafem.calibration.verdict import Verdict, errors_of, judged_in_order
-from metafem.contact import Contact, Hertz
-from metafem.errors import InvalidInput
+from metafem.calibration.verdict import SingleTest, Verdict, errors_of, heterogeneity, judged_in_order
 from metafem.material import Material
-from metafem.models import Model
-from metafem.models.model import contact_of
 from metafem.notes import Note
-from metafem.surface import Surface
 
 # Error bars of Aymard et al. (2024).
 USUAL = MeasurementErrors()
+
+# Default sample.
+ONE_CONTACT = Sample()
 
 # Number of fitted parameters.
 FITTED = 2
@@ -48,33 +36,26 @@ FITTED = 2
 CHUNK = 1_000_000
 
 
-@checked_call
-def contact(
+def fit_compression(
     load: ArrayLike,
     area: ArrayLike,
     radius: float,
+    sample: Sample = ONE_CONTACT,
     *,
-    contacts: int = 1,
-    radius_sd: float = 0.0,
     errors: MeasurementErrors = USUAL,
     area_sd: ArrayLike | None = None,
     test: ArrayLike | None = None,
-    poisson_ratio: float | None = None,
-    model: Model | None = None,
-    contact: Contact | None = None,
-    surface: Surface | None = None,
     robust: bool = False,
-    bootstrap: int = 0,
-    rng: Any = 0,
+    bootstrap: Bootstrap | None = None,
 ) -> ContactCalibration:
     """Return E* and adhesion energy w from loads and contact areas, with errors on both.
 
     ``P = sum_j (E* q(A_j) - b s(A_j))`` with ``b = sqrt(w E*)`` and ``s = sqrt(8 pi a^3)``, ``A = pi a^2``:
-    q = P/E* is the load of the cap without adhesion, 4 a^3/(3 R) for `metafem.Hertz`, or with `surface` that
-    of the sample under `model`. The law is linear in E* and b. The sum of squared distances from it, over
+    q = P/E* is the load of the cap without adhesion, 4 a^3/(3 R) for `metafem.Hertz`, or with a surface that
+    of the sample under its model. The law is linear in E* and b. The sum of squared distances from it, over
     their variances at the fitted areas, is smallest; for given variances that is the orthogonal distance
     regression of ODRPACK. b has a sign, so that intervals of sqrt(w) are right where w is nearly 0. The
-    straight line of Aymard et al. is computed beside it (`AdhesiveLine`).
+    straight line of Aymard et al. is computed as well (`AdhesiveLine`).
 
     Valid for elastic contacts with adhesion of short range. That neighbours change the adhesive part of the
     load as well is neglected: 1e-5 of E* for caps 7 mm apart, 1e-4 for 2 mm. Johnson, Kendall and Roberts,
@@ -88,11 +69,8 @@ def contact(
         Measured areas [mm^2] of all contacts together, or one by one, 0 for an open contact.
     radius : float
         R of the caps [mm].
-    contacts : int
-        Number of contacts that share a load; default: 1. Equal ones are assumed where `area` is their total.
-    radius_sd : float
-        Standard deviation of R [mm], common to all points; default: 0. Caps with a profile or a table of
-        their own keep their shape.
+    sample : Sample
+        Number of contacts, the error of R, and the model of the sample; default: one contact.
     errors : MeasurementErrors
         Standard deviations of the measured loads, of all contacts together, and of the areas of single
         contacts, which are independent; default: ``MeasurementErrors()``, those of Aymard et al.
@@ -102,21 +80,11 @@ def contact(
         Labels of the tests to which the points belong; default: one test. The points of a test stand in the
         order in which they were measured: where successive residuals are correlated, the errors drift, the
         covariance includes it, and a note says by how much.
-    poisson_ratio : float, optional
-        nu of the material [-]; default: that of `surface`, or 0.5.
-    model : Model, optional
-        Model of the sample, with `surface`; default: `metafem.Independent`.
-    contact : Contact, optional
-        Elastic law of a cap without adhesion; default: that of `model`, or `metafem.Hertz`.
-    surface : Surface, optional
-        The sample: positions, heights and radii of its caps, and its block; default: contacts far apart.
     robust : bool
         Whether points far from the law lose weight, down to 0 at 4.7 standard deviations (Tukey's biweight),
         for data with outliers; default: False. Without outliers the intervals are 2.6 % wider.
-    bootstrap : int
-        Number of draws of a bootstrap of the points; default: 0, none.
-    rng : int or numpy.random.Generator
-        Seed or generator of the bootstrap; default: 0.
+    bootstrap : Bootstrap, optional
+        Also fit to points that are drawn again from those of each test; default: none.
 
     Returns
     -------
@@ -126,8 +94,8 @@ def contact(
     ------
     InvalidInput
         For areas that are negative, all 0 or beyond the law, fewer than three points, points of one area,
-        loads that fall as the area grows, a `surface` of other radii or another number of caps, and a robust
-        fit with fewer than two points near the law.
+        loads that fall as the area grows, a surface of other radii, and a robust fit with fewer than two
+        points near the law.
     NotConverged
         If the fit does not converge, or the model has no solution for the sample.
 
@@ -135,91 +103,78 @@ def contact(
     --------
     >>> a = np.linspace(0.08, 0.4, 20)
     >>> load = 4 / 3 * 1.36 * a**3 / 0.526 - np.sqrt(8 * np.pi * 9e-6 * 1.36 * a**3)
-    >>> found = contact(5 * load, 5 * np.pi * a**2, 0.526, contacts=5, radius_sd=0.005)
+    >>> found = fit_compression(5 * load, 5 * np.pi * a**2, 0.526, Sample(contacts=5, radius_sd=0.005))
     >>> round(found.composite_modulus, 6), round(found.adhesion_energy, 9)
     (1.36, 9e-06)
     >>> [round(end, 3) for end in found.composite_modulus_interval]
     [1.341, 1.379]
     """
+    check.instance("sample", sample, Sample, "a metafem.calibration.Sample")
     size = check.number("radius", radius, above=0.0)
-    size_sd = check.number("radius_sd", radius_sd, at_least=0.0)
-    if size_sd >= size:
-        raise InvalidInput(
-            f"radius_sd = {formatted('radius_sd', size_sd)} must be less than the radius, "
-            f"{formatted('radius', size)}"
-        )
-    draws = check.integer("bootstrap", bootstrap, at_least=0)
-    data = replace(checked_data(load, area, contacts, errors, area_sd, test), robust=robust)
-    cap = checked_cap(contact if contact is not None else Hertz() if model is None else contact_of(model))
-    sample, ratio = checked_sample(surface, model, size, data.total_contacts, poisson_ratio)
+    sample.refuse_radius(size)
+    data = checked_data(load, area, sample.contacts, errors, area_sd, test, robust)
 
-    def curve(of: float) -> AreaCurve:
-        law = cap if of == size else scaled_cap(cap, of / size)
-        if sample is None:
-            return cap_curve(law, of)
-        scaled = replace(sample, radius=sample.radius * (of / size))
-        return sample_curve(scaled, model, law, data.area, data.one_by_one)
+    def curve(change: float = 0.0) -> AreaCurve:
+        return sample.curve(size, 1.0 + change / size, data.area, data.one_by_one)
 
-    nominal = curve(size)
-    data.refuse_beyond(nominal, cap, size)
+    nominal = curve()
+    data.refuse_beyond(nominal, sample.cap, size)
     found, verdict, drift = _judged(data, data.checked_fit(nominal))
     change = np.zeros(FITTED)
-    if size_sd:
-        high, low = (data.checked_fit(curve(size + sign * size_sd)) for sign in (1.0, -1.0))
+    if sample.radius_sd:
+        high, low = (data.checked_fit(curve(sign * sample.radius_sd)) for sign in (1.0, -1.0))
         change = 0.5 * np.array([high.modulus - low.modulus, high.root - low.root])
-    tests, agreement = _single_tests(data, nominal)
-    drawn = _bootstrap(data, nominal, draws, check.generator(rng)) if draws else None
+    tests = _single_tests(data, nominal)
+    fitted = [each for each in tests if np.isfinite(each.value).all()]
     modulus, root = float(found.modulus), float(found.root)
     sd, (law_load, law_area) = data.sd_of(found.area), data.law(nominal, found)
     made = ContactCalibration(
-        material=Material(modulus, ratio),
+        material=Material(modulus, sample.ratio),
         adhesion_root=root,
         root_covariance=found.root_covariance + np.outer(change, change),
         statistical_covariance=found.root_covariance,
         radius=size,
-        radius_sd=size_sd,
+        radius_sd=sample.radius_sd,
         radius_change=change,
-        contact_law=adhesive_cap(cap, max(root, 0.0) ** 2, modulus),
+        contact_law=adhesive_cap(sample.cap, max(root, 0.0) ** 2, modulus),
         load=data.load,
         load_sd=data.load_sd,
-        load_fitted=data.loads(nominal, found),
+        load_fitted=data.loads(nominal, found, data.area),
         law_load=law_load,
         law_area=law_area,
         area=data.area if data.one_by_one else data.contacts * data.area[:, 0],
         area_sd=sd if data.one_by_one else data.contacts * sd[:, 0],
-        contacts=data.total_contacts,
+        contacts=sample.contacts,
         residual=found.residual,
         weight=found.weight,
         verdict=verdict,
-        line=adhesive_line(data.load / data.total_contacts, data.area.mean(axis=1), size),
+        line=adhesive_line(data.load / sample.contacts, data.area.mean(axis=1), size),
         tests=tests,
-        heterogeneity=agreement,
-        bootstrap=drawn,
+        heterogeneity=heterogeneity(fitted) if fitted else None,
+        bootstrap=None if bootstrap is None else _resampled(data, nominal, bootstrap),
     )
-    return replace(made, notes=(*notes_of(made, cap, draws), *drift))
+    return replace(made, notes=(*notes_of(made, sample.cap, bootstrap), *drift))
 
 
-def _single_tests(data: Data, curve: AreaCurve) -> tuple[tuple[ContactTest, ...], Heterogeneity | None]:
-    """Return the fits of single tests, and whether they agree."""
+def _single_tests(data: Data, curve: AreaCurve) -> tuple[SingleTest, ...]:
+    """Return the fit of each of several tests."""
     names = np.array(data.test)
-    if len(set(data.test)) < 2:
-        return (), None
-    tests, values, covariances = [], [], []
-    for name in dict.fromkeys(data.test):
-        rows = np.flatnonzero(names == name)
-        tests.append(ContactTest(name, len(rows)))
-        if len(rows) < FEWEST or np.ptp(data.area[rows].sum(axis=1)) <= ONE_AREA * data.area[rows].max():
-            continue
-        fit = data.fit(curve, rows)
-        if not (fit.converged and fit.modulus > 0.0):
-            continue
-        fit, verdict, _ = _judged(data, fit, rows)
-        modulus, root = float(fit.modulus), float(fit.root)
-        first, second = np.sqrt(np.diag(fit.root_covariance)).tolist()
-        tests[-1] = ContactTest(name, len(rows), modulus, root, first, second, verdict)
-        values.append(np.array([modulus, root]))
-        covariances.append(fit.root_covariance)
-    return tuple(tests), heterogeneity(values, covariances) if values else None
+    labels = dict.fromkeys(data.test)
+    return tuple(
+        _single_test(data, curve, name, np.flatnonzero(names == name)) for name in labels if len(labels) > 1
+    )
+
+
+def _single_test(data: Data, curve: AreaCurve, name: str, rows: NDArray[np.intp]) -> SingleTest:
+    """Return the fit of one test, nan where its points have no fit."""
+    unfitted = SingleTest(name, len(rows), np.full(FITTED, np.nan), np.full((FITTED, FITTED), np.nan))
+    if len(rows) < FEWEST or np.ptp(data.area[rows].sum(axis=1)) <= ONE_AREA * data.area[rows].max():
+        return unfitted
+    fit = data.fit(curve, rows)
+    if not (fit.converged and fit.modulus > 0.0):
+        return unfitted
+    fit, verdict, _ = _judged(data, fit, rows)
+    return SingleTest(name, len(rows), np.array([fit.modulus, fit.root]), fit.root_covariance, verdict)
 
 
 def _judged(
@@ -229,28 +184,18 @@ def _judged(
 
     Points to which a robust fit gives less than half of their weight are left out, unless they are many.
     """
-    kept = fit.weight >= OUTLYING
-    kept |= (~kept).mean() > MANY_OUTLIERS
-    measured = Succession(np.array(data.test)[rows][kept], fit.regressor[kept])
-    verdict = judged_in_order(fit.residual[kept], data.load[rows][kept], measured)
+    used = fit.weight >= OUTLYING
+    used |= (~used).mean() > MANY_OUTLIERS
+    measured = Succession(np.array(data.test)[rows][used], fit.regressor[used])
+    verdict = judged_in_order(fit.residual[used], data.load[rows][used], measured)
     rho, notes = errors_of(verdict, measured, "E* and w")
     return replace(fit, covariance=measured.covariance(rho)) if rho else fit, verdict, notes
 
 
-def _bootstrap(data: Data, curve: AreaCurve, draws: int, rng: np.random.Generator) -> FloatArray:
-    """Return E* and sqrt(w) (draws, 2) of points drawn with replacement from those of each test.
-
-    Draws without a fit, such as those of one area, are left out.
-    """
-    names = np.array(data.test)
-    groups = [np.flatnonzero(names == name) for name in dict.fromkeys(data.test)]
-    some = max(CHUNK // data.area.size, 1)
+def _resampled(data: Data, curve: AreaCurve, bootstrap: Bootstrap) -> FloatArray:
+    """Return E* and sqrt(w) (draws, 2) of points drawn again, without draws that have no fit."""
     found = []
-    for start in range(0, draws, some):
-        number = min(some, draws - start)
-        rows = np.concatenate(
-            [own[rng.integers(len(own), size=(number, len(own)))] for own in groups], axis=1
-        )
+    for rows in bootstrap.rows(data.test, CHUNK // data.area.size):
         fit = data.fit(curve, rows)
         good = fit.converged & (fit.modulus > 0.0)
         found.append(np.stack([fit.modulus, fit.root], axis=-1)[good])

@@ -17,6 +17,7 @@ from metafem.calibration.compression.distance_fit import TUKEY, DistanceFit, adh
 from metafem.calibration.compression.scene import AreaCurve
 from metafem.calibration.magnitude import beyond, unit_hint
 from metafem.calibration.measurement_errors import MeasurementErrors
+from metafem.calibration.resampling import labels_of
 from metafem.errors import InvalidInput, NotConverged
 
 # Fewest points of a fit of two parameters with a residual.
@@ -44,7 +45,7 @@ class Data:
     one_by_one: bool
     errors: MeasurementErrors
     test: tuple[str, ...]
-    robust: bool = False
+    robust: bool
 
     @property
     def total_contacts(self) -> int:
@@ -71,17 +72,14 @@ class Data:
             robust=self.robust,
         )
 
-    def loads(self, curve: AreaCurve, fit: DistanceFit) -> FloatArray:
-        """Return the loads [N] of a fitted law at the measured areas, (k,)."""
-        return self._loads(curve, fit, self.area)
-
     def law(self, curve: AreaCurve, fit: DistanceFit) -> tuple[FloatArray, FloatArray]:
         """Return loads [N] and total areas [mm^2] of a fitted law for contacts of one area, (m,) each."""
         single = np.linspace(0.0, float(self.area.sum(axis=1).max()) / self.area.shape[1], GRID)
         each = np.repeat(single[:, None], self.area.shape[1], axis=1)
-        return self._loads(curve, fit, each), self.total_contacts * single
+        return self.loads(curve, fit, each), self.total_contacts * single
 
-    def _loads(self, curve: AreaCurve, fit: DistanceFit, area: FloatArray) -> FloatArray:
+    def loads(self, curve: AreaCurve, fit: DistanceFit, area: FloatArray) -> FloatArray:
+        """Return the loads (m,) [N] of a fitted law at areas (m, n) of single contacts [mm^2]."""
         rescaled, lowered = curve.load_and_slope(area)[0], adhesive_load(area)[0]
         return np.asarray(self.contacts * (fit.modulus * rescaled - fit.product * lowered).sum(axis=1))
 
@@ -140,11 +138,10 @@ class Data:
 
 
 def checked_data(
-    load: Any, area: Any, contacts: int, errors: MeasurementErrors, area_sd: Any, test: Any
+    load: Any, area: Any, number: int, errors: MeasurementErrors, area_sd: Any, test: Any, robust: bool
 ) -> Data:
     """Return checked data; each error names the row."""
     check.instance("errors", errors, MeasurementErrors, "a metafem.calibration.MeasurementErrors")
-    number = check.integer("contacts", contacts, at_least=1)
     loads = check.array("load", load, shape=(None,))
     if len(loads) < FEWEST:
         raise InvalidInput(
@@ -180,17 +177,8 @@ def checked_data(
         areas = areas[:, None] / number
         sd = None if sd is None else sd[:, None] / number
     stands_for = 1 if one_by_one else number
-    labels = _labels(test, len(loads))
-    return Data(loads, errors.of_load(loads), areas, sd, stands_for, one_by_one, errors, labels)
-
-
-def _labels(test: Any, count: int) -> tuple[str, ...]:
-    """Return the test of each point."""
-    if test is None:
-        return ("",) * count
-    if isinstance(test, str) or np.ndim(test) != 1 or len(test) != count:
-        raise InvalidInput(f"test = {shown(test)} must hold a label for each of the {count} points")
-    return tuple(str(name) for name in test)
+    labels = labels_of(test, len(loads))
+    return Data(loads, errors.of_load(loads), areas, sd, stands_for, one_by_one, errors, labels, robust)
 
 
 def _entry(name: str, values: FloatArray, index: Any) -> str:

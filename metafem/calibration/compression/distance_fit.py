@@ -11,6 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from metafem._validate import FloatArray
+from metafem.contact import JKR
+from metafem.material import Material
 
 # Shares of the change of the fitted areas in each step, and the change of the parameters over their standard
 # deviations at which the iteration ends. The change falls by a factor of about 100 per full step; smaller
@@ -27,6 +29,9 @@ HUBER, TUKEY, APPROACHING = 1.345, 4.685, 5
 # Variance of the parameters of Tukey's fit over the inverse of the weighted normal matrix, for normal errors:
 # E[psi^2] E[w]/E[psi']^2, with psi = w r.
 TUKEY_VARIANCE = 0.963
+
+# Adhesion with w = 1 N/mm and E* = 1 MPa.
+UNIT = JKR(1.0, material=Material(1.0))
 
 # Load P/E* [mm^2] and its derivative by the area [-] of contacts of areas (..., n) [mm^2].
 Curve = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
@@ -83,10 +88,10 @@ class DistanceFit:
 def adhesive_load(area: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return s = sqrt(8 pi a^3) [mm^(3/2)] of contacts of areas pi a^2, and its derivative by the area.
 
-    Adhesion lowers the load of a cap by ``sqrt(8 pi w E* a^3)``; Popov and Hess (2015),
-    doi:10.1007/978-3-642-53876-6.
+    `metafem.JKR` with w = E* = 1 lowers the load of a cap by s; it is in proportion to sqrt(w E*).
     """
-    lowered = math.sqrt(8.0 * math.pi) * (area / math.pi) ** 0.75
+    radius = np.sqrt(area / math.pi)
+    lowered = 2.0 * radius * UNIT.deficit(radius)
     return lowered, np.divide(0.75 * lowered, area, np.zeros(area.shape), where=area > 0.0)
 
 

@@ -13,6 +13,7 @@ from metafem.calibration.compression.data import FEWEST
 from metafem.calibration.compression.result import ContactCalibration
 from metafem.calibration.contact_table import listed
 from metafem.calibration.magnitude import OFF, unit_hint, within_errors
+from metafem.calibration.resampling import Bootstrap
 from metafem.calibration.verdict import chance
 from metafem.contact import Contact, TabulatedContact
 from metafem.notes import Note, information
@@ -32,7 +33,7 @@ WIDEST_STIFF = 0.1 / MEAN_PRESSURE
 KNOWN = 0.5
 
 
-def notes_of(found: ContactCalibration, cap: Contact, draws: int) -> tuple[Note, ...]:
+def notes_of(found: ContactCalibration, cap: Contact, bootstrap: Bootstrap | None) -> tuple[Note, ...]:
     """Return notes on range, adhesion, fit and tests."""
     notes: list[Note] = []
     contacts = 1 if found.area.ndim == 2 else found.contacts
@@ -74,7 +75,7 @@ def notes_of(found: ContactCalibration, cap: Contact, draws: int) -> tuple[Note,
     notes += _outliers(found)
     if found.heterogeneity is not None and not found.heterogeneity.agree:
         notes.append(found.heterogeneity.note())
-    unfitted = [test for test in found.tests if test.composite_modulus is None]
+    unfitted = [test for test in found.tests if np.isnan(test.value[0])]
     few = [test.name for test in unfitted if test.points < FEWEST]
     if few:
         notes.append(information(f"no fit of their own have the tests {listed(few)}: too few points"))
@@ -86,9 +87,11 @@ def notes_of(found: ContactCalibration, cap: Contact, draws: int) -> tuple[Note,
                 "do not grow with them; they are part of the common fit, but not compared with others"
             )
         )
-    if found.bootstrap is not None and len(found.bootstrap) < draws:
-        lost = draws - len(found.bootstrap)
-        notes.append(Note(f"{lost} of the {draws} draws of the bootstrap have no fit and are left out"))
+    if bootstrap is not None and found.bootstrap is not None and len(found.bootstrap) < bootstrap.draws:
+        lost = bootstrap.draws - len(found.bootstrap)
+        notes.append(
+            Note(f"{lost} of the {bootstrap.draws} draws of the bootstrap have no fit and are left out")
+        )
     if found.radius_sd:
         share = abs(found.radius_change[0]) / found.composite_modulus
         notes.append(information(f"the error of the radius alone changes E* by {percent(share)}"))
@@ -103,14 +106,14 @@ def _outliers(found: ContactCalibration) -> list[Note]:
         if left.size > MANY_OUTLIERS * len(found.load):
             return [Note(f"{text}: {left.size} of {len(found.load)} points; the law may not fit")]
         return [information(text)]
-    verdict = found.verdict
-    if not verdict.one_outlier:
+    if not found.verdict.one_outlier:
         return []
+    farthest = found.verdict["largest"]
     return [
         Note(
-            f"{_places(np.array([verdict.outlier]))} lies {verdict.largest:.2g} standard deviations from the "
-            f"law (p {chance(verdict.largest_probability, 1)} for the farthest of normal errors); the stated "
-            "uncertainties do not include outliers: check the point, leave it out, or calibrate with "
+            f"{_places(np.array([found.verdict.outlier]))} lies {farthest.statistic:.2g} standard deviations "
+            f"from the law (p {chance(farthest.probability, 1)} for the farthest of normal errors); the "
+            "stated uncertainties do not include outliers: check the point, leave it out, or calibrate with "
             "robust=True (--robust on the command line)"
         )
     ]

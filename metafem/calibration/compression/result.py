@@ -9,14 +9,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from metafem import drawing
-from metafem._calls import checked_call
 from metafem._validate import FloatArray
 from metafem._values import Value
 from metafem.calibration.bounded_interval import WIDTH, bounded_interval
 from metafem.calibration.compression.adhesive_line import AdhesiveLine
-from metafem.calibration.heterogeneity import Heterogeneity
-from metafem.calibration.verdict import Verdict
+from metafem.calibration.verdict import Heterogeneity, SingleTest, Verdict
 from metafem.contact import Contact
+from metafem.drawing import calibration
 from metafem.material import Material
 from metafem.notes import Note, counted
 
@@ -25,38 +24,6 @@ if TYPE_CHECKING:
 
 # The parameters in the names and the order of `metafem.studies.uncertainty`.
 PARAMETERS = ("radius", "composite_modulus")
-
-
-@dataclass(frozen=True)
-class ContactTest:
-    """Fit of one of several pooled tests.
-
-    Attributes
-    ----------
-    name : str
-        Label of the test.
-    points : int
-        Number of points.
-    composite_modulus, adhesion_root : float or None
-        E* [MPa] and sqrt(w) [sqrt(N/mm)]; None where the points are too few for a fit.
-    composite_modulus_sd, adhesion_root_sd : float or None
-        Their standard deviations, without the error of the radius.
-    verdict : Verdict or None
-        Whether the law fits this test.
-
-    Examples
-    --------
-    >>> ContactTest("1", 2).composite_modulus is None
-    True
-    """
-
-    name: str
-    points: int
-    composite_modulus: float | None = None
-    adhesion_root: float | None = None
-    composite_modulus_sd: float | None = None
-    adhesion_root_sd: float | None = None
-    verdict: Verdict | None = None
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -104,8 +71,8 @@ class ContactCalibration(Value):
         all points if more than a tenth of them have less.
     line : AdhesiveLine
         The straight line of Aymard et al. through the same points.
-    tests : tuple of ContactTest
-        Fit of each test, where there are several.
+    tests : tuple of SingleTest
+        E* and sqrt(w) of each test, where there are several; nan of one with too few points.
     heterogeneity : Heterogeneity or None
         Whether the tests agree; None of a single test.
     bootstrap : ndarray, (m, 2), or None
@@ -114,9 +81,9 @@ class ContactCalibration(Value):
 
     Examples
     --------
-    >>> from metafem.calibration import contact
+    >>> from metafem.calibration import fit_compression
     >>> a = np.linspace(0.08, 0.4, 20)
-    >>> found = contact(1.36 * 4 * a**3 / (3 * 0.526), np.pi * a**2, 0.526)
+    >>> found = fit_compression(1.36 * 4 * a**3 / (3 * 0.526), np.pi * a**2, 0.526)
     >>> round(found.composite_modulus, 4), found.adhesion_energy < 1e-20, found.verdict.fits
     (1.36, True, True)
     """
@@ -141,7 +108,7 @@ class ContactCalibration(Value):
     weight: FloatArray
     verdict: Verdict
     line: AdhesiveLine
-    tests: tuple[ContactTest, ...] = ()
+    tests: tuple[SingleTest, ...] = ()
     heterogeneity: Heterogeneity | None = None
     bootstrap: FloatArray | None = None
     notes: tuple[Note, ...] = ()
@@ -218,7 +185,6 @@ class ContactCalibration(Value):
         both = radius * self.radius_change[0]
         return np.array([[radius**2, both], [both, variance]])
 
-    @checked_call
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw loads and areas with their error bars and the law, and return the axes.
 
@@ -229,13 +195,11 @@ class ContactCalibration(Value):
 
         Examples
         --------
-        >>> from metafem.calibration import contact
+        >>> from metafem.calibration import fit_compression
         >>> a = np.linspace(0.08, 0.4, 20)
-        >>> contact(1.36 * 4 * a**3 / (3 * 0.526), np.pi * a**2, 0.526).plot().get_xlabel()
+        >>> fit_compression(1.36 * 4 * a**3 / (3 * 0.526), np.pi * a**2, 0.526).plot().get_xlabel()
         'load  P [N]'
         """
-        from metafem.drawing import calibration
-
         ax = drawing.axes(ax)
         calibration.measured(ax, self.load, self.total_area, self.load_sd, self.total_area_sd)
         calibration.fitted(ax, self.law_load, self.law_area)

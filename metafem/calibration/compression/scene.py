@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 from metafem import _validate as check
 from metafem._given import formatted, shown
@@ -15,9 +16,12 @@ from metafem.contact import JKR, AxisymmetricCap, Contact, SphericalCap, Tabulat
 from metafem.errors import InvalidInput
 from metafem.material import Material
 from metafem.models import Independent, Model
-from metafem.models.model import checked_contact, checked_model, with_contact
+from metafem.models.model import checked_model, contact_of, with_contact
 from metafem.prediction import equilibrium
 from metafem.surface import Surface
+
+# Default model of a sample.
+INDEPENDENT = Independent()
 
 # Contact radius over R of which the slope is that of an open contact.
 OPEN = 1e-6
@@ -49,26 +53,117 @@ class AreaCurve:
     largest: float | FloatArray
 
 
-def checked_cap(contact: Contact) -> Contact:
-    """Return a law whose load is proportional to E* at a given area, or raise InvalidInput."""
-    contact = checked_contact(contact)
-    if contact.adhesive:
-        raise InvalidInput(
-            f"contact = {shown(contact)} has an adhesion energy, which is fitted; give its cap, such as "
-            "metafem.Hertz()"
-        )
-    if contact.plastic:
-        raise InvalidInput(
-            f"contact = {shown(contact)} is plastic; E* is fitted to an elastic law, such as metafem.Hertz()"
-        )
-    if contact.individual:
-        raise InvalidInput(f"contact = {shown(contact)} must be one law for all contacts")
-    if isinstance(contact, TabulatedContact) and contact.material is None:
-        raise InvalidInput(
-            f"contact = {shown(contact)} has loads in N for one E*, which must be known: "
-            "contact.for_material(metafem.Material(composite_modulus))"
-        )
-    return contact
+@dataclass(frozen=True)
+class Sample:
+    """What was pressed in a compression test, besides the radius of its caps.
+
+    Parameters
+    ----------
+    contacts : int
+        Number of contacts that share a load; default: 1. Equal ones are assumed where only their total area
+        was measured.
+    radius_sd : float
+        Standard deviation of R [mm], common to all points; default: 0. Caps with a profile or a table of
+        their own keep their shape.
+    poisson_ratio : float, optional
+        nu of the material [-]; default: that of `surface`, or 0.5.
+    model : Model
+        Model of the sample, with the elastic law of its caps without adhesion; default:
+        `metafem.Independent()`. A model of interacting contacts needs `surface`.
+    surface : Surface, optional
+        Positions, heights and radii of the caps, and the block; default: contacts far apart.
+
+    Raises
+    ------
+    InvalidInput
+        For an adhesive or plastic law, and for a `surface` of another number of caps or another nu.
+
+    Examples
+    --------
+    >>> Sample(contacts=5, radius_sd=0.005).model
+    Independent()
+    """
+
+    contacts: int = 1
+    radius_sd: float = 0.0
+    poisson_ratio: float | None = None
+    model: Model = INDEPENDENT
+    surface: Surface | None = None
+
+    def __post_init__(self) -> None:
+        check.integer("contacts", self.contacts, at_least=1)
+        check.member(self, "radius_sd", at_least=0.0)
+        check.member(self, "poisson_ratio", optional=True, **check.POISSON)
+        self._refuse_law(contact_of(checked_model(self.model)))
+        if self.surface is not None:
+            check.instance("surface", self.surface, Surface, "a metafem.Surface")
+            self._refuse_other(self.surface)
+        elif self.model.couples:
+            raise InvalidInput(
+                "model needs surface, the calibration sample: its caps with their positions, and its block"
+            )
+
+    @property
+    def cap(self) -> Contact:
+        """Law of a cap without adhesion."""
+        return contact_of(self.model)
+
+    @property
+    def ratio(self) -> float:
+        """Poisson's ratio."""
+        if self.surface is not None:
+            return self.surface.material.poisson_ratio
+        return 0.5 if self.poisson_ratio is None else self.poisson_ratio
+
+    def curve(self, radius: float, scale: float, area: FloatArray, one_by_one: bool) -> AreaCurve:
+        """Return the curve of areas (k, n) [mm^2] for radii [mm] that are larger by a factor."""
+        law = self.cap if scale == 1.0 else scaled_cap(self.cap, scale)
+        if self.surface is None:
+            return cap_curve(law, scale * radius)
+        scaled = self.surface.replaced(radius=scale * self.surface.radius, material=Material(1.0, self.ratio))
+        return sample_curve(scaled, with_contact(self.model, law), area, one_by_one)
+
+    def refuse_radius(self, radius: float) -> None:
+        """Refuse a radius [mm] within its error of 0, and one that is not that of the surface."""
+        if self.radius_sd >= radius:
+            raise InvalidInput(
+                f"radius_sd = {formatted('radius_sd', self.radius_sd)} must be less than the radius, "
+                f"{formatted('radius', radius)}"
+            )
+        own = np.full(1, radius) if self.surface is None else self.surface.radius
+        for i in np.flatnonzero(np.abs(own / radius - 1.0) > SAME)[:1].tolist():
+            raise InvalidInput(
+                f"surface.radius[{i}] = {formatted('radius', own[i])} differs from "
+                f"radius = {formatted('radius', radius)}; they must be the same"
+            )
+
+    def _refuse_law(self, law: Contact) -> None:
+        """Refuse a law whose load is not in proportion to E* at a given area."""
+        without = "; give the model its cap, such as metafem.Independent(contact=metafem.Hertz())"
+        reasons = {
+            f"has an adhesion energy, which is fitted{without}": law.adhesive,
+            f"is plastic; E* is fitted to an elastic law{without}": law.plastic,
+            "must be one law for all contacts": law.individual,
+            "has loads in N for one E*, which must be known: "
+            "contact.for_material(metafem.Material(composite_modulus))": isinstance(law, TabulatedContact)
+            and law.material is None,
+        }
+        for reason, holds in reasons.items():
+            if holds:
+                raise InvalidInput(f"contact = {shown(law)} {reason}")
+
+    def _refuse_other(self, surface: Surface) -> None:
+        """Refuse a surface of another material or another number of caps."""
+        own = surface.material.poisson_ratio
+        if self.poisson_ratio not in (None, own):
+            raise InvalidInput(
+                f"poisson_ratio = {self.poisson_ratio:g} differs from that of the surface, {own:g}"
+            )
+        if surface.count != self.contacts:
+            raise InvalidInput(
+                f"surface has {surface.count} asperities, but contacts = {self.contacts} share the load; "
+                "they must be the same"
+            )
 
 
 def cap_curve(cap: Contact, radius: float) -> AreaCurve:
@@ -110,58 +205,25 @@ def adhesive_cap(cap: Contact, adhesion_energy: float, modulus: float) -> Contac
     return JKR(adhesion_energy, cap) if adhesion_energy > 0.0 and cap.largest_order > 1 else cap
 
 
-def checked_sample(
-    surface: Surface | None, model: Model | None, radius: float, contacts: int, poisson_ratio: float | None
-) -> tuple[Surface | None, float]:
-    """Return the sample with E* = 1, and Poisson's ratio."""
-    ratio = None if poisson_ratio is None else check.number("poisson_ratio", poisson_ratio, **check.POISSON)
-    if surface is None:
-        if model is not None:
-            raise InvalidInput(
-                "model needs surface, the calibration sample: its caps with their positions, and its block"
-            )
-        return None, 0.5 if ratio is None else ratio
-    check.instance("surface", surface, Surface, "a metafem.Surface")
-    own = surface.material.poisson_ratio
-    if ratio is not None and ratio != own:
-        raise InvalidInput(f"poisson_ratio = {ratio:g} differs from that of the surface, {own:g}")
-    if surface.count != contacts:
-        raise InvalidInput(
-            f"surface has {surface.count} asperities, but contacts = {contacts} share the load; they must be "
-            "the same"
-        )
-    other = np.flatnonzero(np.abs(surface.radius / radius - 1.0) > SAME)
-    if other.size:
-        i = int(other[0])
-        raise InvalidInput(
-            f"surface.radius[{i}] = {formatted('radius', surface.radius[i])} differs from "
-            f"radius = {formatted('radius', radius)}; they must be the same"
-        )
-    return replace(surface, material=Material(1.0, own)), own
-
-
-def sample_curve(
-    surface: Surface, model: Model | None, cap: Contact, area: FloatArray, one_by_one: bool
-) -> AreaCurve:
+def sample_curve(surface: Surface, model: Model, area: FloatArray, one_by_one: bool) -> AreaCurve:
     """Return the curve of a sample with E* = 1 under a model, for areas (k, n) [mm^2] of single contacts.
 
     The sample is solved at loads that reach beyond the areas, and the logarithm of load over area is
     interpolated by a cubic spline, for each contact where areas are measured one by one.
     """
-    solver = with_contact(Independent(cap) if model is None else checked_model(model), cap)
-    alone = cap_curve(cap, float(surface.radius[0]))
+    single = cap_curve(contact_of(model), float(surface.radius[0]))
     closed = area[area > 0.0]
-    ends = np.array([BELOW * closed.min(), min(ABOVE * closed.max(), WITHIN * float(alone.largest))])
-    low, high = surface.count * alone.load_and_slope(ends)[0]
+    ends = np.array([BELOW * closed.min(), min(ABOVE * closed.max(), WITHIN * float(single.largest))])
+    low, high = surface.count * single.load_and_slope(ends)[0]
     loads = np.geomspace(low, high, GRID)
     if one_by_one:
-        states = [equilibrium(surface, solver, load=load) for load in loads.tolist()]
+        states = [equilibrium(surface, model, load=load) for load in loads.tolist()]
         pairs = [
             (np.array([s.asperity_area[j] for s in states]), np.array([s.asperity_load[j] for s in states]))
             for j in range(surface.count)
         ]
     else:
-        curve = solver.curve(surface, loads).checked()
+        curve = model.curve(surface, loads).checked()
         pairs = [(curve.area / surface.count, curve.load / surface.count)]
     splines = [_logarithmic(*pair, f"asperity {j}") for j, pair in enumerate(pairs)]
 
@@ -170,15 +232,13 @@ def sample_curve(
         load, slope = (np.stack([part[i] for part in parts], axis=-1) for i in (0, 1))
         return load, slope
 
-    return AreaCurve(load_and_slope, alone.largest)
+    return AreaCurve(load_and_slope, single.largest)
 
 
 def _logarithmic(
     area: FloatArray, load: FloatArray, name: str
 ) -> Callable[[FloatArray], tuple[FloatArray, FloatArray]]:
     """Return load and slope over area from a table, as powers beyond its ends."""
-    from scipy.interpolate import CubicSpline
-
     closed = area > 0.0
     if closed.sum() < FEWEST_STATES:
         raise InvalidInput(
@@ -190,10 +250,10 @@ def _logarithmic(
     rate = spline.derivative()
 
     def load_and_slope(of: FloatArray) -> tuple[FloatArray, FloatArray]:
-        given = np.log(np.where(of > 0.0, of, 1.0))
-        inside = np.clip(given, x[0], x[-1])
+        wanted = np.log(np.where(of > 0.0, of, 1.0))
+        inside = np.clip(wanted, x[0], x[-1])
         power = rate(inside)
-        found = np.where(of > 0.0, np.exp(spline(inside) + power * (given - inside)), 0.0)
+        found = np.where(of > 0.0, np.exp(spline(inside) + power * (wanted - inside)), 0.0)
         return found, np.divide(power * found, of, np.zeros(of.shape), where=of > 0.0)
 
     return load_and_slope

@@ -5,20 +5,18 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from scipy.special import ndtri
 
 from metafem import _validate as check
-from metafem._calls import checked_call
 from metafem._given import shown
 from metafem._validate import FloatArray
 from metafem._values import percent
-from metafem.calibration.diagnosis.causes import LEAST, Causes
+from metafem.calibration.diagnosis.causes import LEAST, Causes, Priors
 from metafem.calibration.diagnosis.explanation import Cause, Explanation, SingleErrors
 from metafem.calibration.diagnosis.linearised import Scene
 from metafem.calibration.diagnosis.observations import Observations
-from metafem.calibration.diagnosis.priors import Priors
 from metafem.calibration.diagnosis.sentences import NAMES
-from metafem.calibration.diagnosis.shares import shares
-from metafem.calibration.diagnosis.unresolved import unresolved
+from metafem.calibration.diagnosis.shares import shares, unresolved
 from metafem.calibration.diagnosis.update import NEARLY, Posterior, update
 from metafem.calibration.measured_law.law import MeasuredLaw
 from metafem.calibration.verdict import judged
@@ -37,7 +35,6 @@ NO_OUTLIER = 0.99
 
 
 @doing("explaining the measured law")
-@checked_call
 def explain(
     measured: MeasuredLaw,
     design: Design | Surface,
@@ -233,8 +230,6 @@ def _impossible(causes: Causes, mean: FloatArray) -> list[Note]:
 
 def _single(causes: Causes, name: str, mean: FloatArray, sd: FloatArray) -> SingleErrors:
     """Return the errors of the asperities of one kind."""
-    from scipy.special import ndtri
-
     where, prior, scale = causes.where[name], causes.sd[name], causes.scale(name)
     shape = (-1, 2) if name == "position" else (-1,)
     size = where.stop - where.start

@@ -10,9 +10,8 @@ import numpy as np
 from metafem._validate import FloatArray, IntArray
 from metafem._values import Value, percent
 from metafem.calibration.diagnosis import sentences
-from metafem.calibration.diagnosis.causes import GROUPS
-from metafem.calibration.diagnosis.priors import Priors
-from metafem.calibration.diagnosis.unresolved import Unresolved
+from metafem.calibration.diagnosis.causes import GROUPS, Priors
+from metafem.calibration.diagnosis.shares import Unresolved
 from metafem.calibration.verdict import Verdict, chi
 from metafem.models import Model
 from metafem.notes import Note, counted

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
+from scipy.special import ndtr
 
 from metafem._validate import FloatArray
 from metafem.calibration.diagnosis.causes import Causes, Made
@@ -217,8 +218,6 @@ def _total(area: FloatArray, derivative: FloatArray, covariance: FloatArray) -> 
     The mean of max(A, 0) over a normal distribution of A, with the standard deviation s and u = A/s, is
     ``A N(u) + s n(u)``, with the derivative N(u): it has no kink where a contact opens.
     """
-    from scipy.special import ndtr
-
     rows = derivative.reshape(-1, derivative.shape[-1])
     variance = np.einsum("mp,mp->m", rows @ covariance, rows).reshape(area.shape)
     sd = np.sqrt(np.maximum(variance, 0.0))

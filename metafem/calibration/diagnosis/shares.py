@@ -1,10 +1,13 @@
-"""How much of the misfit each cause explains."""
+"""How much of the misfit each cause explains, and which causes the data do not tell apart."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from scipy.linalg import cho_factor, cho_solve
 
 from metafem._validate import FloatArray
 from metafem.calibration.diagnosis.causes import GROUPS, Causes
@@ -28,8 +31,6 @@ def shares(causes: Causes, posterior: Posterior) -> Shares:
     ``r'(S + J J')^-1 r = r'S^-1 r - sum_c (J_c'S^-1 r).m_c`` with the posterior means m: cause c explains the
     term c. It is negative where a cause corrects what another one does too much.
     """
-    from scipy.linalg import cho_factor, cho_solve
-
     at, load = posterior.linear, causes.where["load"]
     residual = at.residual + at.gradient @ posterior.mean
     information, force = at.gradient.T @ at.gradient, at.gradient.T @ residual
@@ -63,3 +64,83 @@ def shares(causes: Causes, posterior: Posterior) -> Shares:
     return Shares(
         {name: share[name] for name in order}, {name: without[name] for name in order}, before, after
     )
+
+
+# A cause is not seen if the data would leave it this part of its prior variance even with all others known.
+UNSEEN = 0.7
+
+# A combination is not resolved if the data leave it this part of its prior variance: three quarters of the
+# standard deviation.
+UNRESOLVED = 0.55
+
+# Part of a combination, its largest part being 1, below which a cause is not named in it.
+NAMED = 0.3
+
+# Steps of the rotation to combinations of few errors.
+ROTATIONS = 50
+
+
+@dataclass(frozen=True)
+class Unresolved:
+    """Errors that the measured values do not determine: one, or several that compensate each other.
+
+    Attributes
+    ----------
+    change : mapping of str to float
+        Change of each error [rad or relative] that together remain within the errors of the measurement, of
+        one standard deviation.
+    variance_left : float
+        Variance that the measurement leaves, over that of the prior [-].
+
+    Examples
+    --------
+    >>> Unresolved({"composite_modulus": 0.03, "friction": 0.02}, 0.9).variance_left
+    0.9
+    """
+
+    change: Mapping[str, float]
+    variance_left: float
+
+
+def unresolved(causes: Causes, covariance: FloatArray, precision: FloatArray) -> tuple[Unresolved, ...]:
+    """Return what is not resolved among the errors of the whole part.
+
+    covariance, precision: of the unknowns over their prior standard deviations, (p, p). The combinations are
+    eigenvectors of the posterior covariance against that of the prior, with all other unknowns unknown,
+    rotated in the space of those that are not resolved until each has few errors.
+    """
+    names = causes.common
+    index = np.array([causes.where[name].start for name in names], dtype=np.intp)
+    if not names:
+        return ()
+    block = covariance[np.ix_(index, index)]
+    # known others: those of the whole part; single errors and loads stay unknown
+    known = 1.0 / np.diag(np.linalg.inv(block))
+    unseen = known > UNSEEN
+    found = [Unresolved({names[i]: causes.sd[names[i]]}, float(block[i, i])) for i in np.flatnonzero(unseen)]
+    seen = np.flatnonzero(~unseen)
+    if len(seen):
+        part = block[np.ix_(seen, seen)]
+        values, vectors = np.linalg.eigh(part)
+        for vector in _sparse(vectors[:, values >= UNRESOLVED]).T:
+            vector = vector * np.sign(vector[np.abs(vector).argmax()])
+            left = float(vector @ part @ vector)
+            large = np.flatnonzero(np.abs(vector) >= NAMED * np.abs(vector).max())
+            change = {
+                names[seen[i]]: float(np.sqrt(left) * vector[i] * causes.sd[names[seen[i]]]) for i in large
+            }
+            found.append(Unresolved(change, left))
+    return tuple(found)
+
+
+def _sparse(vectors: FloatArray) -> FloatArray:
+    """Return orthonormal vectors (q, u) of the same space with few large entries each.
+
+    Varimax: Kaiser, Psychometrika 23, 187 (1958), doi:10.1007/BF02289233.
+    """
+    rotated = vectors
+    for _ in range(ROTATIONS if vectors.shape[1] > 1 else 0):
+        target = rotated * (rotated**2 - (rotated**2).mean(axis=0))
+        left, _, right = np.linalg.svd(vectors.T @ target)
+        rotated = vectors @ (left @ right)
+    return rotated

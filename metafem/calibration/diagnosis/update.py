@@ -13,6 +13,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.linalg import cho_factor, cho_solve
+from scipy.special import erfcx, log_ndtr
 
 from metafem._validate import FloatArray
 from metafem.calibration.diagnosis.linearised import Linear
@@ -56,8 +58,6 @@ class Posterior:
 
 def update(linear: Callable[[FloatArray, FloatArray], Linear], size: int) -> Posterior:
     """Return the posterior of `size` unknowns under residuals that are linearised at its mean."""
-    from scipy.linalg import cho_factor, cho_solve
-
     mean = np.zeros(size)
     precision_open = shift_open = np.zeros(0)
     covariance = np.eye(size)
@@ -113,8 +113,6 @@ def _factors(
 
     The last number is the logarithm of their product, normalised, at the mean of the indentations g.
     """
-    from scipy.special import erfcx, log_ndtr
-
     gradient = at.indentation_gradient
     mean = at.indentation + gradient @ move
     variance = ((gradient @ covariance) * gradient).sum(axis=1)

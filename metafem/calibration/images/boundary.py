@@ -1,38 +1,17 @@
-"""Contours of an image at one level: their areas, lengths and moments, for all contacts at once."""
+"""Contours of contacts: areas, lengths, moments, ellipses, and contacts that are merged or cut."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import binary_fill_holes
 
 from metafem._validate import FloatArray, IntArray
-
-# Cells of four pixels by which of them are dark: upper left 1, upper right 2, lower right 4, lower left 8.
-# The contour crosses a cell from one side to another, with the dark pixels on its left; sides: 0 upper, 1
-# right, 2 lower, 3 left. It belongs to the region of the dark pixel in the given corner, 0 to 3 in the order
-# above. Dark pixels that touch at a corner alone are not connected, so that codes 5 and 10 are crossed twice.
-# The last number is the turn of the contour in quarters: +1 about one dark pixel, -1 about one bright one.
-CROSSINGS = (
-    (1, 3, 0, 0, 1),
-    (2, 0, 1, 1, 1),
-    (4, 1, 2, 2, 1),
-    (8, 2, 3, 3, 1),
-    (3, 3, 1, 0, 0),
-    (6, 0, 2, 1, 0),
-    (12, 1, 3, 2, 0),
-    (9, 2, 0, 0, 0),
-    (14, 0, 3, 1, -1),
-    (13, 1, 0, 0, -1),
-    (11, 2, 1, 0, -1),
-    (7, 3, 2, 0, -1),
-    (5, 3, 0, 0, 1),
-    (5, 1, 2, 2, 1),
-    (10, 0, 1, 1, 1),
-    (10, 2, 3, 3, 1),
-)
-ROW, COLUMN = np.array([0, 0, 1, 1]), np.array([0, 1, 1, 0])
+from metafem.calibration.images.grey import clipped
 
 
 @dataclass(frozen=True)
@@ -53,14 +32,16 @@ class Contours:
 def contours(image: NDArray[np.float32], labels: NDArray[np.int32], level: float, count: int) -> Contours:
     """Return the contours of the regions 1 to count, where the image is below the level.
 
-    Both arrays have a border of one pixel on the ground, so that contours are closed.
+    Both arrays have a border of one pixel on the ground, so that contours are closed. Dark pixels that touch
+    at a corner are not connected. Contours connect points on the sides of cells of four pixels (marching
+    squares), inside of smooth ones by `errors.INTERPOLATION`.
     """
-    label, start, end, turn = _segments(image, labels, level)
+    label, start, end, number = _sides(image, labels, level, count)
     origin = _mean(label, start, count)
-    p, q = start - origin[label - 1], end - origin[label - 1]
+    p, q = start - origin[label], end - origin[label]
 
     def total(of: FloatArray) -> FloatArray:
-        return np.asarray(np.bincount(label - 1, of, count), dtype=np.float64)
+        return np.asarray(np.bincount(label, of, count), dtype=np.float64)
 
     # integrals over a polygon as sums over its sides
     (x0, y0), (x1, y1) = p.T, q.T
@@ -77,39 +58,123 @@ def contours(image: NDArray[np.float32], labels: NDArray[np.int32], level: float
         axis=1,
     )
     length = total(np.hypot(x1 - x0, y1 - y0))
-    # the turns of the outer contours and of those about holes, which turn backwards
-    holes = 1 - np.round(total(turn) / 4.0).astype(np.int64)
-    return Contours(area, length, origin + mean, moment, holes)
+    # each region has one outer contour
+    return Contours(area, length, origin + mean, moment, number - 1)
 
 
-def _segments(
-    image: NDArray[np.float32], labels: NDArray[np.int32], level: float
-) -> tuple[NDArray[np.intp], FloatArray, FloatArray, FloatArray]:
-    """Return region, both ends (m, 2) and turn of the pieces of the contours in all cells."""
-    dark = (labels > 0).view(np.uint8)
-    code = dark[:-1, :-1] + 2 * dark[:-1, 1:] + 4 * dark[1:, 1:] + 8 * dark[1:, :-1]
-    row, column = np.nonzero((code > 0) & (code < 15))
-    code = code[row, column]
-    corner = image[row[:, None] + ROW, column[:, None] + COLUMN].astype(np.float64) - level
-    following = np.roll(corner, -1, axis=1)
-    crossed = (corner < 0.0) != (following < 0.0)
-    share = np.divide(corner, corner - following, out=np.zeros_like(corner), where=crossed)
+def _sides(
+    image: NDArray[np.float32], labels: NDArray[np.int32], level: float, count: int
+) -> tuple[NDArray[np.intp], FloatArray, FloatArray, IntArray]:
+    """Return region, counted from 0, and ends (m, 2) of the sides of contours, and the contours of each."""
+    from skimage.measure import find_contours
+
+    # what belongs to no region is bright
+    dark = np.where(labels > 0, image, np.maximum(image, np.nextafter(np.float32(level), np.inf)))
+    lines = find_contours(dark, level, fully_connected="high")
+    owner = np.array([_owner(labels, line) for line in lines], dtype=np.intp) - 1
+    sides = np.array([len(line) - 1 for line in lines], dtype=np.intp)
     # the border shifts the pixels by one, and the centre of a pixel is at one half
-    left, upper = column - 0.5, image.shape[0] - 2 - row + 0.5
-    x = np.stack([left + share[:, 0], left + 1.0, left + 1.0 - share[:, 2], left], axis=1)
-    y = np.stack([upper, upper - share[:, 1], upper - 1.0, upper - 1.0 + share[:, 3]], axis=1)
-    pieces = []
-    for which, begin, stop, at, turn in CROSSINGS:
-        (cell,) = np.nonzero(code == which)
-        owner = labels[row[cell] + ROW[at], column[cell] + COLUMN[at]]
-        ends = (np.stack([x[cell, side], y[cell, side]], axis=1) for side in (begin, stop))
-        pieces.append((owner, *ends, np.full(cell.size, float(turn))))
-    label, start, end, turns = (np.concatenate(parts) for parts in zip(*pieces, strict=True))
-    return label.astype(np.intp), start, end, turns
+    points = [np.stack([line[:, 1] - 0.5, image.shape[0] - 1.5 - line[:, 0]], axis=1) for line in lines]
+    start = np.concatenate([np.zeros((0, 2)), *(line[:-1] for line in points)])
+    end = np.concatenate([np.zeros((0, 2)), *(line[1:] for line in points)])
+    return np.repeat(owner, sides), start, end, np.bincount(owner, minlength=count)
+
+
+def _owner(labels: NDArray[np.int32], line: FloatArray) -> int:
+    """Return the region of a contour; its points lie between a pixel of the region and one of the ground."""
+    before, after = (labels[tuple(pixel.astype(int).T)] for pixel in (np.floor(line), np.ceil(line)))
+    return int(np.maximum(before, after).max())
 
 
 def _mean(label: NDArray[np.intp], points: FloatArray, count: int) -> FloatArray:
     """Return the mean of the points of each region."""
-    number = np.bincount(label - 1, minlength=count)
-    sums = [np.bincount(label - 1, column, count) for column in points.T]
-    return np.asarray(np.stack(sums, axis=1) / number[:, None], dtype=np.float64)
+    sums = [np.bincount(label, column, count) for column in points.T]
+    return np.asarray(np.stack(sums, axis=1) / np.bincount(label, minlength=count)[:, None])
+
+
+def semi_axes(shape: Contours, total: float) -> tuple[FloatArray, FloatArray]:
+    """Return the semi-axes (n, 2) and the angles (n,) of the ellipses with the same moments.
+
+    The contour lies s_t²/2 times its curvature inside of the boundary. The integral of x² over that strip is
+    pi s_t² a³/(a + b) for an ellipse with the semi-axes a along x and b along y.
+    """
+    xx, yy, xy = shape.moment.T
+    middle, half = 0.5 * (xx + yy), np.hypot(0.5 * (xx - yy), xy)
+    moments = np.stack([middle + half, np.maximum(middle - half, 0.0)], axis=1)
+    axes = 2.0 * np.sqrt(moments / shape.area[:, None])
+    lost = math.pi * total**2
+    added = lost * axes**3 / axes.sum(axis=1, keepdims=True)
+    whole = 2.0 * np.sqrt((moments + added) / (shape.area[:, None] + lost))
+    return whole, 0.5 * np.arctan2(2.0 * xy, xx - yy)
+
+
+def compactness(area: FloatArray, moment: FloatArray) -> FloatArray:
+    """Return the area over that of the ellipse with the same moments, squared: 1 for ellipses, else less.
+
+    An ellipse has the area A with A² = 4 pi sqrt(M_xx M_yy - M_xy²), and no region of this area has smaller
+    moments. Two circles that touch have 0.89, or 0.94 if the radius of one is 0.3 of the other's.
+    """
+    xx, yy, xy = moment.T
+    return np.asarray(area**2 / (4.0 * math.pi * np.sqrt(np.maximum(xx * yy - xy**2, np.finfo(float).tiny))))
+
+
+# Rows and columns of an image.
+Window: TypeAlias = tuple[slice, ...]
+
+# A contact is merged if its compactness is below this: that of two circles that touch is 0.89 to 0.95 if the
+# radius of one is 1 to 0.3 of the other's. The boundary's noise changes it in second order alone.
+COMPACT = 0.97
+
+# Share of a contact's grey levels at an end of the scale above which it is saturated.
+SATURATED = 0.01
+
+
+def pixels_of(labels: NDArray[np.int32], windows: list[Window]) -> FloatArray:
+    """Return the numbers of pixels of the regions 1, 2, ... in these windows."""
+    counts = [np.count_nonzero(labels[window] == number) for number, window in enumerate(windows, 1)]
+    return np.array(counts, dtype=np.float64)
+
+
+def at_edge(window: Window, shape: tuple[int, ...], margin: int = 1) -> bool:
+    """Whether a region of an image with a border comes within so many pixels of the frame's edge."""
+    return any(s.start <= margin or s.stop >= n - margin for s, n in zip(window, shape, strict=True))
+
+
+def merged(shape: Contours, labels: NDArray[np.int32], windows: list[Window]) -> NDArray[np.bool_]:
+    """Return which regions are no ellipses, their holes filled."""
+    compact = compactness(shape.area, shape.moment)
+    for i in np.flatnonzero(shape.holes):
+        compact[i] = _filled(labels[windows[i]] == i + 1)
+    return np.asarray(compact < COMPACT)
+
+
+def single(region: NDArray[np.bool_]) -> bool:
+    """Whether the pixels of a region are those of one contact."""
+    return _filled(region) >= COMPACT
+
+
+def _filled(region: NDArray[np.bool_]) -> float:
+    """Return the compactness of a region without its holes."""
+    rows, columns = np.nonzero(binary_fill_holes(region))
+    y, x = rows - rows.mean(), columns - columns.mean()
+    # each pixel is a square, with moments of 1/12
+    own = x.size / 12.0
+    second = np.array([[np.sum(x * x) + own, np.sum(y * y) + own, np.sum(x * y)]])
+    return float(compactness(np.array([float(x.size)]), second)[0])
+
+
+def saturated(
+    values: NDArray[Any], labels: NDArray[np.int32], size: FloatArray, bright_contacts: bool
+) -> NDArray[np.bool_]:
+    """Return which contacts have too many grey levels at an end of the scale; the ground counts for all.
+
+    `size` holds the numbers of pixels of the contacts; `labels` have no border.
+    """
+    in_contact, on_ground = clipped(values)[:: -1 if bright_contacts else 1]
+    result = np.zeros(size.size, dtype=bool)
+    if in_contact is not None:
+        result |= np.bincount(labels[in_contact], minlength=size.size + 1)[1:] > SATURATED * size
+    if on_ground is not None:
+        outside = np.count_nonzero(on_ground & (labels == 0))
+        result |= bool(outside > SATURATED * (labels.size - size.sum()))
+    return result

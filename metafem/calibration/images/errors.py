@@ -22,6 +22,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from scipy.special import ndtri
 
 from metafem._validate import FloatArray
 
@@ -71,8 +72,6 @@ def counting_bias(length: FloatArray, threshold: float, edge: float) -> FloatArr
     The pixels' own edge s is `edge`: the contour lies sqrt(2) s erfinv(1 - 2 threshold) outside of the half
     level, which has lost pi s².
     """
-    from scipy.special import ndtri
-
     displaced = edge * float(ndtri(1.0 - np.clip(threshold, 1e-6, 1.0 - 1e-6)))
     return length * displaced + math.pi * (displaced**2 - edge**2)
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
+from scipy.ndimage import binary_dilation
 
 from metafem._validate import FloatArray
 
@@ -145,8 +146,6 @@ def _envelope(terms: FloatArray, levels: FloatArray, sign: float) -> FloatArray:
 
 def _clear_of(dark: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Return which blocks are not dark and, where that leaves enough, have no dark block beside them."""
-    from scipy.ndimage import binary_dilation
-
     beside = ~binary_dilation(dark, np.ones((3, 3)))
     enough = np.count_nonzero(beside) >= ENOUGH * dark.size
     return np.asarray(beside if enough else ~dark)

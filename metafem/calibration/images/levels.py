@@ -7,11 +7,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import binary_dilation, distance_transform_edt, find_objects, gaussian_filter, label
+from scipy.special import chndtr
 
 from metafem._validate import FloatArray
-from metafem.calibration.images.boundary import Contours, contours
+from metafem.calibration.images.boundary import Contours, at_edge, contours, pixels_of, single
 from metafem.calibration.images.errors import EDGE_CURVATURE, EDGE_INTERPOLATION
-from metafem.calibration.images.flags import at_edge, pixels_of, single
 from metafem.calibration.images.illumination import MAD, Ground
 from metafem.errors import InvalidInput
 
@@ -93,8 +94,6 @@ class Threshold:
 
 def smoothed(corrected: NDArray[np.float32], width: float) -> tuple[NDArray[np.float32], float]:
     """Return an image smoothed by a Gaussian, with a border of one pixel of ground, and its variance."""
-    from scipy.ndimage import gaussian_filter
-
     bordered = np.ones((corrected.shape[0] + 2, corrected.shape[1] + 2), dtype=np.float32)
     gaussian_filter(corrected, width, output=bordered[1:-1, 1:-1], mode="nearest", truncate=CUT_OFF)
     reach = int(CUT_OFF * width + 0.5)
@@ -109,8 +108,6 @@ def smoothed_noise(bordered: NDArray[np.float32], labels: NDArray[np.int32], wid
     The image is divided into blocks so large that the middle pixels of neighbours have independent noise.
     Pairs of blocks enter that are away from contacts.
     """
-    from scipy.ndimage import binary_dilation
-
     size = int(np.ceil(INDEPENDENT * width))
     rows, columns = (n // size for n in bordered.shape)
     dark = np.zeros((rows, columns), dtype=bool)
@@ -148,8 +145,6 @@ def measured_levels(
 
 def threshold_of(ground: Ground) -> Threshold:
     """Return Otsu's threshold, or the half level of the darkest region if that one divides noise."""
-    from scipy.ndimage import gaussian_filter
-
     level = ground.otsu()
     noise = float(np.median(np.abs(ground.corrected[::EVERY, ::EVERY] - 1.0))) / MAD
     if 1.0 - level > IN_NOISE * noise:
@@ -162,9 +157,6 @@ def threshold_of(ground: Ground) -> Threshold:
 
 def _from_widest(ground: Ground, found: Threshold, dark: float | None, blur: float | None) -> Levels:
     """Return the levels of the widest contacts of an image."""
-    from scipy.ndimage import distance_transform_edt, find_objects, label
-    from scipy.special import chndtr
-
     threshold = found.level
     image, variance = smoothed(ground.corrected, LEAST_SMOOTHING)
     below = image[1:-1, 1:-1][ground.corrected < threshold]
@@ -256,8 +248,6 @@ def _edge(window: NDArray[np.float32], depth: FloatArray, dark: float) -> tuple[
 
 def _within(window: NDArray[np.float32], depth: FloatArray, level: float) -> Contours | None:
     """Return the contour at a level about the deepest point of a contact."""
-    from scipy.ndimage import label
-
     level = float(np.float32(level))
     bordered = np.pad(window, 1, constant_values=1.0)
     labels, _ = label(bordered < level)

@@ -9,13 +9,18 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from metafem import _validate as check
-from metafem._calls import checked_call
 from metafem._validate import FloatArray
 from metafem._values import Value, span
 from metafem.calibration.magnitude import beyond, is_off, unit_hint, within_errors
-from metafem.calibration.measured_law.features import Deviations, Feature, features_of, operating_loads
+from metafem.calibration.measured_law.features import (
+    Deviations,
+    Feature,
+    Prediction,
+    features_of,
+    operating_loads,
+    predicted_at,
+)
 from metafem.calibration.measured_law.law import MeasuredLaw
-from metafem.calibration.measured_law.predicted import Prediction, predicted_at
 from metafem.calibration.verdict import Verdict, judged
 from metafem.errors import InvalidInput
 from metafem.inversion import Design
@@ -104,7 +109,6 @@ class Comparison(Value):
         return "\n".join([*lines, f"  verdict   {self.verdict}"])
 
 
-@checked_call
 def compare(
     measured: MeasuredLaw,
     design: Design | FrictionLaw,

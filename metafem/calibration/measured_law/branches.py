@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from metafem import _validate as check
-from metafem._calls import checked_call
 from metafem._validate import FloatArray
 from metafem.calibration.measured_law.law import MeasuredLaw
 from metafem.errors import InvalidInput
@@ -29,8 +28,8 @@ class Branches:
     error half their distance. It is biased: a point is found off the first line only where the second has
     already left it by more than the error bars, and a single error can end the first line early. Of
     measurements simulated with the heights of Table S2 and the paper's errors, the stated interval contains
-    the target in about 15 % of the trials (``validation/calibration/segmented_regression.py``). `segmented`
-    gives an interval that covers.
+    the target in about 15 % of the trials (``validation/calibration/segmented_regression.py``). That of
+    `fit_segments` covers.
 
     Attributes
     ----------
@@ -58,7 +57,6 @@ class Branches:
     crossover_interval: tuple[float, float]
 
 
-@checked_call
 def branches(law: MeasuredLaw, first: int | None = None, second: int | None = None) -> Branches:
     """Fit lines to the first and to the last points of a law, and state the crossover by the paper's rule.
 

@@ -9,13 +9,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from metafem import _validate as check
-from metafem._calls import checked_class
 from metafem._given import shown
 from metafem._validate import FloatArray
 from metafem._values import span
-from metafem.calibration.contact_table import ContactTable
-from metafem.calibration.measured_law.given import ARRAYS, checked
-from metafem.calibration.measured_law.images import of_contacts
+from metafem.calibration.contact_table import ContactTable, of_contacts
+from metafem.calibration.measured_law.arrays import ARRAYS, checked
 from metafem.calibration.measurement_errors import MeasurementErrors
 from metafem.drawing import measured
 from metafem.errors import InvalidInput
@@ -34,7 +32,6 @@ PAPER = MeasurementErrors()
 COMPUTED: Any = None
 
 
-@checked_class
 @dataclass(frozen=True, eq=False, repr=False)
 class MeasuredLaw(BaseLaw):
     """Friction law of a part as measured: friction forces or contact areas at k loads, with error bars.

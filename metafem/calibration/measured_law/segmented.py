@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from metafem import _validate as check
-from metafem._calls import checked_call
 from metafem._validate import FloatArray
 from metafem._values import Value
 from metafem.calibration.measured_law.bent_line import (
@@ -20,10 +19,10 @@ from metafem.calibration.measured_law.bent_line import (
     Points,
     deviations,
     fitted,
+    growths,
     kink_grid,
     least,
 )
-from metafem.calibration.measured_law.growth import growths
 from metafem.calibration.measured_law.law import MeasuredLaw
 from metafem.calibration.verdict import Verdict, judged
 from metafem.errors import InvalidInput
@@ -77,7 +76,7 @@ class SegmentedFit(Value):
     >>> load = np.linspace(0.02, 0.2, 10)
     >>> area = np.where(load < 0.1, 7.0 * load, 0.7 + 12.5 * (load - 0.1))
     >>> law = MeasuredLaw(load, area=area, load_sd=np.full(10, 1e-3), material=mf.Material(1.0))
-    >>> segmented(law)
+    >>> fit_segments(law)
     <SegmentedFit: slopes 7 (6.83 to 7.12) and 12.5 (12.3 to 12.7), crossover 0.1 (0.0976 to 0.103) mm^2>
     """
 
@@ -103,8 +102,7 @@ class SegmentedFit(Value):
         )
 
 
-@checked_call
-def segmented(law: MeasuredLaw, *, draws: int = 2000, rng: Any = 0) -> SegmentedFit:
+def fit_segments(law: MeasuredLaw, *, draws: int = 2000, rng: Any = 0) -> SegmentedFit:
     """Fit two straight lines that meet at a crossover, with errors on both axes.
 
     Chi-square is the sum of the squared distances of the points from the bent line in standard deviations,
@@ -147,7 +145,7 @@ def segmented(law: MeasuredLaw, *, draws: int = 2000, rng: Any = 0) -> Segmented
     >>> load = np.linspace(0.02, 0.2, 10)
     >>> area = np.where(load < 0.1, 7.0 * load, 0.7 + 12.5 * (load - 0.1))
     >>> law = MeasuredLaw(load, area=area, load_sd=np.full(10, 1e-3), material=mf.Material(1.0))
-    >>> found = segmented(law)
+    >>> found = fit_segments(law)
     >>> np.round(found.slopes, 2), round(found.crossover_load, 4)
     (array([ 7. , 12.5]), 0.1)
     """

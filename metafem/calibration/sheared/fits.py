@@ -10,10 +10,10 @@ import numpy as np
 
 from metafem._validate import FloatArray
 from metafem.calibration.measurement_errors import MeasurementErrors
+from metafem.calibration.resampling import Bootstrap
 from metafem.calibration.serial_correlation import Succession
 from metafem.calibration.sheared.proportional import proportional
-from metafem.calibration.sheared.result import ShearTest
-from metafem.calibration.verdict import Verdict, errors_of, judged_in_order
+from metafem.calibration.verdict import SingleTest, Verdict, errors_of, judged_in_order
 from metafem.notes import Note
 
 # The lines, each of which relates a quantity to the one before.
@@ -77,19 +77,10 @@ def fitted(points: FloatArray, test: Sequence[str], errors: MeasurementErrors) -
 
 def fitted_tests(
     points: FloatArray, test: Sequence[str], errors: MeasurementErrors
-) -> tuple[tuple[ShearTest, ...], list[FloatArray], list[FloatArray]]:
-    """Return the fit of each test, and parameters (2,), covariance (2, 2) of those with a line."""
-    tests, values, covariances = [], [], []
-    for name in dict.fromkeys(test):
-        own = points[:, np.array([each == name for each in test])]
-        value, covariance = _of_known(own, errors)
-        deviation = np.sqrt(np.diagonal(covariance))
-        plain = [None if np.isnan(number) else float(number) for number in (*value, *deviation)]
-        tests.append(ShearTest(name, own.shape[1], *plain))
-        if np.isfinite(value).any():
-            values.append(value)
-            covariances.append(covariance)
-    return tuple(tests), values, covariances
+) -> tuple[SingleTest, ...]:
+    """Return the fit of each test."""
+    own = {name: points[:, np.array([each == name for each in test])] for name in dict.fromkeys(test)}
+    return tuple(SingleTest(name, part.shape[1], *_of_known(part, errors)) for name, part in own.items())
 
 
 def _of_known(points: FloatArray, errors: MeasurementErrors) -> tuple[FloatArray, FloatArray]:
@@ -109,23 +100,15 @@ def _of_known(points: FloatArray, errors: MeasurementErrors) -> tuple[FloatArray
 
 
 def resampled(
-    points: FloatArray, test: Sequence[str], errors: MeasurementErrors, count: int, rng: np.random.Generator
+    points: FloatArray, test: Sequence[str], errors: MeasurementErrors, bootstrap: Bootstrap
 ) -> FloatArray:
-    """Return B and sigma (count, 2) of points that are drawn with replacement from each group.
+    """Return B and sigma (draws, 2) of points that are drawn with replacement from each group.
 
     The points of a group have the same test and the same measured quantities, so that each draw has as many
     points of either line.
     """
     known = np.isfinite(points)
     used = np.flatnonzero(known.sum(axis=0) >= 2)
-    groups: dict[tuple[object, ...], list[int]] = {}
-    for i in used.tolist():
-        groups.setdefault((test[i], *known[:, i].tolist()), []).append(i)
-    found = np.empty((count, 2))
-    step = max(1, AT_ONCE // len(used))
-    for start in range(0, count, step):
-        number = min(step, count - start)
-        drawn = [np.array(own)[rng.integers(len(own), size=(number, len(own)))] for own in groups.values()]
-        chosen = points[:, np.concatenate(drawn, axis=1)].transpose(1, 0, 2)
-        found[start : start + number] = parameters(chosen, errors)[0]
-    return found
+    group = [(test[i], *known[:, i].tolist()) for i in used.tolist()]
+    drawn = bootstrap.rows(group, AT_ONCE // len(used))
+    return np.concatenate([parameters(points[:, used[rows]].transpose(1, 0, 2), errors)[0] for rows in drawn])

@@ -10,15 +10,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from metafem import _validate as check
-from metafem._calls import checked_call
 from metafem._validate import FloatArray
-from metafem.calibration.heterogeneity import Heterogeneity, heterogeneity
 from metafem.calibration.magnitude import OFF, is_off, unit_hint, within_errors
 from metafem.calibration.measurement_errors import MeasurementErrors
+from metafem.calibration.resampling import Bootstrap, labels_of
 from metafem.calibration.sheared.fits import LINES, ShearFit, fitted, fitted_tests, resampled
-from metafem.calibration.sheared.quantities import measured_or_nan
+from metafem.calibration.sheared.record import measured_or_nan
 from metafem.calibration.sheared.result import ShearCalibration
-from metafem.calibration.verdict import REJECTED
+from metafem.calibration.verdict import Heterogeneity, heterogeneity
 from metafem.errors import InvalidInput
 from metafem.notes import Note, information
 
@@ -37,7 +36,6 @@ FEWEST = 2
 DEFAULT_ERRORS = MeasurementErrors()
 
 
-@checked_call
 def shear(
     area_before: ArrayLike,
     area_sheared: ArrayLike,
@@ -45,8 +43,7 @@ def shear(
     *,
     errors: MeasurementErrors = DEFAULT_ERRORS,
     test: Sequence[Any] | None = None,
-    bootstrap: int = 0,
-    rng: Any = 0,
+    bootstrap: Bootstrap | None = None,
 ) -> ShearCalibration:
     """Fit the area ratio B and the shear strength sigma to sheared contacts, ``Af = B A0``, ``F = sigma Af``.
 
@@ -71,10 +68,8 @@ def shear(
         Standard deviations. Those of a total area are the same for any number of contacts.
     test : sequence, (k,), optional
         Label of the test of each point; default: one test.
-    bootstrap : int
-        Number of fits to points that are drawn again from those of each test; default: 0.
-    rng : int or numpy.random.Generator
-        Seed or generator of these; default: 0.
+    bootstrap : Bootstrap, optional
+        Also fit to points that are drawn again from those of each test; default: none.
 
     Returns
     -------
@@ -94,9 +89,8 @@ def shear(
     <ShearCalibration: B = 0.8492 ± 0.0077, sigma = 0.3705 ± 0.006 MPa, 4 points>
     """
     check.instance("errors", errors, MeasurementErrors, "a metafem.calibration.MeasurementErrors")
-    count = 0 if bootstrap == 0 else check.integer("bootstrap", bootstrap, at_least=2)
     points = _points(area_before, area_sheared, friction_force)
-    names = _labels(test, points.shape[1])
+    names = labels_of(test, points.shape[1])
     known = np.isfinite(points)
     for line, first, second in (("B", 0, 1), ("sigma", 1, 2)):
         number = int((known[first] & known[second]).sum())
@@ -105,10 +99,10 @@ def shear(
             raise InvalidInput(f"{line} needs at least {FEWEST} points with {both}; there are {number}")
     found = fitted(points, names, errors)
     _refuse_contradiction(points, found)
-    tests, values, covariances = fitted_tests(points, names, errors) if len(set(names)) > 1 else ((), [], [])
-    draws = resampled(points, names, errors, count, check.generator(rng)) if count else None
+    tests = fitted_tests(points, names, errors) if len(set(names)) > 1 else ()
+    draws = None if bootstrap is None else resampled(points, names, errors, bootstrap)
     ratio, strength = found.parameters.tolist()
-    compared = heterogeneity(values, covariances) if tests else None
+    compared = heterogeneity(tests) if tests else None
     return ShearCalibration(
         ratio,
         strength,
@@ -139,16 +133,6 @@ def _points(*given: ArrayLike) -> FloatArray:
     return np.stack(columns)
 
 
-def _labels(test: Sequence[Any] | None, count: int) -> tuple[str, ...]:
-    """Return the test of each point."""
-    if test is None:
-        return ("",) * count
-    names = tuple(str(each) for each in np.asarray(test).ravel().tolist())
-    if len(names) != count:
-        raise InvalidInput(f"test has {len(names)} labels for {count} points; give one for each point")
-    return names
-
-
 def _refuse_contradiction(points: FloatArray, found: ShearFit) -> None:
     """Refuse a strength that is not positive, and lines that the points reject by a negative slope."""
     if found.parameters[1] <= 0.0:
@@ -176,7 +160,7 @@ def _notes(
     notes = [
         Note(f"{line}: {verdict}; the stated uncertainties hold only for a law that fits, without outliers")
         for line, verdict in zip(LINES, found.verdicts, strict=True)
-        if not (verdict.law_fits and verdict.largest_probability >= REJECTED)
+        if not (verdict.law_fits and not verdict["largest"].noticed)
     ]
     notes += found.notes
     ratio, sd = found.parameters[0], np.sqrt(found.covariance[0, 0])

@@ -8,11 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from metafem import _validate as check
-from metafem._calls import checked_call
-from metafem._given import formatted, label
+from metafem._given import formatted, label, plain, shown
 from metafem._validate import FloatArray
 from metafem._values import Value, span
-from metafem.calibration.sheared.quantities import measured_or_nan
 from metafem.errors import InvalidInput
 from metafem.notes import Note, counted, information
 
@@ -85,7 +83,6 @@ class ShearRecord(Value):
         )
 
 
-@checked_call
 def shear_record(
     displacement: ArrayLike,
     friction_force: ArrayLike,
@@ -258,3 +255,29 @@ def _areas(
     # entries are equally far apart in time, and displacements may repeat
     static = float(np.interp(peak, frames, area[frames]))
     return float(area[frames[0]]), static, float(area[moving].mean())
+
+
+def measured_or_nan(name: str, value: ArrayLike) -> FloatArray:
+    """Return forces (k,), or positive areas (k,) added over contacts (k, n); nan where not measured."""
+    try:
+        entries = np.array(plain(name, value), dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InvalidInput(f"{name} is not an array of numbers: {shown(value, 80)}") from None
+    force = name == "friction_force"
+    if entries.ndim not in ((1,) if force else (1, 2)) or not entries.size:
+        shape = "(k,)" if force else "(k,) or (k, n)"
+        raise InvalidInput(f"{name} has shape {entries.shape}; it must have shape {shape}")
+    if np.isinf(entries).any():
+        held = entries[np.isinf(entries)][0]
+        raise InvalidInput(f"{name} holds {held}; write nan where it was not measured")
+    known = entries[np.isfinite(entries)]
+    if known.size:
+        check.array(name, known, shape=(None,))
+    if not force and known.size and known.min() <= 0.0:
+        index = ", ".join(str(i) for i in np.argwhere(entries <= 0.0)[0])
+        least = formatted(name, float(entries[entries <= 0.0][0]))
+        raise InvalidInput(
+            f"{label(f'{name}[{index}]')} = {least} must be greater than 0; leave out points without contact"
+        )
+    total: FloatArray = entries if entries.ndim == 1 else entries.sum(axis=1)
+    return total

@@ -8,49 +8,19 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from metafem import drawing
-from metafem._calls import checked_call
 from metafem._given import shown
 from metafem._validate import FloatArray
 from metafem._values import Value
 from metafem.calibration.bounded_interval import bounded_interval
-from metafem.calibration.heterogeneity import Heterogeneity
 from metafem.calibration.measurement_errors import MeasurementErrors
-from metafem.calibration.verdict import Verdict
+from metafem.calibration.verdict import Heterogeneity, SingleTest, Verdict
+from metafem.drawing import calibration
 from metafem.errors import InvalidInput
 from metafem.material import Friction
 from metafem.notes import Note
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-
-@dataclass(frozen=True)
-class ShearTest:
-    """Fit of one of several pooled tests.
-
-    Attributes
-    ----------
-    name : str
-        Label of the test.
-    points : int
-        Number of points.
-    area_ratio, shear_strength : float or None
-        B [-] and sigma [MPa]; None where the test did not measure it.
-    area_ratio_sd, shear_strength_sd : float or None
-        Their standard deviations.
-
-    Examples
-    --------
-    >>> ShearTest("1", 20, 0.85, 0.37, 0.002, 0.001).area_ratio
-    0.85
-    """
-
-    name: str
-    points: int
-    area_ratio: float | None
-    shear_strength: float | None
-    area_ratio_sd: float | None
-    shear_strength_sd: float | None
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -74,8 +44,8 @@ class ShearCalibration(Value):
         Whether each line fits.
     errors : MeasurementErrors
         The standard deviations of the points.
-    tests : tuple of ShearTest
-        Fit of each test, where there are several.
+    tests : tuple of SingleTest
+        B and sigma of each test, where there are several; nan where the test did not measure one.
     heterogeneity : Heterogeneity or None
         Whether the tests agree; None of a single test.
     bootstrap : ndarray, (n, 2), or None
@@ -106,7 +76,7 @@ class ShearCalibration(Value):
     area_verdict: Verdict
     friction_verdict: Verdict
     errors: MeasurementErrors
-    tests: tuple[ShearTest, ...] = ()
+    tests: tuple[SingleTest, ...] = ()
     heterogeneity: Heterogeneity | None = None
     bootstrap: FloatArray | None = None
     notes: tuple[Note, ...] = field(default=())
@@ -143,7 +113,6 @@ class ShearCalibration(Value):
         """68 % interval of sigma [MPa]."""
         return self._interval(self.shear_strength, 1)
 
-    @checked_call
     def plot(self, ax: Axes | None = None, line: Literal["area", "friction"] = "friction") -> Axes:
         """Draw the points of one line with their error bars, and return the axes.
 
@@ -161,8 +130,6 @@ class ShearCalibration(Value):
         >>> shear(before, 0.85 * before, 0.3145 * before).plot().get_xlabel()
         'sheared area  Af [mm²]'
         """
-        from metafem.drawing import calibration
-
         if line not in ("area", "friction"):
             raise InvalidInput(f'line = {shown(line)} must be "area" or "friction"')
         ax = drawing.axes(ax)

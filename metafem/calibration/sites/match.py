@@ -10,14 +10,20 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from metafem import _validate as check
-from metafem._calls import checked_call
 from metafem._given import shown
 from metafem._validate import FloatArray
+from metafem._values import Value
 from metafem.calibration.sites import search
-from metafem.calibration.sites.areas import decides, log_likelihood
-from metafem.calibration.sites.search import Bounds, Lattice, Pose
-from metafem.calibration.sites.similarity import ComplexArray, Similarity, complex_points, real_points
-from metafem.calibration.sites.site_match import SiteMatch
+from metafem.calibration.sites.search import (
+    Bounds,
+    ComplexArray,
+    IntArray,
+    Lattice,
+    Pose,
+    Similarity,
+    complex_points,
+    real_points,
+)
 from metafem.errors import InvalidInput
 from metafem.notes import Note, information
 
@@ -35,7 +41,6 @@ ON_SITES = 0.6
 TURN, STRETCH = math.radians(5.0), 0.1
 
 
-@checked_call
 def match_sites(
     centre: ArrayLike,
     site_position: ArrayLike,
@@ -297,3 +302,85 @@ class _Scene:
             f"the {count} contacts are not on the sites of the design: {best}; {apart}{pixel}; {searched}. "
             "Check the design, the pixel size, the rotation and the viewing side"
         )
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SiteMatch(Value):
+    """The sites of the contacts in an image.
+
+    A site x of the design is seen at ``scale R(rotation) M x + shift``, with the rotation matrix R and
+    M = diag(-1, 1) if the image is mirrored, else 1.
+
+    Attributes
+    ----------
+    site : ndarray of int, (n,)
+        Index of the site of each contact in ``site_position``; -1 where a region lies on no site.
+    shift : ndarray, (2,)
+        Position at which the design's origin is seen [mm].
+    rotation : float
+        Anticlockwise rotation of the design in the image [rad].
+    scale : float
+        Lengths in the image over those in the design [-].
+    mirrored : bool
+        Whether the design is seen mirrored, x -> -x, as through the block.
+    residual : float
+        Root mean square of the distances of the matched contacts from their sites [mm].
+    ambiguous : bool
+        Whether the contacts match as well with another shift, for example by one pitch.
+    notes : tuple of Note
+
+    Examples
+    --------
+    >>> sites = [[0.0, 0.0], [1.5, 0.0], [3.0, 0.0], [0.0, 1.5]]
+    >>> from metafem.calibration import match_sites
+    >>> found = match_sites([[3.5, 6.0], [3.5, 4.5], [5.0, 4.5], [6.5, 4.5]], sites)
+    >>> found.site, found.shift.round(6), found.to_image([[3.0, 1.5]]).round(6)
+    (array([3, 0, 1, 2]), array([3.5, 4.5]), array([[6.5, 6. ]]))
+    """
+
+    site: IntArray
+    shift: FloatArray
+    rotation: float
+    scale: float
+    mirrored: bool
+    residual: float
+    ambiguous: bool
+    notes: tuple[Note, ...] = ()
+
+    def to_image(self, position: ArrayLike) -> FloatArray:
+        """Return where points of the design (m, 2) are seen in the image [mm]."""
+        factor = self.scale * np.exp(1j * self.rotation)
+        points = complex_points(np.asarray(position, dtype=np.float64), self.mirrored)
+        return real_points(factor * points) + self.shift
+
+    def to_design(self, position: ArrayLike) -> FloatArray:
+        """Return the points of the design that are seen at points of the image (m, 2) [mm]."""
+        factor = self.scale * np.exp(1j * self.rotation)
+        points = complex_points(np.asarray(position, dtype=np.float64) - self.shift) / factor
+        return real_points(-points.conj() if self.mirrored else points)
+
+
+# Odds at which one of two placements is preferred: with equal chances before, 1 % remains for the other.
+ODDS = 100.0
+
+
+def log_likelihood(area: FloatArray, expected: FloatArray, site: IntArray, seen: Any) -> float:
+    """Return the log-likelihood of areas (k,) at sites (k,) under the expected ones (n,), up to a constant.
+
+    The areas are those of the law times one unknown factor, for an error of modulus or load, with normal
+    errors of one unknown standard deviation. That of a site that is `seen` (n,) without a contact is 0.
+    """
+    measured = np.zeros(len(expected))
+    measured[site[site >= 0]] = area[site >= 0]
+    measured, expected = measured[seen], expected[seen]
+    total, own = measured @ measured, expected @ expected
+    if not total or not own:
+        return 0.0
+    part = max(measured @ expected, 0.0) ** 2 / (total * own)
+    # areas that agree to the last digit would have an infinite likelihood
+    return -0.5 * len(measured) * math.log(max(1.0 - part, np.finfo(float).eps))
+
+
+def decides(likely: float, other: float) -> bool:
+    """Whether a log-likelihood exceeds another clearly."""
+    return likely - other >= math.log(ODDS)

@@ -13,14 +13,17 @@ from metafem._values import Value
 from metafem.calibration.images.contact_areas import ContactAreas
 from metafem.calibration.sites.search import (
     REFINED,
+    ComplexArray,
     IntArray,
     Lattice,
     Pose,
+    Similarity,
     assigned,
+    complex_points,
     rating,
     reach_of,
+    real_points,
 )
-from metafem.calibration.sites.similarity import ComplexArray, Similarity, complex_points, real_points
 
 # Number of contacts from which a drift is guessed: one of them is a contact.
 GUESSES = 8

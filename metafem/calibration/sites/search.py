@@ -1,4 +1,4 @@
-"""Search for the similarities that map the sites of a design to the contacts of an image."""
+"""Search for the shift, rotation and scale that map the sites of a design to the contacts of an image."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from metafem._validate import FloatArray
-from metafem.calibration.sites.similarity import ComplexArray, Similarity, fitted, real_points
 
 IntArray = NDArray[np.intp]
 
@@ -56,8 +56,6 @@ class Lattice:
     @cached_property
     def tree(self) -> Any:
         """The sites in a tree of their positions."""
-        from scipy.spatial import cKDTree
-
         return cKDTree(real_points(self.sites))
 
     @cached_property
@@ -137,8 +135,6 @@ def shifted(points: ComplexArray, lattice: Lattice, pose: Pose, bounds: Bounds) 
 
 def _candidates(points: ComplexArray, lattice: Lattice, bounds: Bounds) -> tuple[ComplexArray, ComplexArray]:
     """Return factors and shifts of the similarities that map a pair of sites to a pair of contacts."""
-    from scipy.spatial import cKDTree
-
     first, second = near_pairs(cKDTree(real_points(points)), LONGEST * lattice.spacing)
     apart = np.abs(points[second] - points[first])
     long = np.flatnonzero(apart > REACH * lattice.spacing)
@@ -202,3 +198,41 @@ def assigned(
     chosen = order[first]
     site[chosen] = nearest[chosen]
     return site, distance
+
+
+ComplexArray = NDArray[np.complex128]
+
+
+@dataclass(frozen=True)
+class Similarity:
+    """The map w -> factor w + shift of the plane, with points x + iy as complex numbers."""
+
+    factor: complex
+    shift: complex
+
+    def image(self, sites: ComplexArray) -> ComplexArray:
+        """Return the images of sites."""
+        return self.factor * sites + self.shift
+
+    def sites(self, points: ComplexArray) -> ComplexArray:
+        """Return the points of the design whose images are given."""
+        return (points - self.shift) / self.factor
+
+
+def complex_points(points: FloatArray, mirrored: bool = False) -> ComplexArray:
+    """Return points (n, 2) as x + iy, or as -x + iy."""
+    x, y = np.asarray(points, dtype=np.float64).T
+    return np.asarray((-x if mirrored else x) + 1j * y, dtype=np.complex128)
+
+
+def real_points(points: ComplexArray) -> FloatArray:
+    """Return complex numbers as points (n, 2)."""
+    return np.column_stack([points.real, points.imag])
+
+
+def fitted(points: ComplexArray, sites: ComplexArray) -> Similarity:
+    """Return the similarity with the least squares of ``points - image(sites)``; two pairs are enough."""
+    middle, origin = points.mean(), sites.mean()
+    away = sites - origin
+    factor = np.vdot(away, points - middle) / np.vdot(away, away).real
+    return Similarity(complex(factor), complex(middle - factor * origin))

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from metafem.calibration.images.contact_areas import ContactAreas
-from metafem.calibration.images.remarks import contact_notes
+from metafem.calibration.images.measuring import contact_notes
 from metafem.calibration.sites.placement import Placed
 from metafem.notes import Note
 

@@ -1,4 +1,4 @@
-"""Contact areas of a stack of images, contact by contact."""
+"""The contacts of a stack of images of one sample, and their areas."""
 
 from __future__ import annotations
 
@@ -10,23 +10,21 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from metafem import _validate as check
-from metafem._calls import checked_call
 from metafem._given import printable
 from metafem._validate import FloatArray
+from metafem._values import Value
 from metafem.calibration.contact_table import ContactTable
 from metafem.calibration.images.contact_areas import ContactAreas
-from metafem.calibration.sites.match import match_sites
+from metafem.calibration.sites.match import SiteMatch, match_sites
 from metafem.calibration.sites.placement import Placed, mean_positions, placed
-from metafem.calibration.sites.site_match import SiteMatch
 from metafem.calibration.sites.stack_remarks import not_numbered, remarks_of, unclear_notes
-from metafem.calibration.sites.tracked_contacts import TrackedContacts
 from metafem.errors import InvalidInput
+from metafem.notes import Note
 
 # Number of images, those with most contacts, that are tried as the one whose contacts are matched.
 TRIED = 3
 
 
-@checked_call
 def track_contacts(
     areas: Sequence[ContactAreas],
     image: Sequence[str],
@@ -297,3 +295,38 @@ class _Stack:
             sheared_area_error=sheared_area_error,
             remarks=remarks,
         )
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class TrackedContacts(Value):
+    """The contacts of a stack of images, and where they are seen.
+
+    Attributes
+    ----------
+    table : ContactTable
+    reference : int
+        Index of the image with most contacts, whose contacts were matched or, without sites, numbered.
+    match : SiteMatch or None
+        Match of that image; None without sites.
+    placed, placed_sheared : tuple, (k,)
+        For each image the sites in it: ``position`` (m, 2) [mm], and ``site`` (n,) of each of its contacts,
+        -1 where there is none; None where there is no image.
+    notes : tuple of Note
+
+    Examples
+    --------
+    >>> import numpy as np, metafem as mf
+    >>> y, x = np.mgrid[:60, :80]
+    >>> image = 200.0 - 120.0 / (1.0 + np.exp(np.hypot(x - 40.0, y - 30.0) - 20.0))
+    >>> areas = mf.calibration.contact_areas(image, 0.005)
+    >>> tracked = mf.calibration.track_contacts([areas], ["1.tif"], load=[0.05])
+    >>> tracked.table.area.shape, tracked.reference, tracked.match
+    ((1, 1), 0, None)
+    """
+
+    table: ContactTable
+    reference: int
+    match: SiteMatch | None
+    placed: tuple[Placed | None, ...]
+    placed_sheared: tuple[Placed | None, ...]
+    notes: tuple[Note, ...] = ()

@@ -1,4 +1,4 @@
-"""A sphere fitted to each cap of a map, with the covariance of its summit and radius."""
+"""Spheres fitted to the caps of a map, with the covariance of summit and radius."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import binary_dilation
 
 from metafem._validate import FloatArray
 from metafem.calibration.topography.cells import HeightMap
@@ -152,8 +153,6 @@ def _outliers(
     z: FloatArray, known: NDArray[np.bool_], x: FloatArray, y: FloatArray, cap: Cap
 ) -> NDArray[np.bool_]:
     """Return the pixels too far from a sphere and those beside them."""
-    from scipy.ndimage import binary_dilation
-
     square = (x - cap.x) ** 2 + (y - cap.y) ** 2
     root = np.sqrt(np.maximum(cap.radius**2 - square, 0.0))
     distance = (z - (cap.height - cap.radius + root)) * root / cap.radius
@@ -175,3 +174,18 @@ def _summed(
 
     sums = np.array([total(each) for each in matrix])
     return _Grid(total(distance), total(np.ones(len(distance))), sums, inverse)
+
+
+def pooled(value: FloatArray, covariance: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return (x, y, height, radius) of caps (n, 4) and their covariance (n, 4, 4) under one common radius.
+
+    The radius is the mean weighted by the inverse variances. The others follow by their regression on it:
+    ``v - C_vR / C_RR (R_i - R)``, and lose the variance that they owe to the error of their own radius.
+    """
+    variance = covariance[:, 3, 3]
+    common = float((value[:, 3] / variance).sum() / (1.0 / variance).sum())
+    own = 1.0 / float((1.0 / variance).sum())
+    slope = covariance[:, :, 3] / variance[:, None]
+    result = value - slope * (value[:, 3] - common)[:, None]
+    outer = slope[:, :, None] * slope[:, None, :]
+    return result, covariance - outer * variance[:, None, None] + outer * own

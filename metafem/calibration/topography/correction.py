@@ -6,9 +6,9 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.special import fdtrc
 
 from metafem import _validate as check
-from metafem._calls import checked_call
 from metafem._given import formatted
 from metafem._validate import FloatArray, IntArray
 from metafem._values import MICROMETRES, Value, percent
@@ -103,8 +103,7 @@ class Correction(Value):
         )
 
 
-@checked_call
-def corrected(design: Surface | Design, made: MadeSurface) -> Correction:
+def corrected_heights(design: Surface | Design, made: MadeSurface) -> Correction:
     """Return the heights with which the next part comes out as designed.
 
     A height h' that is ordered becomes ``h' + e(h')``; the corrected height is the one for which this is the
@@ -135,7 +134,7 @@ def corrected(design: Surface | Design, made: MadeSurface) -> Correction:
     >>> square = (np.abs(x) - 0.75) ** 2 + (np.abs(x[:, None]) - 0.75) ** 2
     >>> caps = np.sqrt(np.maximum(0.526**2 - square, 0.425**2)) - 0.425  # 0.101 mm high
     >>> made = mf.calibration.measured_surface(caps, 0.01, design)
-    >>> correction = mf.calibration.corrected(design, made)
+    >>> correction = mf.calibration.corrected_heights(design, made)
     >>> correction.terms, correction.surface.height.round(4)
     (('offset',), array([0.099, 0.099, 0.099, 0.099]))
     """
@@ -204,8 +203,6 @@ def _terms(surface: Surface, site: IntArray) -> dict[str, FloatArray]:
 
 def _significant(every: dict[str, FloatArray], site: IntArray, error: FloatArray) -> _Fit:
     """Drop the least significant group of terms until all are significant."""
-    from scipy.special import fdtrc
-
     groups: list[str] = []
     left_out: list[str] = []
     for group in GROUPS:  # those that the asperities determine, with three degrees of freedom to spare

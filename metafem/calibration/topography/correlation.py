@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy import fft
 
 from metafem._validate import FloatArray
 
@@ -58,8 +59,6 @@ def correlation(sums: Sequence[FloatArray], weights: Sequence[FloatArray], param
 
 def summed(columns: FloatArray, correlation: Correlation) -> FloatArray:
     """Return ``sum_ij X_ik c(i - j) X_jl`` of columns (p, rows, columns) on a grid, (p, p)."""
-    from scipy import fft
-
     reach = len(correlation.relative) // 2
     shape = _padded(columns.shape[1:], reach)
     kernel = np.zeros(shape)
@@ -72,8 +71,6 @@ def summed(columns: FloatArray, correlation: Correlation) -> FloatArray:
 
 def lagged(one: FloatArray, other: FloatArray, reach: int) -> FloatArray:
     """Return ``sum_i a_i b_{i + lag}`` for all lags up to `reach` along both axes."""
-    from scipy import fft
-
     shape = _padded(one.shape, reach)
     whole = fft.irfft2(np.conj(fft.rfft2(one, shape)) * fft.rfft2(other, shape), shape)
     lag = np.arange(-reach, reach + 1)
@@ -82,7 +79,5 @@ def lagged(one: FloatArray, other: FloatArray, reach: int) -> FloatArray:
 
 def _padded(shape: tuple[int, ...], reach: int) -> tuple[int, int]:
     """Return a shape in which a shift by `reach` does not wrap around."""
-    from scipy import fft
-
     rows, columns = (int(fft.next_fast_len(max(n, reach + 1) + reach, real=True)) for n in shape)
     return rows, columns

@@ -9,16 +9,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from metafem import _validate as check
-from metafem._calls import checked_call
 from metafem._given import label
 from metafem._validate import FloatArray, IntArray
 from metafem._values import MICROMETRES, Value, span
-from metafem.calibration.topography.alignment import Alignment, aligned
-from metafem.calibration.topography.caps import Cap, fitted_caps
+from metafem.calibration.topography.alignment import Alignment, aligned, no_cap, on_map, placement_notes
+from metafem.calibration.topography.caps import Cap, fitted_caps, pooled
 from metafem.calibration.topography.cells import HeightMap, cells
 from metafem.calibration.topography.levelled import Levelling, levelled
-from metafem.calibration.topography.placement_notes import no_cap, on_map, placement_notes
-from metafem.calibration.topography.radii import pooled
 from metafem.calibration.topography.summits import hills
 from metafem.errors import InvalidInput
 from metafem.notes import Note
@@ -120,7 +117,6 @@ class MadeSurface(Value):
         )
 
 
-@checked_call
 def measured_surface(
     height_map: ArrayLike,
     pixel_size: float | tuple[float, float],

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import ndimage
 
 from metafem._validate import FloatArray
 from metafem.calibration.topography.caps import Cap
@@ -36,8 +37,6 @@ class Hills:
 
 def hills(found: Cells, levelling: Levelling, lowest: float, radius: float) -> Hills:
     """Return the hills of a map; `lowest` is the least height of a cap, `radius` that of the design [mm]."""
-    from scipy import ndimage
-
     x, y = np.meshgrid(found.x, found.y)
     above = found.mean - levelling.base(x, y)
     with np.errstate(invalid="ignore"):

@@ -124,7 +124,7 @@ def calibrate(
 
     Example: metafem calibrate compression.csv shear.csv --contacts 5 --radius "526 um" --radius-sd "5 um"
     """
-    from metafem.calibration.figure import calibration_figure
+    from metafem.calibration.figures import calibration_figure
     from metafem.files import (
         block_text,
         calibration_data,

@@ -12,7 +12,13 @@ from metafem.errors import InvalidInput
 
 if TYPE_CHECKING:
     from metafem._given import ErrorNames
-    from metafem.calibration import ContactCalibration, MeasurementErrors, ShearCalibration, StrengthFit
+    from metafem.calibration import (
+        Bootstrap,
+        ContactCalibration,
+        MeasurementErrors,
+        ShearCalibration,
+        StrengthFit,
+    )
     from metafem.files import CalibrationData
     from metafem.surface import Surface
 
@@ -100,26 +106,22 @@ def fitted_contact(
         raise InvalidInput(f"--contacts {count}: the tables hold {single} contacts one by one; leave it out")
     try:
         with error_names(replace(names, places=points.place)):
-            surface = _surface(measured, options, radius)
-            model = None
-            if options["model"] is not None:
-                model = chosen_model(mf.Independent(), options["model"], options["contact"])
-            cap = chosen_model(mf.Independent(), None, options["contact"]).contact  # type: ignore[attr-defined]
-            return mf.calibration.contact(
+            sample = mf.calibration.Sample(
+                contacts=single or count or 1,
+                radius_sd=radius_sd,
+                poisson_ratio=options["poisson_ratio"],
+                model=chosen_model(mf.Independent(), options["model"], options["contact"]),
+                surface=_surface(measured, options, radius),
+            )
+            return mf.calibration.fit_compression(
                 points.load,
                 points.area,
                 radius,
-                contacts=single or count or 1,
-                radius_sd=radius_sd,
+                sample,
                 errors=errors,
                 test=points.test,
-                poisson_ratio=options["poisson_ratio"],
-                model=model,
-                contact=None if model is not None else cap,
-                surface=surface,
                 robust=options["robust"],
-                bootstrap=options["bootstrap"] or 0,
-                rng=options["seed"],
+                bootstrap=_bootstrap(options),
             )
     except InvalidInput as error:
         raise of_files(error, sources) from None
@@ -164,6 +166,13 @@ def _surface(measured: CalibrationData, options: Mapping[str, Any], radius: floa
     return surface
 
 
+def _bootstrap(options: Mapping[str, Any]) -> Bootstrap | None:
+    """Return the bootstrap of the options."""
+    from metafem.calibration import Bootstrap
+
+    return None if options["bootstrap"] is None else Bootstrap(options["bootstrap"], options["seed"])
+
+
 def fitted_shear(
     measured: CalibrationData,
     options: Mapping[str, Any],
@@ -187,8 +196,7 @@ def fitted_shear(
                 points.friction_force,
                 errors=errors,
                 test=points.test,
-                bootstrap=options["bootstrap"] or 0,
-                rng=options["seed"],
+                bootstrap=_bootstrap(options),
             )
     except InvalidInput as error:
         raise of_files(error, sources) from None

@@ -98,7 +98,7 @@ def images(
 
     Example: metafem images pictures --pixel "5.3 um" --forces forces.csv -o contacts.csv --picture found.png
     """
-    from metafem.calibration.sites.figure import found_figure
+    from metafem.calibration.figures import found_figure
     from metafem.files import (
         Images,
         contacts_table,

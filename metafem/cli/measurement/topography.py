@@ -106,8 +106,7 @@ def topography(
         correction = _correction(design, made, corrected)
         law = mf.friction_law(made.surface, design.law.model, load=design.law.load)
         if picture is not None:
-            from metafem.calibration.topography.picture import made_figure
-            from metafem.calibration.topography.residual import residuals
+            from metafem.calibration.figures import made_figure, residuals
 
             rest = residuals(stored.values, stored.pixel, made, mould)
             figure = made_figure(made, correction, rest, design.law, law)
@@ -144,10 +143,10 @@ def _names(height_map: Path, folder: Path, pixel: str | None, height_unit: str |
 
 def _correction(design: Design, made: MadeSurface, wanted: Path | None) -> Correction | None:
     """Return the correction; None if there are too few asperities for one and none is asked for."""
-    from metafem.calibration import corrected
+    from metafem.calibration import corrected_heights
 
     try:
-        return corrected(design, made)
+        return corrected_heights(design, made)
     except InvalidInput:
         if wanted is not None:
             raise

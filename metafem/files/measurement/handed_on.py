@@ -82,8 +82,8 @@ def calibration_data(
                 {
                     "test": test.name,
                     "points": test.points,
-                    "composite_modulus_MPa": test.composite_modulus,
-                    "composite_modulus_sd_MPa": test.composite_modulus_sd,
+                    "composite_modulus_MPa": _known(test.value[0]),
+                    "composite_modulus_sd_MPa": _known(test.sd[0]),
                 }
                 for test in contact.tests
             ],
@@ -106,10 +106,10 @@ def calibration_data(
                 {
                     "test": test.name,
                     "points": test.points,
-                    "area_ratio": test.area_ratio,
-                    "area_ratio_sd": test.area_ratio_sd,
-                    "shear_strength_MPa": test.shear_strength,
-                    "shear_strength_sd_MPa": test.shear_strength_sd,
+                    "area_ratio": _known(test.value[0]),
+                    "area_ratio_sd": _known(test.sd[0]),
+                    "shear_strength_MPa": _known(test.value[1]),
+                    "shear_strength_sd_MPa": _known(test.sd[1]),
                 }
                 for test in shear.tests
             ],
@@ -177,19 +177,17 @@ def is_calibration(content: bytes) -> bool:
     return content.startswith(b'{"kind": "' + KIND.encode() + b'"')
 
 
+def _known(value: float) -> float | None:
+    """Return a number, None where it was not determined."""
+    return None if math.isnan(value) else float(value)
+
+
 def _verdict(found: Verdict) -> dict[str, Any]:
-    return {
-        "fits": found.fits,
-        "chi_square": found.chi_square,
-        "freedom": found.freedom,
-        "probability": found.probability,
-        "runs": found.runs,
-        "runs_probability": found.runs_probability,
-        "correlation": found.correlation,
-        "correlation_probability": found.correlation_probability,
-        "largest": found.largest,
-        "largest_probability": found.largest_probability,
-    }
+    data: dict[str, Any] = {"fits": found.fits, "freedom": found.freedom}
+    for test in found.tests:
+        probability = "probability" if test.name == "chi_square" else f"{test.name}_probability"
+        data |= {test.name: test.statistic, probability: test.probability}
+    return data
 
 
 def _heterogeneity(found: Heterogeneity | None) -> dict[str, Any] | None:

@@ -12,8 +12,7 @@ import numpy as np
 from metafem._given import ErrorNames, error_names, printable
 from metafem._validate import FloatArray
 from metafem.calibration import ContactTable, ShearRecord, shear_record
-from metafem.calibration.compression.images import pressed_images
-from metafem.calibration.sheared.images import sheared_points
+from metafem.calibration.contact_table import pressed_images, sheared_points
 from metafem.errors import InvalidInput
 from metafem.files.csv_rows import Table, read_table
 from metafem.files.measurement.contacts import read_contacts

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from metafem.calibration import ContactTable
-from metafem.calibration.compression.images import pressed_images
+from metafem.calibration.contact_table import pressed_images
 
 
 def table(area, load=None, matched=False):

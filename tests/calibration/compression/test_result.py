@@ -6,12 +6,14 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.calibration import contact
+from metafem.calibration import fit_compression
 from metafem.calibration.bounded_interval import WIDTH
 
 A = np.linspace(0.08, 0.4, 20)
 AREA = math.pi * A**2
-FOUND = contact(1.36 * 4.0 / 3.0 * A**3 / 0.526 - np.sqrt(8.0 * math.pi * 9e-6 * 1.36 * A**3), AREA, 0.526)
+FOUND = fit_compression(
+    1.36 * 4.0 / 3.0 * A**3 / 0.526 - np.sqrt(8.0 * math.pi * 9e-6 * 1.36 * A**3), AREA, 0.526
+)
 
 
 def test_intervals_follow_from_the_covariance():
@@ -26,7 +28,7 @@ def test_intervals_follow_from_the_covariance():
 
 def test_no_interval_of_the_modulus_is_below_zero():
     a = np.array([0.05, 0.06, 0.08])
-    found = contact(4.0 / 3.0 * 1.36 * a**3 / 0.526, np.pi * a**2, 0.526)
+    found = fit_compression(4.0 / 3.0 * 1.36 * a**3 / 0.526, np.pi * a**2, 0.526)
     assert np.sqrt(found.root_covariance[0, 0]) > found.composite_modulus
     low, high = found.composite_modulus_interval
     assert 0.0 <= low < found.composite_modulus < high

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.calibration import contact
+from metafem.calibration import Sample, fit_compression
 from metafem.calibration.compression.scene import cap_curve, sample_curve
 
 RADIUS = 0.526
@@ -29,7 +29,7 @@ def states_of(surface, model, area=AREA):
 def test_independent_caps_of_one_height_have_the_curve_of_the_cap(cap, one_by_one):
     small = AREA[:15]
     area = np.repeat(small[:, None], 5, axis=1) if one_by_one else small[:, None]
-    found = sample_curve(SAMPLE_OF_ONE, None, cap, area, one_by_one).load_and_slope(area)
+    found = sample_curve(SAMPLE_OF_ONE, mf.Independent(contact=cap), area, one_by_one).load_and_slope(area)
     alone = cap_curve(cap, RADIUS).load_and_slope(area)
     assert found[0] == pytest.approx(alone[0], rel=1e-7)
     assert found[1] == pytest.approx(alone[1], rel=1e-5)
@@ -50,8 +50,10 @@ def test_the_model_of_the_data_gives_their_modulus_back(model):
         block=mf.Block(20.0, 20.0, 7.2),
     )  # fmt: skip
     load, area = states_of(close, model)
-    total = contact(load, area.sum(axis=1), RADIUS, contacts=5, model=model, surface=close)
-    single = contact(load, area, RADIUS, contacts=5, model=model, surface=close)
+    total = fit_compression(
+        load, area.sum(axis=1), RADIUS, sample=Sample(contacts=5, model=model, surface=close)
+    )
+    single = fit_compression(load, area, RADIUS, sample=Sample(contacts=5, model=model, surface=close))
     assert total.composite_modulus == pytest.approx(1.36, rel=1e-7)
     assert single.composite_modulus == pytest.approx(1.36, rel=1e-7)
     assert abs(total.adhesion_root) < 1e-8
@@ -62,7 +64,12 @@ def test_adhesive_contacts_that_interact_give_w_back(substrate):
     adhesive = mf.Interacting(substrate=substrate, contact=mf.JKR(9e-6))
     load = 5.0 * (1.36 * 4.0 / 3.0 * A**3 / RADIUS - np.sqrt(8.0 * math.pi * 9e-6 * 1.36 * A**3))
     area = mf.friction_law(SAMPLE, adhesive, load=load).area
-    found = contact(load, area, RADIUS, contacts=5, model=mf.Interacting(substrate=substrate), surface=SAMPLE)
+    found = fit_compression(
+        load,
+        area,
+        RADIUS,
+        sample=Sample(contacts=5, model=mf.Interacting(substrate=substrate), surface=SAMPLE),
+    )
     # the adhesion of the fit is that of contacts far apart
     assert found.composite_modulus == pytest.approx(1.36, rel=1e-5)
     assert found.adhesion_energy == pytest.approx(9e-6, rel=3e-4)
@@ -72,7 +79,7 @@ def test_neighbours_change_the_modulus_by_their_curvature_alone():
     # order 3: 1/R_i = 1/R + sum_j P_j/(2 pi E* r^3), for equal caps P(a) = E* 4 a^3/3 (1/R + k)
     pair = mf.Surface([[0.0, 0.0], [1.5, 0.0]], [0.4, 0.4], RADIUS, mf.Material(1.0))
     area = np.array([[0.1], [0.2]])
-    load, _ = sample_curve(pair, mf.Interacting(), mf.Hertz(), area, False).load_and_slope(area)
+    load, _ = sample_curve(pair, mf.Interacting(), area, False).load_and_slope(area)
     alone, _ = cap_curve(mf.Hertz(), RADIUS).load_and_slope(area)
     # the contacts move apart along the slope of the field, by R P/(pi r^2)
     distance = 1.5 + 2.0 * RADIUS * alone / (math.pi * 1.5**2)
@@ -82,7 +89,12 @@ def test_neighbours_change_the_modulus_by_their_curvature_alone():
 
 def test_the_samples_radius_is_changed_with_the_radius():
     load, area = states_of(SAMPLE, LAYER)
-    found = contact(load, area.sum(axis=1), RADIUS, contacts=5, model=LAYER, surface=SAMPLE, radius_sd=0.005)
+    found = fit_compression(
+        load,
+        area.sum(axis=1),
+        RADIUS,
+        sample=Sample(contacts=5, radius_sd=0.005, model=LAYER, surface=SAMPLE),
+    )
     assert found.radius_change[0] == pytest.approx(1.36 * 0.005 / RADIUS, rel=1e-3)
 
 
@@ -90,20 +102,22 @@ def test_a_taller_cap_carries_more():
     height = np.array([0.4, 0.4, 0.4, 0.4, 0.41])
     uneven = mf.Surface(POSITION, height, RADIUS, mf.Material(1.36))
     load, area = states_of(uneven, mf.Independent())
-    found = contact(load, area, RADIUS, contacts=5, surface=uneven)
+    found = fit_compression(load, area, RADIUS, sample=Sample(contacts=5, surface=uneven))
     assert found.composite_modulus == pytest.approx(1.36, rel=1e-6)
-    total = contact(load, area.sum(axis=1), RADIUS, contacts=5, surface=uneven)
+    total = fit_compression(load, area.sum(axis=1), RADIUS, sample=Sample(contacts=5, surface=uneven))
     assert total.composite_modulus == pytest.approx(1.36, rel=1e-4)
-    assert total.verdict.chi_square < 1e-3
-    even = contact(load, area.sum(axis=1), RADIUS, contacts=5)
-    assert even.verdict.chi_square > 1e3 * total.verdict.chi_square
+    assert total.verdict["chi_square"].statistic < 1e-3
+    even = fit_compression(load, area.sum(axis=1), RADIUS, sample=Sample(contacts=5))
+    assert even.verdict["chi_square"].statistic > 1e3 * total.verdict["chi_square"].statistic
 
 
 @pytest.mark.slow
 def test_the_block_with_free_sides_is_a_model_of_the_sample():
     model = mf.Interacting(substrate=mf.fe.Block3D(cell=0.5, edge_cell=0.05))
     load, area = states_of(SAMPLE, model)
-    found = contact(load, area.sum(axis=1), RADIUS, contacts=5, model=model, surface=SAMPLE)
+    found = fit_compression(
+        load, area.sum(axis=1), RADIUS, sample=Sample(contacts=5, model=model, surface=SAMPLE)
+    )
     assert found.composite_modulus == pytest.approx(1.36, rel=1e-7)
 
 
@@ -126,5 +140,7 @@ def test_the_block_with_free_sides_is_a_model_of_the_sample():
 )
 def test_wrong_samples_are_named(arguments, message):
     usual = {"load": AREA**1.5, "area": 5.0 * AREA, "radius": RADIUS, "contacts": 5, "surface": SAMPLE}
+    given = usual | arguments
+    points = [given.pop(name) for name in ("load", "area", "radius")]
     with pytest.raises(mf.InvalidInput, match=message):
-        contact(**(usual | arguments))
+        fit_compression(*points, Sample(**given))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from metafem.calibration.diagnosis.causes import Causes
-from metafem.calibration.diagnosis.unresolved import unresolved
+from metafem.calibration.diagnosis.shares import unresolved
 from tests.calibration.diagnosis.scenes import COMMON, ERRORS, LOADS, design
 
 

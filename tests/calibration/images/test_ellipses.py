@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from metafem.calibration.images.ellipses import compactness
+from metafem.calibration.images.boundary import compactness
 
 
 @pytest.mark.parametrize(("a", "b", "angle"), [(3.0, 3.0, 0.0), (5.0, 2.0, 0.3), (9.0, 1.0, 1.2)])

@@ -36,7 +36,7 @@ def measured_on(design, load, factor=1.0, rng=None, **given):
 def test_a_part_that_is_the_design_has_no_deviation(linear):
     found = compare(measured_on(linear, np.linspace(0.02, 0.6, 12)), linear)
     np.testing.assert_allclose(found.percent, 0.0, atol=1e-9)
-    assert found.verdict.chi_square == pytest.approx(0.0, abs=1e-15)
+    assert found.verdict["chi_square"].statistic == pytest.approx(0.0, abs=1e-15)
     (slope,) = found.features
     assert slope.value == pytest.approx(slope.predicted, rel=1e-12)
     assert slope.target == 6.87
@@ -89,7 +89,7 @@ def test_deviations_have_the_stated_covariance(linear):
 def test_the_part_that_is_the_design_is_accepted_as_often_as_stated(linear):
     rng, load = np.random.default_rng(2), np.linspace(0.05, 0.6, 10)
     verdicts = [compare(measured_on(linear, load, rng=rng), linear).verdict for _ in range(200)]
-    share = np.mean([verdict.probability < 0.2 for verdict in verdicts])
+    share = np.mean([verdict["chi_square"].probability < 0.2 for verdict in verdicts])
     assert abs(share - 0.2) < 4.0 * np.sqrt(0.2 * 0.8 / 200)
     assert np.mean([verdict.fits for verdict in verdicts]) > 0.93
 

@@ -167,7 +167,6 @@ def test_loads_with_an_unknown_contact_are_used_for_what_they_tell():
         ({"asperity_area": -np.ones((3, 2))}, r"asperity_area\[0, 0\] = -1 must be at least 0"),
         ({"friction_force": None, "area": [0.1, np.nan, 0.3]}, "area holds nan at entry 1"),
         ({"area": [0.0, 0.0, 0.0]}, "there is no contact"),
-        ({"loads": [1.0]}, "has no argument loads; did you mean load"),
     ],
 )  # fmt: skip
 def test_what_is_no_law_is_refused_by_name(changed, words):

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.calibration import MeasuredLaw, branches, segmented
-from metafem.calibration.measured_law.bent_line import Points
-from metafem.calibration.measured_law.growth import REGULAR_GROWTH, growths
+from metafem.calibration import MeasuredLaw, branches, fit_segments
+from metafem.calibration.measured_law.bent_line import REGULAR_GROWTH, Points, growths
 
 LOAD = np.linspace(0.01, 0.19, 19)
 
@@ -24,24 +23,24 @@ def law_of(x=LOAD, noise=0.0, crossover=0.1, sx=3e-3, sy=8e-3, seed=0):
 
 
 def test_two_lines_are_found_with_their_crossover():
-    found = segmented(law_of())
+    found = fit_segments(law_of())
     np.testing.assert_allclose(found.slopes, (7.0, 12.5), rtol=1e-3)
     assert found.crossover_load == pytest.approx(0.1, rel=1e-3)
     assert found.crossover_friction == pytest.approx(0.7, rel=1e-3)
     assert found.crossover_interval[0] < 0.1 < found.crossover_interval[1]
     for slope, (low, high) in zip(found.slopes, found.slope_intervals, strict=True):
         assert low < slope < high
-    assert segmented(law_of(noise=1.0)).verdict.fits
+    assert fit_segments(law_of(noise=1.0)).verdict.fits
     assert "crossover 0.1 (" in repr(found)
 
 
 def test_the_same_law_gives_the_same_intervals_to_the_bit():
-    assert segmented(law_of(noise=1.0)) == segmented(law_of(noise=1.0))
+    assert fit_segments(law_of(noise=1.0)) == fit_segments(law_of(noise=1.0))
 
 
 def test_a_slope_has_the_error_of_a_straight_line_where_the_crossover_is_certain():
     """With errors a hundred times smaller, each branch is a line of its own with the usual standard error."""
-    found = segmented(law_of(sx=3e-5, sy=8e-5))
+    found = fit_segments(law_of(sx=3e-5, sy=8e-5))
     x = LOAD[LOAD <= 0.1]
     sd = np.hypot(8e-5, 7.0 * 3e-5) / np.sqrt(((x - x.mean()) ** 2).sum())
     low, high = found.slope_intervals[0]
@@ -66,7 +65,7 @@ def test_a_law_with_one_branch_has_no_bounded_crossover():
     one = MeasuredLaw(
         x, area=7.0 * x, load_sd=np.full(19, 3e-3), area_sd=np.full(19, 8e-3), material=mf.Material(1.0)
     )
-    found = segmented(one)
+    found = fit_segments(one)
     assert any("do not bound the crossover" in note.text for note in found.notes)
     with pytest.raises(mf.InvalidInput, match="the law has one branch"):
         branches(one)
@@ -87,7 +86,7 @@ def test_intervals_of_the_function_cover_as_stated():
     """The loop of a user over simulated laws; the claim computes many laws together without the ends."""
     trials, inside = 60, np.zeros(3)
     for seed in range(trials):
-        found = segmented(law_of(noise=1.0, crossover=0.097, seed=seed), draws=500)
+        found = fit_segments(law_of(noise=1.0, crossover=0.097, seed=seed), draws=500)
         truth = (0.097, 7.0, 12.5)
         intervals = (found.crossover_interval, *found.slope_intervals)
         inside += [low <= value <= high for value, (low, high) in zip(truth, intervals, strict=True)]
@@ -98,11 +97,11 @@ def test_intervals_of_the_function_cover_as_stated():
 @pytest.mark.parametrize(
     ("call", "words"),
     [
-        (lambda: segmented(law_of(LOAD[:6])), "law has 6 points; two lines that meet need at least 7"),
-        (lambda: segmented(law_of(), draws=5), "draws = 5 must be a whole number of at least 100"),
-        (lambda: segmented(LOAD), "must be a metafem.calibration.MeasuredLaw"),
+        (lambda: fit_segments(law_of(LOAD[:6])), "law has 6 points; two lines that meet need at least 7"),
+        (lambda: fit_segments(law_of(), draws=5), "draws = 5 must be a whole number of at least 100"),
+        (lambda: fit_segments(LOAD), "must be a metafem.calibration.MeasuredLaw"),
         (
-            lambda: segmented(law_of(np.repeat([0.1, 0.2], 4))),
+            lambda: fit_segments(law_of(np.repeat([0.1, 0.2], 4))),
             "law has 2 different loads; two lines that meet need 4",
         ),
         (lambda: branches(law_of(LOAD[:5])), "law has 5 points; two branches need at least 6"),

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from metafem.calibration import ContactTable, MeasurementErrors, shear
-from metafem.calibration.sheared.images import sheared_points
+from metafem.calibration.contact_table import sheared_points
 
 LIMIT = 0.01
 

@@ -2,7 +2,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from metafem.calibration.sites.similarity import Similarity, complex_points, fitted, real_points
+from metafem.calibration.sites.search import Similarity, complex_points, fitted, real_points
 
 
 @settings(deadline=None)

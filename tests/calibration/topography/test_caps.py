@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.calibration.topography.radii import pooled
+from metafem.calibration.topography.caps import pooled
 from validation.scenes.cap_bound import smallest_errors
 from validation.scenes.height_maps import Placement, Roughness, height_map
 

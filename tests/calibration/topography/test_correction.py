@@ -22,7 +22,7 @@ def systematic(surface, design, true=TRUE):
 def test_a_part_made_with_exact_corrected_heights_is_the_design():
     design = lattice(np.random.default_rng(0))
     made = made_surface(design, systematic(design, design), sd=0.0)
-    correction = mf.calibration.corrected(design, made)
+    correction = mf.calibration.corrected_heights(design, made)
     again = correction.surface.height + systematic(correction.surface, design)
     np.testing.assert_allclose(again, design.height, atol=1e-13)
     assert correction.expected_error < 1e-12
@@ -34,7 +34,7 @@ def test_terms_and_random_errors_of_many_parts():
     for _ in range(60):
         design = lattice(rng)
         made = made_surface(design, systematic(design, design) + rng.normal(0.0, 0.9e-3, 64))
-        correction = mf.calibration.corrected(design, made)
+        correction = mf.calibration.corrected_heights(design, made)
         kept.append(correction.terms)
         found = dict(
             zip(correction.terms, zip(correction.value, correction.value_sd, strict=True), strict=True)
@@ -58,7 +58,7 @@ def test_random_errors_alone_are_not_corrected():
     rng = np.random.default_rng(2)
     design = lattice(rng)
     error = rng.normal(0.0, 0.9e-3, 64)
-    correction = mf.calibration.corrected(design, made_surface(design, error))
+    correction = mf.calibration.corrected_heights(design, made_surface(design, error))
     assert correction.terms == ()
     np.testing.assert_array_equal(correction.surface.height, design.height)
     assert correction.expected_error == pytest.approx(0.9e-3, rel=0.2)
@@ -70,14 +70,14 @@ def test_a_bow_is_found_and_a_missing_asperity_is_corrected_too():
     bow = 1e-4 * (design.position**2).sum(axis=1)
     site = np.arange(1, 64)
     made = made_surface(design, bow[1:], sd=0.0, site=site)
-    correction = mf.calibration.corrected(design, made)
+    correction = mf.calibration.corrected_heights(design, made)
     np.testing.assert_allclose(correction.surface.height, design.height - bow, atol=1e-12)
     assert "1 of the asperities were not measured" in str(correction.notes[0])
 
 
 def test_few_asperities_of_one_height_determine_only_an_offset():
     design = mf.Surface.square_lattice(0.1, (1, 3), radius=0.526, material=mf.Material(1.36))
-    correction = mf.calibration.corrected(design, made_surface(design, np.full(3, 2e-3), sd=0.0))
+    correction = mf.calibration.corrected_heights(design, made_surface(design, np.full(3, 2e-3), sd=0.0))
     assert correction.terms == ("offset",)
     assert "scale, tilt, bow" in str(correction.notes[0])
 
@@ -86,7 +86,7 @@ def test_radii_and_impossible_heights_are_noted():
     design = mf.Surface.square_lattice([0.001, 0.1, 0.1], (1, 3), radius=0.526, material=mf.Material(1.36))
     made = made_surface(design, np.full(3, 2e-3), sd=0.0)
     made = type(made)(**{**vars(made), "surface": made.surface.replaced(radius=0.536)})
-    text = "\n".join(map(str, mf.calibration.corrected(design, made).notes))
+    text = "\n".join(map(str, mf.calibration.corrected_heights(design, made).notes))
     assert "the radii are 0.01 mm larger than designed (1.9 %)" in text
     assert "the corrected height of asperity 0 is -0.001 mm: it cannot be made" in text
 
@@ -95,7 +95,7 @@ def test_a_design_can_be_saved_with_corrected_heights(tmp_path):
     template = mf.Surface.square_lattice(0.12, (4, 4), radius=0.526, material=mf.Material(1.36))
     design = mf.design(mf.LinearLaw(6.87), template)
     made = made_surface(design.surface, np.full(design.surface.count, -1e-4), sd=1e-6)
-    correction = mf.calibration.corrected(design, made)
+    correction = mf.calibration.corrected_heights(design, made)
     mf.save(correction.design, tmp_path / "next")
     stored = mf.load(tmp_path / "next")
     np.testing.assert_allclose(stored.surface.height, design.surface.height + 1e-4, rtol=1e-12)
@@ -114,10 +114,10 @@ def test_what_cannot_be_corrected_is_refused(change, message):
     design = lattice(np.random.default_rng(4))
     given = {"design": design, "made": made_surface(design, np.zeros(64)), **change}
     with pytest.raises(mf.InvalidInput, match=message):
-        mf.calibration.corrected(**given)
+        mf.calibration.corrected_heights(**given)
 
 
 def test_two_asperities_are_too_few():
     design = mf.Surface.square_lattice(0.1, (1, 2), radius=0.526, material=mf.Material(1.36))
     with pytest.raises(mf.InvalidInput, match="2 asperities"):
-        mf.calibration.corrected(design, made_surface(design, np.zeros(2)))
+        mf.calibration.corrected_heights(design, made_surface(design, np.zeros(2)))

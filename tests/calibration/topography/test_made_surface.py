@@ -83,7 +83,7 @@ def test_a_common_radius_reduces_the_errors_of_the_heights(rough):
     assert np.ptp(common.surface.radius) == 0.0
     assert np.abs(common.height_error / common.height_sd).max() < 4.0
     # one radius has no scatter, but an error
-    assert "the radii are" not in str(mf.calibration.corrected(DESIGN, common).notes)
+    assert "the radii are" not in str(mf.calibration.corrected_heights(DESIGN, common).notes)
 
 
 def test_missing_summits_and_hills_are_named(rough):

@@ -3,8 +3,7 @@
 import numpy as np
 
 import metafem as mf
-from metafem.calibration.topography.picture import made_figure
-from metafem.calibration.topography.residual import residuals
+from metafem.calibration.figures import made_figure, residuals
 from validation.scenes.height_maps import Roughness, height_map
 
 DESIGN = mf.Surface.square_lattice([0.05, 0.12, 0.2], (1, 3), radius=0.526, material=mf.Material(1.36))
@@ -29,7 +28,7 @@ def test_the_figure_has_four_pictures():
     made = mf.calibration.measured_surface(rough, PIXEL, DESIGN)
     rest = residuals(rough, (PIXEL, PIXEL), made)
     law = mf.friction_law(DESIGN)
-    correction = mf.calibration.corrected(DESIGN, made)
+    correction = mf.calibration.corrected_heights(DESIGN, made)
     figure = made_figure(made, correction, rest, law, mf.friction_law(made.surface, load=law.load))
     titles = [ax.get_ylabel() for ax in figure.axes]
     assert titles[2:4] == ["height error [µm]", "rescaled friction  F/(σB) [mm²]"]

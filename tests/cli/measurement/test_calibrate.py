@@ -60,7 +60,8 @@ def test_all_parameters_are_printed_and_written(run, tables):
 
 def test_the_numbers_are_those_of_the_python_functions(run, tables):
     data = json.loads(run("calibrate", "compression.csv", "shear.csv", *RADIUS, "--json").stdout)
-    exact = mf.calibration.contact(LOAD, AREA, 0.526, contacts=5, radius_sd=0.005)
+    sample = mf.calibration.Sample(contacts=5, radius_sd=0.005)
+    exact = mf.calibration.fit_compression(LOAD, AREA, 0.526, sample)
     assert data["composite_modulus_interval_MPa"] == pytest.approx(exact.composite_modulus_interval)
     assert data["adhesion_energy_interval_N_per_mm"] == pytest.approx(exact.adhesion_energy_interval)
     sheared = mf.calibration.shear(AREA, 0.85 * AREA, 0.3145 * AREA)

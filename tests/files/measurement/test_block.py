@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.calibration import contact, shear
+from metafem.calibration import fit_compression, shear
 from metafem.files import block_text, demo_text, is_block
 
 A = np.linspace(0.08, 0.4, 20)
@@ -20,7 +20,7 @@ SHEARED = shear(AREA, 0.85 * AREA, 0.3145 * AREA)
 def pressed(energy, **options):
     """Return the calibration of exact points with an adhesion energy [N/mm]."""
     load = 1.36 * 4.0 / 3.0 * A**3 / 0.526 - ROOT * math.sqrt(energy * 1.36) * A**1.5
-    return contact(load, AREA, 0.526, **options)
+    return fit_compression(load, AREA, 0.526, **options)
 
 
 def read_back(text, tmp_path):
@@ -66,7 +66,7 @@ def test_a_table_of_a_cap_stays_named():
 def test_without_adhesion_the_modulus_is_that_of_no_adhesion(tmp_path):
     rising = pressed(1e-5)
     load = 2.0 * 1.36 * 4.0 / 3.0 * A**3 / 0.526 - rising.load  # on the other side of the law
-    found = contact(load, AREA, 0.526)
+    found = fit_compression(load, AREA, 0.526)
     assert found.adhesion_energy == 0.0
     spec = read_back(block_text(found, None, ["a.csv"]), tmp_path)
     assert spec.model.contact == mf.Hertz()

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from metafem.calibration import contact
+from metafem.calibration import fit_compression
 from metafem.errors import InvalidInput
 from metafem.files.measurement.handed_on import KIND, calibration_data, read_handed_on
 
@@ -48,6 +48,6 @@ def test_damaged_files_are_refused(written, parameters, values, covariance):
 @pytest.mark.parametrize("draws", [0, 1])
 def test_a_bootstrap_of_which_no_two_draws_have_a_fit_has_no_spread(draws):
     a = np.linspace(0.08, 0.4, 5)
-    found = contact(1.36 * 4.0 / 3.0 * a**3 / 0.526, np.pi * a**2, 0.526)
+    found = fit_compression(1.36 * 4.0 / 3.0 * a**3 / 0.526, np.pi * a**2, 0.526)
     data = calibration_data(replace(found, bootstrap=np.ones((draws, 2))), None, ["a.csv"], {})
     assert data["compression_bootstrap_sd"] is None

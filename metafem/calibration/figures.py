@@ -1,0 +1,160 @@
+"""Figures of measurements: calibrations, contacts found in an image, and made surfaces."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from metafem._validate import FloatArray
+from metafem.calibration.topography.cells import HeightMap, cells
+from metafem.drawing import calibration as lines
+from metafem.drawing import contacts as drawing
+from metafem.drawing import new_figure, topography
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from metafem.calibration.compression.result import ContactCalibration
+    from metafem.calibration.images.contact_areas import ContactAreas
+    from metafem.calibration.sheared.full_contact import StrengthFit
+    from metafem.calibration.sheared.result import ShearCalibration
+    from metafem.calibration.sites.tracking import TrackedContacts
+    from metafem.calibration.topography.correction import Correction
+    from metafem.calibration.topography.made_surface import MadeSurface
+    from metafem.prediction import FrictionLaw
+
+# Most cells of the picture of a map along one axis; their means show more than rough single pixels do.
+MOST = 300
+
+
+def calibration_figure(
+    contact: ContactCalibration | None, shear: ShearCalibration | None, strength: StrengthFit | None = None
+) -> Figure:
+    """Return the figure of the calibrations that are given."""
+    columns = (contact is not None) + 2 * (shear is not None) + (strength is not None)
+    figure, axes = lines.with_residuals(columns)
+    places = iter(axes)
+    if contact is not None:
+        law, below = next(places)
+        contact.plot(law)
+        lines.residuals(below, contact.load, contact.residual)
+        law.set_title(f"E* = {contact.composite_modulus:.4g} MPa")
+    if shear is not None:
+        law, below = next(places)
+        shear.plot(law, "area")
+        lines.residuals(below, shear.area_before, shear.area_residual)
+        law.set_title(f"B = {shear.area_ratio:.4g}")
+        law, below = next(places)
+        shear.plot(law, "friction")
+        lines.residuals(below, shear.area_sheared, shear.friction_residual)
+        law.set_title(f"σ = {shear.shear_strength:.4g} MPa")
+    if strength is not None:
+        law, below = next(places)
+        strength.plot(law)
+        lines.residuals(below, strength.area, strength.residual)
+        law.set_title(f"full contact: σ = {strength.shear_strength:.4g} MPa")
+    for law, below in axes:
+        below.set_xlabel(law.get_xlabel())
+        law.set_xlabel("")
+    return figure
+
+
+def found_figure(
+    image: NDArray[Any], areas: ContactAreas, tracked: TrackedContacts, index: int, sheared: bool = False
+) -> Figure:
+    """Return a figure of an image of a stack with its contacts, their numbers and the open sites."""
+    placed = (tracked.placed_sheared if sheared else tracked.placed)[index]
+    pixel = areas.pixel_size
+    figure = drawing.picture_figure(*image.shape[::-1])
+    ax = figure.add_subplot()
+    drawing.picture(ax, image, pixel)
+    measured = np.zeros(areas.count, dtype=bool) if placed is None else placed.site >= 0
+    flagged = ~areas.complete
+    for which, colour, label in (
+        (measured & ~areas.saturated, drawing.MEASURED, "measured"),
+        (flagged | (measured & areas.saturated), drawing.FLAGGED, "at the edge, merged or saturated"),
+        (~measured & ~flagged, drawing.STRAY, "of no site"),
+    ):
+        drawing.outlines(ax, areas.centre[which], areas.axes[which], areas.angle[which], colour, label)
+    if placed is not None:
+        table = tracked.table
+        number = table.site if table.matched else table.site + 1
+        spoilt = {site for site, _ in placed.spoilt}
+        sites = np.arange(len(number))
+        away = placed.position.copy()
+        matched = placed.site >= 0
+        # beside a contact, outside its outline
+        half = 0.75 * areas.axes[matched, :1] * [1.0, -1.0]
+        away[placed.site[matched]] = areas.centre[matched] + half
+        closed, flagged = np.isin(sites, placed.site), np.isin(sites, list(spoilt))
+        opened = ~closed & ~flagged & ~placed.outside
+        drawing.crosses(ax, placed.position[opened], "open")
+        for which, colour in (
+            (closed, drawing.MEASURED),
+            (flagged, drawing.FLAGGED),
+            (opened, drawing.OPEN),
+        ):
+            drawing.numbers(ax, away[which], [str(n) for n in number[which]], colour)
+    what = "site" if tracked.table.matched else "contact"
+    drawing.heading(ax, f"{tracked.table.image[index]}: numbers are those of the column {what}")
+    return figure
+
+
+@dataclass(frozen=True, eq=False)
+class Residuals:
+    """Heights minus base plane and spheres (rows, columns) [mm], and width and height of the map [mm]."""
+
+    values: FloatArray
+    width: float
+    height: float
+
+
+def residuals(
+    values: NDArray[np.floating], pixel: tuple[float, float], made: MadeSurface, mould: bool = False
+) -> Residuals:
+    """Return the mean residuals in square cells of the map on which a made surface was measured.
+
+    Base plane and spheres are subtracted from each pixel: over a cell of the side s, the mean of a sphere is
+    s^2 / (12 R) lower than its height in the middle.
+    """
+    height_map = HeightMap(values, pixel, -1.0 if mould else 1.0)
+    found = cells(height_map, math.ceil(max(values.shape) / MOST), partial(_expected, height_map, made))
+    return Residuals(found.mean, pixel[0] * values.shape[1], pixel[1] * values.shape[0])
+
+
+def _expected(height_map: HeightMap, made: MadeSurface, rows: slice, columns: slice) -> FloatArray:
+    """Return base plane and spheres on the pixels in rows and columns, which start at column 0."""
+    x, y = height_map.x(columns), height_map.y(rows)
+    result = made.levelling.base(x[None, :], y[:, None])
+    for centre, height, radius in zip(
+        made.on_map, made.surface.height.tolist(), made.surface.radius.tolist(), strict=True
+    ):
+        foot = math.sqrt(max(height * (2.0 * radius - height), 0.0))
+        row, column = height_map.window(centre, foot + max(height_map.pixel))
+        row = slice(max(row.start - rows.start, 0), max(row.stop - rows.start, 0))
+        square = (x[column] - centre[0]) ** 2 + (y[row, None] - centre[1]) ** 2
+        under = np.maximum(radius**2 - square, (radius - height) ** 2)
+        result[row, column] += np.sqrt(under) - (radius - height)
+    return result
+
+
+def made_figure(
+    made: MadeSurface, correction: Correction | None, rest: Residuals, designed: FrictionLaw, law: FrictionLaw
+) -> Figure:
+    """Return the height errors at the sites and over the heights, the residual map and the two laws."""
+    figure = new_figure(10.0, 8.4)
+    (sites, residual), (heights, laws) = figure.subplots(2, 2)
+    design = made.design
+    topography.height_errors(
+        sites, design.position[made.site], made.height_error, design.position[made.missing]
+    )
+    topography.residual_map(residual, rest.values, rest.width, rest.height)
+    fit = None if correction is None else correction.systematic[made.site]
+    topography.errors_over_height(heights, design.height[made.site], made.height_error, made.height_sd, fit)
+    topography.made_law(laws, designed.rescaled_load, designed.area, law.area)
+    return figure

@@ -1,0 +1,67 @@
+"""Labels of measured points, and points that are drawn again from those of each test."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from metafem import _validate as check
+from metafem._given import shown
+from metafem.errors import InvalidInput
+
+
+@dataclass(frozen=True)
+class Bootstrap:
+    """Fits to points that are drawn again with replacement from those of each test.
+
+    Parameters
+    ----------
+    draws : int
+        Number of fits, at least 2.
+    rng : int or numpy.random.Generator
+        Seed or generator; default: 0.
+
+    Raises
+    ------
+    InvalidInput
+        For fewer than 2 draws, and for a seed that is none.
+
+    Examples
+    --------
+    >>> [rows.tolist() for rows in Bootstrap(draws=2).rows(["a", "a", "b"], at_once=1)]
+    [[[1, 1, 2]], [[1, 0, 2]]]
+    """
+
+    draws: int
+    rng: Any = 0
+
+    def __post_init__(self) -> None:
+        check.integer("bootstrap", self.draws, at_least=2)
+        check.generator(self.rng)
+
+    def rows(self, group: Sequence[Hashable], at_once: int) -> Iterator[NDArray[np.intp]]:
+        """Yield the points (m, k) of m draws, `at_once` or fewer, each as many of a group as it has."""
+        rng = check.generator(self.rng)
+        members: dict[Hashable, list[int]] = {}
+        for i, label in enumerate(group):
+            members.setdefault(label, []).append(i)
+        step = max(at_once, 1)
+        for start in range(0, self.draws, step):
+            number = min(step, self.draws - start)
+            drawn = [
+                np.array(own)[rng.integers(len(own), size=(number, len(own)))] for own in members.values()
+            ]
+            yield np.concatenate(drawn, axis=1)
+
+
+def labels_of(test: Any, count: int) -> tuple[str, ...]:
+    """Return the test of each point, "" without tests."""
+    if test is None:
+        return ("",) * count
+    if isinstance(test, str) or np.ndim(test) != 1 or len(test) != count:
+        raise InvalidInput(f"test = {shown(test)} must hold a label for each of the {count} points")
+    return tuple(str(name) for name in test)
