@@ -1,33 +1,83 @@
-"""Heights within absolute limits, of which some are given, as the unknowns of a search.
-
-Each height is bounded by itself. A height at a limit stays there while a step down the gradient ``J' r``
-would push it beyond (a projected gradient); its column of the Jacobian J counts as zero, like those of given
-heights.
-"""
+"""The unknowns of a search: heights, all within a span or each within limits, with their random changes."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from metafem._validate import FloatArray, IntArray
-from metafem.inversion.search.levenberg_marquardt import LateResidual, Residual, moved
-from metafem.inversion.search.options import SearchOptions
 
-# Heights this fraction of the span from a limit are at it: rounding.
+# Relative differences (k,) [-] from a law, and a function that returns their Jacobian (k, n) [1/mm]: it takes
+# longer than the differences, and most steps need none.
+LateResidual = tuple[FloatArray, Callable[[], FloatArray]]
+
+# Those of unknowns (n,) [mm].
+Residual = Callable[[FloatArray], LateResidual]
+
+# Heights within this fraction of the span of a limit are at it: rounding.
 AT_LIMIT = 1e-9
 
 # Height of sites without an asperity below the lowest that is allowed, over the span: no contact is as deep.
 ABSENT = 100.0
+
+# Random changes: fractions of the heights that move, probabilities that asperities are added or that one is
+# removed, and the most that are added.
+CHANGE_FRACTIONS = (0.2, 0.5, 1.0)
+ADDING, REMOVING, MOST_ADDED = 0.5, 0.3, 5
+
+
+class Space(Protocol):
+    """The unknowns of a search, a vector of lengths, with their limits and random changes."""
+
+    def project(self, unknowns: FloatArray) -> FloatArray:
+        """Return the nearest unknowns within the limits."""
+        ...
+
+    def ends(self, unknowns: FloatArray) -> tuple[int, IntArray]:
+        """Return the indices of the tallest height and of those as low as allowed."""
+        ...
+
+    def changed(self, unknowns: FloatArray, rng: np.random.Generator, sizes: tuple[float, ...]) -> FloatArray:
+        """Return unknowns changed at random, by one of the sizes over the spacing of the heights."""
+        ...
+
+
+@dataclass(frozen=True)
+class Heights:
+    """Heights (n,) that differ by at most `span` [mm].
+
+    A random change may add or remove a few asperities, up to `most` in all; with None their number is
+    fixed.
+    """
+
+    span: float
+    most: int | None = None
+
+    def project(self, unknowns: FloatArray) -> FloatArray:
+        """Return the heights, raised where they are more than `span` below the tallest."""
+        return np.asarray(np.maximum(unknowns, unknowns.max() - self.span))
+
+    def ends(self, unknowns: FloatArray) -> tuple[int, IntArray]:
+        """Return the indices of the tallest height and of those `span` below it."""
+        tallest = int(unknowns.argmax())
+        return tallest, np.flatnonzero(unknowns <= unknowns[tallest] - self.span * (1.0 - AT_LIMIT))
+
+    def changed(self, unknowns: FloatArray, rng: np.random.Generator, sizes: tuple[float, ...]) -> FloatArray:
+        """Return heights moved at random by about their spacing, with a few added or removed."""
+        return moved(unknowns, self.most, rng, sizes)[0]
 
 
 @dataclass(frozen=True, eq=False)
 class Bounded:
     """Heights (n,) from `low` to `high` [mm], of which those of the indices `rows` have given values.
 
-    A site without an asperity has the height `absent`, far below all contacts.
+    Each height is bounded by itself. A height at a limit stays there while a step down the gradient ``J' r``
+    would push it beyond (a projected gradient); its column of the Jacobian J counts as zero, like those of
+    given heights. A site without an asperity has the height `absent`, far below all contacts.
     """
 
     low: float
@@ -55,15 +105,15 @@ class Bounded:
         """Return that no height follows another: `held` holds those at a limit."""
         return 0, np.empty(0, dtype=np.int64)
 
-    def changed(self, unknowns: FloatArray, rng: np.random.Generator, options: SearchOptions) -> FloatArray:
+    def changed(self, unknowns: FloatArray, rng: np.random.Generator, sizes: tuple[float, ...]) -> FloatArray:
         """Return heights moved at random by about their spacing, with a few added or removed."""
         height, on = unknowns.copy(), np.flatnonzero(self.exists(unknowns))
-        height[on] = moved(unknowns[on], None, rng, options)[0]
+        height[on] = moved(unknowns[on], None, rng, sizes)[0]
         free = np.flatnonzero(~self.exists(unknowns))
-        if free.size and rng.random() < options.adding:
-            number = int(rng.integers(1, min(options.most_added, free.size) + 1))
+        if free.size and rng.random() < ADDING:
+            number = int(rng.integers(1, min(MOST_ADDED, free.size) + 1))
             height[rng.choice(free, number, replace=False)] = rng.choice(height[on], number)
-        elif rng.random() < options.removing:
+        elif rng.random() < REMOVING:
             height[rng.choice(on)] = self.absent
         return self.project(height)
 
@@ -86,3 +136,23 @@ class Bounded:
             return r, jacobian
 
         return bounded
+
+
+def moved(
+    height: FloatArray, most: int | None, rng: np.random.Generator, sizes: tuple[float, ...]
+) -> tuple[FloatArray, IntArray]:
+    """Return heights moved at random by about their spacing, and the asperity that each derives from."""
+    n = len(height)
+    every = np.arange(n)
+    spacing = float(np.ptp(height)) / n * rng.choice(sizes)
+    result = height + spacing * rng.standard_normal(n) * (rng.random(n) < rng.choice(CHANGE_FRACTIONS))
+    if most is None:
+        return result, every
+    if n < most and rng.random() < ADDING:
+        source = rng.integers(n, size=rng.integers(1, min(MOST_ADDED, most - n) + 1))
+        new = height[source] + spacing * rng.standard_normal(len(source))
+        return np.append(result, new), np.append(every, source)
+    if n > 2 and rng.random() < REMOVING:
+        removed = rng.integers(n)
+        return np.delete(result, removed), np.delete(every, removed)
+    return result, every
