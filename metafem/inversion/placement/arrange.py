@@ -115,7 +115,7 @@ def arrange(
     Parameters
     ----------
     surface : Surface
-    objective : FollowLaw, InsensitiveToTilt, or several Together
+    objective : FollowLaw, InsensitiveToTilt, or several `WeightedObjectives`
     model : Model, optional
         Model under which the misfit of the objective is lowered; default: ``Interacting()``.
     rng : int or numpy Generator
