@@ -33,7 +33,7 @@ from .inversion import OperatingPoints as OperatingPoints
 from .inversion import PowerLaw as PowerLaw
 from .inversion import RadiusRange as RadiusRange
 from .inversion import SampledLaw as SampledLaw
-from .inversion import Together as Together
+from .inversion import WeightedObjectives as WeightedObjectives
 from .inversion import achievable_friction_coefficients as achievable_friction_coefficients
 from .inversion import achievable_load_range as achievable_load_range
 from .inversion import arrange as arrange

@@ -11,7 +11,7 @@ from metafem.inversion.feasibility import (
 from metafem.inversion.limits import Limits
 from metafem.inversion.placement.arrange import Arrangement, arrange
 from metafem.inversion.placement.layout import Layout
-from metafem.inversion.placement.objectives import FollowLaw, InsensitiveToTilt, Objective, Together
+from metafem.inversion.placement.objectives import FollowLaw, InsensitiveToTilt, Objective, WeightedObjectives
 from metafem.inversion.radii import RadiusRange
 from metafem.inversion.result import Design
 from metafem.inversion.strategies.proportional import achievable_load_range
@@ -38,7 +38,7 @@ __all__ = [
     "RadiusRange",
     "SampledLaw",
     "Target",
-    "Together",
+    "WeightedObjectives",
     "achievable_friction_coefficients",
     "achievable_load_range",
     "arrange",

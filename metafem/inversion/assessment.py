@@ -26,6 +26,9 @@ if TYPE_CHECKING:
 # Tolerance of an exact design: relative error of the friction at each load of the target.
 EXACT = 1e-9
 
+# Misfit at which a search for an exact design ends: a hundredth of that tolerance.
+POINT_GOAL = 1e-11
+
 # A law of any shape counts as reached within this rms: manufacturing errors change the law by as much.
 REACHED = 0.01
 

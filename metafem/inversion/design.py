@@ -37,6 +37,9 @@ from metafem.surface import Surface
 # If more radii of a range than this are in use, only the least and the largest are stated.
 MOST_LISTED = 8
 
+# Radii of a range that are tried between the best one's neighbours.
+NEXT_RADII = 4
+
 
 @checked_call
 def design(
@@ -259,7 +262,7 @@ def _with_common_radius(problem: Problem, rng: np.random.Generator, draft: bool)
     if not found:
         raise unreachable(refused)
     if choice.tools is None:
-        attempt(choice.tried_beside(min(found, key=rank), problem.options.next_radii))
+        attempt(choice.tried_beside(min(found, key=rank), NEXT_RADII))
     best, tried = min(found, key=rank), np.array(sorted(found))
     misfits = np.array([found[radius].misfit for radius in tried.tolist()])
     if problem.layout is not None or problem.robust is not None:

@@ -16,7 +16,7 @@ from metafem.inversion.limits import Limits
 from metafem.inversion.placement.layout import Layout
 from metafem.inversion.placement.pins import Pinned, Pins
 from metafem.inversion.radii import Radii, RadiusRange
-from metafem.inversion.search.options import DEFAULTS, OTHER_LAWS, SearchOptions, drafted
+from metafem.inversion.search.levenberg_marquardt import DEFAULTS, OTHER_LAWS, SearchOptions
 from metafem.inversion.targets.target import Target
 from metafem.models import Independent, Model
 from metafem.models.model import contact_of, has_paraboloids
@@ -25,6 +25,36 @@ from metafem.surface import Surface
 
 # Loads at which the interaction margin is computed, as fractions of the last load of the target.
 MARGIN_LOADS = np.array([0.25, 0.5, 1.0])
+
+
+@dataclass(frozen=True)
+class Effort:
+    """Numbers of trials of the searches, most of which are random changes."""
+
+    # About 10 ms each; nearly all laws of real surfaces need none or a few.
+    restarts: int = 30
+    # Misfits at which the random search for operating points without levels ends and a descent to rounding
+    # begins. A descent can end at a kink; the next misfit gives another initial guess.
+    free_goals: tuple[float, ...] = (1e-2, 1e-3, 1e-4, 1e-5, 1e-11)
+    # Under another model, whose descents cost ten times those of independent asperities.
+    refined_restarts: int = 3
+    # With independent asperities for the target divided by a ratio of laws, about 3 ms each.
+    ratio_restarts: int = 10
+    # For each load range of a line that is tried; most ranges that are too wide use all of them.
+    range_restarts: int = 4
+    # Random changes of the heights between given ones where they miss the target, about 5 ms each.
+    pinned_changes: int = 8
+    # Most changes of heights on steps, and the number of changes that are evaluated for each.
+    step_changes: int = 60
+    evaluated_steps: int = 24
+
+
+# That of a draft, for a view that follows a hand. On the specifications of `validation/benchmark/explorer.py`
+# a design takes a half to a tenth of the time, and its misfit is at most 1.7 times as large.
+DRAFT = Effort(
+    restarts=2, free_goals=(1e-2,), refined_restarts=0, ratio_restarts=2, range_restarts=0,
+    pinned_changes=1, step_changes=1, evaluated_steps=6,
+)  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,6 +73,7 @@ class Problem:
     layout: Layout | None = None
     robust: Tolerances | None = None
     options: SearchOptions = DEFAULTS
+    effort: Effort = Effort()
 
     @classmethod
     def checked(
@@ -77,11 +108,11 @@ class Problem:
         choice = Radii.given(radii, template)
         check.instance("draft", draft, bool, "True or False")
         options = DEFAULTS if has_paraboloids(solver) else OTHER_LAWS
-        options = drafted(options) if draft else options
         # messages state loads in N and in mm^2
-        told: Any = target
-        target = replace(told, wording=target.wording.of_part(template.material))
-        return cls(target, template, choice, solver, bounds, pins, layout, robust, options)
+        kind: Any = target
+        target = replace(kind, wording=target.wording.of_part(template.material))
+        effort = DRAFT if draft else Effort()
+        return cls(target, template, choice, solver, bounds, pins, layout, robust, options, effort)
 
     @cached_property
     def contact(self) -> Contact:

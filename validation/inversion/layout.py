@@ -40,7 +40,7 @@ SEEDS = 5
 @cache
 def arranged(name: str, tilt: bool) -> mf.Arrangement:
     """Return a surface arranged for its law, or for its law and for tilt."""
-    return mf.arrange(surfaces()[name], mf.Together([FOLLOW, TILT]) if tilt else FOLLOW, MODEL)
+    return mf.arrange(surfaces()[name], mf.WeightedObjectives([FOLLOW, TILT]) if tilt else FOLLOW, MODEL)
 
 
 @cache

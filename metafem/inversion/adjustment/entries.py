@@ -16,10 +16,18 @@ from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.inversion.candidate import Candidate, below_limit
 from metafem.inversion.problem import Problem
-from metafem.inversion.search.levenberg_marquardt import Heights, LateResidual, Minimum, descend
-from metafem.inversion.search.multistart import search
+from metafem.inversion.search.levenberg_marquardt import Minimum, descend, search
+from metafem.inversion.search.nearest_law import beyond
+from metafem.inversion.search.spaces import Heights, LateResidual
 from metafem.models import Independent
 from metafem.models.contact_sums import contacts
+
+# Most loads of the target that are used.
+LOADS = 30
+
+# Most steps of descents under a model of adhesive asperities that interact, a tenth of a second to a second
+# each.
+ADHESIVE_STEPS = 6
 
 
 def with_same_entries(problem: Problem, start: Candidate, goal: float, rng: np.random.Generator) -> Minimum:
@@ -29,26 +37,26 @@ def with_same_entries(problem: Problem, start: Candidate, goal: float, rng: np.r
     shifted heights under the model. With adhesion, whose branches take long to follow, there are few steps.
     """
     solver, limits, options = problem.model.gradient_model, problem.limits, problem.options
-    law, surface = start.target_law.thinned(options.entry_loads), start.surface(problem.template)
+    law, surface = start.target_law.thinned(LOADS), start.surface(problem.template)
     space = Heights(limits.span)
     alone, shifted = Independent(contact=problem.contact), shift(problem, start)
-    nothing = np.full(len(law.load), np.inf), lambda: np.zeros((len(law.load), surface.count))
+    nothing = beyond(law.load, start.height)
 
     def residual(height: FloatArray) -> LateResidual:
         try:
             found = alone.sensitivity_of(height, surface.radius, law.load)
             given = below_limit(shifted(height), limits)
             area = solver.areas(surface, law.load, given[None])[0]
-        except InvalidInput:  # deeper than the contact law describes
+        except InvalidInput:
             return nothing
         return law.late_residual(area, lambda: found.gradient) if np.isfinite(area).all() else nothing
 
     if problem.contact.adhesive:
-        options = replace(options, most_steps=options.adhesive_steps, most_exact_steps=options.adhesive_steps)
+        options = replace(options, most_steps=ADHESIVE_STEPS, most_exact_steps=ADHESIVE_STEPS)
     if start.lowest_level is not None:
         found = descend(residual, start.height, space, goal, True, options)
     else:
-        restarts = 0 if problem.contact.adhesive else options.refined_restarts
+        restarts = 0 if problem.contact.adhesive else problem.effort.refined_restarts
         found = search(residual, [start.height], space, goal, restarts, rng, options)
     return replace(found, unknowns=shifted(found.unknowns))
 

@@ -10,10 +10,26 @@ import numpy as np
 from metafem._validate import FloatArray, IntArray
 from metafem.inversion.assessment import model_misfit
 from metafem.inversion.candidate import Candidate, Parameter
-from metafem.inversion.problem import Problem
-from metafem.inversion.search.options import SearchOptions
+from metafem.inversion.problem import Effort, Problem
 from metafem.inversion.targets.target_law import TargetLaw
 from metafem.progress import each
+
+# Fractions of a step by which all heights are shifted before rounding, which does not change a law.
+SHIFTS = (0.0, 0.25, -0.25, 0.5, -0.5)
+
+# Number of single changes that are combined into pairs.
+PAIRED_STEPS = 64
+
+# Most asperities with which changes are tried: of more, rounding errors average out.
+MOST_STEPPED = 512
+
+# For a law that is compared by its largest difference, the sum of this power of the differences is lowered:
+# its root is within 1.8 of the largest of a hundred. It is a power of two.
+LARGEST_POWER = 8
+
+# Number of loads with the largest differences at which changes of such a law are compared first, and of
+# changes that are then evaluated at all loads together, an even number for two threads.
+LARGEST_LOADS, STEPS_AT_ONCE = 10, 4
 
 
 def rounded_to_steps(problem: Problem, candidate: Candidate) -> Candidate:
@@ -47,15 +63,14 @@ def rounded_to_steps(problem: Problem, candidate: Candidate) -> Candidate:
 
     def part(residual: FloatArray) -> TargetLaw:
         """Return the law at the few loads where the residuals of the present heights are largest."""
-        return law.part(np.sort(np.argsort(-np.abs(residual))[: options.largest_loads]))
+        return law.part(np.sort(np.argsort(-np.abs(residual))[:LARGEST_LOADS]))
 
-    options = problem.options
-    power = options.largest_power if law.pointwise else 2
+    power = LARGEST_POWER if law.pointwise else 2
     # the largest of many differences decide the sum of their powers, and exclude most changes in less time
-    excludes = law.pointwise and len(law.load) > 4 * options.largest_loads
-    search = _StepSearch(levels, residual, residuals, part if excludes else None, power, options, held)
+    excludes = law.pointwise and len(law.load) > 4 * LARGEST_LOADS
+    search = _StepSearch(levels, residual, residuals, part if excludes else None, power, problem.effort, held)
     index, size = search.rounded(candidate.height)
-    if len(index) <= options.most_stepped:
+    if len(index) <= MOST_STEPPED:
         index = search.moved(index, size)
     used, counts = np.unique(np.delete(index, held), return_counts=True)
     result = candidate.with_heights(placed(levels[index]))
@@ -76,7 +91,7 @@ class _StepSearch:
     residuals: Callable[..., FloatArray]
     part: Callable[[FloatArray], TargetLaw] | None
     power: int
-    options: SearchOptions
+    effort: Effort
     held: IntArray
 
     def total(self, residual: FloatArray) -> FloatArray:
@@ -99,7 +114,7 @@ class _StepSearch:
         """
         heights, sizes = self.levels[np.array(trials)], np.full(len(trials), np.inf)
         bounds = self.total(self.residuals(heights, part).T)
-        for some in np.array_split(np.argsort(bounds), -(-len(trials) // self.options.steps_at_once)):
+        for some in np.array_split(np.argsort(bounds), -(-len(trials) // STEPS_AT_ONCE)):
             rows = some[bounds[some] < min(size, sizes.min())]
             if not rows.size:
                 break
@@ -111,15 +126,12 @@ class _StepSearch:
         levels = self.levels
         step = float(levels[1] - levels[0]) if len(levels) > 1 else 1.0
         exact = (height - levels[0]) / step
-        trials = [
-            np.clip(np.rint(exact + shift), 0, len(levels) - 1).astype(np.int64)
-            for shift in self.options.shifts
-        ]
+        trials = [np.clip(np.rint(exact + shift), 0, len(levels) - 1).astype(np.int64) for shift in SHIFTS]
         return self.best(trials)
 
     def moved(self, index: IntArray, size: float) -> IntArray:
         """Change one or two heights by a step at a time; the best changes by the gradient are evaluated."""
-        for _ in each("change of steps", range(self.options.most_step_changes), at_most=True):
+        for _ in each("change of steps", range(self.effort.step_changes), at_most=True):
             residual, jacobian = self.residual(self.levels[index])
             trials = self.trials(index, residual, jacobian)
             if not trials:
@@ -133,7 +145,7 @@ class _StepSearch:
 
     def trials(self, index: IntArray, residual: FloatArray, jacobian: FloatArray) -> list[IntArray]:
         """Return the steps of one or two heights that lower the misfit most to first order."""
-        levels, options = self.levels, self.options
+        levels = self.levels
         which = np.concatenate([np.arange(len(index))] * 2)
         by = np.repeat([1, -1], len(index))
         inside = (index[which] + by >= 0) & (index[which] + by < len(levels))
@@ -146,7 +158,7 @@ class _StepSearch:
         order = np.argsort(single, kind="stable")
         # asperities of equal height have equal gradients, and two of each are enough for a pair
         third = np.append([False, False], single[order][2:] == single[order][:-2])
-        kept = order[~third[: len(order)]][: options.paired_steps]
+        kept = order[~third[: len(order)]][:PAIRED_STEPS]
         part = change[:, kept]
         double = self.total(residual[:, None, None] + part[:, :, None] + part[:, None, :])
         double[np.diag_indices(len(kept))] = single[kept]
@@ -155,7 +167,7 @@ class _StepSearch:
         double[same & ~np.eye(len(kept), dtype=bool)] = np.inf
         _, first = np.unique(double.ravel(), return_index=True)
         trials = []
-        for flat in first[: options.evaluated_steps]:
+        for flat in first[: self.effort.evaluated_steps]:
             a, b = divmod(int(flat), len(kept))
             if not np.isfinite(double[a, b]):
                 continue

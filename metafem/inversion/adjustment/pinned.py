@@ -34,15 +34,20 @@ from dataclasses import replace
 import numpy as np
 
 from metafem._validate import FloatArray, IntArray
-from metafem.errors import InvalidInput
 from metafem.inversion.adjustment.height_steps import rounded_to_steps
-from metafem.inversion.adjustment.refinement import filled
-from metafem.inversion.assessment import EXACT, model_misfit
+from metafem.inversion.adjustment.refinement import (
+    CLOSE,
+    REFINED_GOAL,
+    STRETCHES,
+    filled,
+    residuals,
+)
+from metafem.inversion.assessment import EXACT, POINT_GOAL, model_misfit
 from metafem.inversion.candidate import Candidate
 from metafem.inversion.problem import Problem
-from metafem.inversion.search.bounded import Bounded
-from metafem.inversion.search.levenberg_marquardt import LateResidual, Minimum, Residual, descend
-from metafem.inversion.search.options import SearchOptions
+from metafem.inversion.search.levenberg_marquardt import Minimum, descend
+from metafem.inversion.search.nearest_law import GOAL
+from metafem.inversion.search.spaces import Bounded
 from metafem.progress import doing, each
 
 # A site keeps its own height where another one is closer by less than this fraction of the span: rounding.
@@ -84,10 +89,10 @@ def with_pinned(
 
 def _best(problem: Problem, candidate: Candidate, unpinned: float, rng: np.random.Generator) -> Candidate:
     """Return the candidate with the given heights, and the other ones adjusted to them if they miss."""
-    options, exact = problem.options, candidate.lowest_level is not None
-    least = options.refined_goal if problem.model.couples else options.goal
-    goal = options.point_goal if exact else max(least, _rms(problem, candidate))
-    enough = EXACT if exact else max(goal / BETTER, options.close)
+    exact = candidate.lowest_level is not None
+    least = REFINED_GOAL if problem.model.couples else GOAL
+    goal = POINT_GOAL if exact else max(least, _rms(problem, candidate))
+    enough = EXACT if exact else max(goal / BETTER, CLOSE)
     first = _in_place(candidate, problem.pins.rows, problem.pins.heights, problem.limits.span)
     first = first.with_heights(first.height)
     before = np.inf if exact else model_misfit(first, first.surface(problem.template), problem.model)
@@ -118,13 +123,14 @@ def _changed(problem: Problem, start: Candidate, goal: float, rng: np.random.Gen
     height, radius = np.full(count, space.absent), np.full(count, start.radius[lowest])
     height[start.sites], radius[start.sites] = start.height, start.radius
     whole = replace(start, sites=np.arange(count), height=height, radius=radius)
-    residual, exact = space.held(_residual(problem, whole)), start.lowest_level is not None
+    _, differences, _ = residuals(problem, whole, np.asarray)
+    residual, exact = space.held(differences), start.lowest_level is not None
     r, _ = residual(height)
     best = Minimum(height, float(np.sqrt(r @ r / len(r))))
-    options = problem.options
-    changes = options.refined_restarts if problem.model.couples else options.pinned_changes
+    options, effort = problem.options, problem.effort
+    changes = effort.refined_restarts if problem.model.couples else effort.pinned_changes
     for _ in each("random change", range(changes), at_most=True):
-        trial = space.changed(best.unknowns, rng, options)
+        trial = space.changed(best.unknowns, rng, options.change_sizes)
         found = descend(residual, trial, space, goal, exact, options)
         best = found if found.misfit < BETTER * best.misfit else best
         if best.misfit <= (EXACT if exact else goal / BETTER):
@@ -200,44 +206,19 @@ def _starts(problem: Problem, candidate: Candidate, first: Candidate) -> Iterato
 def _adjusted(problem: Problem, start: Candidate, goal: float) -> Minimum:
     """Return the heights that are adjusted to those that are held, with their misfit under the model."""
     model, options, space = problem.model, problem.options, space_of(problem, start)
-    solver, law = model.gradient_model, start.target_law
-    residual, exact = space.held(_residual(problem, start)), start.lowest_level is not None
+    _, residual, residual_of_model = residuals(problem, start, np.asarray)
+    exact, top = start.lowest_level is not None, float(start.height.max())
     found = Minimum(start.height, np.inf)
-    for guess in _stretched(start, options) if exact else [start.height]:
-        trial = descend(residual, space.project(guess), space, goal, exact, options)
+    # heights whose depths are stretched off the kinks of the law
+    stretched = [top - stretch * (top - start.height) for stretch in STRETCHES]
+    for guess in stretched if exact else [start.height]:
+        trial = descend(space.held(residual), space.project(guess), space, goal, exact, options)
         found = trial if trial.misfit < found.misfit else found
         if found.misfit <= EXACT:
             break
-    if solver == model:
+    if model.gradient_model == model:
         return found
-    surface = start.surface(problem.template)
-
-    def residual_of_model(height: FloatArray) -> LateResidual:
-        area = model.curve(surface.replaced(height=height), law.load).area
-        return law.late_residual(area, lambda: solver.sensitivity(surface, law.load, height).gradient)
-
     return descend(space.held(residual_of_model), found.unknowns, space, goal, options=options)
-
-
-def _stretched(start: Candidate, options: SearchOptions) -> Iterator[FloatArray]:
-    """Yield heights whose depths are stretched off the kinks of the law."""
-    top = float(start.height.max())
-    for stretch in options.stretches:
-        yield top - stretch * (top - start.height)
-
-
-def _residual(problem: Problem, start: Candidate) -> Residual:
-    """Return the differences of the law of heights from the target, under the gradient model."""
-    solver, law, surface = problem.model.gradient_model, start.target_law, start.surface(problem.template)
-
-    def residual(height: FloatArray) -> LateResidual:
-        try:
-            found = solver.sensitivity(surface, law.load, height)
-        except InvalidInput:  # deeper than the contact law describes
-            return np.full(len(law.load), np.inf), lambda: np.zeros((len(law.load), len(height)))
-        return law.late_residual(found.curve.area, lambda: found.gradient)
-
-    return residual
 
 
 def _rms(problem: Problem, candidate: Candidate) -> float:

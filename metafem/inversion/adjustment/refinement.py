@@ -11,18 +11,38 @@ import numpy as np
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.inversion.adjustment.entries import with_same_entries
-from metafem.inversion.assessment import EXACT, MISSED, independent_misfit, model_misfit
+from metafem.inversion.assessment import EXACT, MISSED, POINT_GOAL, independent_misfit, model_misfit
 from metafem.inversion.candidate import Candidate, below_limit
 from metafem.inversion.problem import Problem
-from metafem.inversion.search.levenberg_marquardt import Heights, LateResidual, Minimum, Residual, descend
-from metafem.inversion.search.multistart import search
-from metafem.inversion.search.nearest_law import residual_of_heights
-from metafem.inversion.search.options import SearchOptions
+from metafem.inversion.search.levenberg_marquardt import Minimum, SearchOptions, descend, search
+from metafem.inversion.search.nearest_law import GOAL, beyond, residual_of_heights
+from metafem.inversion.search.spaces import Heights, LateResidual, Residual
 from metafem.inversion.targets.target_law import TargetLaw
 from metafem.models import Independent, Sensitivity
 from metafem.models.model import has_paraboloids
 from metafem.notes import information
 from metafem.progress import doing, each
+
+# Misfit at which the search ends: a little above that of the first search, because the scatter from single
+# contacts that enter remains.
+REFINED_GOAL = 9e-4
+
+# Up to this misfit the heights of the independent inversion are the only initial guess.
+CLOSE = 5.0 * REFINED_GOAL
+
+# Restarts with adhesion.
+ADHESIVE_RESTARTS = 1
+
+# Degree of the polynomial in the logarithm of the load that fits A0(model)/A0(independent). A low degree
+# leaves out the kinks of single contacts, which move with the heights.
+RATIO_DEGREE = 3
+
+# Factors on the summit depths, so that no level first touches exactly at an operating point: interaction
+# lowers open summits by a hundredth to a tenth of their depth.
+STRETCHES = (1.03, 1.0, 1.06, 1.1)
+
+# Depth of the added summits below the last level, relative to the depth of that level.
+ADDED_DEPTH = 0.01
 
 
 def refined(problem: Problem, candidate: Candidate, rng: np.random.Generator) -> Candidate:
@@ -48,19 +68,20 @@ def refined(problem: Problem, candidate: Candidate, rng: np.random.Generator) ->
         solver, space = model.gradient_model, Heights(limits.span)
         best, start = Minimum(candidate.height, np.inf), candidate
         for trial in (filled(candidate, problem), candidate):
-            first, residual, residual_of_model = _residuals(problem, trial)
-            goal = options.refined_goal if trial.lowest_level is None else options.point_goal
+            exact = trial.lowest_level is not None
+            goal = POINT_GOAL if exact else REFINED_GOAL
+            first, residual, residual_of_model = residuals(
+                problem, trial, lambda height: below_limit(height, limits)
+            )
             if model.couples and not has_paraboloids(model):
                 found = with_same_entries(problem, trial, goal, rng)
                 if found.misfit > goal and not problem.contact.adhesive:
-                    found = descend(
-                        residual, found.unknowns, space, goal, trial.lowest_level is not None, options
-                    )
-            elif trial.lowest_level is not None:
+                    found = descend(residual, found.unknowns, space, goal, exact, options)
+            elif exact:
                 found = _through_points(residual, trial.height, space, options)
             else:
                 guesses = _initial_guesses(problem, trial, first().curve.area, rng)
-                restarts = options.adhesive_restarts if problem.contact.adhesive else options.refined_restarts
+                restarts = ADHESIVE_RESTARTS if problem.contact.adhesive else problem.effort.refined_restarts
                 found = search(residual, guesses, space, goal, restarts, rng, options)
             if solver != model:
                 found = descend(residual_of_model, found.unknowns, space, goal, options=options)
@@ -83,30 +104,30 @@ def refined(problem: Problem, candidate: Candidate, rng: np.random.Generator) ->
     return replace(result, notes=(*candidate.notes, note))
 
 
-def _residuals(problem: Problem, start: Candidate) -> tuple[Callable[[], Sensitivity], Residual, Residual]:
+def residuals(
+    problem: Problem, start: Candidate, placed: Callable[[FloatArray], FloatArray]
+) -> tuple[Callable[[], Sensitivity], Residual, Residual]:
     """Return the sensitivity of a candidate's heights, computed once, and two residuals of other heights.
 
-    The residuals are those under the gradient model and under the model.
+    The residuals are those under the gradient model and under the model. `placed` makes heights possible.
     """
-    model, limits, law = problem.model, problem.limits, start.target_law
+    model, law = problem.model, start.target_law
     solver, surface = model.gradient_model, start.surface(problem.template)
 
     @cache
     def first() -> Sensitivity:
-        return solver.sensitivity(surface, law.load, below_limit(start.height, limits))
+        return solver.sensitivity(surface, law.load, placed(start.height))
 
     def residual(height: FloatArray) -> LateResidual:
-        if np.array_equal(height, start.height):
-            found = first()
-        else:
-            try:
-                found = solver.sensitivity(surface, law.load, below_limit(height, limits))
-            except InvalidInput:  # deeper than the contact law describes
-                return np.full(len(law.load), np.inf), lambda: np.zeros((len(law.load), len(height)))
+        same = np.array_equal(height, start.height)
+        try:
+            found = first() if same else solver.sensitivity(surface, law.load, placed(height))
+        except InvalidInput:
+            return beyond(law.load, height)
         return law.late_residual(found.curve.area, lambda: found.gradient)
 
     def residual_of_model(height: FloatArray) -> LateResidual:
-        height = below_limit(height, limits)
+        height = placed(height)
         area = model.curve(surface.replaced(height=height), law.load).area
         return law.late_residual(area, lambda: solver.sensitivity(surface, law.load, height).gradient)
 
@@ -121,16 +142,16 @@ def _initial_guesses(
     The independent law of the corrected heights is the target divided by A0(model)/A0(independent). That
     ratio is a smooth function of the load and depends little on small changes of the heights.
     """
-    law, options, surface = start.target_law, problem.options, start.surface(problem.template)
-    if law.misfit(area) <= options.close:
+    law, surface = start.target_law, start.surface(problem.template)
+    if law.misfit(area) <= CLOSE:
         return [start.height]
     ratio = area / problem.independent.curve(surface, law.load).area
-    powers = np.vander(np.log(law.load / law.load[-1]), options.ratio_degree + 1)
+    powers = np.vander(np.log(law.load / law.load[-1]), RATIO_DEGREE + 1)
     smooth = powers @ np.linalg.lstsq(powers, ratio, rcond=None)[0]
     divided = TargetLaw.fixed(law.load, law.law(area) / smooth, law.weight)
     residual = residual_of_heights(problem.independent, surface.radius, law.load, divided.late_residual)
-    space, restarts = Heights(problem.limits.span), options.ratio_restarts
-    corrected = search(residual, [surface.height], space, options.goal, restarts, rng, options)
+    space, restarts = Heights(problem.limits.span), problem.effort.ratio_restarts
+    corrected = search(residual, [surface.height], space, GOAL, restarts, rng, problem.options)
     # heights whose sites were chosen for this model should change as little as possible
     guesses = [corrected.unknowns, start.height]
     return guesses if problem.layout is None else guesses[::-1]
@@ -146,7 +167,7 @@ def filled(candidate: Candidate, problem: Problem) -> Candidate:
     if candidate.lowest_level is None:
         return candidate
     count, lowest = problem.count, candidate.lowest_level
-    depth = problem.options.added_depth * (float(candidate.height.max()) - lowest)
+    depth = ADDED_DEPTH * (float(candidate.height.max()) - lowest)
     height = np.full(count, lowest - depth)
     radius = np.full(count, candidate.radius[candidate.height.argmin()])
     height[candidate.sites], radius[candidate.sites] = candidate.height, candidate.radius
@@ -158,10 +179,10 @@ def _through_points(
 ) -> Minimum:
     """Meet the points exactly, from heights moved off the kinks where a level first touches at a point."""
     best = Minimum(height, np.inf)
-    for stretch in each("start", options.stretches, at_most=True):
+    for stretch in each("start", STRETCHES, at_most=True):
         start = height.max() - np.minimum(stretch * (height.max() - height), space.span)
-        found = descend(residual, start, space, options.point_goal, True, options)
+        found = descend(residual, start, space, POINT_GOAL, True, options)
         best = found if found.misfit < best.misfit else best
-        if best.misfit <= options.point_goal:
+        if best.misfit <= POINT_GOAL:
             break
     return best

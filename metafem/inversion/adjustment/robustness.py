@@ -44,9 +44,10 @@ from metafem._values import percent
 from metafem.inversion.adjustment.pinned import space_of
 from metafem.inversion.assessment import DesignStatus, model_misfit, status_of
 from metafem.inversion.candidate import Candidate, Parameter, below_limit
-from metafem.inversion.placement.exchange import swap
+from metafem.inversion.placement.exchange import EXCHANGE_GAIN, FEW_SITES, FORECAST_SITES, swap
 from metafem.inversion.problem import Problem
-from metafem.inversion.search.levenberg_marquardt import Heights, LateResidual, descend
+from metafem.inversion.search.levenberg_marquardt import descend
+from metafem.inversion.search.spaces import Heights, LateResidual
 from metafem.notes import Note, information
 from metafem.prediction.perturbation import Tolerances
 from metafem.progress import doing, each
@@ -58,22 +59,36 @@ SIGNIFICANT = 3.0
 # Surfaces that are solved between two reports of progress.
 AT_ONCE = 100
 
+# Fewest and most fixed errors over which the expectation is taken, each with both signs; with as many as the
+# errors have dimensions, a linear response is exact.
+FEWEST_ERRORS, MOST_ERRORS = 32, 128
+
+# Most asperities whose heights are changed: the errors of more average out.
+MOST_ROBUST = 128
+
+# Most loads of the target that are used, and rounds of exchanges between sites, each with a new search.
+LOADS, ROUNDS = 30, 1
+
+# Number of other errors on which the gain is measured, each with both signs, for up to `FEW_SITES`
+# asperities; with more there are fewer, but at least as many as follow.
+FRESH_ERRORS, FEWEST_FRESH = 1000, 20
+
 
 def made_robust(problem: Problem, candidate: Candidate, rng: np.random.Generator) -> Candidate:
     """Return the candidate with heights and sites of the least expected misfit under `problem.robust`.
 
     Heights on their levels and those of many asperities stay; only their sites are changed.
     """
-    tolerances, options = problem.robust, problem.options
+    tolerances = problem.robust
     count = 0 if tolerances is None else tolerances.dimensions(candidate.surface(problem.template))
     if tolerances is None or count == 0:
         return candidate
     with doing("lowering the expected misfit"):
-        if (candidate.stepped and not problem.model.couples) or len(candidate.height) > options.most_robust:
+        if (candidate.stepped and not problem.model.couples) or len(candidate.height) > MOST_ROBUST:
             return _exchanged(problem, candidate, rng) if tolerances.angle else candidate
-        unit = _with_both_signs(_orthogonal(count, options.fewest_errors, options.most_errors, rng))
+        unit = _with_both_signs(_orthogonal(count, FEWEST_ERRORS, MOST_ERRORS, rng))
         best, misfit = _lowered(problem, tolerances, candidate, unit)
-        for _ in each("exchange of sites", range(options.robust_rounds if tolerances.angle else 0)):
+        for _ in each("exchange of sites", range(ROUNDS if tolerances.angle else 0)):
             found = _lowered(problem, tolerances, _exchanged(problem, best, rng), unit)
             best, misfit = found if found[1] < misfit else (best, misfit)
     return best
@@ -84,13 +99,13 @@ def compared(problem: Problem, plain: Candidate, robust: Candidate, rng: np.rand
 
     The mean square misfits of each pair of errors of both signs are compared.
     """
-    tolerances, options = problem.robust, problem.options
+    tolerances = problem.robust
     count = 0 if tolerances is None else tolerances.dimensions(plain.surface(problem.template))
     if tolerances is None or count == 0:
         return replace(plain, notes=(*plain.notes, information("the tolerances of the robust design are 0")))
     # the time of a curve grows at least with the square of the number of asperities
-    draws = options.fresh_errors * options.few_sites**2 // max(options.few_sites, len(plain.height)) ** 2
-    unit = _with_both_signs(rng.standard_normal((max(options.fewest_fresh, draws), count)))
+    draws = FRESH_ERRORS * FEW_SITES**2 // max(FEW_SITES, len(plain.height)) ** 2
+    unit = _with_both_signs(rng.standard_normal((max(FEWEST_FRESH, draws), count)))
     before = _mean_squares(problem, tolerances, plain, unit)
     after = _mean_squares(problem, tolerances, robust, unit)
     # a pair with an equilibrium that did not converge is left out of both
@@ -177,8 +192,8 @@ def _exchanged(problem: Problem, candidate: Candidate, rng: np.random.Generator)
     gradient[:, candidate.sites] = law.residual(found.curve.area, found.gradient)[1]
     order[candidate.sites] = np.arange(len(candidate.sites))
     for _ in range(total):
-        most = problem.options.forecast_sites
-        sites = np.arange(total) if total <= most else rng.choice(total, most, replace=False)
+        few = total <= FORECAST_SITES
+        sites = np.arange(total) if few else rng.choice(total, FORECAST_SITES, replace=False)
         if candidate.held.size:
             sites = np.setdiff1d(sites, candidate.held)
         if not sites.size:
@@ -189,7 +204,7 @@ def _exchanged(problem: Problem, candidate: Candidate, rng: np.random.Generator)
         change = 2.0 * np.einsum("kc,kab,abc->ab", moment, changed, moved, optimize=True)
         change += (changed**2).sum(axis=0) * (moved**2).sum(axis=2)
         a, b = np.unravel_index(int(change.argmin()), change.shape)
-        if not change[a, b] < -problem.options.exchange_gain * (moment**2).sum():
+        if not change[a, b] < -EXCHANGE_GAIN * (moment**2).sum():
             break
         i, j = sites[a], sites[b]
         gradient[:, [i, j]] = gradient[:, [j, i]]
@@ -215,7 +230,7 @@ def _lowered(
 ) -> tuple[Candidate, float]:
     """Return the candidate with the heights of the least mean square misfit over errors, and its root."""
     model, limits, options = problem.model, problem.limits, problem.options
-    law, surface = start.target_law.thinned(options.robust_loads), start.surface(problem.template)
+    law, surface = start.target_law.thinned(LOADS), start.surface(problem.template)
     solver, errors = model.gradient_model, _errors(tolerances, surface, unit)
     held = space_of(problem, start) if start.held.size else None
 

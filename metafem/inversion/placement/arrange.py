@@ -13,10 +13,16 @@ from metafem import _validate as check
 from metafem._calls import checked_call
 from metafem._validate import FloatArray, IntArray
 from metafem._values import Value
-from metafem.inversion.placement.exchange import Forecast, after, swap
+from metafem.inversion.placement.exchange import (
+    EXCHANGE_GAIN,
+    FEW_SITES,
+    FORECAST_SITES,
+    Forecast,
+    after,
+    swap,
+)
 from metafem.inversion.placement.objectives import Objective
 from metafem.inversion.placement.sites import Sites, sites_for
-from metafem.inversion.search.options import DEFAULTS, SearchOptions
 from metafem.models import Independent, Interacting, Model
 from metafem.models.model import contact_of
 from metafem.progress import each
@@ -24,6 +30,27 @@ from metafem.surface import Surface
 
 # Value of `Arrangement.order` at an empty site.
 EMPTY = -1
+
+# Rounds of exchanges, from the given arrangement and then from random exchanges of the best one, as many as
+# this fraction of the sites. The forecast of the model and that of independent asperities alternate: one is
+# better for few levels, the other for many heights.
+MOST_ROUNDS, EXCHANGED_FRACTION = 8, 0.1
+
+# Most exchanges by one forecast before the model is evaluated; with many sites a quarter of their number.
+MOST_EXCHANGES = 16
+
+# Most evaluations of the model in one round.
+MOST_EVALUATIONS = 24
+
+# Misfit at which the search ends: height errors change A0 by tens of times more.
+GOAL = 1e-4
+
+# Number of exchanges, the best by the forecast, that are evaluated under the model in each last step, and the
+# most last steps.
+EVALUATED_EXCHANGES, LAST_STEPS = 40, 16
+
+# Exchanges end where the predicted misfit is far below the error of the forecast.
+FORECAST_GOAL = 1e-6
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -88,7 +115,7 @@ def arrange(
     Parameters
     ----------
     surface : Surface
-    objective : FollowLaw, InsensitiveToTilt, or several Together
+    objective : FollowLaw, InsensitiveToTilt, or several `WeightedObjectives`
     model : Model, optional
         Model under which the misfit of the objective is lowered; default: ``Interacting()``.
     rng : int or numpy Generator
@@ -165,18 +192,17 @@ class _Search:
     objective: Objective
     model: Model
     rng: np.random.Generator
-    options: SearchOptions = DEFAULTS
 
     def affordable(self, most: int) -> int:
         """Return the number of trials: their cost grows at least with the square of the number of sites."""
-        return min(most, most * self.options.few_sites**2 // len(self.open_sites) ** 2)
+        return min(most, most * FEW_SITES**2 // len(self.open_sites) ** 2)
 
     def best(self, first: _Measured) -> _Measured:
         """Return the best arrangement that is found from a given one, over the sites `open_sites`."""
         best, alone = first, Independent(contact=contact_of(self.model))
-        tries = range(max(1, self.affordable(self.options.most_rounds)))
+        tries = range(max(1, self.affordable(MOST_ROUNDS)))
         for k in each("round", tries, at_most=True):
-            if best.misfit <= self.options.arranged_goal:
+            if best.misfit <= GOAL:
                 break
             start = first if k < 2 else self.disturbed(best)
             best = min(best, self.corrected(start, (self.model, alone)[k % 2]), key=attrgetter("misfit"))
@@ -195,17 +221,16 @@ class _Search:
     def disturbed(self, best: _Measured) -> _Measured:
         """Return the arrangement after some random exchanges."""
         order = best.order.copy()
-        for _ in range(max(2, int(self.options.exchanged_fraction * len(self.open_sites)))):
+        for _ in range(max(2, int(EXCHANGED_FRACTION * len(self.open_sites)))):
             i, j = self.rng.choice(self.open_sites, 2)
             swap(order, int(i), int(j))
         return self.measured(order)
 
     def drawn(self) -> IntArray:
         """Return the sites whose exchanges are forecast in one step."""
-        most = self.options.forecast_sites
-        if len(self.open_sites) <= most:
+        if len(self.open_sites) <= FORECAST_SITES:
             return self.open_sites
-        return np.asarray(self.rng.choice(self.open_sites, most, replace=False))
+        return np.asarray(self.rng.choice(self.open_sites, FORECAST_SITES, replace=False))
 
     def exchanged(self, best: _Measured, forecast: Forecast, most: int) -> IntArray:
         """Return the order after at most `most` exchanges, each that of the smallest sum of squares.
@@ -214,13 +239,13 @@ class _Search:
         """
         order, residual = best.order.copy(), best.residual
         for _ in range(most):
-            if residual @ residual <= self.options.forecast_goal**2:
+            if residual @ residual <= FORECAST_GOAL**2:
                 break
             sites = self.drawn()
             change = forecast.changes(sites)
             squares = after(residual, change)
             a, b = np.unravel_index(int(squares.argmin()), squares.shape)
-            if not squares[a, b] < residual @ residual * (1.0 - self.options.exchange_gain):
+            if not squares[a, b] < residual @ residual * (1.0 - EXCHANGE_GAIN):
                 break
             residual = residual + change[:, a, b]
             i, j = int(sites[a]), int(sites[b])
@@ -230,10 +255,10 @@ class _Search:
 
     def corrected(self, best: _Measured, model: Model) -> _Measured:
         """Make the forecast's exchanges; after an improvement renew it, otherwise make fewer at a time."""
-        most = max(self.options.most_exchanges, len(self.open_sites) // 4)
+        most = max(MOST_EXCHANGES, len(self.open_sites) // 4)
         forecast = self.objective.forecast(best.surface, model, self.sites)
-        for _ in each("exchange", range(self.options.most_evaluations), at_most=True):
-            if best.misfit <= self.options.arranged_goal:
+        for _ in each("exchange", range(MOST_EVALUATIONS), at_most=True):
+            if best.misfit <= GOAL:
                 break
             order = self.exchanged(best, forecast, most)
             if (order == best.order).all():
@@ -249,15 +274,15 @@ class _Search:
 
     def confirmed(self, best: _Measured) -> _Measured:
         """Make the exchanges that lower the misfit under the model, the best by the forecast first."""
-        for _ in each("last step", range(self.affordable(self.options.last_steps)), at_most=True):
-            if best.misfit <= self.options.arranged_goal:
+        for _ in each("last step", range(self.affordable(LAST_STEPS)), at_most=True):
+            if best.misfit <= GOAL:
                 break
             sites = self.drawn()
             forecast = self.objective.forecast(best.surface, self.model, self.sites)
             squares = after(best.residual, forecast.changes(sites))
             squares[np.tril_indices(len(sites))] = np.inf
             trials = []
-            for flat in np.argsort(squares, axis=None, kind="stable")[: self.options.evaluated_exchanges]:
+            for flat in np.argsort(squares, axis=None, kind="stable")[:EVALUATED_EXCHANGES]:
                 a, b = np.unravel_index(int(flat), squares.shape)
                 order = best.order.copy()
                 swap(order, int(sites[a]), int(sites[b]))

@@ -18,6 +18,15 @@ import numpy as np
 from metafem._validate import FloatArray, IntArray
 from metafem.contact import Contact
 
+# Number of sites up to which the numbers of trials hold; with more sites there are fewer.
+FEW_SITES = 128
+
+# Number of sites whose exchanges are all forecast in one step; of more sites as many are drawn.
+FORECAST_SITES = 96
+
+# A decrease below this fraction of the sum of squares is rounding.
+EXCHANGE_GAIN = 1e-9
+
 
 class Forecast(Protocol):
     """Predicted residuals (q,) of the asperities at their sites."""

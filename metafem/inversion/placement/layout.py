@@ -13,7 +13,7 @@ from metafem._calls import checked_class
 from metafem._validate import IntArray
 from metafem.errors import InvalidInput
 from metafem.inversion.placement.arrange import arrange
-from metafem.inversion.placement.objectives import FollowLaw, InsensitiveToTilt, Objective, Together
+from metafem.inversion.placement.objectives import FollowLaw, InsensitiveToTilt, Objective, WeightedObjectives
 from metafem.models import Independent, Model
 from metafem.models.model import contact_of
 from metafem.notes import information
@@ -87,7 +87,7 @@ def arranged(problem: Problem, candidate: Candidate, rng: np.random.Generator) -
     if not aims:
         return replace(candidate, notes=(*candidate.notes, information(NO_EFFECT)))
     with doing("assigning heights to sites"):
-        objective = Together([part for _, part, _ in aims], [weight for _, _, weight in aims])
+        objective = WeightedObjectives([part for _, part, _ in aims], [weight for _, _, weight in aims])
         found = arrange(surface, objective, model, rng)
         changes = [
             f"{words} from {_percent(part, surface, model)} to {_percent(part, found.surface, model)} %"

@@ -170,7 +170,7 @@ class InsensitiveToTilt(Value):
 
 @checked_class
 @dataclass(frozen=True, init=False)
-class Together:
+class WeightedObjectives:
     """Several objectives at once, ``sum_i w_i misfit_i^2``.
 
     Parameters
@@ -187,7 +187,7 @@ class Together:
     Examples
     --------
     >>> load = [0.1, 0.2]
-    >>> Together([FollowLaw(load), InsensitiveToTilt(load)], [3.0, 1.0]).weights
+    >>> WeightedObjectives([FollowLaw(load), InsensitiveToTilt(load)], [3.0, 1.0]).weights
     (0.75, 0.25)
     """
 

@@ -18,17 +18,19 @@ from metafem._validate import FloatArray
 from metafem.contact import Contact
 from metafem.inversion.bounds import at_load, depth_at_pressure, relative_depth
 from metafem.inversion.radii import Radii
-from metafem.inversion.search.options import DEFAULTS, SearchOptions
 from metafem.models.contact_sums import contacts
 
 # Least and largest indentation over R of the contacts that are tabulated for a first guess, and their number.
 TABLE, TABULATED = (1e-9, 10.0), 400
 
+# Smallest indentation tried, relative to that without new asperities: below it their number would exceed that
+# of any surface.
+SHALLOWEST = 1e-9
+
 
 def initial_heights(
-    law: Contact, load: FloatArray, friction: FloatArray, radius: FloatArray, count: int,
-    options: SearchOptions = DEFAULTS,
-) -> tuple[FloatArray, FloatArray]:  # fmt: skip
+    law: Contact, load: FloatArray, friction: FloatArray, radius: FloatArray, count: int
+) -> tuple[FloatArray, FloatArray]:
     """Return at most `count` heights, tallest first at 0, whose law is near the samples, and radii [mm].
 
     Asperities that enter at sample k have the k-th radius.
@@ -43,7 +45,7 @@ def initial_heights(
     plane, widest, single = -depth, float(radius.max()), _Single(law, radius)
     for p, f, new in zip(load[1:], friction[1:], radius[1:], strict=True):
         earlier = _Earlier(single, np.array(levels) - plane, np.array(kinds), np.array(numbers))
-        depth, number = earlier.entering(p, f, new, widest, options.shallowest)
+        depth, number = earlier.entering(p, f, new, widest)
         if number > 0.0:
             levels.append(plane)
             numbers.append(number)
@@ -73,9 +75,7 @@ class _Earlier:
             high = min(2.0 * high, self.most)
         return _root(lambda depth: self.at(depth)[index] - value, 0.0, high, high)
 
-    def entering(
-        self, load: float, friction: float, radius: float, widest: float, shallowest: float
-    ) -> tuple[float, float]:
+    def entering(self, load: float, friction: float, radius: float, widest: float) -> tuple[float, float]:
         """Return the depth of the plane below the new level, and the number of asperities that enter."""
         carried, area = self.at(0.0)
         if area < friction:
@@ -90,7 +90,7 @@ class _Earlier:
                     number = (friction - area) / new_area
                     return carried + number * new_load - load, number  # eq. S1
 
-                low = shallowest * deepest
+                low = SHALLOWEST * deepest
                 if missing(low)[0] >= 0.0:
                     return low, max(missing(low)[1], 0.0)
                 if missing(deepest)[0] <= 0.0:  # the earlier asperities have this load too, up to rounding

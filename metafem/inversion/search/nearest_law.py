@@ -12,14 +12,31 @@ from metafem._validate import FloatArray, IntArray
 from metafem.errors import InvalidInput
 from metafem.inversion.radii import Radii
 from metafem.inversion.search.initial_guess import initial_heights, slowest_law
-from metafem.inversion.search.levenberg_marquardt import Heights, LateResidual, Residual, ends, moved
-from metafem.inversion.search.multistart import search
-from metafem.inversion.search.options import DEFAULTS, SearchOptions
+from metafem.inversion.search.levenberg_marquardt import DEFAULTS, SearchOptions, search
+from metafem.inversion.search.spaces import Heights, LateResidual, Residual, moved
 from metafem.models import Independent, Sensitivity
 from metafem.models.contact_sums import contacts
 
 # Relative step of the differences by the radius: the cube root of the rounding.
 RELATIVE = 6e-6
+
+# Misfit at which a search ends: height errors of 1 um change A0 by more than this.
+GOAL = 6e-4
+
+# Where an initial guess is deeper than allowed, guesses with these fractions of the asperities that are too
+# low are tried: at the foot they all enter the contact early, and fewer of them suffice.
+LOW_FRACTIONS = (1.0, 0.75, 0.5, 0.25, 0.0)
+
+# Restarts with continuous radii, before the radii are rounded to tools.
+CONTINUOUS_RESTARTS = 4
+
+# Restarts with several tools for each restart with one, because the radii are unknown too (measured on 40
+# laws of random surfaces with radii of .1, .4 and 1.6 mm: all are recovered to .1 %; with 4 restarts one is
+# not).
+MIXED_RESTARTS = 10
+
+# Probabilities, one of which is drawn for each random change, that an asperity gets a new radius.
+NEW_RADIUS = (0.0, 0.1, 0.3)
 
 # Relative differences (k,) [-] and their Jacobian of a law A0 (k,) [mm^2] with its gradient (k, n).
 LawResidual = Callable[[FloatArray, Callable[[], FloatArray]], LateResidual]
@@ -61,6 +78,11 @@ class NearestLaw:
         return self.height[order] - self.height.max(), self.radius[order]
 
 
+def beyond(load: FloatArray, height: FloatArray) -> LateResidual:
+    """Return the differences where heights are deeper than the contact law describes."""
+    return np.full(len(load), np.inf), lambda: np.zeros((len(load), len(height)))
+
+
 def residual_of_heights(
     model: Independent, radius: float | FloatArray, load: FloatArray, law_residual: LawResidual
 ) -> Residual:
@@ -69,8 +91,8 @@ def residual_of_heights(
     def residual(height: FloatArray) -> LateResidual:
         try:
             found = model.sensitivity_of(height, np.broadcast_to(radius, height.shape), load)
-        except InvalidInput:  # deeper than the contact law describes
-            return np.full(len(load), np.inf), lambda: np.zeros((len(load), len(height)))
+        except InvalidInput:
+            return beyond(load, height)
         return law_residual(found.curve.area, lambda: found.gradient)
 
     return residual
@@ -82,11 +104,10 @@ def _heights_task(task: LawSearch, radius: float) -> tuple[Residual, list[FloatA
     starts = []
     for law in task.guesses:
         radii = np.full(len(law), radius)
-        height, _ = initial_heights(task.model.contact, task.load, law, radii, task.count, task.options)
+        height, _ = initial_heights(task.model.contact, task.load, law, radii, task.count)
         inside = int((height >= height[0] - task.span).sum())
-        fractions = task.options.low_fractions
         # where heights are deeper than the span, also with fewer of those too low
-        numbers = dict.fromkeys(inside + round(part * (len(height) - inside)) for part in fractions)
+        numbers = dict.fromkeys(inside + round(part * (len(height) - inside)) for part in LOW_FRACTIONS)
         starts += [height[:number] for number in numbers]
     return residual, starts, Heights(task.span, task.count)
 
@@ -96,12 +117,12 @@ def nearest_law(task: LawSearch, radii: Radii) -> NearestLaw:
 
     Otherwise the search starts from radii that rise or fall with the depth, and then from random changes.
     """
-    options, load = task.options, task.load
+    load = task.load
     singles = []
     for radius in radii.tried.tolist():
         restarts = task.restarts if radii.single else 0
         residual, guesses, space = _heights_task(task, radius)
-        minimum = search(residual, guesses, space, task.goal, restarts, task.rng, options)
+        minimum = search(residual, guesses, space, task.goal, restarts, task.rng, task.options)
         height = minimum.unknowns
         singles.append(NearestLaw(height, np.full(len(height), radius), minimum.misfit))
         if radii.single or minimum.misfit <= task.goal:
@@ -109,7 +130,7 @@ def nearest_law(task: LawSearch, radii: Radii) -> NearestLaw:
     best = min(singles, key=lambda found: found.misfit)
     rising, middle = np.geomspace(radii.low, radii.high, len(load)), len(load) // 2
     starts = [
-        initial_heights(task.model.contact, load, law, ramp, task.count, options)
+        initial_heights(task.model.contact, load, law, ramp, task.count)
         for law in task.guesses
         for ramp in (rising, rising[::-1])
     ]
@@ -122,16 +143,16 @@ def nearest_law(task: LawSearch, radii: Radii) -> NearestLaw:
     tools = radii.extremes if ranged else radii
     between = Asperities(task.span, task.count, radii.between, depth)
     mixing = Asperities(task.span, task.count, tools, depth)
-    relaxed = between.nearest(task, starts, options.continuous_restarts)
+    relaxed = between.nearest(task, starts, CONTINUOUS_RESTARTS)
     if ranged and relaxed.misfit <= task.goal:
         relaxed = _on_steps(relaxed, task, replace(between, radii=radii))
         if relaxed.misfit <= task.goal:
             return relaxed
     rounded = (relaxed.height, tools.nearest(relaxed.radius))
-    mixed = mixing.nearest(task, [rounded, *starts], options.mixed_restarts * task.restarts)
+    mixed = mixing.nearest(task, [rounded, *starts], MIXED_RESTARTS * task.restarts)
     found = [mixed, best]
     if ranged:  # the extreme radii can have a smaller misfit, and radii near them a smaller one still
-        free = between.nearest(task, [(mixed.height, mixed.radius)], options.continuous_restarts)
+        free = between.nearest(task, [(mixed.height, mixed.radius)], CONTINUOUS_RESTARTS)
         found += [_on_steps(each, task, replace(between, radii=radii)) for each in (free, relaxed)]
     return min(found, key=lambda each: each.misfit)
 
@@ -173,13 +194,13 @@ class Asperities:
 
     def ends(self, unknowns: FloatArray) -> tuple[int, IntArray]:
         """Return the indices of the tallest height and of those `span` below it."""
-        return ends(unknowns[: len(unknowns) // 2], self.span)
+        return Heights(self.span).ends(unknowns[: len(unknowns) // 2])
 
-    def changed(self, unknowns: FloatArray, rng: np.random.Generator, options: SearchOptions) -> FloatArray:
+    def changed(self, unknowns: FloatArray, rng: np.random.Generator, sizes: tuple[float, ...]) -> FloatArray:
         """Return unknowns with some heights moved and some radii drawn anew."""
         height, radius = self.split(unknowns)
-        height, source = moved(height, self.most, rng, options)
-        anew = rng.random(len(height)) < rng.choice(options.new_radius)
+        height, source = moved(height, self.most, rng, sizes)
+        anew = rng.random(len(height)) < rng.choice(NEW_RADIUS)
         if self.radii.tools is None:
             drawn = np.exp(rng.uniform(math.log(self.radii.low), math.log(self.radii.high), len(height)))
         else:

@@ -21,6 +21,14 @@ if TYPE_CHECKING:
     from metafem.inversion.problem import Problem
 
 
+# A mixture of two tools for a density is chosen only if it lowers the misfit by this factor: parts made with
+# one tool are simpler.
+MIXTURE_GAIN = 0.5
+
+# Fractions of the larger of two neighbouring tools that are tried.
+MIXTURE_FRACTIONS = tuple(i / 16 for i in range(1, 16))
+
+
 @dataclass(frozen=True)
 class Mixture:
     """Numbers of asperities of each radius [mm], power caps where the radii differ.
@@ -86,13 +94,13 @@ def best_mixture(invert: Callable[[Mixture], Candidate], problem: Problem) -> Ca
 
     Candidates with warnings, whose heights are too fine to be made, come after those without.
     """
-    radii, count, options = problem.radii, problem.count, problem.options
+    radii, count = problem.radii, problem.count
     law = problem.independent.contact
     mixtures = [Mixture((radius,), (count,), law) for radius in radii.tried.tolist()]
     if radii.single:
         return invert(mixtures[0])
     if radii.tools is not None and law.power is not None:
-        numbers = sorted({round(fraction * count) for fraction in options.mixture_fractions} - {0, count})
+        numbers = sorted({round(fraction * count) for fraction in MIXTURE_FRACTIONS} - {0, count})
         mixtures += [Mixture(pair, (count - n, n), law) for pair in pairwise(radii.tools) for n in numbers]
     refused: dict[float, Infeasible] = {}
     found: list[tuple[bool, float, Candidate]] = []
@@ -104,7 +112,7 @@ def best_mixture(invert: Callable[[Mixture], Candidate], problem: Problem) -> Ca
         else:
             misfit = independent_misfit(candidate, problem.independent)
             unsound = any(note.warns for note in candidate.notes) or misfit > MISSED
-            gain = 1.0 if len(mixture.radii) == 1 else options.mixture_gain
+            gain = 1.0 if len(mixture.radii) == 1 else MIXTURE_GAIN
             found.append((unsound, misfit / gain, candidate))
     if not found:
         raise unreachable(refused)

@@ -14,11 +14,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from metafem.errors import Infeasible
+from metafem.inversion.assessment import POINT_GOAL
 from metafem.inversion.candidate import Candidate, Parameter
 from metafem.inversion.feasibility import broken_bound
-from metafem.inversion.search.levenberg_marquardt import Heights, descend
-from metafem.inversion.search.nearest_law import LawSearch, nearest_law, residual_of_heights
+from metafem.inversion.search.levenberg_marquardt import descend
+from metafem.inversion.search.nearest_law import MIXED_RESTARTS, LawSearch, nearest_law, residual_of_heights
+from metafem.inversion.search.spaces import Heights
 from metafem.inversion.strategies.level import Level, Step
+from metafem.models.model import has_paraboloids
 from metafem.notes import information
 
 if TYPE_CHECKING:
@@ -34,11 +37,21 @@ APART = 1e-6
 # hundreds of points could need another. The nearest law then ends at the point that is not met.
 MOST_MOVED = 20
 
+# Distance of a level below the plane at the point before, relative to the depth of the level before, for laws
+# whose contacts enter with sharper kinks than Hertz's: no level touches at the point before.
+LEVEL_DROP = 0.05
+
+# Most levels that are tried, about 0.2 ms each.
+MOST_LEVELS = 5_000
+
+# Largest misfit of heights without levels that is accepted: far below the effect of height errors.
+ACCEPTED = 1e-3
+
 
 def candidate(target: OperatingPoints, problem: Problem, rng: np.random.Generator) -> Candidate:
     """Return heights whose independent law passes through all points, or raise Infeasible."""
     radii, paths = problem.radii, list[tuple[Level, ...]]()
-    for drop in dict.fromkeys((problem.options.level_drop, 0.0)):
+    for drop in dict.fromkeys((0.0 if has_paraboloids(problem.model) else LEVEL_DROP, 0.0)):
         singles = [_Search(target, (radius,), problem, drop) for radius in radii.tried.tolist()]
         paths = [path for search in singles if (path := search.path(()))]
         last = singles[-1]
@@ -85,19 +98,19 @@ def _without_levels(
     target: OperatingPoints, radii: Radii, problem: Problem, rng: np.random.Generator
 ) -> Candidate | None:
     """Return the best heights and radii found without levels, or None if they miss the points."""
-    law, limits, options = target.curve(), problem.limits, problem.options
+    law, limits, effort = target.curve(), problem.limits, problem.effort
     top, load = limits.offset + limits.max_height, law.load
     best: Candidate | None = None
-    misfit = options.accepted
-    restarts = options.restarts if radii.single else options.restarts // options.mixed_restarts
-    for goal in options.free_goals:
+    misfit = ACCEPTED
+    restarts = effort.restarts if radii.single else effort.restarts // MIXED_RESTARTS
+    for goal in effort.free_goals:
         task = LawSearch(
             problem.independent, load, law.late_residual, [law.base], problem.count, limits.span, restarts,
-            rng, goal, options,
+            rng, goal, problem.options,
         )  # fmt: skip
         height, radius = nearest_law(task, radii).sorted
         residual = residual_of_heights(problem.independent, radius, load, law.late_residual)
-        found = descend(residual, height, Heights(limits.span), options.point_goal, True, options)
+        found = descend(residual, height, Heights(limits.span), POINT_GOAL, True, problem.options)
         height = found.unknowns - found.unknowns.max()
         approach = float(problem.independent.curve_of(height, radius, load[-1:]).approach[0])
         if found.misfit < misfit and approach <= top:
@@ -107,7 +120,7 @@ def _without_levels(
                 top + height[order], radius[order], {"span": float(np.ptp(height))}, law,
                 notes=(information(note),), lowest_level=top + float(height.min()),
             )  # fmt: skip
-        if misfit <= options.point_goal:
+        if misfit <= POINT_GOAL:
             break
     return best
 
@@ -205,7 +218,7 @@ class _Search:
             self.refuse(i, _unmet(self.target, i, step, self.tools, left), limited=False)
         for next_level in found:
             self.tried += 1
-            if self.tried > self.problem.options.most_levels:
+            if self.tried > MOST_LEVELS:
                 break
             reason = _too_low(i, next_level, self.problem.limits)
             if reason is not None:

@@ -31,6 +31,17 @@ from metafem.models.model import PARABOLOID, checked_contact
 # load says little about a law.
 LEAST_RANGE = 1.1
 
+# Bisections of the logarithm of a range: to a sixtieth of it.
+BISECTIONS = 6
+
+# Fraction of the allowed difference at which a range counts as reached: room for other models.
+RANGE_MISFIT = 0.8
+
+# A range that is tried starts this factor above the load at which one asperity has the friction of the line.
+# Between the entries of the first asperities a law differs from the line by 1.1 % if it starts at that load,
+# and by .7 % if it starts here (measured; independent of slope and radius by scaling).
+RANGE_START = 1.4
+
 if TYPE_CHECKING:
     from metafem.contact import Contact
     from metafem.inversion.limits import Limits
@@ -116,7 +127,7 @@ def reached_line(target: Any, problem: Problem) -> StraightLaw | None:
     """
     start, end = line_range(target, problem.bounds)
     most = problem.bounds.largest_load(problem.limits)
-    low, high = problem.options.range_start * start * (1.0 + INSIDE), min(end, most) * (1.0 - INSIDE)
+    low, high = RANGE_START * start * (1.0 + INSIDE), min(end, most) * (1.0 - INSIDE)
     if target.load_range is not None:
         low, high = max(low, target.load_range[0]), min(high, target.load_range[1])
     crossover = target.lines[-1][1]
@@ -132,14 +143,14 @@ def reached_line(target: Any, problem: Problem) -> StraightLaw | None:
 
 def _narrowed(whole: Any, centre: float, problem: Problem) -> tuple[float, StraightLaw]:
     """Return the largest logarithmic fraction of a range around a load that is reached, and the line."""
-    (low, high), options = whole.load_range, problem.options
+    low, high = whole.load_range
     best, inside, outside = whole, 0.0, 1.0
-    for _ in range(options.bisections):
+    for _ in range(BISECTIONS):
         fraction = 0.5 * (inside + outside)
         ends = centre * (low / centre) ** fraction, centre * (high / centre) ** fraction
         trial = replace(whole, load_range=ends)
-        found = sampled.candidate(trial, problem, np.random.default_rng(0), options.range_restarts)
-        if independent_misfit(found, problem.independent) <= options.range_misfit * REACHED:
+        found = sampled.candidate(trial, problem, np.random.default_rng(0), problem.effort.range_restarts)
+        if independent_misfit(found, problem.independent) <= RANGE_MISFIT * REACHED:
             best, inside = trial, fraction
         else:
             outside = fraction

@@ -7,23 +7,28 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from metafem.inversion.candidate import Branch, Candidate, Parameter
-from metafem.inversion.search.nearest_law import LawSearch, nearest_law
+from metafem.inversion.search.nearest_law import GOAL, LawSearch, nearest_law
 
 if TYPE_CHECKING:
     from metafem.inversion.problem import Problem
     from metafem.inversion.targets.target import Target
 
 
+# Where the target leaves its level open, levels at these fractions of the feasible range (of its logarithm)
+# are tried.
+LEVEL_FRACTIONS = (0.5, 0.25, 0.75, 0.1, 0.9)
+
+
 def candidate(
     target: Target, problem: Problem, rng: np.random.Generator, restarts: int | None = None
 ) -> Candidate:
     """Return heights and radii whose independent law is nearest to the target."""
-    law, limits, options = target.curve(), problem.limits, problem.options
-    guesses = target.guesses(law, problem.bounds, options.level_fractions)
-    most = options.restarts if restarts is None else restarts
+    law, limits = target.curve(), problem.limits
+    guesses = target.guesses(law, problem.bounds, LEVEL_FRACTIONS)
+    most = problem.effort.restarts if restarts is None else restarts
     task = LawSearch(
         problem.independent, law.load, law.late_residual, guesses, problem.count, limits.span, most, rng,
-        options.goal, options,
+        GOAL, problem.options,
     )  # fmt: skip
     height, radius = nearest_law(task, problem.radii).sorted
     parameters: dict[str, Parameter] = {"span": float(-height[-1])}

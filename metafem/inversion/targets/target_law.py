@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from metafem._validate import FloatArray, IntArray
-from metafem.inversion.search.levenberg_marquardt import LateResidual
+from metafem.inversion.search.spaces import LateResidual
 
 # Iterations for the open parameters, each with weights relative to the law of the last one: after two, the
 # weights have converged to a digit of the residual.

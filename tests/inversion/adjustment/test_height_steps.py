@@ -1,12 +1,11 @@
 """Heights on the steps of a machine, for every kind of law."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.inversion import DesignStatus, problem
+from metafem.inversion import DesignStatus
+from metafem.inversion.adjustment import height_steps
 from metafem.inversion.design_notes import step_note
 from tests.models.scenes import said
 
@@ -49,8 +48,7 @@ def test_moves_win_over_rounding(template):
 def test_bounds_of_the_sum_exclude_no_change_that_would_be_taken(template, model, monkeypatch):
     line = mf.LinearLaw(7.0, (0.1, 0.3))
     found = mf.design(line, template, model, LIMITS)
-    every = replace(problem.DEFAULTS, largest_loads=len(line.curve().load))
-    monkeypatch.setattr(problem, "DEFAULTS", every)
+    monkeypatch.setattr(height_steps, "LARGEST_LOADS", len(line.curve().load))
     np.testing.assert_array_equal(
         found.surface.height, mf.design(line, template, model, LIMITS).surface.height
     )

@@ -12,7 +12,7 @@ from metafem.inversion.placement.sites import sites_for
 LOAD = np.array([0.05, 0.15, 0.3])
 LAYER = mf.Interacting(substrate=mf.BondedLayer())
 TILT = mf.InsensitiveToTilt(LOAD)
-BOTH = mf.Together([mf.FollowLaw(LOAD), TILT], [3.0, 1.0])
+BOTH = mf.WeightedObjectives([mf.FollowLaw(LOAD), TILT], [3.0, 1.0])
 
 
 @pytest.fixture
@@ -183,9 +183,9 @@ def test_a_substrate_without_a_formula_is_asked_once_for_all_sites(uneven):
         (lambda s: mf.FollowLaw([0.2, 0.1]), r"rescaled_load\[1\] = 0.1 does not exceed"),
         (lambda s: mf.FollowLaw([0.1], [1.0, 2.0]), "rescaled_friction has shape"),
         (lambda s: mf.InsensitiveToTilt([0.1], angle=0.0), "angle = 0 must be greater than 0"),
-        (lambda s: mf.Together([]), "objectives is empty"),
-        (lambda s: mf.Together([TILT], [0.0]), "weights holds 0"),
-        (lambda s: mf.Together([3]), r"objectives\[0\] = 3 must be"),
+        (lambda s: mf.WeightedObjectives([]), "objectives is empty"),
+        (lambda s: mf.WeightedObjectives([TILT], [0.0]), "weights holds 0"),
+        (lambda s: mf.WeightedObjectives([3]), r"objectives\[0\] = 3 must be"),
         (lambda s: mf.arrange(s, "tilt"), "objective = 'tilt' must be"),
         (
             lambda s: mf.arrange(s, TILT, position=s.position[1:]),

@@ -2,9 +2,8 @@
 
 import numpy as np
 
-from metafem.inversion.search.bounded import Bounded
 from metafem.inversion.search.levenberg_marquardt import descend
-from metafem.inversion.search.options import DEFAULTS
+from metafem.inversion.search.spaces import Bounded
 
 SPACE = Bounded(0.0, 1.0, np.array([1]), np.array([0.5]))
 
@@ -32,7 +31,7 @@ def test_random_changes_add_and_remove_asperities_but_keep_the_given_ones():
     rng, start = np.random.default_rng(0), np.array([0.3, 0.5, 0.8, *[SPACE.absent] * 5])
     numbers = set()
     for _ in range(50):
-        height = SPACE.changed(start, rng, DEFAULTS)
+        height = SPACE.changed(start, rng, (0.3, 1.0, 3.0))
         exists = SPACE.exists(height)
         assert height[1] == 0.5
         assert (height[exists] >= 0.0).all()

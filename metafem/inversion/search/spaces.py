@@ -1,0 +1,158 @@
+"""The unknowns of a search: heights, all within a span or each within limits, with their random changes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from metafem._validate import FloatArray, IntArray
+
+# Relative differences (k,) [-] from a law, and a function that returns their Jacobian (k, n) [1/mm]: it takes
+# longer than the differences, and most steps need none.
+LateResidual = tuple[FloatArray, Callable[[], FloatArray]]
+
+# Those of unknowns (n,) [mm].
+Residual = Callable[[FloatArray], LateResidual]
+
+# Heights within this fraction of the span of a limit are at it: rounding.
+AT_LIMIT = 1e-9
+
+# Height of sites without an asperity below the lowest that is allowed, over the span: no contact is as deep.
+ABSENT = 100.0
+
+# Random changes: fractions of the heights that move, probabilities that asperities are added or that one is
+# removed, and the most that are added.
+CHANGE_FRACTIONS = (0.2, 0.5, 1.0)
+ADDING, REMOVING, MOST_ADDED = 0.5, 0.3, 5
+
+
+class Space(Protocol):
+    """The unknowns of a search, a vector of lengths, with their limits and random changes."""
+
+    def project(self, unknowns: FloatArray) -> FloatArray:
+        """Return the nearest unknowns within the limits."""
+        ...
+
+    def ends(self, unknowns: FloatArray) -> tuple[int, IntArray]:
+        """Return the indices of the tallest height and of those as low as allowed."""
+        ...
+
+    def changed(self, unknowns: FloatArray, rng: np.random.Generator, sizes: tuple[float, ...]) -> FloatArray:
+        """Return unknowns changed at random, by one of the sizes over the spacing of the heights."""
+        ...
+
+
+@dataclass(frozen=True)
+class Heights:
+    """Heights (n,) that differ by at most `span` [mm].
+
+    A random change may add or remove a few asperities, up to `most` in all; with None their number is
+    fixed.
+    """
+
+    span: float
+    most: int | None = None
+
+    def project(self, unknowns: FloatArray) -> FloatArray:
+        """Return the heights, raised where they are more than `span` below the tallest."""
+        return np.asarray(np.maximum(unknowns, unknowns.max() - self.span))
+
+    def ends(self, unknowns: FloatArray) -> tuple[int, IntArray]:
+        """Return the indices of the tallest height and of those `span` below it."""
+        tallest = int(unknowns.argmax())
+        return tallest, np.flatnonzero(unknowns <= unknowns[tallest] - self.span * (1.0 - AT_LIMIT))
+
+    def changed(self, unknowns: FloatArray, rng: np.random.Generator, sizes: tuple[float, ...]) -> FloatArray:
+        """Return heights moved at random by about their spacing, with a few added or removed."""
+        return moved(unknowns, self.most, rng, sizes)[0]
+
+
+@dataclass(frozen=True, eq=False)
+class Bounded:
+    """Heights (n,) from `low` to `high` [mm], of which those of the indices `rows` have given values.
+
+    Each height is bounded by itself. A height at a limit stays there while a step down the gradient ``J' r``
+    would push it beyond (a projected gradient); its column of the Jacobian J counts as zero, like those of
+    given heights. A site without an asperity has the height `absent`, far below all contacts.
+    """
+
+    low: float
+    high: float
+    rows: IntArray
+    values: FloatArray
+
+    @property
+    def absent(self) -> float:
+        """The height of sites without an asperity [mm]."""
+        return self.low - ABSENT * (self.high - self.low)
+
+    def exists(self, height: FloatArray) -> NDArray[np.bool_]:
+        """Whether there is an asperity at each site."""
+        return np.asarray(height > self.absent)
+
+    def project(self, unknowns: FloatArray) -> FloatArray:
+        """Return the nearest heights within the limits, with the given ones."""
+        exists = self.exists(unknowns)
+        height = np.where(exists, np.clip(unknowns, self.low, self.high), self.absent)
+        height[self.rows] = self.values
+        return height
+
+    def ends(self, unknowns: FloatArray) -> tuple[int, IntArray]:
+        """Return that no height follows another: `held` holds those at a limit."""
+        return 0, np.empty(0, dtype=np.int64)
+
+    def changed(self, unknowns: FloatArray, rng: np.random.Generator, sizes: tuple[float, ...]) -> FloatArray:
+        """Return heights moved at random by about their spacing, with a few added or removed."""
+        height, on = unknowns.copy(), np.flatnonzero(self.exists(unknowns))
+        height[on] = moved(unknowns[on], None, rng, sizes)[0]
+        free = np.flatnonzero(~self.exists(unknowns))
+        if free.size and rng.random() < ADDING:
+            number = int(rng.integers(1, min(MOST_ADDED, free.size) + 1))
+            height[rng.choice(free, number, replace=False)] = rng.choice(height[on], number)
+        elif rng.random() < REMOVING:
+            height[rng.choice(on)] = self.absent
+        return self.project(height)
+
+    def held(self, residual: Residual) -> Residual:
+        """Return a residual without the derivatives by heights that stay."""
+        near = AT_LIMIT * (self.high - self.low)
+
+        def bounded(height: FloatArray) -> LateResidual:
+            r, compute = residual(height)
+
+            def jacobian() -> FloatArray:
+                found = compute()
+                slope = r @ found if np.isfinite(r).all() else np.zeros(len(height))
+                stay = (height <= self.low + near) & (slope > 0.0)
+                stay |= (height >= self.high - near) & (slope < 0.0)
+                stay |= ~self.exists(height)
+                stay[self.rows] = True
+                return np.where(stay, 0.0, found)
+
+            return r, jacobian
+
+        return bounded
+
+
+def moved(
+    height: FloatArray, most: int | None, rng: np.random.Generator, sizes: tuple[float, ...]
+) -> tuple[FloatArray, IntArray]:
+    """Return heights moved at random by about their spacing, and the asperity that each derives from."""
+    n = len(height)
+    every = np.arange(n)
+    spacing = float(np.ptp(height)) / n * rng.choice(sizes)
+    result = height + spacing * rng.standard_normal(n) * (rng.random(n) < rng.choice(CHANGE_FRACTIONS))
+    if most is None:
+        return result, every
+    if n < most and rng.random() < ADDING:
+        source = rng.integers(n, size=rng.integers(1, min(MOST_ADDED, most - n) + 1))
+        new = height[source] + spacing * rng.standard_normal(len(source))
+        return np.append(result, new), np.append(every, source)
+    if n > 2 and rng.random() < REMOVING:
+        removed = rng.integers(n)
+        return np.delete(result, removed), np.delete(every, removed)
+    return result, every
