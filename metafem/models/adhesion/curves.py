@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
+import scipy
 
 from metafem._given import shown
 from metafem._validate import FloatArray
@@ -38,11 +39,10 @@ def refuse_merging(law: JKR, surface: Surface) -> None:
     """Raise InvalidInput if neighbouring contacts would merge without load."""
     if surface.count == 1:
         return
-    from scipy.spatial import cKDTree
-
     sizes, which = np.unique(surface.radius, return_inverse=True)
     reach = np.broadcast_to(law.zero_load_radius(sizes)[which], surface.count)
-    pairs = cKDTree(surface.position).query_pairs(2.0 * float(reach.max()), output_type="ndarray")
+    tree = scipy.spatial.cKDTree(surface.position)
+    pairs = tree.query_pairs(2.0 * float(reach.max()), output_type="ndarray")
     if not len(pairs):
         return
     first, second = pairs.T

@@ -6,13 +6,17 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from metafem import _validate as check
 from metafem._calls import checked_class
+from metafem._kernels import continuation as kernel
+from metafem._kernels.contact.tabulated import Law
+from metafem._kernels.continuation import Results
+from metafem._kernels.coupling import State
 from metafem._validate import FloatArray
 from metafem.contact import Contact, Hertz
 from metafem.errors import InvalidInput, NotConverged
@@ -39,11 +43,6 @@ from metafem.models.model import (
 from metafem.notes import Note, information
 from metafem.substrate import HalfSpace, Radial, Substrate
 from metafem.surface import Surface
-
-if TYPE_CHECKING:
-    from metafem._kernels.contact.tabulated import Law
-    from metafem._kernels.continuation import Results
-    from metafem._kernels.coupling import State
 
 # Largest residual of a converged state; the kernel aims a digit lower.
 TOLERANCE = 1e-12
@@ -301,8 +300,6 @@ class Interacting:
         Nominal indentations of the last heights, and beyond the size of the dense solver dA0/dh without the
         change of the pedestals, are filled where there is room for them, (k, n) [mm].
         """
-        from metafem._kernels import continuation as kernel
-
         gap = height.max(axis=1, keepdims=True) - height
         self_term = np.zeros(height.shape)
         if self.pedestal:
