@@ -14,9 +14,9 @@ from metafem._kernels.contact import tabulated as kernel
 from metafem._kernels.contact.tabulated import BY_DEPTH, HEADER, LEVER_EDGE, Law, tilted
 from metafem._validate import FloatArray
 from metafem.contact import Contact
+from metafem.contact.elastic import PARABOLOID
 from metafem.errors import InvalidInput
 from metafem.models.contact_sums import contacts
-from metafem.models.model import PARABOLOID
 
 # Degree of the polynomials in a panel, and the largest coefficient of the last two degrees of one that
 # resolves the logarithm of a function: a digit above the rounding of the functions.

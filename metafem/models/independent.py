@@ -16,6 +16,7 @@ from metafem._kernels import independent as kernel
 from metafem._kernels.contact import independent as tabulated
 from metafem._validate import FloatArray
 from metafem.contact import Contact
+from metafem.contact.elastic import PARABOLOID
 from metafem.errors import InvalidInput
 from metafem.models._resources import run_rows
 from metafem.models.adhesion.curves import (
@@ -28,16 +29,8 @@ from metafem.models.adhesion.curves import (
 )
 from metafem.models.contact_sums import approach_at_load, contacts, sums
 from metafem.models.contact_tables import deepest, rows_of, tables
-from metafem.models.model import (
-    PARABOLOID,
-    Curve,
-    RescaledState,
-    Sensitivity,
-    controlled,
-    refuse_flattening,
-    solved,
-)
-from metafem.models.stand_in import Uncoupled
+from metafem.models.curve import Curve, RescaledState, Sensitivity, controlled, refuse_flattening, solved
+from metafem.models.model import Uncoupled
 from metafem.surface import Surface
 
 # Relative error of the load. The unknown is the indentation of the shallowest contact, to keep its digits.

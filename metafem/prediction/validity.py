@@ -26,7 +26,7 @@ from metafem.errors import MetafemError, NotConverged
 from metafem.models import Curve, Interacting, Model
 from metafem.models.boundary_elements.model import resolvable
 from metafem.models.interacting.model import DENSE_LIMIT
-from metafem.models.model import Unloading, contact_of, has_paraboloids
+from metafem.models.model import contact_of, has_paraboloids
 from metafem.models.truncation import COMPARED, crowding, truncation
 from metafem.notes import Note, information
 from metafem.substrate import BondedLayer, HalfSpace
@@ -131,7 +131,7 @@ def _interaction_notes(surface: Surface, model: Model, curve: Curve, unloading: 
 def _on_path(model: Model, surface: Surface, load: FloatArray, unloading: bool) -> Curve:
     """Return the curve of a model on loading, or on the way back from the largest load."""
     if unloading:
-        return cast("Unloading", model).curve(surface, load, unloading=True)
+        return cast("Curve", cast("Any", model).curve(surface, load, unloading=True))
     return model.curve(surface, load)
 
 
