@@ -14,13 +14,10 @@ from metafem._calls import checked_class
 from metafem._given import shown
 from metafem._validate import FloatArray
 from metafem.contact.cap_geometry import CapShape
-from metafem.contact.elastic import Hertz
+from metafem.contact.elastic import PARABOLOID
 from metafem.contact.law import Contact, Values
 from metafem.errors import InvalidInput
 from metafem.material import Material
-
-# Default cap.
-PARABOLOID = Hertz()
 
 # Largest number of steps of a bracket, each by a factor of WIDER in the indentation, and of the search in it.
 MOST_WIDENINGS, WIDER = 60, 64.0

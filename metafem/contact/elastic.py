@@ -82,3 +82,7 @@ class Hertz(Contact):
     def indentation_at_load(self, load: Values, radius: Values) -> FloatArray:
         """Indentation d = (3/4 P/E* / sqrt(R))^(2/3) [mm] of an undisturbed contact."""
         return np.asarray((0.75 * np.asarray(load) / np.sqrt(radius)) ** (2.0 / 3.0))
+
+
+# The law of contacts of every model that takes no other.
+PARABOLOID = Hertz()

@@ -8,6 +8,7 @@ from functools import cached_property, partial
 from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 import numpy as np
+import scipy
 from numpy.polynomial import chebyshev
 
 from metafem import _validate as check
@@ -152,10 +153,8 @@ class AxisymmetricCap(Value, ElasticCap):
     @cached_property
     def _cubic(self) -> PchipInterpolator:
         """Monotone cubic through the points of a table, over the square of rho."""
-        from scipy.interpolate import PchipInterpolator
-
         rho, depth = np.asarray(self.profile)
-        return PchipInterpolator(rho**2, depth, extrapolate=True)
+        return scipy.interpolate.PchipInterpolator(rho**2, depth, extrapolate=True)
 
     @cached_property
     def _panels(self) -> Panels:

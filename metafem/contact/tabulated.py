@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike
 
 from metafem import _validate as check
@@ -143,10 +144,8 @@ class TabulatedContact(Value, LawByIndentation):
 
 def _monotone(x: FloatArray, y: FloatArray) -> LogCubic:
     """Return the monotone cubic of ln y over ln x, with the slope of the first secant at the first point."""
-    from scipy.interpolate import pchip_interpolate
-
     u, v = np.log(x), np.log(y)
-    slope = np.asarray(pchip_interpolate(u, v, u, der=1))
+    slope = np.asarray(scipy.interpolate.pchip_interpolate(u, v, u, der=1))
     secant = np.diff(v) / np.diff(u)
     slope[0] = secant[0]
     slope[-1] = slope[-1] or secant[-1]  # 0 where the last secants bend too much

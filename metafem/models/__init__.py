@@ -3,10 +3,11 @@
 from metafem.models.automatic import Automatic
 from metafem.models.boundary_elements.field import ContactField
 from metafem.models.boundary_elements.model import BoundaryElements
+from metafem.models.curve import Curve, RescaledState, Sensitivity, Status
 from metafem.models.independent import Independent
 from metafem.models.interacting.model import Interacting
 from metafem.models.mean_field import MeanField
-from metafem.models.model import Curve, Model, RescaledState, Sensitive, Sensitivity, Status
+from metafem.models.model import Model, Sensitive
 
 __all__ = [
     "Automatic",

@@ -10,12 +10,13 @@ from metafem import _validate as check
 from metafem._calls import checked_class
 from metafem._validate import FloatArray
 from metafem.contact import Contact
+from metafem.contact.elastic import PARABOLOID
 from metafem.errors import MetafemError
 from metafem.models.boundary_elements.model import BoundaryElements, resolvable
+from metafem.models.curve import Curve, controlled
 from metafem.models.independent import Independent
 from metafem.models.interacting.model import DENSE_LIMIT, Interacting
-from metafem.models.model import PARABOLOID, Curve, controlled
-from metafem.models.stand_in import WithoutGradients
+from metafem.models.model import WithoutGradients
 from metafem.models.truncation import truncation
 from metafem.notes import Level, Note, information
 from metafem.substrate import HalfSpace, Radial, Substrate

@@ -5,19 +5,18 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Hashable
 from functools import lru_cache
-from typing import TYPE_CHECKING, NamedTuple, cast
+from typing import NamedTuple, cast
 
 import numpy as np
 from numpy.polynomial import chebyshev
 
+from metafem._kernels.contact import tabulated as kernel
+from metafem._kernels.contact.tabulated import BY_DEPTH, HEADER, LEVER_EDGE, Law, tilted
 from metafem._validate import FloatArray
 from metafem.contact import Contact
+from metafem.contact.elastic import PARABOLOID
 from metafem.errors import InvalidInput
 from metafem.models.contact_sums import contacts
-from metafem.models.model import PARABOLOID
-
-if TYPE_CHECKING:
-    from metafem._kernels.contact.tabulated import Law
 
 # Degree of the polynomials in a panel, and the largest coefficient of the last two degrees of one that
 # resolves the logarithm of a function: a digit above the rounding of the functions.
@@ -84,8 +83,6 @@ class _Fit(NamedTuple):
 
 def tables(law: Contact, radius: FloatArray) -> Law:
     """Return the law of asperities of radii (..., n) [mm] for the kernels; `law` is that for unit E*."""
-    from metafem._kernels.contact.tabulated import Law
-
     size = np.array(radius, dtype=np.float64, order="C")
     if law == PARABOLOID:
         return Law(size, np.full(size.shape, -1), size, np.empty((0, 0)))
@@ -116,11 +113,9 @@ def rows_of(law: Law, rows: int | slice) -> Law:
 
 def deepest(law: Law) -> FloatArray:
     """Return the largest indentations [mm] that the tables hold, of each asperity."""
-    from metafem._kernels.contact.tabulated import DEEPEST
-
     if not law.data.size:
         return np.full(law.which.shape, math.inf)
-    return np.asarray(law.data[law.which, DEEPEST] * law.scale)
+    return np.asarray(law.data[law.which, kernel.DEEPEST] * law.scale)
 
 
 def _stacked(tables: list[FloatArray]) -> FloatArray:
@@ -143,8 +138,6 @@ def _of_each(law: Hashable, radius: tuple[float, ...]) -> FloatArray:
 
 def _table(law: Contact, radius: float) -> FloatArray:
     """Compute the table of a law for one radius [mm]."""
-    from metafem._kernels.contact.tabulated import BY_DEPTH, HEADER, LEVER_EDGE, tilted
-
     end = float(law.largest_indentation(radius))
     last = end if math.isfinite(end) else DEEPEST * radius
     ends = law.contact_radius(np.array([LIGHTEST * radius, last]), radius)

@@ -12,8 +12,11 @@ from numpy.typing import ArrayLike
 
 from metafem import _validate as check
 from metafem._calls import checked_class
+from metafem._kernels import independent as kernel
+from metafem._kernels.contact import independent as tabulated
 from metafem._validate import FloatArray
 from metafem.contact import Contact
+from metafem.contact.elastic import PARABOLOID
 from metafem.errors import InvalidInput
 from metafem.models._resources import run_rows
 from metafem.models.adhesion.curves import (
@@ -26,16 +29,8 @@ from metafem.models.adhesion.curves import (
 )
 from metafem.models.contact_sums import approach_at_load, contacts, sums
 from metafem.models.contact_tables import deepest, rows_of, tables
-from metafem.models.model import (
-    PARABOLOID,
-    Curve,
-    RescaledState,
-    Sensitivity,
-    controlled,
-    refuse_flattening,
-    solved,
-)
-from metafem.models.stand_in import Uncoupled
+from metafem.models.curve import Curve, RescaledState, Sensitivity, controlled, refuse_flattening, solved
+from metafem.models.model import Uncoupled
 from metafem.surface import Surface
 
 # Relative error of the load. The unknown is the indentation of the shallowest contact, to keep its digits.
@@ -118,8 +113,6 @@ class Independent(Uncoupled):
 
         unloading: at these on the way back from the largest; loads of adhesive contacts may be negative.
         """
-        from metafem._kernels import independent as kernel
-
         values, by_load = controlled(load, approach)
         law = self.contact.for_material(surface.material)
         adhesive = adhesive_law(law)
@@ -144,8 +137,6 @@ class Independent(Uncoupled):
 
         contact: the contact law for unit E*; default: that of the model.
         """
-        from metafem._kernels import independent as kernel
-
         law = self.contact if contact is None else contact
         adhesive = adhesive_law(law)
         if adhesive is not None:
@@ -232,8 +223,6 @@ class Independent(Uncoupled):
         >>> area.shape, bool((area[0] == area[1]).all())
         ((2, 2), True)
         """
-        from metafem._kernels import independent as kernel
-
         heights = check.lists("height", height, None)
         radii = check.lists("radius", radius, None).reshape(np.shape(radius))
         if radii.shape not in ((), heights.shape[1:], heights.shape):
@@ -281,8 +270,6 @@ class Independent(Uncoupled):
 
         height, radius: (m, n) [mm]; None is that of the surface.
         """
-        from metafem._kernels import independent as kernel
-
         given = surface.radius if radius is None else radius
         law = self.contact.for_material(surface.material)
         adhesive = adhesive_law(law)
@@ -305,16 +292,13 @@ class Independent(Uncoupled):
 
 def _solved(law: Contact, height: FloatArray, radius: FloatArray, load: FloatArray) -> tuple[FloatArray, ...]:
     """Return approach, load, area and stiffness (m, k) of surfaces (m, n) of any law at increasing loads."""
-    from metafem._kernels.contact import independent as kernel
-    from metafem._kernels.independent import empty_results
-
     gap = height.max(axis=1, keepdims=True) - height
     table = tables(law, np.broadcast_to(radius, gap.shape))
-    results = empty_results(len(gap), len(load))
+    results = kernel.empty_results(len(gap), len(load))
     rising = np.array(load)  # a read-only array would compile the kernel again
 
     def run(rows: slice) -> None:
-        kernel.curves(rows_of(table, rows), gap[rows], rising, *(part[rows] for part in results))
+        tabulated.curves(rows_of(table, rows), gap[rows], rising, *(part[rows] for part in results))
 
     run_rows(run, len(gap), results[0].size, TABULATED_PER_THREAD)
     # beyond its tables a law is solved by itself, or refuses
@@ -341,15 +325,13 @@ def _gradient(law: Contact, indentation: FloatArray, radius: FloatArray) -> Floa
 
 def _each(law: Contact, indentation: FloatArray, radius: FloatArray) -> tuple[FloatArray, ...]:
     """Return load, stiffness, area and its derivative by the indentation of contacts (k, n) of any law."""
-    from metafem._kernels.contact import independent as kernel
-
     size = np.broadcast_to(radius, indentation.shape[1:])
     table = tables(law, size)
     if (indentation > deepest(table)).any():
         found = contacts(law, indentation, size)
         return found.load, found.stiffness, found.area, law.area_slope(found.contact_radius, size)
     results = tuple(np.empty_like(indentation) for _ in range(4))
-    kernel.each(table, indentation, *results)
+    tabulated.each(table, indentation, *results)
     return results
 
 

@@ -12,11 +12,12 @@ import numpy as np
 from metafem._calls import checked_class
 from metafem._validate import FloatArray
 from metafem.contact import Contact
+from metafem.contact.elastic import PARABOLOID
 from metafem.errors import InvalidInput
 from metafem.models.adhesion.curves import adhesive_law, independent_curve
+from metafem.models.curve import Curve, RescaledState, Sensitivity, controlled
 from metafem.models.independent import TOLERANCE, Independent
-from metafem.models.model import PARABOLOID, Curve, RescaledState, Sensitivity, controlled
-from metafem.models.stand_in import Uncoupled
+from metafem.models.model import Uncoupled
 from metafem.notes import information
 from metafem.surface import Surface
 

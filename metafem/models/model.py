@@ -1,160 +1,21 @@
-"""The protocol of all models, and the curves that they return; every load is rescaled, P/E* [mm^2]."""
+"""The protocol of all models, and what several of them share."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, fields, replace
-from enum import Enum
+from dataclasses import fields, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Protocol, cast, runtime_checkable
-
-import numpy as np
+from typing import Any, ClassVar, Protocol, Self, cast, runtime_checkable
 
 from metafem import _validate as check
 from metafem._given import shown
-from metafem._validate import FloatArray, IntArray
-from metafem.contact import Contact, Hertz
-from metafem.errors import InvalidInput, NotConverged
-from metafem.notes import Note
+from metafem._validate import FloatArray
+from metafem.contact import Contact
+from metafem.contact.elastic import PARABOLOID as PARABOLOID
+from metafem.errors import InvalidInput
+from metafem.models.curve import Curve, Sensitivity, areas_one_by_one
+from metafem.models.interacting.model import Interacting
+from metafem.substrate import HalfSpace, Substrate
 from metafem.surface import Surface
-
-if TYPE_CHECKING:
-    from metafem.models.boundary_elements.field import ContactField
-    from metafem.models.interacting.model import Interacting
-
-
-# The law of contacts of every model that takes no other.
-PARABOLOID = Hertz()
-
-# Arrays of a curve, with one entry for each load.
-ARRAYS = ("approach", "load", "area", "stiffness", "residual")
-
-
-class Status(Enum):
-    """How a solution ended; the value is the message."""
-
-    CONVERGED = "converged: the residual is within the model's tolerance"
-    NOT_CONVERGED = "not converged: the residual exceeds the model's tolerance"
-
-
-@dataclass(frozen=True, eq=False)
-class RescaledState:
-    """The asperities of one equilibrium."""
-
-    load: FloatArray  # (n,), rescaled load of each asperity, P_i/E* [mm^2]
-    area: FloatArray  # (n,), contact area of each asperity [mm^2]
-    indentation: FloatArray  # (n,), indentation of each asperity [mm]; for an open one its gap, negative
-    # smallest distance between the plane and the base plane beside a summit [mm], see `ContactState`
-    base_gap: float
-    model: Model  # the model that was solved
-    notes: tuple[Note, ...] = ()  # approximations of this state
-    field: ContactField | None = None  # fields on cells, with the pressure over E* [-]
-
-
-def solved(residual: FloatArray, tolerance: float, load: FloatArray, area: FloatArray) -> np.ndarray:
-    """Whether equilibria are converged and finite, in arrays of any shape."""
-    return np.asarray((residual <= tolerance) & np.isfinite(load + area))
-
-
-@dataclass(frozen=True, eq=False)
-class Curve:
-    """Equilibria of one surface along increasing loads or approaches, all arrays (k,).
-
-    Attributes
-    ----------
-    approach : ndarray
-        Tallest summit minus separation [mm].
-    load : ndarray
-        Rescaled load P/E* [mm^2], recomputed at the approach.
-    area : ndarray
-        Real contact area A0 [mm^2].
-    stiffness : ndarray
-        Derivative of the rescaled load by the approach [mm].
-    residual : ndarray
-        Largest relative error of the equations [-], recomputed on what is returned.
-    tolerance : float
-        Largest residual of a converged equilibrium.
-    compute_last : callable
-        Returns the last state; it is called when `last` is first read.
-    notes : tuple of Note
-        Approximations of the whole curve.
-
-    Examples
-    --------
-    >>> import metafem as mf
-    >>> surface = Surface.square_lattice([0.1, 0.12], (1, 2), radius=0.526, material=mf.Material(1.36))
-    >>> curve = mf.Independent().curve(surface, np.array([0.01, 0.02]))
-    >>> curve.area.round(4), curve.converged, curve.last.load.round(4)
-    (array([0.096 , 0.1551]), True, array([0.0069, 0.0131]))
-    """
-
-    approach: FloatArray
-    load: FloatArray
-    area: FloatArray
-    stiffness: FloatArray
-    residual: FloatArray
-    tolerance: float
-    compute_last: Callable[[], RescaledState]
-    notes: tuple[Note, ...] = ()
-
-    def part(self, rows: IntArray, compute_last: Callable[[], RescaledState]) -> Curve:
-        """Return the curve at some of its loads; `compute_last` is for a last load that is another one."""
-        whole = rows[-1] == len(self.load) - 1
-        arrays = {name: getattr(self, name)[rows] for name in ARRAYS}
-        return replace(self, **arrays, compute_last=(lambda: self.last) if whole else compute_last)
-
-    @staticmethod
-    def joined(parts: list[Curve]) -> Curve:
-        """Return one curve from consecutive ones."""
-        arrays: dict[str, Any] = {
-            name: np.concatenate([getattr(part, name) for part in parts]) for name in ARRAYS
-        }
-        return replace(
-            parts[-1],
-            **arrays,
-            tolerance=max(part.tolerance for part in parts),
-            notes=tuple(dict.fromkeys(note for part in parts for note in part.notes)),
-        )
-
-    @cached_property
-    def last(self) -> RescaledState:
-        """State of the asperities at the last load."""
-        return self.compute_last()
-
-    @cached_property
-    def solved(self) -> np.ndarray:
-        """Whether each equilibrium is converged and finite, (k,)."""
-        return solved(self.residual, self.tolerance, self.load, self.area)
-
-    @property
-    def converged(self) -> bool:
-        """Whether all equilibria are converged."""
-        return bool(self.solved.all())
-
-    @property
-    def status(self) -> Status:
-        """Whether all equilibria are converged, with the message."""
-        return Status.CONVERGED if self.converged else Status.NOT_CONVERGED
-
-    def with_notes(self, notes: tuple[Note, ...]) -> Curve:
-        """Return the curve with other notes, and with all that was computed of it."""
-        curve = object.__new__(Curve)
-        curve.__dict__.update(self.__dict__, notes=notes)
-        return curve
-
-    def checked(self) -> Curve:
-        """Return the curve, or raise NotConverged with it."""
-        if not self.converged:
-            raise NotConverged(f"not converged: largest residual {self.residual.max():.2g}", self)
-        return self
-
-
-def controlled(load: FloatArray | None, approach: FloatArray | None) -> tuple[FloatArray, bool]:
-    """Return the one of the two arrays that is given, and whether it holds loads."""
-    if (load is None) == (approach is None):
-        raise InvalidInput("a curve needs either load [mm^2] or approach [mm]")
-    by_load = load is not None
-    return np.asarray(load if by_load else approach, dtype=np.float64), by_load
 
 
 def checked_model(model: object) -> Model:
@@ -176,15 +37,6 @@ def checked_contact(contact: object) -> Contact:
 def contact_of(model: Model) -> Contact:
     """Return the contact law of a model; Hertz's for a user-defined model without the attribute."""
     return cast("Contact", getattr(model, "contact", PARABOLOID))
-
-
-def refuse_flattening(law: Contact, unloading: bool) -> None:
-    """Raise InvalidInput for the unloading of contacts that stay flattened: theirs is another law."""
-    if unloading and type(law).unloaded is not Contact.unloaded:
-        raise InvalidInput(
-            f"unloading = True: the contacts of {law!r} stay flattened; use friction_law with "
-            "unloading=True, or metafem.flattened"
-        )
 
 
 def with_contact(model: Model, contact: Contact) -> Model:
@@ -255,73 +107,6 @@ class Model(Protocol):
         ...
 
 
-class Unloading(Model, Protocol):
-    """A model that unloads: a class attribute ``unloads = True`` marks it."""
-
-    def curve(
-        self,
-        surface: Surface,
-        load: FloatArray | None = None,
-        *,
-        approach: FloatArray | None = None,
-        unloading: bool = False,
-    ) -> Curve:
-        """As `Model.curve`, or if `unloading` on the way back from the largest load or approach."""
-        ...
-
-
-def areas_one_by_one(
-    model: Model,
-    surface: Surface,
-    load: FloatArray,
-    height: FloatArray,
-    radius: FloatArray | None,
-    position: FloatArray | None,
-) -> FloatArray:
-    """`Model.areas` by one curve for each list of heights."""
-    found = np.full((len(height), len(load)), np.nan)
-    for row in range(len(height)):
-        changes = {"height": height, "radius": radius, "position": position}
-        changed = surface.replaced(**{name: v[row] for name, v in changes.items() if v is not None})
-        try:
-            curve = model.curve(changed, load)
-        except NotConverged:
-            continue
-        found[row] = np.where(curve.solved, curve.area, np.nan)
-    return found
-
-
-@dataclass(frozen=True, eq=False)
-class Sensitivity:
-    """A law at loads (k,) with the derivatives of its area by the heights (n,) at fixed load.
-
-    Attributes
-    ----------
-    curve : Curve
-    compute_gradient : callable
-        Returns dA0/dh [mm], (k, n); it is called when `gradient` is first read.
-    indentation : ndarray, (k, n)
-        Indentation of each asperity without the change of its curvature by the others [mm]; for an open one
-        its gap, negative.
-
-    Examples
-    --------
-    >>> import metafem as mf
-    >>> surface = Surface.square_lattice([0.1, 0.12], (1, 2), radius=0.526, material=mf.Material(1.36))
-    >>> mf.Interacting().sensitivity(surface, np.array([0.02])).gradient.round(3)
-    array([[ 0.205, -0.205]])
-    """
-
-    curve: Curve
-    compute_gradient: Callable[[], FloatArray]
-    indentation: FloatArray
-
-    @cached_property
-    def gradient(self) -> FloatArray:
-        """dA0/dh [mm], (k, n)."""
-        return self.compute_gradient()
-
-
 class Sensitive(Model, Protocol):
     """A model with the derivatives of its law by the heights."""
 
@@ -333,3 +118,61 @@ class Sensitive(Model, Protocol):
         height: summit heights (n,) [mm] in place of the surface's own; they are not checked.
         """
         ...
+
+
+class Uncoupled:
+    """A model of asperities that do not interact, with sensitivities of its own."""
+
+    couples: ClassVar[bool] = False
+    contact: Contact
+
+    @property
+    def gradient_model(self) -> Self:
+        """The model itself."""
+        return self
+
+    @property
+    def reference(self) -> Interacting:
+        """Interacting contacts of the same law on the half-space, of order 3 if the law has one."""
+        return Interacting(self.contact.largest_order, contact=self.contact)
+
+
+class WithoutGradients:
+    """A coupled model on a substrate, for whose sensitivities those of `Interacting` are used."""
+
+    couples: ClassVar[bool] = True
+    title: ClassVar[str]
+    substrate: Substrate
+    contact: Contact
+
+    @property
+    def name(self) -> str:
+        """Name of the model in texts; it includes a substrate other than the half-space, and the law."""
+        parts = [self.title]
+        if self.substrate != HalfSpace():
+            # a user's substrate may have no name
+            parts.append(getattr(self.substrate, "name", type(self.substrate).__name__))
+        if self.contact != PARABOLOID:
+            parts.append(repr(self.contact))
+        return ", ".join(parts)
+
+    @cached_property
+    def gradient_model(self) -> Interacting:
+        """`Interacting` contacts of the same law on the same substrate, of order 3 if the law has one."""
+        return Interacting(self.contact.largest_order, self.substrate, self.contact)
+
+    @property
+    def reference(self) -> Interacting:
+        """That model."""
+        return self.gradient_model
+
+    def areas(
+        self,
+        surface: Surface,
+        load: FloatArray,
+        height: FloatArray,
+        radius: FloatArray | None = None,
+        position: FloatArray | None = None,
+    ) -> FloatArray:
+        """A0 [mm^2] at increasing rescaled loads (k,) for many surfaces, (m, k); see `Model.areas`."""
+        return areas_one_by_one(cast("Model", self).curve, surface, load, height, radius, position)

@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import scipy
 
+from metafem._kernels.truncation import SMALL, pair_sum
 from metafem._validate import FloatArray
 from metafem.contact import Contact
+from metafem.contact.elastic import PARABOLOID
 from metafem.models.interacting.kept_coupling import coupling_between
 from metafem.models.interacting.model import DENSE_LIMIT
-from metafem.models.model import PARABOLOID
 from metafem.models.tilt import area_change
 from metafem.substrate import Substrate
 from metafem.surface import Surface
@@ -48,8 +50,6 @@ def truncation(surface: Surface, area: FloatArray, substrate: Substrate, law: Co
     Other laws than Hertz's have radii of their own for both, and the slope of the field changes the areas of
     their contacts by the square of the slope. Infinite where contacts overlap.
     """
-    from metafem._kernels.truncation import pair_sum
-
     if not area.any():
         return 0.0
     bound = substrate.for_surface(surface)
@@ -100,9 +100,7 @@ def _tilt(law: Contact, surface: Surface, area: FloatArray, substrate: Substrate
 
 def _nearest_slopes(position: FloatArray, load: FloatArray) -> FloatArray:
     """Return the slopes of the fields of the nearest neighbours on a half-space, (n,) [-]."""
-    from scipy.spatial import cKDTree
-
-    _, other = cKDTree(position).query(position, k=min(NEIGHBOURS + 1, len(load)))
+    _, other = scipy.spatial.cKDTree(position).query(position, k=min(NEIGHBOURS + 1, len(load)))
     apart = position[:, None] - position[other[:, 1:]]
     distance = np.linalg.norm(apart, axis=-1)
     field = load[other[:, 1:]] / (math.pi * distance**3)
@@ -111,16 +109,12 @@ def _nearest_slopes(position: FloatArray, load: FloatArray) -> FloatArray:
 
 def _nearest_pairs(surface: Surface, response: FloatArray, source: FloatArray, area: FloatArray) -> float:
     """Return the sum of `pair_sum` over the nearest neighbours."""
-    from scipy.spatial import cKDTree
-
-    from metafem._kernels.truncation import SMALL
-
     closed = np.flatnonzero(area > 0.0)
     if closed.size < 2:
         return 0.0
     contact_radius, response, source = np.sqrt(area[closed] / math.pi), response[closed], source[closed]
     position = surface.position[closed]
-    distance, other = cKDTree(position).query(position, k=min(NEIGHBOURS + 1, closed.size))
+    distance, other = scipy.spatial.cKDTree(position).query(position, k=min(NEIGHBOURS + 1, closed.size))
     distance, other = distance[:, 1:], other[:, 1:]
     if (contact_radius[:, None] + contact_radius[other] >= distance).any():
         return math.inf
@@ -134,8 +128,6 @@ def crowding(surface: Surface, area: FloatArray, law: Contact = PARABOLOID) -> t
 
     area: (n,) [mm^2].
     """
-    from scipy.spatial import cKDTree
-
     closed = np.flatnonzero(area > 0.0)
     if closed.size < 2:
         return 0, 0.0
@@ -145,7 +137,7 @@ def crowding(surface: Surface, area: FloatArray, law: Contact = PARABOLOID) -> t
     blunt, sharp = np.cbrt(response), a / np.cbrt(source)
     # pairs beyond this distance neither overlap nor exceed the ratio
     reach = max(2.0 * float(a.max()), float(sharp.max() * blunt.max()) * max(2.0, 1.0 / COMPARED))
-    tree = cKDTree(surface.position[closed])
+    tree = scipy.spatial.cKDTree(surface.position[closed])
     i, j = tree.query_pairs(reach, output_type="ndarray").T
     if not i.size:
         return 0, 0.0

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy
 
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
@@ -65,8 +66,6 @@ def fit_branch(
     friction: Friction | None,
 ) -> BranchFit:
     """Fit areas (k,) [mm^2] to rescaled loads (k,) [mm^2] between two loads by least squares."""
-    from scipy.special import stdtrit
-
     low, high = load_range
     if high <= low:
         raise InvalidInput(f"load_range = ({low:g}, {high:g}) must increase")
@@ -83,7 +82,7 @@ def fit_branch(
     slope = float(((x - centre) * (y - y.mean())).sum() / spread)
     intercept = float(y.mean() - slope * centre)
     variance = float(((y - intercept - slope * x) ** 2).sum()) / (count - 2)
-    student = float(stdtrit(count - 2, UPPER))
+    student = float(scipy.special.stdtrit(count - 2, UPPER))
     slope_error = student * math.sqrt(variance / spread)
     intercept_error = student * math.sqrt(variance * (1.0 / count + centre**2 / spread))
     slopes = slope - slope_error, slope + slope_error

@@ -11,7 +11,8 @@ from metafem._calls import checked_call
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.models import Independent, Model
-from metafem.models.model import Curve, checked_model, contact_of, with_contact
+from metafem.models.curve import Curve
+from metafem.models.model import checked_model, contact_of, with_contact
 from metafem.surface import Surface
 
 

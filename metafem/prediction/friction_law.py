@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,7 +12,7 @@ from metafem._calls import checked_call
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput, NotConverged
 from metafem.models import Curve, Independent, Model
-from metafem.models.model import Unloading, checked_model, contact_of, with_contact
+from metafem.models.model import checked_model, contact_of, with_contact
 from metafem.notes import when_read
 from metafem.prediction.flattening import unloading_curve
 from metafem.prediction.law import FrictionLaw
@@ -119,7 +119,7 @@ def friction_law(
     if not unloading:
         curve = solver.curve(surface, **values)
     elif law.adhesive:
-        curve = cast("Unloading", solver).curve(surface, **values, unloading=True)
+        curve = cast("Any", solver).curve(surface, **values, unloading=True)
     else:
         top = surface.height.max()
         surface, solver, curve = unloading_curve(surface, solver, **values)

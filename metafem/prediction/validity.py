@@ -16,6 +16,7 @@ from dataclasses import replace
 from typing import Any, cast
 
 import numpy as np
+import scipy
 
 from metafem._validate import FloatArray, IntArray
 from metafem._values import percent
@@ -25,7 +26,7 @@ from metafem.errors import MetafemError, NotConverged
 from metafem.models import Curve, Interacting, Model
 from metafem.models.boundary_elements.model import resolvable
 from metafem.models.interacting.model import DENSE_LIMIT
-from metafem.models.model import Unloading, contact_of, has_paraboloids
+from metafem.models.model import contact_of, has_paraboloids
 from metafem.models.truncation import COMPARED, crowding, truncation
 from metafem.notes import Note, information
 from metafem.substrate import BondedLayer, HalfSpace
@@ -130,7 +131,7 @@ def _interaction_notes(surface: Surface, model: Model, curve: Curve, unloading: 
 def _on_path(model: Model, surface: Surface, load: FloatArray, unloading: bool) -> Curve:
     """Return the curve of a model on loading, or on the way back from the largest load."""
     if unloading:
-        return cast("Unloading", model).curve(surface, load, unloading=True)
+        return cast("Curve", cast("Any", model).curve(surface, load, unloading=True))
     return model.curve(surface, load)
 
 
@@ -141,8 +142,6 @@ def _resolved_or(law: Contact, remedy: str) -> str:
 
 def _size_notes(surface: Surface, reference: Interacting, area: float) -> list[Note]:
     """State what point loads leave out of laws without a profile, by paraboloids of the same area [mm^2]."""
-    from scipy.optimize import brentq
-
     point = Interacting(1, reference.substrate)
 
     def excess(approach: float) -> float:
@@ -154,7 +153,8 @@ def _size_notes(surface: Surface, reference: Interacting, area: float) -> list[N
             if excess(high) > 0.0:
                 break
             high *= 2.0
-        load = point.curve(surface, approach=np.array([brentq(excess, 0.0, high, rtol=SIZE_TOLERANCE)])).load
+        approach = scipy.optimize.brentq(excess, 0.0, high, rtol=SIZE_TOLERANCE)
+        load = point.curve(surface, approach=np.array([approach])).load
         larger = point.reference.curve(surface, load).checked().area[0]
     except MetafemError as reason:
         return [Note(f"what point loads leave out of the size of the contacts cannot be estimated: {reason}")]
@@ -248,8 +248,6 @@ def base_contact_load(surface: Surface, model: Model) -> float:
     The base gap of `ContactState` is zero there. For resolved contacts order 3 is used. Raise NotConverged or
     InvalidInput where the model has no solution under such a load.
     """
-    from scipy.optimize import brentq
-
     top = float(surface.height.max())
     if top <= 0.0:
         return 0.0
@@ -267,7 +265,7 @@ def base_contact_load(surface: Surface, model: Model) -> float:
         high += max(2.0 * gap, high - top)  # the steps double where nearly all of a step is sinking
         gap = state_at(high)[0]
     if abs(gap) > BASE_TOLERANCE * top:
-        high = brentq(lambda x: state_at(x)[0], 0.0, high, xtol=BASE_TOLERANCE * top)
+        high = scipy.optimize.brentq(lambda x: state_at(x)[0], 0.0, high, xtol=BASE_TOLERANCE * top)
     return state_at(high)[1]
 
 
@@ -354,10 +352,9 @@ def _surface_notes(surface: Surface, shape: CapShape) -> list[Note]:
 
 def _overlapping_caps(surface: Surface, shape: CapShape) -> int:
     """Return how many pairs of caps overlap."""
-    from scipy.spatial import cKDTree
-
     height = np.clip(surface.height, 0.0, shape.tallest(surface.radius))
     foot = shape.foot_radius(height, surface.radius)
-    pairs = cKDTree(surface.position).query_pairs(2.0 * float(foot.max()), output_type="ndarray")
+    tree = scipy.spatial.cKDTree(surface.position)
+    pairs = tree.query_pairs(2.0 * float(foot.max()), output_type="ndarray")
     distance = np.hypot(*(surface.position[pairs[:, 0]] - surface.position[pairs[:, 1]]).T)
     return int((distance < foot[pairs].sum(axis=1)).sum())

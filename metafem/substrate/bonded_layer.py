@@ -7,9 +7,12 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
+import scipy
 
 from metafem import _validate as check
 from metafem._calls import checked_class
+from metafem._kernels import layer as kernel
+from metafem._kernels.layer import DEGREE, WIDTH
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
 from metafem.substrate.protocol import agreed
@@ -95,8 +98,6 @@ class BondedLayer(Radial):
 
     def regular_derivatives(self, distance: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return the regular part of G [1/mm], G' and G'' at distances r >= 0 [mm]."""
-        from metafem._kernels import layer as kernel
-
         thickness, ratio = self._values()
         flat = np.ravel(distance)
         parts = kernel.empty_results(flat.size)
@@ -138,10 +139,6 @@ def _moments(poisson_ratio: float) -> tuple[float, float]:
 @lru_cache
 def regular_table(poisson_ratio: float) -> FloatArray:
     """Return the coefficients that `metafem._kernels.layer` evaluates, read-only."""
-    from scipy.special import j0, j1
-
-    from metafem._kernels.layer import DEGREE, WIDTH
-
     x, weight = _quadrature(poisson_ratio)
     node = np.cos(math.pi * (np.arange(DEGREE + 1) + 0.5) / (DEGREE + 1))
     powers = np.linalg.inv(np.vander(node, increasing=True))
@@ -149,7 +146,7 @@ def regular_table(poisson_ratio: float) -> FloatArray:
     table = np.empty((3, start.size, DEGREE + 1))
     for piece, s in enumerate(start[:, None] + 0.5 * WIDTH * (node + 1.0)):
         phase = np.outer(s, x)
-        zero, one = j0(phase), j1(phase)
+        zero, one = scipy.special.j0(phase), scipy.special.j1(phase)
         table[0, piece] = powers @ -(zero @ weight)
         table[1, piece] = powers @ (one @ (weight * x))
         table[2, piece] = powers @ ((zero - one / phase) @ (weight * x**2))

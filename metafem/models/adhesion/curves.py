@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
+import scipy
 
 from metafem._given import shown
 from metafem._validate import FloatArray
@@ -17,7 +18,7 @@ from metafem.models.adhesion.follower import Follower, Goal, Jump
 from metafem.models.adhesion.lone import Lone, Sums, Way
 from metafem.models.adhesion.scene import Scene
 from metafem.models.adhesion.solve import TOLERANCE, State
-from metafem.models.model import Curve, Model, RescaledState, Sensitivity
+from metafem.models.curve import Curve, RescaledState, Sensitivity
 from metafem.notes import Note, information
 from metafem.surface import Surface
 
@@ -38,11 +39,10 @@ def refuse_merging(law: JKR, surface: Surface) -> None:
     """Raise InvalidInput if neighbouring contacts would merge without load."""
     if surface.count == 1:
         return
-    from scipy.spatial import cKDTree
-
     sizes, which = np.unique(surface.radius, return_inverse=True)
     reach = np.broadcast_to(law.zero_load_radius(sizes)[which], surface.count)
-    pairs = cKDTree(surface.position).query_pairs(2.0 * float(reach.max()), output_type="ndarray")
+    tree = scipy.spatial.cKDTree(surface.position)
+    pairs = tree.query_pairs(2.0 * float(reach.max()), output_type="ndarray")
     if not len(pairs):
         return
     first, second = pairs.T
@@ -139,7 +139,7 @@ def lone_curve(lone: Lone, values: FloatArray, by_load: bool, unloading: bool, m
 
 
 def independent_curve(
-    model: Model,
+    model: object,
     law: JKR,
     surface: Surface,
     values: FloatArray,
@@ -159,7 +159,7 @@ def independent_curve(
 
 
 def curve_of_heights(
-    model: Model, law: JKR, height: FloatArray, radius: FloatArray, load: FloatArray
+    model: object, law: JKR, height: FloatArray, radius: FloatArray, load: FloatArray
 ) -> Curve:
     """Return the curve at increasing loads (k,) for heights and radii (n,), without notes."""
     gap = height.max() - height
@@ -176,7 +176,7 @@ def independent_areas(law: JKR, height: FloatArray, radius: FloatArray, load: Fl
     return np.array(found)
 
 
-def _curve_of(model: Model, found: LoneCurve, height: FloatArray, notes: tuple[Note, ...] = ()) -> Curve:
+def _curve_of(model: object, found: LoneCurve, height: FloatArray, notes: tuple[Note, ...] = ()) -> Curve:
     """Return the curve of a solution."""
     sinking, sums = found.lone.compliance, found.sums
     return Curve(
@@ -191,7 +191,7 @@ def _curve_of(model: Model, found: LoneCurve, height: FloatArray, notes: tuple[N
     )
 
 
-def _last_alone(model: Model, found: LoneCurve, height: FloatArray) -> RescaledState:
+def _last_alone(model: object, found: LoneCurve, height: FloatArray) -> RescaledState:
     """Return the last state of asperities that do not interact."""
     lone, a, x = found.lone, found.sums.contact_radius[-1], float(found.approach[-1])
     load = np.where(a > 0.0, lone.law.load(np.where(a > 0.0, a, lone.entry_radius), lone.radius), 0.0)
@@ -199,7 +199,7 @@ def _last_alone(model: Model, found: LoneCurve, height: FloatArray) -> RescaledS
 
 
 def independent_sensitivity(
-    model: Model, law: JKR, height: FloatArray, radius: FloatArray, load: FloatArray
+    model: object, law: JKR, height: FloatArray, radius: FloatArray, load: FloatArray
 ) -> Sensitivity:
     """Return the law at increasing loads (k,) and dA0/dh at fixed load [mm], (k, n), on loading.
 

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
+from scipy.optimize import brentq
 
 from metafem._validate import FloatArray, IntArray
 from metafem.errors import NotConverged
@@ -363,8 +364,6 @@ class Follower:
         self, state: State, new: State, i: int, value: Callable[[State], float], part: float
     ) -> State:
         """Return the last state before a value changes its sign, to a part of the radius of contact i."""
-        from scipy.optimize import brentq
-
         width = state.a[i] - new.a[i]
 
         def at(radius: float) -> State:

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.polynomial.chebyshev import chebvander
 from numpy.typing import NDArray
 
+from metafem._kernels.expansion import apply_pairs
 from metafem._validate import FloatArray
 
 # Error of the influence of a pair relative to its value. The estimate is conservative: the measured errors of
@@ -89,8 +90,6 @@ class FarField:
 
     def local(self, moments: FloatArray) -> FloatArray:
         """Return every patch's coefficients of the displacement by the others, (m, size, size)."""
-        from metafem._kernels.expansion import apply_pairs
-
         result = np.zeros_like(moments)
         apply_pairs(self.first, self.second, self.order, self.start, self.table, moments, result)
         return result

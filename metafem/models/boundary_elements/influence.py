@@ -9,6 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 from scipy import fft
 
+from metafem._kernels import love
 from metafem._validate import FloatArray
 from metafem.models._resources import THREADS
 from metafem.models.boundary_elements.far_field import FarField
@@ -37,8 +38,6 @@ class Influence:
         influence: Callable[[FloatArray], FloatArray],
         regular: Callable[[FloatArray], FloatArray],
     ) -> None:
-        from metafem._kernels import love
-
         shapes = [p.shape for p in patches]
         rows, columns = (max(s[k] for s in shapes) for k in range(2))
         i, j = np.arange(rows)[:, None], np.arange(columns)[None, :]

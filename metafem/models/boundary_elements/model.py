@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import TYPE_CHECKING, ClassVar, cast
+from typing import ClassVar, cast
 
 import numpy as np
 
@@ -13,21 +13,19 @@ from metafem import _validate as check
 from metafem._calls import checked_class
 from metafem._given import shown
 from metafem._validate import FloatArray
-from metafem.contact import Contact
+from metafem.contact import Contact, Hertz
+from metafem.contact.caps import ElasticCap
+from metafem.contact.elastic import PARABOLOID
 from metafem.errors import InvalidInput
 from metafem.models.boundary_elements import far_field
 from metafem.models.boundary_elements.field import ContactField
 from metafem.models.boundary_elements.solve import COARSEST, TOLERANCE, InitialGuess, Scene, Solution
-from metafem.models.model import PARABOLOID, Curve, RescaledState, controlled
-from metafem.models.stand_in import WithoutGradients
+from metafem.models.curve import Curve, RescaledState, controlled
+from metafem.models.model import WithoutGradients
 from metafem.notes import Note, information
 from metafem.progress import each
 from metafem.substrate import HalfSpace, Radial
 from metafem.surface import Surface
-
-if TYPE_CHECKING:
-    from metafem.contact import Hertz
-    from metafem.contact.caps import ElasticCap
 
 
 def resolvable(contact: object) -> bool:

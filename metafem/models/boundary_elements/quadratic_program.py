@@ -14,15 +14,13 @@ doi:10.1016/S0043-1648(99)00113-1, take projected steps unconditionally.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from metafem._kernels import vectors as kernel
 from metafem._validate import FloatArray
-
-if TYPE_CHECKING:
-    from metafem.models.boundary_elements.influence import Influence
+from metafem.models.boundary_elements.influence import Influence
 
 # Most halvings of a gradient step: 2^-40 of the first step is below rounding.
 MAX_HALVINGS = 40
@@ -75,8 +73,6 @@ def minimise(
     operator: A, with its approximate inverse; gap: g; multiplier: z, or a first guess where the sum `total`
     of the pressure is given. Stops at an error within the tolerance, which is scaled like g.
     """
-    from metafem._kernels import vectors as kernel
-
     problem = _Problem(operator, gap, total, multiplier)
     p = pressure
     v = operator.product(p) + gap
@@ -123,8 +119,6 @@ def solve_on(
 
     Stops when the largest error of the equations is within `tolerance`, or after `max_iterations`.
     """
-    from metafem._kernels import vectors as kernel
-
     q = np.zeros_like(right)
     rest = np.where(face, right, 0.0)
     d = np.zeros_like(right)
@@ -180,8 +174,6 @@ class _Problem:
 
     def energy_change(self, step: FloatArray, before: FloatArray, after: FloatArray) -> float:
         """Energy after a step minus that before, from both gradients, without cancellation."""
-        from metafem._kernels import vectors as kernel
-
         return float(0.5 * kernel.dot(step, before + after)) - self.multiplier * float(step.sum())
 
 
@@ -189,8 +181,6 @@ def _projected_step(
     problem: _Problem, p: FloatArray, v: FloatArray, trial: FloatArray
 ) -> tuple[FloatArray, FloatArray, bool]:
     """Take the projected trial if it lowers the energy, else a projected gradient step that does."""
-    from metafem._kernels import vectors as kernel
-
     operator, gap = problem.operator, problem.gap
     step, length = np.zeros(0), 0.0
     for halvings in range(MAX_HALVINGS):

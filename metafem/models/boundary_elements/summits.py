@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from metafem._validate import FloatArray
 from metafem.contact import Hertz
 from metafem.contact.caps import ElasticCap
-from metafem.models.model import PARABOLOID
+from metafem.contact.elastic import PARABOLOID
 from metafem.models.tilt import area_change, profile_slope
 from metafem.surface import Surface
 

@@ -12,9 +12,9 @@ from metafem.contact import JKR
 from metafem.errors import InvalidInput, NotConverged
 from metafem.models.adhesion.curves import Followed, follow, followed_near, jump_notes, refuse_merging
 from metafem.models.adhesion.scene import Scene
+from metafem.models.curve import Curve, RescaledState, Sensitivity
 from metafem.models.interacting.cap_influence import pedestal_influence, pedestal_notes
 from metafem.models.interacting.kept_coupling import coupling_between
-from metafem.models.model import Curve, RescaledState, Sensitivity
 from metafem.notes import Note
 from metafem.surface import Surface
 

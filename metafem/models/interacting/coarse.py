@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 
 from metafem._validate import FloatArray
@@ -43,15 +44,13 @@ class Coarse:
         E spreads the cells over their asperities, ``Q = (K^-1 + E' D E)^-1``. It is positive for any D,
         because no (E' D v)^2 exceeds D's sum over the cell times v.D v.
         """
-        from scipy.linalg import cho_factor, cho_solve
-
         root = np.sqrt(self.loads(inverse))
         inner = np.eye(self.count) + root[:, None] * self.influence * root
-        factor = cho_factor(inner, lower=True, overwrite_a=True)
+        factor = scipy.linalg.cho_factor(inner, lower=True, overwrite_a=True)
 
         def apply(vector: FloatArray) -> FloatArray:
             phi = self.influence @ self.loads(inverse * vector)
-            phi -= self.influence @ (root * cho_solve(factor, root * phi))
+            phi -= self.influence @ (root * scipy.linalg.cho_solve(factor, root * phi))
             return np.asarray(inverse * (vector - phi[self.cell]))
 
         return apply

@@ -12,8 +12,14 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
+from scipy.fft import irfft2, next_fast_len, rfft2
+from scipy.sparse import csr_array
+from scipy.special import erf, erfc
 
+from metafem._kernels import mesh
+from metafem._kernels.mesh import POINTS, SHAPE
 from metafem._validate import FloatArray
 from metafem.models._resources import THREADS
 from metafem.substrate import Radial
@@ -52,8 +58,6 @@ class ScatteredSums:
     """Products with the influence matrix and its derivatives for any positions; see the module."""
 
     def __init__(self, position: FloatArray, substrate: Radial) -> None:
-        from metafem._kernels.mesh import POINTS
-
         self.substrate = substrate
         self.products = 0
         low = position.min(axis=0)
@@ -154,23 +158,17 @@ class ScatteredSums:
     @cached_property
     def _pairs(self) -> tuple[NDArray[np.int64], NDArray[np.int64], FloatArray, FloatArray]:
         """Return both ends of the near pairs, x_i - x_j and y_i - y_j."""
-        from scipy.spatial import cKDTree
-
-        i, j = cKDTree(self._position).query_pairs(self.reach, output_type="ndarray").T
+        i, j = scipy.spatial.cKDTree(self._position).query_pairs(self.reach, output_type="ndarray").T
         dx, dy = (self._position[i] - self._position[j]).T
         return i, j, dx, dy
 
     def _matrix(self, value: FloatArray) -> Any:
-        from scipy.sparse import csr_array
-
         i, j, _, _ = self._pairs
         shape = (len(self._position), len(self._position))
         return csr_array((value, (i.astype(np.int32), j.astype(np.int32))), shape=shape)
 
     @cached_property
     def _near(self) -> tuple[Any]:
-        from scipy.special import erfc
-
         _, _, dx, dy = self._pairs
         r = np.hypot(dx, dy)
         if self._pairs_alone:
@@ -180,8 +178,6 @@ class ScatteredSums:
     @cached_property
     def _near_derivatives(self) -> tuple[Any, Any, Any]:
         """Laplacian and slopes at the first end of the near part."""
-        from scipy.special import erfc
-
         _, _, dx, dy = self._pairs
         r, s = np.hypot(dx, dy), self.split
         if self._pairs_alone:
@@ -197,8 +193,6 @@ class ScatteredSums:
 
     @cached_property
     def _padded(self) -> tuple[int, ...]:
-        from scipy.fft import next_fast_len
-
         return tuple(next_fast_len(2 * int(span + MARGIN), real=True) for span in self._span)
 
     @cached_property
@@ -213,9 +207,6 @@ class ScatteredSums:
         """Transform of the smooth field, over the window's twice: it is spread and gathered."""
         if self._pairs_alone:
             return np.empty((0, 0))
-        from scipy.fft import rfft2
-        from scipy.special import erf
-
         axes = [self._bent(size, span) for size, span in zip(self._padded, self._span, strict=True)]
         r = np.hypot(axes[0][:, None], axes[1])
         with np.errstate(invalid="ignore"):
@@ -236,8 +227,6 @@ class ScatteredSums:
 
     def _bent(self, size: int, span: float) -> FloatArray:
         """Return distances along a cyclic axis [mm], exact up to `span` steps and then bent to rest."""
-        from scipy.special import erfc
-
         x = np.abs(np.fft.fftfreq(size, 1.0 / size))
         width = MARGIN / WIDTHS
         y = (x - span - 0.5 * MARGIN) / width
@@ -246,19 +235,11 @@ class ScatteredSums:
         return np.asarray(self.step * np.where(x <= span, x, bent))
 
     def _forward(self, vector: FloatArray) -> NDArray[np.complex128]:
-        from scipy.fft import rfft2
-
-        from metafem._kernels import mesh
-
         grid = np.zeros(self._padded)
         mesh.spread(self._grid_position, np.ascontiguousarray(vector), grid)
         return np.asarray(rfft2(grid, workers=THREADS, overwrite_x=True))
 
     def _backward(self, spectrum: NDArray[np.complex128]) -> FloatArray:
-        from scipy.fft import irfft2
-
-        from metafem._kernels import mesh
-
         result = np.empty(len(self._position))
         mesh.gather(self._grid_position, irfft2(spectrum, self._padded, workers=THREADS), result)
         return result
@@ -266,8 +247,6 @@ class ScatteredSums:
 
 def _window_transform(wavenumber: FloatArray) -> FloatArray:
     """Fourier transform of the spreading window at wavenumbers [1/step]."""
-    from metafem._kernels.mesh import POINTS, SHAPE
-
     node, weight = np.polynomial.legendre.leggauss(60)
     x = 0.25 * POINTS * (node + 1.0)
     value = np.exp(SHAPE * (np.sqrt(1.0 - (2.0 * x / POINTS) ** 2) - 1.0))

@@ -7,7 +7,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
+from scipy.fft import irfft2, next_fast_len, rfft2
 
 from metafem._validate import FloatArray
 from metafem.models._resources import THREADS
@@ -31,13 +33,11 @@ class Lattice:
 
 def find_lattice(position: FloatArray) -> Lattice | None:
     """Return the square lattice, in any direction, on which the positions (n, 2) lie, or None."""
-    from scipy.spatial import cKDTree
-
     if len(position) < 2:
         return None
     centre = position - position.mean(axis=0)
     first = centre[int(np.hypot(*centre.T).argmin())]
-    distance, near = cKDTree(centre).query(first, k=2)
+    distance, near = scipy.spatial.cKDTree(centre).query(first, k=2)
     step = centre[near[1]] - first
     extent = float(np.hypot(*centre.T).max())
     # the axes are refined with the farthest positions: a short step does not fix the direction of a long row
@@ -81,8 +81,6 @@ class LatticeSums:
     """
 
     def __init__(self, lattice: Lattice, substrate: Radial) -> None:
-        from scipy.fft import next_fast_len
-
         self.lattice = lattice
         self.substrate = substrate
         self.products = 0
@@ -122,14 +120,10 @@ class LatticeSums:
         return grid.reshape(self.lattice.shape)
 
     def _forward(self, vector: FloatArray) -> NDArray[np.complex128]:
-        from scipy.fft import rfft2
-
         self.products += 1
         return np.asarray(rfft2(self._grid(vector), self._padded, workers=THREADS))
 
     def _backward(self, spectrum: NDArray[np.complex128]) -> FloatArray:
-        from scipy.fft import irfft2
-
         rows, columns = self.lattice.shape
         field = irfft2(spectrum, self._padded, workers=THREADS)
         return np.asarray(field[:rows, :columns].ravel()[self._index])
@@ -145,8 +139,6 @@ class LatticeSums:
     @cached_property
     def _influence(self) -> NDArray[np.complex128]:
         """Transform of G."""
-        from scipy.fft import rfft2
-
         value = self.substrate.influence(self._offsets(self._padded)[2])
         value[0, 0] = 0.0
         return np.asarray(rfft2(value, workers=THREADS))
@@ -154,8 +146,6 @@ class LatticeSums:
     @cached_property
     def _derivatives(self) -> tuple[NDArray[np.complex128], ...]:
         """Transforms of lap G and of the derivatives at the source, along the axes of the lattice."""
-        from scipy.fft import rfft2
-
         y, x, r = self._offsets(self._padded)
         _, first, second = self.substrate.influence(r, derivatives=True)
         first /= r

@@ -5,17 +5,14 @@ from __future__ import annotations
 from collections.abc import Hashable
 from dataclasses import dataclass, field
 from functools import lru_cache
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from metafem._kernels.coupling import Coupling
 from metafem._validate import FloatArray
 from metafem.models._resources import require_memory
 from metafem.substrate import Radial, Substrate
 from metafem.surface import Surface
-
-if TYPE_CHECKING:
-    from metafem._kernels.coupling import Coupling
 
 # Influences that are kept for the next call, and the largest scene of which one is: seven matrices of
 # 256 sites take 3.5 MiB.
@@ -49,8 +46,6 @@ def _kept(substrate: Radial, order: int, sites: _Sites) -> tuple[Coupling, Float
 
 def _computed(substrate: Substrate, order: int, surface: Surface) -> tuple[Coupling, FloatArray]:
     """Compute the influence of the asperities on each other, and the regular self terms (n,)."""
-    from metafem._kernels.coupling import Coupling
-
     # the matrices, those with their ends exchanged, the Jacobian, and as much while they are made
     require_memory(8 * surface.count**2 * (3 if order == 1 else 14), f"{surface.count} asperities")
     influence = np.array(substrate.influence_matrix(surface), dtype=np.float64, order="C")

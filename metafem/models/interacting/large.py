@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from metafem._kernels.contact.tabulated import Law
+from metafem._kernels.continuation import Results, uniform_approach
+from metafem._kernels.coupling import State
 from metafem._validate import FloatArray
 from metafem.models._resources import require_memory
 from metafem.models.interacting.coarse import coarsen
@@ -16,12 +18,6 @@ from metafem.models.interacting.newton_krylov import TOLERANCE, ContactEquations
 from metafem.progress import each
 from metafem.substrate import Radial
 from metafem.surface import Surface
-
-if TYPE_CHECKING:
-    from metafem._kernels.contact.tabulated import Law
-    from metafem._kernels.continuation import Results
-    from metafem._kernels.coupling import State
-
 
 # In place of an array of results that are not recorded.
 NOT_RECORDED = np.empty((0, 0))
@@ -50,8 +46,6 @@ class LargeScene:
 
         Nominal indentations and dA0/dh at fixed load are filled where there is room for them, (k, n) [mm].
         """
-        from metafem._kernels.continuation import uniform_approach
-
         gap, self_term = np.ascontiguousarray(gap), self_term + self.substrate.self_influence
         equations = ContactEquations(self.sums, self.order, law, self_term, gap, self.coarse)
         x, rate = 0.0, None

@@ -6,28 +6,26 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from metafem import _validate as check
 from metafem._calls import checked_class
+from metafem._kernels import continuation as kernel
+from metafem._kernels.contact.tabulated import Law
+from metafem._kernels.continuation import Results
+from metafem._kernels.coupling import State
 from metafem._validate import FloatArray
-from metafem.contact import Contact, Hertz
+from metafem.contact import Contact
+from metafem.contact.elastic import PARABOLOID
 from metafem.errors import InvalidInput, NotConverged
 from metafem.models._resources import run_rows
 from metafem.models.adhesion.curves import adhesive_law
 from metafem.models.contact_sums import contacts
 from metafem.models.contact_tables import deepest, rows_of, tables
-from metafem.models.interacting.adhesive import adhesive_areas, adhesive_curve, adhesive_sensitivity
-from metafem.models.interacting.cap_influence import pedestal_influence, pedestal_notes
-from metafem.models.interacting.kept_coupling import coupling_between
-from metafem.models.interacting.large import NOT_RECORDED, LargeScene
-from metafem.models.interacting.newton_krylov import TOLERANCE as FAST_TOLERANCE
-from metafem.models.interacting.sensitivity import area_gradients
-from metafem.models.model import (
-    PARABOLOID,
+from metafem.models.curve import (
     Curve,
     RescaledState,
     Sensitivity,
@@ -36,14 +34,15 @@ from metafem.models.model import (
     refuse_flattening,
     solved,
 )
+from metafem.models.interacting.adhesive import adhesive_areas, adhesive_curve, adhesive_sensitivity
+from metafem.models.interacting.cap_influence import pedestal_influence, pedestal_notes
+from metafem.models.interacting.kept_coupling import coupling_between
+from metafem.models.interacting.large import NOT_RECORDED, LargeScene
+from metafem.models.interacting.newton_krylov import TOLERANCE as FAST_TOLERANCE
+from metafem.models.interacting.sensitivity import area_gradients
 from metafem.notes import Note, information
 from metafem.substrate import HalfSpace, Radial, Substrate
 from metafem.surface import Surface
-
-if TYPE_CHECKING:
-    from metafem._kernels.contact.tabulated import Law
-    from metafem._kernels.continuation import Results
-    from metafem._kernels.coupling import State
 
 # Largest residual of a converged state; the kernel aims a digit lower.
 TOLERANCE = 1e-12
@@ -113,7 +112,7 @@ class Interacting:
 
     order: int = 3
     substrate: Substrate = field(default_factory=HalfSpace)
-    contact: Contact = field(default_factory=Hertz)
+    contact: Contact = PARABOLOID
     pedestal: bool = False
 
     def __post_init__(self) -> None:
@@ -263,7 +262,7 @@ class Interacting:
         vary, and radii beyond the size of the dense solver, the surfaces are solved one by one.
         """
         if position is not None or (radius is not None and surface.count > DENSE_LIMIT):
-            return areas_one_by_one(self, surface, load, height, radius, position)
+            return areas_one_by_one(self.curve, surface, load, height, radius, position)
         adhesive = adhesive_law(self.contact, surface.material)
         if adhesive is not None:
             return adhesive_areas(self, adhesive, surface, load, height, radius)
@@ -301,8 +300,6 @@ class Interacting:
         Nominal indentations of the last heights, and beyond the size of the dense solver dA0/dh without the
         change of the pedestals, are filled where there is room for them, (k, n) [mm].
         """
-        from metafem._kernels import continuation as kernel
-
         gap = height.max(axis=1, keepdims=True) - height
         self_term = np.zeros(height.shape)
         if self.pedestal:

@@ -4,19 +4,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from metafem._kernels.contact.tabulated import Law
+from metafem._kernels.coupling import State, empty_state, press, sharpen, widen
 from metafem._validate import FloatArray
 from metafem.models.interacting.coarse import Coarse
-
-if TYPE_CHECKING:
-    from metafem._kernels.contact.tabulated import Law
-    from metafem._kernels.coupling import State
-    from metafem.models.interacting.ewald_sums import ScatteredSums
-    from metafem.models.interacting.fft_sums import LatticeSums
+from metafem.models.interacting.ewald_sums import ScatteredSums
+from metafem.models.interacting.fft_sums import LatticeSums
 
 # Largest residual of a converged state with sums that are not exact to rounding, and the residual aimed at.
 TOLERANCE = 1e-9
@@ -63,8 +60,6 @@ class Iterate:
 
 def open_state(gap: FloatArray) -> Iterate:
     """Return the state without contact; gap: that of each summit, negative (n,) [mm]."""
-    from metafem._kernels.coupling import empty_state
-
     state = empty_state(len(gap))
     state.z[:] = state.indentation[:] = gap
     return Iterate(state, 0.0)
@@ -86,8 +81,6 @@ class ContactEquations:
 
     def respond(self, z: FloatArray, approach: float, target: float) -> Iterate:
         """Return the iterate of given z with its residual."""
-        from metafem._kernels.coupling import empty_state, press, sharpen
-
         state = empty_state(len(z))
         state.z[:] = z
         count = press(self.law, self.order, state)
@@ -160,8 +153,6 @@ class ContactEquations:
 
         ``H l = c + x 1`` with the x for which the l of the contacts sum to zero.
         """
-        from metafem._kernels.coupling import widen
-
         closed, found, none = state.closed, state.state, np.zeros_like(self.gap)
         widen(self.law, found, int(closed.sum()))
         widened = np.where(closed, found.widening, 0.0)

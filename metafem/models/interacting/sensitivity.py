@@ -14,6 +14,7 @@ import math
 import numpy as np
 from scipy.linalg.lapack import dgesv
 
+from metafem._kernels import interacting as kernel
 from metafem._kernels.contact.tabulated import Law
 from metafem._kernels.coupling import Coupling, State, empty_state, respond, widen
 from metafem._validate import FloatArray, IntArray
@@ -30,8 +31,6 @@ def area_gradients(
     indentation: FloatArray,
 ) -> FloatArray:
     """Return dA0/dh at fixed load [mm], (k, n), for equilibria of nominal indentations z (k, n)."""
-    from metafem._kernels import interacting as kernel
-
     rows, count = indentation.shape
     if count > FEW:
         return general_gradients(field, order, law, self_term, indentation)

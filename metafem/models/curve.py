@@ -1,0 +1,209 @@
+"""Curves of equilibria, which every model returns; every load is rescaled, P/E* [mm^2]."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from enum import Enum
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from metafem._validate import FloatArray, IntArray
+from metafem.contact import Contact
+from metafem.errors import InvalidInput, NotConverged
+from metafem.models.boundary_elements.field import ContactField
+from metafem.notes import Note
+from metafem.surface import Surface
+
+# Arrays of a curve, with one entry for each load.
+ARRAYS = ("approach", "load", "area", "stiffness", "residual")
+
+
+class Status(Enum):
+    """How a solution ended; the value is the message."""
+
+    CONVERGED = "converged: the residual is within the model's tolerance"
+    NOT_CONVERGED = "not converged: the residual exceeds the model's tolerance"
+
+
+@dataclass(frozen=True, eq=False)
+class RescaledState:
+    """The asperities of one equilibrium."""
+
+    load: FloatArray  # (n,), rescaled load of each asperity, P_i/E* [mm^2]
+    area: FloatArray  # (n,), contact area of each asperity [mm^2]
+    indentation: FloatArray  # (n,), indentation of each asperity [mm]; for an open one its gap, negative
+    # smallest distance between the plane and the base plane beside a summit [mm], see `ContactState`
+    base_gap: float
+    model: Any  # the model that was solved
+    notes: tuple[Note, ...] = ()  # approximations of this state
+    field: ContactField | None = None  # fields on cells, with the pressure over E* [-]
+
+
+def solved(residual: FloatArray, tolerance: float, load: FloatArray, area: FloatArray) -> np.ndarray:
+    """Whether equilibria are converged and finite, in arrays of any shape."""
+    return np.asarray((residual <= tolerance) & np.isfinite(load + area))
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """Equilibria of one surface along increasing loads or approaches, all arrays (k,).
+
+    Attributes
+    ----------
+    approach : ndarray
+        Tallest summit minus separation [mm].
+    load : ndarray
+        Rescaled load P/E* [mm^2], recomputed at the approach.
+    area : ndarray
+        Real contact area A0 [mm^2].
+    stiffness : ndarray
+        Derivative of the rescaled load by the approach [mm].
+    residual : ndarray
+        Largest relative error of the equations [-], recomputed on what is returned.
+    tolerance : float
+        Largest residual of a converged equilibrium.
+    compute_last : callable
+        Returns the last state; it is called when `last` is first read.
+    notes : tuple of Note
+        Approximations of the whole curve.
+
+    Examples
+    --------
+    >>> import metafem as mf
+    >>> surface = Surface.square_lattice([0.1, 0.12], (1, 2), radius=0.526, material=mf.Material(1.36))
+    >>> curve = mf.Independent().curve(surface, np.array([0.01, 0.02]))
+    >>> curve.area.round(4), curve.converged, curve.last.load.round(4)
+    (array([0.096 , 0.1551]), True, array([0.0069, 0.0131]))
+    """
+
+    approach: FloatArray
+    load: FloatArray
+    area: FloatArray
+    stiffness: FloatArray
+    residual: FloatArray
+    tolerance: float
+    compute_last: Callable[[], RescaledState]
+    notes: tuple[Note, ...] = ()
+
+    def part(self, rows: IntArray, compute_last: Callable[[], RescaledState]) -> Curve:
+        """Return the curve at some of its loads; `compute_last` is for a last load that is another one."""
+        whole = rows[-1] == len(self.load) - 1
+        arrays = {name: getattr(self, name)[rows] for name in ARRAYS}
+        return replace(self, **arrays, compute_last=(lambda: self.last) if whole else compute_last)
+
+    @staticmethod
+    def joined(parts: list[Curve]) -> Curve:
+        """Return one curve from consecutive ones."""
+        arrays: dict[str, Any] = {
+            name: np.concatenate([getattr(part, name) for part in parts]) for name in ARRAYS
+        }
+        return replace(
+            parts[-1],
+            **arrays,
+            tolerance=max(part.tolerance for part in parts),
+            notes=tuple(dict.fromkeys(note for part in parts for note in part.notes)),
+        )
+
+    @cached_property
+    def last(self) -> RescaledState:
+        """State of the asperities at the last load."""
+        return self.compute_last()
+
+    @cached_property
+    def solved(self) -> np.ndarray:
+        """Whether each equilibrium is converged and finite, (k,)."""
+        return solved(self.residual, self.tolerance, self.load, self.area)
+
+    @property
+    def converged(self) -> bool:
+        """Whether all equilibria are converged."""
+        return bool(self.solved.all())
+
+    @property
+    def status(self) -> Status:
+        """Whether all equilibria are converged, with the message."""
+        return Status.CONVERGED if self.converged else Status.NOT_CONVERGED
+
+    def with_notes(self, notes: tuple[Note, ...]) -> Curve:
+        """Return the curve with other notes, and with all that was computed of it."""
+        curve = object.__new__(Curve)
+        curve.__dict__.update(self.__dict__, notes=notes)
+        return curve
+
+    def checked(self) -> Curve:
+        """Return the curve, or raise NotConverged with it."""
+        if not self.converged:
+            raise NotConverged(f"not converged: largest residual {self.residual.max():.2g}", self)
+        return self
+
+
+def controlled(load: FloatArray | None, approach: FloatArray | None) -> tuple[FloatArray, bool]:
+    """Return the one of the two arrays that is given, and whether it holds loads."""
+    if (load is None) == (approach is None):
+        raise InvalidInput("a curve needs either load [mm^2] or approach [mm]")
+    by_load = load is not None
+    return np.asarray(load if by_load else approach, dtype=np.float64), by_load
+
+
+def refuse_flattening(law: Contact, unloading: bool) -> None:
+    """Raise InvalidInput for the unloading of contacts that stay flattened: theirs is another law."""
+    if unloading and type(law).unloaded is not Contact.unloaded:
+        raise InvalidInput(
+            f"unloading = True: the contacts of {law!r} stay flattened; use friction_law with "
+            "unloading=True, or metafem.flattened"
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Sensitivity:
+    """A law at loads (k,) with the derivatives of its area by the heights (n,) at fixed load.
+
+    Attributes
+    ----------
+    curve : Curve
+    compute_gradient : callable
+        Returns dA0/dh [mm], (k, n); it is called when `gradient` is first read.
+    indentation : ndarray, (k, n)
+        Indentation of each asperity without the change of its curvature by the others [mm]; for an open one
+        its gap, negative.
+
+    Examples
+    --------
+    >>> import metafem as mf
+    >>> surface = Surface.square_lattice([0.1, 0.12], (1, 2), radius=0.526, material=mf.Material(1.36))
+    >>> mf.Interacting().sensitivity(surface, np.array([0.02])).gradient.round(3)
+    array([[ 0.205, -0.205]])
+    """
+
+    curve: Curve
+    compute_gradient: Callable[[], FloatArray]
+    indentation: FloatArray
+
+    @cached_property
+    def gradient(self) -> FloatArray:
+        """dA0/dh [mm], (k, n)."""
+        return self.compute_gradient()
+
+
+def areas_one_by_one(
+    curve_of: Callable[[Surface, FloatArray], Curve],
+    surface: Surface,
+    load: FloatArray,
+    height: FloatArray,
+    radius: FloatArray | None,
+    position: FloatArray | None,
+) -> FloatArray:
+    """A0 [mm^2] at loads (k,) for many surfaces, (m, k), by one curve for each; nan if not converged."""
+    found = np.full((len(height), len(load)), np.nan)
+    for row in range(len(height)):
+        changes = {"height": height, "radius": radius, "position": position}
+        changed = surface.replaced(**{name: v[row] for name, v in changes.items() if v is not None})
+        try:
+            curve = curve_of(changed, load)
+        except NotConverged:
+            continue
+        found[row] = np.where(curve.solved, curve.area, np.nan)
+    return found
