@@ -9,9 +9,10 @@ import socket
 from contextlib import suppress
 from pathlib import Path
 
+from filelock import FileLock
+
 from metafem._caches import cache_folder
 from metafem.errors import InvalidInput
-from metafem.files.atomic.claim import locked
 
 HOST = "127.0.0.1"
 
@@ -19,8 +20,8 @@ HOST = "127.0.0.1"
 TOKEN_BYTES = 16
 
 
-# The lock of this run, an open file: it is held until the process ends.
-_HELD: list[int] = []
+# The lock of this run, which is held until the process ends.
+_HELD: list[FileLock] = []
 
 
 def token_and_port(wanted: int | None) -> tuple[str, int]:
@@ -42,12 +43,12 @@ def _is_first() -> bool:
     try:
         path = cache_folder() / "explorer.lock"
         path.parent.mkdir(parents=True, exist_ok=True)
-        held = locked(path, os.O_RDWR | os.O_CREAT)
-    except OSError:
+        lock = FileLock(path)
+        lock.acquire(timeout=0.0)
+    except OSError:  # another run holds it, or it cannot be made
         return False
-    if held is not None:
-        _HELD.append(held)
-    return held is not None
+    _HELD.append(lock)
+    return True
 
 
 def _kept() -> tuple[str, int]:

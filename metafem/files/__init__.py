@@ -1,7 +1,6 @@
 """Specifications, result folders and part files, with their units and formats."""
 
-from metafem.files.atomic.staged import check_free
-from metafem.files.atomic.text import refuse_existing, write_text
+from metafem.files.atomic import check_free, refuse_existing, write_text
 from metafem.files.loads import load_range
 from metafem.files.measurement.block import block_text, is_block
 from metafem.files.measurement.contacts import contacts_table, is_contacts_table, read_contacts

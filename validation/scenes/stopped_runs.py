@@ -1,9 +1,9 @@
 """Runs of `metafem design` that are stopped at random moments, and pairs of runs with one result folder.
 
-Each run is a whole `metafem design` in a separate process. Half of the runs replace, with --force, a result
-folder that also holds notes of the user. The processes are forked from one that has imported all modules, so
-that signals arrive during the computation. Afterwards the folder must hold the notes and all files of one
-design, to the bit, and after the next run in its parent no other file.
+Each run is a whole `metafem design` in a separate process. Half of the runs replace a result folder, with
+--force. The processes are forked from one that has imported all modules, so that signals arrive during the
+computation. Afterwards all files of one design must be there, to the bit: in the folder, or in the one to
+which it was renamed while it is replaced. After the next run in its parent there is no other file.
 """
 
 from __future__ import annotations
@@ -38,14 +38,13 @@ LOADED = (
     "pint",
 )
 LOADED += ("meshio", "rich.console", "rich.table", "scipy.optimize", "numba")
-NOTES = {"notes.txt": "a note", "photos/first.txt": "another note"}
 # A quarter of the asperities of the demo, for a quarter of its areas.
 SMALL = {
     "[8, 8]": "[4, 4]",
     '"0.144 mm^2", "0.336 mm^2", "0.649 mm^2"': '"0.036 mm^2", "0.084 mm^2", "0.162 mm^2"',
     '"0.84 mm^2", "1.68 mm^2", "4.12 mm^2"': '"0.21 mm^2", "0.42 mm^2", "1.03 mm^2"',
 }
-HIDDEN = "metafem-writing"
+HIDDEN = ("*.metafem-writing", "*.metafem-lock")
 
 
 @dataclass(frozen=True)
@@ -88,8 +87,8 @@ def hashes(folder: Path) -> dict[str, str]:
 
 
 def leftovers(folder: Path) -> list[str]:
-    """Temporary working folders below a folder."""
-    return [str(path.relative_to(folder)) for path in folder.rglob(f"*{HIDDEN}")]
+    """Working folders and locks below a folder."""
+    return [str(path.relative_to(folder)) for hidden in HIDDEN for path in folder.rglob(hidden)]
 
 
 @contextmanager
@@ -147,7 +146,7 @@ def design(name: str, folder: str | None = None, *, force: bool) -> list[str]:
 
 @contextmanager
 def parent_folder(known: Scene, force: bool) -> Iterator[Path]:
-    """Yield a folder with the specifications and, to be replaced, a result with notes."""
+    """Yield a folder with the specifications and, to be replaced, a result."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name) / "parent"
         folder.mkdir()
@@ -155,17 +154,22 @@ def parent_folder(known: Scene, force: bool) -> Iterator[Path]:
             (folder / f"{each}.toml").write_text(text, encoding="utf-8")
         if force:
             shutil.copytree(known.folder / "old", folder / "out")
-            (folder / "out" / "photos").mkdir()
-            for each, text in NOTES.items():
-                (folder / "out" / each).write_text(text, encoding="utf-8")
         yield folder
 
 
-def whole(known: Scene, folder: Path, names: tuple[str, ...], force: bool) -> bool:
-    """Whether the folder holds all files of one of these designs, and the notes."""
-    found = hashes(folder / "out")
-    notes = {each: hashlib.sha256(text.encode()).hexdigest() for each, text in NOTES.items()} if force else {}
-    return any(found == {**known.content(name), **notes} for name in names)
+def whole(known: Scene, folder: Path, *names: str) -> bool:
+    """Whether the folder holds all files of one of these designs and no others."""
+    return hashes(folder) in [known.content(name) for name in names]
+
+
+def nothing_lost(known: Scene, parent: Path, force: bool) -> bool:
+    """Whether the folder of a stopped run is whole: missing, or if it is replaced, at worst renamed."""
+    out, old = parent / "out", parent / "out.old"
+    if old.exists() and not whole(known, old, "old"):
+        return False
+    if not out.exists():
+        return old.exists() or not force
+    return whole(known, out, "a", *(["old"] if force else []))
 
 
 def next_run(folder: Path) -> None:
@@ -202,11 +206,9 @@ def kills(known: Scene, count: int, seed: int = 0) -> Tally:
             tally.expect(
                 "no working folder left after the next run", not leftovers(folder), leftovers(folder)
             )
-            complete = whole(known, folder, ("old", "a") if force else ("a",), force)
-            complete |= not force and not (folder / "out").exists()
-            tally.expect("all files of one design and the notes", complete, hashes(folder / "out"))
+            tally.expect("all files of one design", nothing_lost(known, folder, force), hashes(folder))
             if code == 0:
-                done = whole(known, folder, ("a",), force)
+                done = whole(known, folder / "out", "a") and not (folder / "out.old").exists()
                 tally.expect("a run with exit code 0 wrote its design", done)
     return tally
 
@@ -217,7 +219,7 @@ def wait(run: BaseProcess, folder: Path, rng: random.Random, seconds: float, lat
         time.sleep(rng.uniform(0.0, seconds))
         return
     while run.is_alive():
-        if any(path.name == "design.json" for path in folder.rglob(f"*{HIDDEN}/new/*")):
+        if any(path.name == "design.json" for path in folder.rglob(f"{HIDDEN[0]}/*")):
             time.sleep(rng.uniform(0.0, 0.2 * seconds))
             return
         time.sleep(0.001)
@@ -242,7 +244,7 @@ def pairs(known: Scene, count: int) -> Tally:
                 (codes, printed),
             )
             tally.expect(
-                "the folder holds the design of that run", whole(known, folder, tuple(written), force), codes
+                "the folder holds the design of that run", whole(known, folder / "out", *written), codes
             )
             refused = [text for text, code in zip(printed, codes, strict=True) if code == 2]
             reasons = ("being written by another run", "made by another program", "exists")

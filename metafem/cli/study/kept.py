@@ -37,7 +37,7 @@ def kept_batches(name: str, folder: Path, options: Mapping[str, Any]) -> Iterato
 def _folder(name: str, folder: Path, options: Mapping[str, Any]) -> Path | None:
     """Return the folder for the batches of a study of a design with these options."""
     from metafem import _caches
-    from metafem.files.atomic.manifest import digest
+    from metafem.files.atomic import digest
     from metafem.progress import message
     from metafem.studies.sampling.store import inputs_hash, own_version
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from metafem import drawing
 from metafem._given import printable
 from metafem.errors import InvalidInput
-from metafem.files.atomic.text import refuse_existing, write_file, write_text
+from metafem.files.atomic import refuse_existing, write_file, write_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

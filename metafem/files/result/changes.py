@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from metafem.errors import MetafemError
-from metafem.files.atomic.manifest import MANIFEST, unchanged, written
+from metafem.files.atomic import MANIFEST, unchanged, written
 from metafem.files.reading import file_label
 from metafem.inversion import Design
 from metafem.inversion.assessment import misfit_text, reassessed

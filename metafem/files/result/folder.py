@@ -16,9 +16,7 @@ from typing import Any
 from metafem import _validate as check
 from metafem._calls import checked_call
 from metafem.errors import InvalidInput
-from metafem.files.atomic.claim import restore
-from metafem.files.atomic.manifest import FORMAT, digest
-from metafem.files.atomic.staged import staged
+from metafem.files.atomic import digest, earlier_result, staged
 from metafem.files.part.caps import with_alignment
 from metafem.files.part.plan import Part, PartOptions, part_notes, planned
 from metafem.files.reading import file_label, read_record
@@ -26,12 +24,14 @@ from metafem.files.result.changes import FolderNote, compared
 from metafem.files.result.records import from_record, to_record
 from metafem.files.result.tables import heights_table, law_table, mould_table
 from metafem.files.result.vtu import write_surface
-from metafem.files.specification.named_tables import RESULT_FILES
 from metafem.files.specification.read import Specification
 from metafem.inversion import Design
 from metafem.models.model import contact_of
 from metafem.notes import Note
 from metafem.progress import doing
+
+# First member of a design.json.
+FORMAT = "metafem design 1"
 
 NO_PAGES: Mapping[str, str] = MappingProxyType({})
 
@@ -66,15 +66,15 @@ def save(
         Names and texts of further files, for example ``{"report.html": metafem.report.page(design)}``;
         default: none.
     force : bool
-        Whether to write into an existing result folder: files that metafem wrote and that were not changed
-        are replaced, all others stay. Default: False.
+        Whether to replace an existing result folder. One with a file that metafem did not write, or that was
+        changed since, is refused. Default: False.
 
     Raises
     ------
     InvalidInput
-        If the folder holds files, holds a changed file of these names, is being written by another run or
-        cannot be written, or if the part cannot be made: a summit outside ``0 < h <= R``, or caps that
-        overlap or leave the block. No unfinished file is left.
+        If the folder holds such files, is being written by another run or cannot be written, or if the part
+        cannot be made: a summit outside ``0 < h <= R``, or caps that overlap or leave the block. No
+        unfinished file is left.
 
     Examples
     --------
@@ -98,8 +98,7 @@ def result_folder(
     folder: str | Path, specification: Specification | None = None, *, force: bool = False
 ) -> AbstractContextManager[Path]:
     """Return the context of `staged` for the files of a design."""
-    known = {} if specification is None else specification.files
-    return staged(folder, force, {**dict.fromkeys(RESULT_FILES), **known})
+    return staged(folder, force, {} if specification is None else specification.files)
 
 
 @doing("writing the files")
@@ -180,7 +179,7 @@ def load(folder: str | Path) -> Design:
 
 def load_compared(folder: str | Path) -> tuple[Design, tuple[Note, ...]]:
     """Return the design of `load`, and the notes on what was changed in the folder since it was written."""
-    path, record = _read(folder)
+    path, record = read_result(folder)
     try:
         design = from_record(record.get("design"), "design")
     except InvalidInput as error:
@@ -194,7 +193,7 @@ def load_compared(folder: str | Path) -> tuple[Design, tuple[Note, ...]]:
 
 def stored_hardness(folder: str | Path) -> float | None:
     """Return the hardness [MPa] that the specification of a result folder states, if any."""
-    path, record = _read(folder)
+    path, record = read_result(folder)
     specification = record.get("specification", ())
     if specification is None:
         return None
@@ -209,7 +208,6 @@ def stored_hardness(folder: str | Path) -> float | None:
 
 def same_design(folder: str | Path) -> Callable[[], None]:
     """Return a function that raises InvalidInput if the design in the folder is replaced after this call."""
-    restore(Path(folder))
     path = Path(folder).absolute() / "design.json"
 
     def current() -> str:
@@ -224,14 +222,18 @@ def same_design(folder: str | Path) -> Callable[[], None]:
     return still
 
 
-def _read(folder: str | Path) -> tuple[Path, dict[str, Any]]:
+def read_result(folder: str | Path) -> tuple[Path, dict[str, Any]]:
     """Return the path and the record of a result folder's design.json."""
     if os.path.isfile(folder):
         instead = f", here {file_label(Path(folder).parent)}" if Path(folder).name == "design.json" else ""
         raise InvalidInput(f"{file_label(folder)} is a file; name a result folder of metafem{instead}")
-    restore(Path(folder))
     path = Path(folder) / "design.json"
-    record = read_record(path, "no such file; name a result folder of metafem")
+    remedy = "name a result folder of metafem"
+    if earlier := earlier_result(Path(folder).absolute()):
+        remedy = (
+            f"a run was stopped while it replaced the folder, which is complete as {earlier}; rename that"
+        )
+    record = read_record(path, f"no such file; {remedy}")
     if not isinstance(record, dict) or record.get("format") != FORMAT:
         raise InvalidInput(f"{file_label(path)} is not a design of this version of metafem ({FORMAT})")
     return path, record

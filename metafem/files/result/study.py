@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 from metafem._given import printable
 from metafem.errors import InvalidInput
-from metafem.files.atomic.manifest import is_result_folder
-from metafem.files.atomic.text import refuse_existing, write_file
-from metafem.files.reading import file_label, read_record
+from metafem.files.atomic import refuse_existing, write_file
+from metafem.files.reading import file_label
+from metafem.files.result.folder import read_result
 from metafem.files.specification.named_tables import STUDIES
 from metafem.notes import from_lines
 from metafem.progress import doing
@@ -22,10 +22,7 @@ if TYPE_CHECKING:
 
 def study_path(folder: str | Path, name: str, force: bool) -> Path:
     """Return where a study of a result folder goes; raises InvalidInput if `write_study` would refuse it."""
-    record = Path(folder) / "design.json"
-    read_record(record, "no such file; name a result folder of metafem")  # raises a detailed error
-    if not is_result_folder(Path(folder)):
-        raise InvalidInput(f"{record} is not a design of metafem")
+    read_result(folder)  # raises an error if it is none
     path = Path(folder) / f"{name}.nc"
     refuse_existing(path, force, fixed=True)
     return path

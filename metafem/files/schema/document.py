@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from metafem.errors import InvalidInput
-from metafem.files.atomic.text import write_text
+from metafem.files.atomic import write_text
 from metafem.files.schema.keys import given, kinds, refused, section
 from metafem.files.specification.manual import kind_of, models_of, remark
 

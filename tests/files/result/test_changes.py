@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.files.atomic.manifest import MANIFEST
+from metafem.files.atomic import MANIFEST
 from metafem.files.result import changes
 from metafem.files.result.folder import load_compared
 

@@ -1,15 +1,11 @@
 import json
-import os
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 import metafem as mf
-from metafem.files.atomic import claim
-from metafem.files.atomic.manifest import MANIFEST
-from metafem.files.atomic.text import write_text
+from metafem.files.atomic import MANIFEST, write_text
 from metafem.files.result.folder import same_design, stored_hardness, write_all
 from metafem.files.specification.demos import demo_text
 from metafem.files.specification.named_tables import RESERVED
@@ -191,14 +187,12 @@ def test_a_design_without_its_specification_is_refused(tmp_path):
         stored_hardness(tmp_path)
 
 
-def test_force_keeps_what_others_wrote_and_removes_old_studies(tmp_path, linear):
+def test_force_removes_old_studies(tmp_path, linear):
     spec, design = linear
     folder = tmp_path / "out"
     mf.save(design, folder, specification=spec)
     write_text(folder / "interaction.nc", "of the old design")
-    (folder / "notes.txt").write_text("mine")
     mf.save(design, folder, force=True)
-    assert (folder / "notes.txt").read_text() == "mine"
     assert not (folder / "interaction.nc").exists()
     assert not (folder / "spec.toml").exists()
 
@@ -240,22 +234,11 @@ def test_a_design_that_was_replaced_is_noticed(tmp_path, linear):
     assert not (tmp_path / "out" / "report.html").exists()
 
 
-def test_loading_restores_what_a_killed_run_left_unfinished(tmp_path, linear, monkeypatch):
-    _, design = linear
-    folder = tmp_path / "out"
-    mf.save(design, folder)
-    before = {path.name: path.read_bytes() for path in folder.iterdir()}
-    with monkeypatch.context() as patch:
-        patch.setattr(claim, "_released", lambda _, held: os.close(held))
-        move = Path.replace
-        patch.setattr(
-            Path, "replace", lambda path, goal: move(path, goal) if path.name != "law.csv" else 1 / 0
-        )
-        with pytest.raises(ZeroDivisionError):
-            mf.save(replace(design, misfit=2.0 * design.misfit), folder, force=True)
-    assert (folder / claim.SUFFIX).exists()
-    assert mf.load(folder).misfit == design.misfit
-    assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
+def test_loading_names_the_earlier_folder_of_a_killed_run(tmp_path, linear):
+    mf.save(linear[1], tmp_path / "out")
+    (tmp_path / "out").rename(tmp_path / "out.old")
+    with pytest.raises(mf.InvalidInput, match=r"design\.json: no such file; .* complete as .*out\.old"):
+        mf.load(tmp_path / "out")
 
 
 def test_a_file_is_no_result_folder(tmp_path, linear):

@@ -1,0 +1,291 @@
+"""Files and result folders that are written completely or not at all.
+
+They are written into a hidden folder beside their goal, under a lock, and renamed. A result folder that is
+replaced is first renamed to ``NAME.old``: what a killed run leaves is at worst this one complete folder, and
+hidden folders that the next run removes.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import re
+import shutil
+import stat
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+from filelock import FileLock, Timeout
+
+from metafem.errors import InvalidInput
+from metafem.progress import message
+
+# A hidden file of a result folder: lines of "sha256  name" for every file that metafem wrote there.
+MANIFEST = ".metafem-files"
+
+# Ends of the hidden names of a lock and of a working folder, and of the name of a folder that is replaced.
+LOCK, WORK, OLD = ".metafem-lock", ".metafem-writing", ".old"
+
+# Seconds to wait for a lock: the writing of a single file and the removal of leftovers take less.
+PATIENCE = 0.5
+
+NOTHING: Mapping[str, bytes] = MappingProxyType({})
+
+
+@contextmanager
+def staged(
+    folder: str | Path, force: bool = False, contents: Mapping[str, bytes] = NOTHING
+) -> Iterator[Path]:
+    """Yield a hidden folder that becomes `folder` if the body ends without an error.
+
+    It is locked for other runs of metafem, and removed if the body fails. An existing folder is refused
+    unless it is empty or, with `force`, holds nothing but files that metafem wrote and files with these
+    `contents`. A link to a folder stands for that folder.
+
+    Raise InvalidInput if the folder is refused, is being written by another run, or cannot be written.
+    """
+    target = _target(folder)
+    with _claimed(target) as fresh:
+        existed = _refuse_folder(target, force, contents)
+        if earlier := earlier_result(target):
+            message(f"{earlier} is an earlier result: a run was stopped while it replaced {target.name}")
+        yield fresh
+        with _reported(target):
+            lines = [_manifest_line(path) for path in sorted(fresh.iterdir())]
+            (fresh / MANIFEST).write_text("".join(lines), encoding="utf-8")
+            if existed:
+                _replace(target, fresh, contents)
+            elif os.path.lexists(target):  # a rename would replace an empty folder
+                raise InvalidInput(
+                    f"{target} was made by another program in the meantime and is unchanged; choose another "
+                    "folder"
+                )
+            else:
+                fresh.rename(target)
+
+
+def check_free(folder: str | Path, force: bool = False) -> None:
+    """Raise InvalidInput if `staged` would refuse the folder, before a long run."""
+    _refuse_folder(_target(folder), force, NOTHING)
+
+
+def earlier_result(folder: Path) -> Path | None:
+    """Return the result folder ``NAME.old`` of a missing folder, as a run leaves it that is killed."""
+    old = folder.with_name(folder.name + OLD)
+    return old if (old / MANIFEST).is_file() and not os.path.lexists(folder) else None
+
+
+def _target(folder: str | Path) -> Path:
+    """Return the path of a folder that can be made."""
+    try:
+        target = Path(folder).absolute()
+    except TypeError:
+        raise InvalidInput(f"folder = {folder!r:.60} is not a path") from None
+    if folder == "":
+        raise InvalidInput('folder = "" is an empty name; name a new folder, such as "mine"')
+    if "\0" in str(target):
+        raise InvalidInput(f"{str(target)!r:.80} is not a path: it holds a null character")
+    if not target.name:
+        raise InvalidInput(f"{folder} cannot be a result folder; name a new one")
+    if not target.parent.is_dir():
+        raise InvalidInput(f"{target.parent} is not a folder; create it first")
+    return target.resolve() if os.path.islink(target) and os.path.isdir(target) else target
+
+
+def _refuse_folder(target: Path, force: bool, contents: Mapping[str, bytes]) -> bool:
+    """Raise InvalidInput if a folder must not be replaced; return whether there is one."""
+    with _reported(target):
+        try:
+            kind = os.lstat(target).st_mode
+        except FileNotFoundError:
+            return False
+        if not stat.S_ISDIR(kind):
+            raise InvalidInput(f"{target} is in the way and is not a folder; choose another name")
+        _refuse_changed(target, target, contents)
+        if not force and any(target.iterdir()):
+            raise InvalidInput(f"{target} exists; choose another folder, or replace it with force=True")
+        if os.path.lexists(old := target.with_name(target.name + OLD)):
+            raise InvalidInput(
+                f"{old} exists: a run that was stopped, or you, kept an earlier result there; remove or "
+                f"rename it, because {target.name} has this name while it is replaced"
+            )
+    return True
+
+
+def _refuse_changed(folder: Path, target: Path, contents: Mapping[str, bytes]) -> None:
+    """Refuse a folder with files that metafem did not write or that were changed; errors name it `target`."""
+    known = written(folder)
+    same = {name: hashlib.sha256(content).hexdigest() for name, content in contents.items()}
+    foreign = [
+        path.name
+        for path in sorted(folder.iterdir())
+        if path.name != MANIFEST and not unchanged(path, {*known.get(path.name, ()), same.get(path.name, "")})
+    ]
+    if foreign:
+        raise _foreign(target, foreign, known)
+
+
+def _foreign(folder: Path, names: Sequence[str], known: Collection[str]) -> InvalidInput:
+    """Return the error for files that metafem did not write, or that were changed."""
+    fact = "was changed since metafem wrote it" if names[0] in known else "was not written by metafem"
+    more = f" (and {len(names) - 1} more)" if len(names) > 1 else ""
+    return InvalidInput(
+        f"{folder / names[0]}{more} {fact}, so it is not replaced; move it elsewhere, or choose another name"
+    )
+
+
+def _replace(target: Path, fresh: Path, contents: Mapping[str, bytes]) -> None:
+    """Exchange a folder and a new one: the earlier one has the hidden name at the end."""
+    for path in fresh.iterdir():  # the new files are on the disk before the old ones are removed
+        with path.open("rb+") as file:
+            os.fsync(file.fileno())
+    old = target.rename(target.with_name(target.name + OLD))
+    try:
+        _refuse_changed(old, target, contents)
+        fresh.rename(target)
+    finally:
+        old.rename(fresh if target.exists() else target)
+
+
+def write_text(path: str | Path, text: str, **options: Any) -> None:
+    """Write a text in UTF-8 by `write_file`, with its options."""
+    write_file(path, lambda fresh: fresh.write_bytes(text.encode("utf-8")), **options)
+
+
+def write_file(
+    path: str | Path,
+    write: Callable[[Path], object],
+    *,
+    force: bool = False,
+    ours: Callable[[bytes], bool] = lambda _: True,
+    still: Callable[[], None] = lambda: None,
+    fixed: bool = False,
+) -> None:
+    """Write a file by the function `write` under another name, and rename it.
+
+    With `force` an existing file is replaced: in a result folder one that metafem wrote and that was not
+    changed, elsewhere one whose content `ours` accepts as metafem's. `still` raises an error if the content
+    is not valid any more, and is called before the file is renamed. `fixed` says that no other name can be
+    chosen. Raise InvalidInput if the file exists or cannot be written; no unfinished file is left.
+    """
+    target = Path(path).absolute()
+    refuse_existing(target, force, ours, fixed)
+    manifest = target.with_name(MANIFEST)
+    in_result = manifest.is_file()
+    with _reported(target), _claimed(target.parent if in_result else target) as work:
+        fresh = work / target.name
+        write(fresh)
+        still()
+        refuse_existing(target, force, ours, fixed)
+        if in_result:  # before the file: a run that is killed between them leaves the old file unchanged
+            with manifest.open("a", encoding="utf-8") as file:
+                file.write(_manifest_line(fresh))
+        fresh.replace(target)
+
+
+def refuse_existing(
+    path: str | Path, force: bool, ours: Callable[[bytes], bool] = lambda _: True, fixed: bool = False
+) -> None:
+    """Raise InvalidInput if `write_file` would refuse the file, before a long run."""
+    target = Path(path).absolute()
+    if not os.path.lexists(target):
+        return
+    if not force:
+        other = "" if fixed else "choose another name, or "
+        raise InvalidInput(f"{target} exists; {other}replace it with force=True")
+    if target.is_symlink() or not target.is_file():
+        kind = "a link" if target.is_symlink() else "a folder" if target.is_dir() else "no regular file"
+        raise InvalidInput(f"{target} cannot be written: it is {kind}; choose another name")
+    known = written(target.parent)
+    in_result = target.with_name(MANIFEST).is_file()
+    if not (unchanged(target, known.get(target.name, ())) if in_result else ours(target.read_bytes())):
+        raise _foreign(target.parent, [target.name], known)
+
+
+@contextmanager
+def _claimed(goal: Path) -> Iterator[Path]:
+    """Yield an empty hidden folder beside a file or folder to be written, which no other run has.
+
+    It is removed at the end, and those of killed runs are removed first. Raise InvalidInput, which names the
+    goal, if another run has it or it cannot be made.
+    """
+    lock = goal.with_name(f".{goal.name}{LOCK}")
+    with _reported(goal):
+        others = [path for path in goal.parent.iterdir() if path.name.endswith(LOCK) and path != lock]
+        lock.touch()  # if it is impossible, the error of the system says why
+        held = FileLock(lock)
+        try:
+            held.acquire(timeout=PATIENCE)
+        except Timeout:
+            raise InvalidInput(
+                f"{goal} is being written by another run of metafem; wait for its end, or choose another name"
+            ) from None
+    try:
+        for other in others:
+            with suppress(Timeout, OSError), FileLock(other).acquire(timeout=0.0):
+                _remove(other)
+        with _reported(goal):
+            shutil.rmtree(_work(lock), ignore_errors=True)
+            _work(lock).mkdir()
+        yield _work(lock)
+    finally:
+        try:
+            _remove(lock)
+        except BaseException:  # a signal during the removal, which is then repeated
+            _remove(lock)
+            raise
+        finally:
+            held.release()
+
+
+def _work(lock: Path) -> Path:
+    return lock.with_name(lock.name.removesuffix(LOCK) + WORK)
+
+
+def _remove(lock: Path) -> None:
+    """Remove the working folder of a lock that this process holds, and its file."""
+    shutil.rmtree(_work(lock), ignore_errors=True)
+    lock.unlink(missing_ok=True)
+
+
+@contextmanager
+def _reported(target: Path) -> Iterator[None]:
+    """Raise the errors of the system as InvalidInput."""
+    try:
+        yield
+    except OSError as error:
+        reason = error.strerror or error
+        raise InvalidInput(f"{target} cannot be written: {reason}; choose another folder") from None
+
+
+def digest(path: Path) -> str:
+    """Return the sha256 of a file, in hexadecimal digits."""
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def unchanged(path: Path, hashes: Collection[str]) -> bool:
+    """Whether this is a regular file, not a link, with one of these hashes."""
+    try:
+        return stat.S_ISREG(os.lstat(path).st_mode) and bool(hashes) and digest(path) in hashes
+    except FileNotFoundError:
+        return False
+
+
+def written(folder: Path) -> dict[str, set[str]]:
+    """Return the hashes of the files of a folder by its manifest; a file written twice has two."""
+    try:
+        text = (folder / MANIFEST).read_text(encoding="utf-8", errors="replace")
+    except FileNotFoundError:
+        return {}
+    found: dict[str, set[str]] = {}
+    for each, name in re.findall(r"([0-9a-f]{64})  (.+)", text):
+        found.setdefault(name, set()).add(each)
+    return found
+
+
+def _manifest_line(path: Path) -> str:
+    return f"{digest(path)}  {path.name}\n"
