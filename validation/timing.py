@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import resource
+import os
 import subprocess
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -38,15 +39,26 @@ def best(work: Callable[[], object], repeats: int) -> float:
     return min(times)
 
 
-def processor_time(command: list[str], repeats: int = 3) -> float:
-    """Least processor time of a command [s], after one run that fills the file cache."""
-    times = []
-    for _ in range(repeats + 1):
-        before = resource.getrusage(resource.RUSAGE_CHILDREN)
-        subprocess.run(command, check=True, capture_output=True)
-        after = resource.getrusage(resource.RUSAGE_CHILDREN)
-        times.append(after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime)
-    return min(times[1:])
+@dataclass(frozen=True)
+class Spent:
+    """What a process took: seconds on the clock and of its processor, and its peak memory [GiB]."""
+
+    seconds: float
+    processor: float
+    memory: float
+
+
+def spent(command: Sequence[str], **options: Any) -> Spent:
+    """Run a command, with options of `subprocess.Popen`, and measure what it takes; it must end with 0."""
+    start = time.perf_counter()
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    process = subprocess.Popen(command, **quiet, **options)
+    _, status, used = os.wait4(process.pid, 0)
+    seconds = time.perf_counter() - start
+    process.returncode = os.waitstatus_to_exitcode(status)
+    if process.returncode:
+        raise subprocess.CalledProcessError(process.returncode, command)
+    return Spent(seconds, used.ru_utime + used.ru_stime, used.ru_maxrss / 2**20)
 
 
 def kernel_time(model: mf.Interacting, surface: mf.Surface, loads: int) -> float:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
 import sys
 
 import numpy as np
@@ -11,7 +10,7 @@ import metafem as mf
 from validation.paper.error_bars import DRAWS, errors, largest, measured
 from validation.paper.surfaces import fig4, surfaces
 from validation.scenes.sobol_functions import coverage
-from validation.timing import Row, best
+from validation.timing import Row, best, spent
 
 # Fig. S2: largest angle [degrees] and shuffled placements; 2,001 angles.
 LARGEST, SHUFFLES = 0.1, 20
@@ -23,13 +22,11 @@ REPETITIONS, EVALUATIONS, OFF = 2000, 4000, 0.04
 
 MANY_DRAWS = 10**7
 
-MEMORY = f"""
-import resource
+MANY = f"""
 import metafem as mf
 from validation.paper.error_bars import errors
 from validation.paper.surfaces import surfaces
 mf.studies.uncertainty(surfaces()["Fig. 4 blue"], errors("Fig. 4 blue"), draws={MANY_DRAWS})
-print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20)
 """
 
 
@@ -59,10 +56,10 @@ def rows() -> list[Row]:
 def long_rows() -> list[Row]:
     """Measure the coverage of the Sobol indices, and the memory of ten million draws."""
     off = np.abs(coverage(REPETITIONS, EVALUATIONS) - 0.68)
-    memory = subprocess.run([sys.executable, "-c", MEMORY], check=True, capture_output=True, text=True).stdout
+    memory = spent([sys.executable, "-c", MANY]).memory
     what = f"coverage of the 68 % intervals over {REPETITIONS} repetitions: largest difference"
     return [
         Row(f"{what}, Ishigami function", OFF, float(off[:, 0].max()), ""),
         Row(f"{what}, linear law", OFF, float(off[:, 1].max()), ""),
-        Row(f"error bars with {MANY_DRAWS:.0e} draws: peak memory", 1.0, float(memory), "GiB"),
+        Row(f"error bars with {MANY_DRAWS:.0e} draws: peak memory", 1.0, memory, "GiB"),
     ]

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import os
-import subprocess
 import sys
 import tempfile
-import time
 from pathlib import Path
 
 import numpy as np
 
 import metafem as mf
 from validation.paper.surfaces import fig3, fig4, fig5
-from validation.timing import Row, best, processor_time
+from validation.timing import Row, best, spent
 
 SURFACES, LOADS, ASPERITIES = 10_000, 100, 64
 
@@ -51,17 +49,16 @@ def rows() -> list[Row]:
     seconds = best(lambda: mf.Independent().curves(height, 0.526, load), 3)
     measured.append(Row("10⁶ points of A0(P), 64 asperities", 2.0, seconds, "s"))
     metafem = [sys.executable, "-m", "metafem"]
-    measured.append(Row("metafem --help, processor time", 0.25, processor_time([*metafem, "--help"]), "s"))
+    # the first run fills the file cache
+    _, *helps = (spent([*metafem, "--help"]).processor for _ in range(4))
+    measured.append(Row("metafem --help, processor time", 0.25, min(helps), "s"))
     with tempfile.TemporaryDirectory() as folder:
         # A separate cache shows the first run on a machine; the second run reads it.
         environment = os.environ | {"METAFEM_CACHE_DIR": str(Path(folder) / "cache")}
+        demo = [*metafem, "demo", "linear", "--force", "--json"]
         for what, allowed in (("the first time", 45.0), ("once compiled", 8.0)):
-            start = time.perf_counter()
-            command = [*metafem, "demo", "linear", "--force", "--json"]
-            subprocess.run(command, check=True, cwd=folder, env=environment, capture_output=True)
-            measured.append(Row(f"metafem demo linear, {what}", allowed, time.perf_counter() - start, "s"))
-    start = time.perf_counter()
-    with tempfile.TemporaryDirectory() as folder:
-        subprocess.run([sys.executable, "-m", "validation", "-o", folder, *INDEPENDENT], capture_output=True)
-    measured.append(Row("validation of the independent model", 30.0, time.perf_counter() - start, "s"))
+            seconds = spent(demo, cwd=folder, env=environment).seconds
+            measured.append(Row(f"metafem demo linear, {what}", allowed, seconds, "s"))
+        seconds = spent([sys.executable, "-m", "validation", "-o", folder, *INDEPENDENT]).seconds
+    measured.append(Row("validation of the independent model", 30.0, seconds, "s"))
     return measured

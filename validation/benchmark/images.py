@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import os
 import resource
-import subprocess
 import sys
 import tempfile
 import time
@@ -18,7 +16,7 @@ import metafem as mf
 from metafem.calibration import stack_areas
 from validation.calibration.image_areas import errors
 from validation.scenes.pictures import picture
-from validation.timing import Row
+from validation.timing import Row, Spent, spent
 
 # Images of a stack, rows and columns of each, and contacts along each side.
 IMAGES, SHAPE, SIDE = 100, (2048, 2048), 8
@@ -63,8 +61,8 @@ def drawn(step: int) -> Any:
     )
 
 
-def command(stack: Stack) -> tuple[float, float, float]:
-    """Return elapsed and processor time [s] and peak memory [GiB] of `metafem images` on a stack on disk."""
+def command(stack: Stack) -> Spent:
+    """Return what `metafem images` takes for a stack on disk."""
     import tifffile
 
     with tempfile.TemporaryDirectory() as folder:
@@ -75,23 +73,14 @@ def command(stack: Stack) -> tuple[float, float, float]:
         lines = [f"{file.name}:{page},{page}" for page in range(1, IMAGES + 1)]
         forces.write_text("\n".join(["image,load_mN", *lines]) + "\n")
         arguments = ["images", file, "--pixel", "5 um", "--forces", forces, "-o", file.with_suffix(".csv")]
-        start = time.perf_counter()
-        process = subprocess.Popen(
-            [sys.executable, "-m", "metafem", *map(str, arguments), "--json"], stdout=subprocess.DEVNULL
-        )
-        _, status, usage = os.wait4(process.pid, 0)
-        wall = time.perf_counter() - start
-        process.returncode = os.waitstatus_to_exitcode(status)
-        if process.returncode:
-            raise RuntimeError(f"metafem images ended with the exit code {process.returncode}")
-    return wall, usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 2**20
+        return spent([sys.executable, "-m", "metafem", *map(str, arguments), "--json"])
 
 
 def rows() -> list[Row]:
     """Measure a stack in one process, and the reported errors over the scatter."""
     stack = Stack([drawn(step) for step in range(DRAWN)])
     # first, as a command inherits the peak memory of the process that starts it
-    wall, processor, largest = command(stack)
+    used = command(stack)
     steps: list[str] = []
     start = time.process_time()
     with mf.progress.listening(lambda step, done: steps.append(step)):
@@ -103,9 +92,14 @@ def rows() -> list[Row]:
         Row(f"{name}: processor time", 30.0, seconds, "s"),
         Row(f"{name}: peak memory, with {DRAWN} drawn pictures", 1.0, peak, "GiB"),
         Row(f"{name}: steps that were not reported", 0.0, float(IMAGES - len(steps)), ""),
-        Row(f"metafem images, TIFF stack of {IMAGES} images of {SHAPE[0]}²: elapsed time", 30.0, wall, "s"),
-        Row("the same: processor time", 30.0, processor, "s"),
-        Row("the same: peak memory", 1.0, largest, "GiB"),
+        Row(
+            f"metafem images, TIFF stack of {IMAGES} images of {SHAPE[0]}²: elapsed time",
+            30.0,
+            used.seconds,
+            "s",
+        ),
+        Row("the same: processor time", 30.0, used.processor, "s"),
+        Row("the same: peak memory", 1.0, used.memory, "GiB"),
     ]
     for radius, noise, blur in GRID:
         ratio = errors(radius, noise=noise, blur=blur).calibrated

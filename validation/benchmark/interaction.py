@@ -11,16 +11,13 @@ import numpy as np
 import metafem as mf
 import metafem.substrate
 from metafem._kernels import continuation
+from metafem.models.contact_tables import tables
 from metafem.models.interacting.large import LargeScene
+from validation.cost.scaling import LOAD_PER_ASPERITY, SUBSTRATES, lattice
+from validation.scenes.costs import MATERIAL, heights, scattered
 from validation.timing import Row, best, kernel_time
 
-# Rescaled load per asperity at which two thirds of them touch [mm^2].
-LOAD_PER_ASPERITY = 0.003
-
-PITCH = 1.5
 SURFACES, LOADS, ASPERITIES = 10_000, 20, 64
-MATERIAL = mf.Material(1.36)
-BLOCK = mf.Block(20.0, 20.0, 7.2)
 SIDES = (64, 256, 1000)
 
 # FFT products of order 3, which expands in the displacement of the contacts, over those of order 1.
@@ -28,31 +25,6 @@ EXPANSION = 8
 
 # Numbers of scattered asperities; the last one takes minutes.
 COUNTS, LARGEST = (10_000, 100_000), 1_000_000
-SUBSTRATES = {"half-space": mf.HalfSpace(), "layer": mf.BondedLayer()}
-
-
-def heights(shape: int | tuple[int, ...]) -> np.ndarray:
-    """Return 0.12 mm minus random depths, exponential with scale 0.036 mm and at most 0.12 mm."""
-    return 0.12 - np.minimum(np.random.default_rng(0).exponential(0.036, shape), 0.12)
-
-
-def small() -> mf.Surface:
-    """Return the paper's lattice with random heights."""
-    return mf.Surface.square_lattice(heights(ASPERITIES), radius=0.526, material=MATERIAL, block=BLOCK)
-
-
-def lattice(side: int) -> mf.Surface:
-    """Return a square lattice of `side` rows with random heights."""
-    height = heights(side**2)
-    return mf.Surface.square_lattice(height, (side, side), radius=0.526, material=MATERIAL, block=BLOCK)
-
-
-def scattered(count: int) -> mf.Surface:
-    """Return asperities at random sites within two thirds of each cell of a lattice."""
-    shift = np.random.default_rng(1).uniform(-0.5, 0.5, (count, 2))
-    columns = round(np.sqrt(count))
-    corner = PITCH * np.column_stack([np.arange(count) % columns, np.arange(count) // columns])
-    return mf.Surface(corner + shift, heights(count), 0.526, MATERIAL, block=BLOCK)
 
 
 def products(surface: mf.Surface, substrate: metafem.substrate.Radial, order: int) -> int:
@@ -60,7 +32,8 @@ def products(surface: mf.Surface, substrate: metafem.substrate.Radial, order: in
     scene = LargeScene(surface, substrate.for_surface(surface), order)
     results = continuation.Results(*np.zeros((len(continuation.Results._fields), 1)))
     load = np.array([LOAD_PER_ASPERITY * surface.count])
-    scene.follow(np.zeros(surface.count), surface.gap, load, True, results)
+    law = tables(mf.Hertz(), surface.radius)
+    scene.follow(law, np.zeros(surface.count), surface.gap, load, True, results)
     return scene.sums.products
 
 
@@ -70,10 +43,10 @@ def rows() -> list[Row]:
     for name, substrate in SUBSTRATES.items():
         for order in (1, 3):
             model = mf.Interacting(order=order, substrate=substrate)
-            seconds = kernel_time(model, small(), 100)
+            seconds = kernel_time(model, lattice(8), 100)
             what = f"one load of a 100-load curve, 64 asperities, order {order}, {name}, one core"
             measured.append(Row(what, 36.0, 1e6 * seconds, "µs"))
-        model, surface = mf.Interacting(substrate=substrate), small()
+        model, surface = mf.Interacting(substrate=substrate), lattice(8)
         seconds = best(lambda m=model, s=surface: mf.equilibrium(s, m, load=0.3), 50)
         what = f"one load alone, 64 asperities, order 3, {name}"
         measured.append(Row(what, 200.0, 1e6 * seconds, "µs"))
@@ -81,11 +54,11 @@ def rows() -> list[Row]:
     load = np.linspace(0.025, 0.5, LOADS)
     for name, substrate in SUBSTRATES.items():
         model = mf.Interacting(substrate=substrate)
-        seconds = best(lambda model=model: model.curves(small(), height, load), 1)
+        seconds = best(lambda model=model: model.curves(lattice(8), height, load), 1)
         what = f"10,000 curves of 20 loads, 64 asperities, order 3, {name}, two cores"
         measured.append(Row(what, 10.0, seconds, "s"))
     for name, substrate, products_allowed in (
-        ("layer", mf.BondedLayer(), 40),
+        ("layer", SUBSTRATES["layer"], 40),
         ("half-space", mf.HalfSpace(), 150),
     ):
         for side in SIDES:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
 import sys
 import time
 from typing import Any
@@ -11,7 +10,7 @@ import numpy as np
 
 import metafem as mf
 from validation.paper.surfaces import fig4
-from validation.timing import Row, best
+from validation.timing import Row, best, spent
 
 # Fig. S3: standard deviations of the heights [mm], and its draws.
 LEVELS, DRAWS = 1e-4 * np.arange(31), 10_000
@@ -24,13 +23,11 @@ LAYER = mf.Interacting(substrate=mf.BondedLayer())
 # Relative error of the standard deviation of Gaussian slopes, and that of the mean in units of it.
 OF_SD, OF_MEAN = 1.0 / np.sqrt(2.0 * DRAWS), 1.0 / np.sqrt(DRAWS)
 
-# Draws of a process, and its largest memory [GiB].
+# Draws of a process of its own.
 MANY = """
-import resource
 import metafem as mf
 from validation.paper.surfaces import fig4
 mf.studies.manufacturing(fig4("red").surface, 0.003, draws=10**7)
-print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20)
 """
 
 
@@ -70,7 +67,6 @@ def long_rows() -> list[Row]:
                 Row(f"{what}: error of {name} over slope_sd", bound, error, ""),
                 Row(f"{what}: {name}, difference from plain draws", 3.0, float(apart.max()), "errors"),
             ]
-    done = subprocess.run([sys.executable, "-c", MANY], capture_output=True, text=True, check=True)
     return [
         Row(
             "Fig. S3, both surfaces, layer, order 3, to the error of 10,000 plain draws: time",
@@ -79,7 +75,7 @@ def long_rows() -> list[Row]:
             "s",
         ),
         *measured,
-        Row("10 million draws: memory", 1.0, float(done.stdout), "GiB"),
+        Row("10 million draws: memory", 1.0, spent([sys.executable, "-c", MANY]).memory, "GiB"),
     ]
 
 

@@ -10,12 +10,13 @@ import numpy as np
 import metafem as mf
 from metafem._validate import FloatArray
 from metafem.calibration import ContactCalibration, Sample, fit_compression
-from metafem.drawing import ACHIEVED, QUIET, new_figure
+from metafem.drawing import ACHIEVED, QUIET
 from metafem.fe.axisymmetric.geometry import Cap
 from metafem.fe.large_strain.press import press_sequence
 from metafem.reference.single_contacts import hertz, sneddon_sphere
 from metafem.studies.element_checks import BLOCK_RADIUS, THICKNESS
 from validation.check import Claim, Picture, Row, below, near, reported
+from validation.figures import panels
 from validation.finite_elements.frozen_meshes import FOLDER, SOFT_HEIGHT, deep_caps
 from validation.scenes.compression_tests import ENERGY, ERRORS, MODULUS, RADII, RADIUS
 from validation.sources import closed_form, known_input, second_method
@@ -209,13 +210,12 @@ def _large_strain() -> list[Row]:
     ]
 
 
-def _figure():
+@panels(6.4, 3.6)
+def _figure(ax):
     """Load of one cap over that of Hertz's law at the same contact radius. A constant ratio is absorbed by
     E*; only its change along the curve is a bias. The sphere at small strain rises, large strain takes it
     back; the points of five interacting caps on the block lie on 1.
     """
-    figure = new_figure(6.4, 3.6)
-    ax = figure.add_subplot()
     a = np.linspace(RADII[0], RADII[-1], 200)
     alone = mf.Hertz().load(a, RADIUS)
     ax.plot(a / RADIUS, mf.SphericalCap().load(a, RADIUS) / alone, label="sphere at small strain")
@@ -230,11 +230,10 @@ def _figure():
     ax.set_xlabel("contact radius over R")
     ax.set_ylabel("load over Hertz's")
     ax.set_ylim(0.93, 1.2)
-    ax.legend(frameon=False, fontsize="small")
-    return figure
 
 
-def _biases():
+@panels(7.4, 3.6)
+def _biases(ax):
     """Bias of E* where Hertz's law of caps far apart is fitted to data of another law, by the effect left out
     and the largest contact radius. The grey band is the uncertainty that the paper states.
     """
@@ -248,10 +247,7 @@ def _biases():
         for end, radii in (("0.5", half), ("0.76", RADII)):
             name = f"large strain, {height:g} mm high, a/R up to {end}"
             shifts[name] = shift(of_cap(soft_cap(height), radii))
-    figure = new_figure(7.4, 3.6)
-    ax = figure.add_subplot()
     ax.axvspan(-100.0 * PUBLISHED, 100.0 * PUBLISHED, color=QUIET, alpha=0.25, lw=0)
     ax.plot(100.0 * np.array([*shifts.values()]), -np.arange(len(shifts)), "o", ms=5, color=ACHIEVED)
     ax.set_yticks(-np.arange(len(shifts)), list(shifts), fontsize=8)
     ax.set_xlabel("bias of E* [%]")
-    return figure

@@ -14,8 +14,8 @@ from metafem.calibration.compression.adhesive_line import line_points, straight_
 from metafem.calibration.compression.distance_fit import DistanceFit, adhesive_load, distance_fit
 from metafem.calibration.compression.scene import cap_curve
 from metafem.contact import Hertz
-from metafem.drawing import new_figure
 from validation.check import Claim, Picture, Row, below, near, reported
+from validation.figures import panels
 from validation.scenes.compression_tests import ENERGY, ERRORS, MODULUS, RADIUS, compression_tests, fitted
 from validation.scenes.repeated_estimates import ALLOWED, COVERED, NOMINAL, TRUTH, Errors, bias_and_coverage
 from validation.sources import known_input, second_method
@@ -161,15 +161,15 @@ def _regressions() -> list[Row]:
     ]
 
 
-def _figure():
+@panels(8.0, 3.2, columns=2, sharey=True)
+def _figure(*axes):
     """Errors of 5,000 calibrations with one contact under the load, in units of the uncertainty that each
     states. The fit with errors on both axes follows the curve, as it must; the paper's straight line finds
     too large an E* and too much adhesion, with uncertainties that do not cover it.
     """
-    figure = new_figure(8.0, 3.2)
     edges = np.linspace(-5.0, 8.0, 66)
     x = np.linspace(-5.0, 8.0, 400)
-    for ax, name in zip(figure.subplots(1, 2, sharey=True), ("E*", "√w"), strict=True):
+    for ax, name in zip(axes, ("E*", "√w"), strict=True):
         for method, label in (
             ("fit", "fit with errors on both axes"),
             ("line", "straight line of the paper"),
@@ -180,9 +180,8 @@ def _figure():
             )
         ax.plot(x, np.exp(-0.5 * x**2) / math.sqrt(2.0 * math.pi), color="black", lw=0.9, label="as stated")
         ax.set_xlabel(f"error of {name} over the stated uncertainty")
-    figure.axes[0].set_ylabel("density of 5,000 calibrations")
-    figure.axes[1].legend(frameon=False, fontsize="small")
-    return figure
+    axes[0].set_ylabel("density of 5,000 calibrations")
+    axes[1].legend(frameon=False, fontsize="small")
 
 
 def _biases():

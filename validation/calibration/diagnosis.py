@@ -14,6 +14,7 @@ from metafem._validate import FloatArray
 from metafem.calibration import MeasuredLaw, MeasurementErrors, Priors, explain
 from metafem.drawing import ACHIEVED, MEASURED_BESIDE, QUIET, diagnosis, new_figure
 from validation.check import Check, Claim, Picture, Row, above, below, near, reported
+from validation.figures import panels
 from validation.paper.surfaces import template
 from validation.scenes.repeated_estimates import TRUTH
 from validation.sources import known_input
@@ -217,13 +218,12 @@ def _odds(found: mf.calibration.Explanation) -> float:
     return (evidence["layer"] - evidence["independent"]) / math.log(10.0)
 
 
-def _coverages() -> Any:
+@panels(6.0, 2.8)
+def _coverages(ax) -> None:
     """Share of 68 % intervals that contain the true error. With the area of each contact (circles) all must
     lie in the grey band, 64 to 72 %. From friction over load alone (squares) the law is not linear in the
     errors, and the intervals are only approximate.
     """
-    figure = new_figure(6.0, 2.8)
-    ax = figure.add_subplot()
     places = -np.arange(len(NAMES))
     ax.axvspan(0.64, 0.72, color=QUIET, alpha=0.25, lw=0)
     for found, label, marker, ink in (
@@ -235,7 +235,6 @@ def _coverages() -> Any:
     ax.set_xlim(0.0, 1.0)
     ax.set_xlabel("68 % intervals that contain the true error")
     ax.legend(frameon=False, fontsize=8, loc="lower left")
-    return figure
 
 
 def _posteriors() -> Any:

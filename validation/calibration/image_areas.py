@@ -6,7 +6,6 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
 
 import numpy as np
 
@@ -15,8 +14,9 @@ from metafem._values import percent
 from metafem.calibration import contact_areas
 from metafem.calibration.images import levels
 from metafem.calibration.images.boundary import contours
-from metafem.drawing import ACHIEVED, QUIET, TARGET, new_figure
+from metafem.drawing import ACHIEVED, QUIET, TARGET
 from validation.check import Claim, Picture, Row, below, near, reported
+from validation.figures import panels
 from validation.scenes.pictures import coverage, lattice, picture
 from validation.sources import known_input, second_method
 
@@ -164,13 +164,12 @@ def _ellipses() -> list[Row]:
     ]
 
 
-def _figure() -> Any:
+@panels(5.0, 3.4, subplot_kw={"xscale": "log", "yscale": "log"})
+def _figure(ax) -> None:
     """Error of the area of one contact, root mean square of 200, against its radius. The boundary below
     pixels (circles) follows the least error that is possible with this noise; Otsu's threshold (squares),
     which the paper used, is biased besides. Dashes are the largest errors allowed here.
     """
-    figure = new_figure(5.0, 3.4)
-    ax = figure.add_subplot(xscale="log", yscale="log")
     radii = np.array([6.0, 8.0, *REQUIRED, 14.0, 32.0])
     radii.sort()
     found = [errors(radius) for radius in radii.tolist()]
@@ -184,5 +183,3 @@ def _figure() -> Any:
     ax.set_yticks([0.03, 0.1, 0.3, 1.0, 3.0], ["0.03", "0.1", "0.3", "1", "3"])
     ax.set_xlabel("radius [pixels]")
     ax.set_ylabel("rms error of the area [%]")
-    ax.legend(frameon=False)
-    return figure

@@ -10,9 +10,10 @@ import numpy as np
 
 import metafem as mf
 from metafem.calibration import MeasuredLaw, Sample, fit_compression, shear, shear_record, shear_strength
-from metafem.drawing import ACHIEVED, QUIET, TARGET, new_figure
+from metafem.drawing import ACHIEVED, QUIET, TARGET
 from metafem.notes import Note
 from validation.check import Claim, Picture, Row, above, near, reported
+from validation.figures import panels
 from validation.paper.surfaces import fig4
 from validation.scenes.compression_tests import ENERGY, MODULUS, RADII, RADIUS, compression_tests, loads
 from validation.scenes.drift import (
@@ -187,13 +188,12 @@ def spread(share: float) -> float:
     return float(np.sqrt(share * (1.0 - share) / REPETITIONS))
 
 
-def _figure():
+@panels(8.0, 4.6, subplot_kw={"xscale": "log"})
+def _figure(ax):
     """E* or σ found from data with a mistake, over the true value. Grey crosses are refused and have no
     value. Blue points come with a statement that the law does not fit, or with a warning. Red points look
     right: such mistakes cannot be seen in loads, areas and forces, and must be excluded by other means.
     """
-    figure = new_figure(8.0, 4.6)
-    ax = figure.add_subplot(xscale="log")
     found = outcomes()
     places = -np.arange(len(found))
     for place, (name, each) in zip(places, found.items(), strict=True):
@@ -205,4 +205,3 @@ def _figure():
     ax.set_xlim(0.1, 3e3)
     ax.set_yticks(places, list(found), fontsize=8)
     ax.set_xlabel("E* or σ over the true value")
-    return figure

@@ -25,8 +25,9 @@ from metafem.calibration.measured_law.bent_line import (
     least,
 )
 from metafem.calibration.measured_law.segmented import TRIED
-from metafem.drawing import ACHIEVED, MEASURED, TARGET, new_figure
+from metafem.drawing import ACHIEVED, MEASURED, TARGET
 from validation.check import Claim, Picture, Row, near, reported
+from validation.figures import panels
 from validation.paper.surfaces import surfaces
 from validation.published import paper
 from validation.sources import known_input
@@ -175,13 +176,12 @@ def rule(colour: str, trials: int = 500) -> tuple[float, float]:
     return inside / trials, float(np.mean(middle))
 
 
-def figure():
+@panels(8.0, 3.4, columns=2)
+def figure(left, right):
     """Left, one synthetic measurement of each surface of Fig. 5, with the paper's error bars, and its
     regression by two lines. Right, the crossovers of all trials: they scatter about the crossover of the 64
     asperities (full line), which lies beyond the target of the continuous distribution (dotted).
     """
-    drawn = new_figure(8.0, 3.4)
-    left, right = drawn.subplots(1, 2)
     for colour, ink in (("blue", ACHIEVED), ("red", TARGET)):
         points, result = laws(colour, 1, seed=3)[0], found(colour)
         left.errorbar(points.x[0], points.y[0], points.sy[0], points.sx[0], fmt="o", ms=3, lw=1, color=ink)
@@ -193,5 +193,3 @@ def figure():
         right.axvline(paper()["fig5"][colour]["crossover_load_mm2"], color=ink, lw=1, ls=":")
     left.set(xlabel="rescaled load  P/E* [mm²]", ylabel="rescaled friction  F/(σB) [mm²]")
     right.set(xlabel="crossover [mm²]; dotted: target", ylabel="trials")
-    right.legend(frameon=False)
-    return drawn

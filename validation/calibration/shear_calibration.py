@@ -12,8 +12,8 @@ from metafem._validate import FloatArray
 from metafem.calibration import MeasuredLaw, shear, shear_strength
 from metafem.calibration.sheared.fits import parameters
 from metafem.calibration.sheared.proportional import proportional
-from metafem.drawing import new_figure
 from validation.check import Claim, Picture, Row, below, near, reported
+from validation.figures import panels
 from validation.paper.surfaces import template
 from validation.published import paper, table
 from validation.scenes.repeated_estimates import ALLOWED, COVERED, NOMINAL, TRUTH, Errors, bias_and_coverage
@@ -251,24 +251,22 @@ def _full_contact() -> list[Row]:
     return checks
 
 
-def _figure():
+@panels(8.0, 3.2, columns=2, sharey=True)
+def _figure(*axes):
     """Errors of 5,000 calibrations in units of the uncertainty that each states, by shear tests of one
     contact and by a surface that is in contact everywhere. All must follow the curve.
     """
-    figure = new_figure(8.0, 3.2)
     edges, x = np.linspace(-4.0, 4.0, 41), np.linspace(-4.0, 4.0, 400)
     errors, _, _ = results(1)
     full = dict(zip(("E*, B known", "E*, B measured"), strengths(), strict=True))
-    for ax, drawn in zip(figure.subplots(1, 2, sharey=True), (errors, full), strict=True):
+    for ax, drawn in zip(axes, (errors, full), strict=True):
         for name, found in drawn.items():
             ax.hist(found.error / found.sd, edges, density=True, histtype="step", lw=1.4, label=name)
         ax.plot(x, np.exp(-0.5 * x**2) / math.sqrt(2.0 * math.pi), color="black", lw=0.9, label="as stated")
         ax.set_xlabel("error over the stated uncertainty")
-        ax.legend(frameon=False, fontsize="small")
-    figure.axes[0].set_ylabel("density")
-    figure.axes[0].set_title("shear tests", fontsize="medium")
-    figure.axes[1].set_title("fully contacting surface", fontsize="medium")
-    return figure
+    axes[0].set_ylabel("density")
+    axes[0].set_title("shear tests", fontsize="medium")
+    axes[1].set_title("fully contacting surface", fontsize="medium")
 
 
 def _biases():

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 import metafem as mf
 from metafem.calibration import match_sites
-from metafem.drawing import ACHIEVED, QUIET, TARGET, new_figure
+from metafem.drawing import ACHIEVED, QUIET, TARGET
 from validation.check import Claim, Picture, Row, below, near, reported
+from validation.figures import panels
 from validation.scenes.lattice_views import lattice, seen, trial
 from validation.sources import known_input
 
@@ -106,7 +105,8 @@ def _other_lattices(sites: np.ndarray) -> list[Row]:
     ]
 
 
-def _figure() -> Any:
+@panels(5.6, 4.6, subplot_kw={"aspect": "equal"})
+def _figure(ax) -> None:
     """The first synthetic view, turned, scaled and shifted onto the lattice by the match. Each circle must
     lie in a square; squares without a circle are open contacts; crosses are regions that are no contacts.
     """
@@ -119,13 +119,10 @@ def _figure() -> Any:
     columns = np.stack([image[matched], np.ones(matched.sum())], axis=1)
     (factor, shift), *_ = np.linalg.lstsq(columns, plane[found[matched]], rcond=None)
     moved = factor * image + shift
-    figure = new_figure(5.6, 4.6)
-    ax = figure.add_subplot(aspect="equal")
     ax.plot(*sites.T, "s", mfc="none", ms=11, color=QUIET, label="sites of the lattice")
     ax.plot(moved[matched].real, moved[matched].imag, "o", ms=4, color=ACHIEVED, label="contacts with a site")
     ax.plot(moved[~matched].real, moved[~matched].imag, "x", color=TARGET, label="regions without a site")
     ax.set_xlabel("x [mm]")
     ax.set_ylabel("y [mm]")
     ax.set_title(f"{np.count_nonzero(found != true)} of {len(true)} regions with a wrong site", fontsize=10)
-    figure.legend(frameon=False, loc="outside lower center", ncols=3, fontsize=8)
-    return figure
+    ax.figure.legend(frameon=False, loc="outside lower center", ncols=3, fontsize=8)

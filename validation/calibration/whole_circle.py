@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache, partial
-from typing import Any
 
 import numpy as np
 
@@ -25,8 +24,9 @@ from metafem.calibration import (
     stack_areas,
     track_contacts,
 )
-from metafem.drawing import ACHIEVED, MEASURED, QUIET, TARGET, new_figure
+from metafem.drawing import ACHIEVED, MEASURED, QUIET, TARGET
 from validation.check import Check, Claim, Picture, Row, below, near
+from validation.figures import panels
 from validation.scenes import laboratory
 from validation.sources import known_input
 
@@ -187,13 +187,12 @@ def table_of(series: laboratory.Series, design: mf.Surface | None = None) -> Con
     ).table
 
 
-def _figure(circle: Circle) -> Any:
+@panels(10.0, 7.6, rows=2, columns=2)
+def _figure(circle: Circle, image, fit, law, causes) -> None:
     """An image of the synthetic part; loads and areas of the calibration sample with the fitted contact law;
     the measured friction law of the part (points) beside that of the design (line), from which it differs
     because of the errors with which the part was made; and the errors that explain the difference.
     """
-    figure = new_figure(10.0, 7.6)
-    image, fit, law, causes = figure.subplots(2, 2).ravel()
     image.imshow(circle.part.image(len(circle.part.load) - 1, False), cmap="gray", origin="upper")
     image.set_axis_off()
     image.set_title("the part at its largest load", fontsize=10)
@@ -220,9 +219,7 @@ def _figure(circle: Circle) -> Any:
     law.set_ylim(0.0, 1.1 * measured.rescaled_friction.max())
     law.set_xlabel("rescaled load  P/E* [mm²]")
     law.set_ylabel("rescaled friction  F/(σB) [mm²]")
-    law.legend(frameon=False)
     shares = list(circle.explanation.shares.items())[::-1]
     causes.barh([name.replace("_", " ") for name, _ in shares], [share for _, share in shares], color=QUIET)
     causes.set_xlabel("share of the explained difference")
     causes.axvline(0.0, color=TARGET, lw=0.8)
-    return figure

@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 import metafem as mf
 from metafem.contact.elastic_plastic import ElasticPlastic
-from metafem.drawing import ACHIEVED, QUIET, TARGET, new_figure
+from metafem.drawing import ACHIEVED, QUIET, TARGET
 from metafem.reference import single_contacts
 from metafem.reference.elastic_plastic import jackson_green, kogut_etsion
 from validation.check import Check, Claim, Picture, Row, below, reported
+from validation.figures import panels
 from validation.sources import Source, closed_form, known_input, publication
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 RADIUS, MODULUS = 0.526, 1.36
 
@@ -205,13 +201,13 @@ def _lost(star: float) -> float:
     return (1.0 - star**-0.28) * (1.0 - star**-0.69)
 
 
-def _picture() -> Figure:
+@panels(8.0, 3.6, columns=2)
+def _picture(*axes) -> None:
     """Load P/E* [mm²] of one contact over its indentation [µm], up to 60 times that at yield: first loading,
     Hertz's law of an elastic contact (grey), and unloading from two depths (dashed). Unloading ends at a
     residual depth, and the area between loading and unloading is the energy lost.
     """
-    figure = new_figure(8.0, 3.6)
-    for ax, law in zip(figure.subplots(1, 2), LAWS, strict=True):
+    for ax, law in zip(axes, LAWS, strict=True):
         one = bound(law)
         d = np.linspace(0.0, 60.0, 400) * one.yield_indentation(RADIUS)
         ax.plot(
@@ -233,23 +229,20 @@ def _picture() -> Figure:
         ax.set_title(WORDS[type(law)])
         ax.set_ylim(0.0, 1.2 * one.load(one.contact_radius(d[-1], RADIUS), RADIUS))
         ax.set_xlabel("indentation [µm]")
-    figure.axes[0].set_ylabel("P/E* [mm²]")
-    figure.axes[0].legend(frameon=False)
-    return figure
+    axes[0].set_ylabel("P/E* [mm²]")
+    axes[0].legend(frameon=False)
 
 
-def _blends() -> Figure:
+@panels(8.0, 3.4, columns=2, sharey=True)
+def _blends(*axes) -> None:
     """Law with blends over the published formulas, minus 1 [%], over the indentation relative to that at
     yield, at a Poisson's ratio of 0.3. Steps are the jumps of the formulas; the law itself is continuous
     there. Between the blends the lines lie on zero.
     """
-    figure = new_figure(8.0, 3.4)
-    for ax, kind in zip(figure.subplots(1, 2, sharey=True), BREAKS, strict=True):
+    for ax, kind in zip(axes, BREAKS, strict=True):
         load, area = 1e2 * relative(kind, 0.3).T
         ax.semilogx(INDENTATIONS, load, color=ACHIEVED, label="load")
         ax.semilogx(INDENTATIONS, area, color=TARGET, label="area")
         ax.set(title=WORDS[kind], xlabel="indentation  w/w_c")
-        ax.spines[["top", "right"]].set_visible(False)
-    figure.axes[0].set_ylabel("law over formulas, minus 1 [%]")
-    figure.axes[0].legend(frameon=False)
-    return figure
+    axes[0].set_ylabel("law over formulas, minus 1 [%]")
+    axes[0].legend(frameon=False)

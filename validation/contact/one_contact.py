@@ -9,10 +9,10 @@ import numpy as np
 import metafem as mf
 from metafem.calibration.compression.adhesive_line import adhesive_line
 from metafem.contact import Contact
-from metafem.drawing import new_figure
 from metafem.reference import single_contacts
 from metafem.reference.single_contacts import sneddon_sphere
 from validation.check import Claim, Picture, Row, below, near
+from validation.figures import panels
 from validation.published import paper
 from validation.sources import closed_form, known_input, second_method
 
@@ -176,16 +176,13 @@ def _error(found, expected, scale=None) -> float:
     return float(np.abs((np.asarray(found) - expected) / (expected if scale is None else scale)).max())
 
 
-def _figure():
+@panels(6.0, 3.4)
+def _figure(ax):
     """Load P/E* [mm²] over the contact radius a [mm] of four caps of the paper's summit radius, by metafem
     (lines) and by closed forms (dots). The paraboloid and the sphere agree for narrow contacts.
     """
-    figure = new_figure(6.0, 3.4)
-    ax = figure.add_subplot()
     a = np.linspace(0.0, 0.3, 100)
     for name, (law, exact, _) in CLOSED.items():
         (line,) = ax.plot(a, law.load(a, RADIUS), label=name)
         ax.plot(RADII, [exact(float(x))[0] for x in RADII], "o", ms=4, color=line.get_color())
     ax.set(xlabel="contact radius  a [mm]", ylabel="load  P/E* [mm²]")
-    ax.legend(frameon=False)
-    return figure

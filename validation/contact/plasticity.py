@@ -8,8 +8,9 @@ from functools import cache
 import numpy as np
 
 import metafem as mf
-from metafem.drawing import QUIET, new_figure
+from metafem.drawing import QUIET
 from validation.check import Check, Claim, Picture, Result, above, below, near, reported
+from validation.figures import panels
 from validation.paper.pictures import INKS
 from validation.paper.surfaces import fig4, surfaces, template
 from validation.published import paper
@@ -187,13 +188,12 @@ def _rms(values: np.ndarray) -> float:
     return float(np.sqrt((values**2).mean()))
 
 
-def _criterion_figure():
+@panels(6.4, 3.8)
+def _criterion_figure(ax):
     """Rms change of A0(P) by plastic deformation over the plasticity index, on the five surfaces. It begins
     near the paper's limit of 0.6 (vertical line), where it is below the 2.3 % that the paper calls negligible
     (horizontal line), and exceeds that at 1.
     """
-    figure = new_figure(6.4, 3.8)
-    ax = figure.add_subplot()
     for name in surfaces():
         values = np.array([100.0 * _rms(changed(name, index)[0]) for index in INDICES])
         ax.plot(INDICES, np.where(values > 1e-3, values, np.nan), "o-", ms=4, color=INKS[name], label=name)
@@ -203,18 +203,13 @@ def _criterion_figure():
     ax.set_xticks(INDICES, [f"{index:g}" for index in INDICES])
     ax.set_xticks([], minor=True)
     ax.set_yticks((0.01, 0.1, 1, 10, 100), ("0.01", "0.1", "1", "10", "100"))
-    ax.legend(frameon=False)
-    return figure
 
 
-def _share_figure():
+@panels(6.4, 3.4)
+def _share_figure(ax):
     """Share of A0 in contacts that are past yield, at ψ = 0.6. Few contacts are past yield but they are the
     largest; their area still follows Hertz's law closely.
     """
-    figure = new_figure(6.4, 3.4)
-    ax = figure.add_subplot()
     for name in surfaces():
         ax.plot(LOADS, 100.0 * changed(name, LIMIT)[1], label=name)
     ax.set(xlabel="rescaled load  P/E* [mm²]", ylabel="share of A0 past yield [%]", ylim=(0.0, 100.0))
-    ax.legend(frameon=False)
-    return figure

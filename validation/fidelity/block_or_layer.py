@@ -8,22 +8,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 import metafem as mf
-from metafem.drawing import new_figure
 from metafem.reference import bonded_layer
 from validation.check import Claim, Picture, Row, below, reported
+from validation.figures import panels
 from validation.methods import contact_equations
 from validation.paper.pictures import INKS
 from validation.paper.surfaces import surfaces
 from validation.published import paper
 from validation.sources import closed_form, known_input, second_method
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 # The tests of this claim carry the mark "slow".
 SLOW = True
@@ -218,13 +214,12 @@ def _order3() -> list[Row]:
     return rows
 
 
-def _differences() -> Figure:
+@panels(8.4, 3.6, columns=2)
+def _differences(left, right) -> None:
     """Left: A0 on the half-space (dashed) and on the layer (solid) relative to the block [%], over the
     rescaled load P/E* [mm²], at order 3 on the five surfaces. Right: separation on the block minus that on
     the other substrate [µm]. The half-space is off by up to 25 µm and the layer by up to 3 µm.
     """
-    figure = new_figure(8.4, 3.6)
-    left, right = figure.subplots(1, 2)
     for name in surfaces():
         for substrate, style in (("half-space", "--"), ("layer", "-")):
             area, plane = difference(name, substrate, 3)
@@ -234,8 +229,5 @@ def _differences() -> Figure:
             right.plot(LOADS, plane, style, color=INKS[name])
     left.set(xlabel="rescaled load  P/E* [mm²]", ylabel="difference of A0 from the true block [%]")
     right.set(xlabel="rescaled load  P/E* [mm²]", ylabel="separation on the block minus this one [µm]")
-    left.legend(frameon=False, fontsize=7)
     for style, substrate in (("--", "half-space"), ("-", "layer")):
         right.plot([], [], style, color="black", label=substrate)
-    right.legend(frameon=False)
-    return figure

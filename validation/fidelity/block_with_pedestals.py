@@ -13,8 +13,9 @@ import numpy as np
 
 import metafem as mf
 from metafem.contact import pedestal_compliance
-from metafem.drawing import QUIET, new_figure
+from metafem.drawing import QUIET
 from validation.check import Check, Claim, Picture, Result, below, near, reported
+from validation.figures import panels
 from validation.methods import contact_equations
 from validation.paper.pictures import INKS
 from validation.paper.surfaces import fig3, fig4, fig5, surfaces, template
@@ -218,13 +219,12 @@ def _rms(values: np.ndarray) -> float:
     return float(np.sqrt((values**2).mean()))
 
 
-def _change_figure():
+@panels(8.4, 3.8, columns=2, sharey=True)
+def _change_figure(left, right):
     """Change of A0(P) against independent asperities on the layer (dotted), on the block with free sides
     (dashed), and on the block with pedestals (solid). The pedestals bring the laws of Figs. 4 and 5 back
     towards zero.
     """
-    figure = new_figure(8.4, 3.8)
-    left, right = figure.subplots(1, 2, sharey=True)
     for name in surfaces():
         ax = left if "3" in name else right
         for model, style in zip(MODELS, (":", "--", "-"), strict=True):
@@ -233,17 +233,14 @@ def _change_figure():
     for ax in (left, right):
         ax.axhline(0.0, color=QUIET, lw=0.8)
         ax.set_xlabel("rescaled load  P/E* [mm²]")
-        ax.legend(frameon=False, fontsize=8)
     left.set_ylabel("change of A0 [%]")
-    return figure
 
 
-def _redesign_figure():
+@panels(6.4, 4.0)
+def _redesign_figure(ax):
     """Law of Fig. 3 on the block with pedestals: heights designed for independent asperities miss the second
     and the third operating point (circles), heights designed for this model pass through all three.
     """
-    figure = new_figure(6.4, 4.0)
-    ax = figure.add_subplot()
     target = designs()["Fig. 3"].target_law
     load = np.linspace(0.005, LOADS[-1], 200)
     for design, label, style in (
@@ -253,5 +250,3 @@ def _redesign_figure():
         ax.plot(load, MODELS[WHOLE].curve(design.surface, load).area, style, label=label)
     ax.plot(target.load, target.base, "o", ms=8, color=INKS["Fig. 3"], label="operating points")
     ax.set(xlabel="rescaled load  P/E* [mm²]", ylabel="rescaled friction  F/(σB) [mm²]")
-    ax.legend(frameon=False)
-    return figure

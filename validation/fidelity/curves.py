@@ -11,8 +11,8 @@ from typing import NamedTuple
 import numpy as np
 
 import metafem as mf
-from metafem.drawing import new_figure
 from validation.check import Check, Claim, Picture, Result, below, near, reported
+from validation.figures import panels
 from validation.methods import contact_equations, square_mean
 from validation.paper.surfaces import surfaces
 from validation.published import paper
@@ -201,13 +201,12 @@ def _rms(values: np.ndarray) -> float:
     return float(np.sqrt((values**2).mean()))
 
 
-def _curves_figure():
+@panels(9.0, 3.4, columns=3)
+def _curves_figure(left, middle, right):
     """Fig. 5, blue. Left: the five curves A0(P) coincide within the width of the lines. Middle and right: at
     a given separation the half-space (dashed) and the mean field (dotted) have about half of the load and
     area of independent contacts; layer and block are close to each other.
     """
-    figure = new_figure(9.0, 3.4)
-    left, middle, right = figure.subplots(1, 3)
     for model, style in STYLES.items():
         found = curves("Fig. 5 blue", model)
         plane = 1e3 * curves("Fig. 5 blue", "independent").separation
@@ -217,17 +216,14 @@ def _curves_figure():
     left.set(xlabel="rescaled load  P/E* [mm²]", ylabel="A0 [mm²]")
     middle.set(xlabel="separation δ [µm]", ylabel="P/E* [mm²]")
     right.set(xlabel="separation δ [µm]", ylabel="A0 [mm²]")
-    left.legend(frameon=False, fontsize=8)
-    return figure
 
 
-def _changes_figure():
+@panels(8.4, 3.4, columns=3, sharey=True)
+def _changes_figure(*axes):
     """Rms change of the three curves against independent contacts, on a logarithmic axis: A0(P) changes by a
     few percent at most on every substrate, the other two by tens of percent, and least on the layer. The grey
     line is the paper's bound for A0(P).
     """
-    figure = new_figure(8.4, 3.4)
-    axes = figure.subplots(1, 3, sharey=True)
     for k, (ax, title) in enumerate(zip(axes, CURVES, strict=True)):
         for j, model in enumerate(SUBSTRATES):
             values = [_rms(_change(name, model)[k]) for name in surfaces()]
@@ -240,4 +236,3 @@ def _changes_figure():
     axes[0].set_yticks((0.5, 1, 2, 5, 10, 20, 50), ("0.5", "1", "2", "5", "10", "20", "50"))
     axes[0].set_ylabel("rms change [%]")
     axes[2].legend(frameon=False, fontsize=8, loc="lower right")
-    return figure

@@ -13,9 +13,10 @@ from functools import cache
 import numpy as np
 
 import metafem as mf
-from metafem.drawing import QUIET, new_figure
+from metafem.drawing import QUIET
 from metafem.reference import single_contacts
 from validation.check import Check, Claim, Picture, Result, above, below, near, reported
+from validation.figures import panels
 from validation.methods import point_load_error
 from validation.scenes.models import FEW_ERROR, LOAD_ERROR
 from validation.sources import closed_form, second_method
@@ -222,13 +223,12 @@ def _single() -> list[Check | Result]:
     return rows
 
 
-def _errors_figure():
+@panels(7.0, 4.0)
+def _errors_figure(ax):
     """Relative error of A0 at a given load on the 3 x 3 lattice. Order 1 (circles) follows the line, the
     closed form of its leading error with slope 3; order 3 (squares) is far below it. The bars are the
     uncertainty of the resolved contacts.
     """
-    figure = new_figure(7.0, 4.0)
-    ax = figure.add_subplot()
     names = list(scenes())[: len(APPROACHES)]
     ratio = np.array([errors(name, 1).radius for name in names]) / PITCH
     leading = np.array([_leading(name) for name in names])
@@ -245,23 +245,19 @@ def _errors_figure():
     )
     _plain_ticks(ax, (0.1, 0.15, 0.2))
     ax.legend(frameon=False, loc="lower right")
-    return figure
 
 
-def _cells_figure():
+@panels(6.0, 3.4)
+def _cells_figure(ax):
     """Error of resolved contacts against Hertz's closed form for one contact, over the number of cells per
     contact radius, and the documented bounds (lines).
     """
-    figure = new_figure(6.0, 3.4)
-    ax = figure.add_subplot()
     cells = np.array(CELLS)
     for k, (name, bound) in enumerate((("load", CELL_LOAD), ("A0", CELL_AREA))):
         ax.loglog(cells, 100.0 * np.abs(single()[:, k]), "o", color=f"C{k}", label=name)
         ax.loglog(cells, 100.0 * bound / cells**2, color=f"C{k}", lw=0.8, label=f"bound {bound:g}/n²")
     ax.set(xlabel="cells per contact radius n", ylabel="relative error [%]", ylim=(1e-3, 0.1))
     _plain_ticks(ax, CELLS)
-    ax.legend(frameon=False)
-    return figure
 
 
 def _plain_ticks(ax, ticks: Sequence[float]) -> None:

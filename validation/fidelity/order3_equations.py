@@ -8,9 +8,9 @@ from functools import cache
 import numpy as np
 
 import metafem as mf
-from metafem.drawing import new_figure
 from metafem.models.interacting.model import DENSE_LIMIT
 from validation.check import Claim, Picture, Row, below, reported
+from validation.figures import panels
 from validation.methods import third_order
 from validation.sources import second_method
 
@@ -122,13 +122,13 @@ def claim() -> Claim:
     return Claim("Equations of third order, solved twice", rows, {"Areas": Picture(_figure)})
 
 
-def _figure():
+@panels(7.0, 3.2, columns=2, sharey=True)
+def _figure(*axes):
     """Change of the area of each of nine contacts against independent ones at the same load [%], over its
     place in the list: by metafem (circles) and by the second solution (dots), on a half-space and on a layer
     of 1 mm. Each dot lies within its circle.
     """
-    figure = new_figure(7.0, 3.2)
-    for ax, name in zip(figure.subplots(1, 2, sharey=True), list(SCENES)[:2], strict=True):
+    for ax, name in zip(axes, list(SCENES)[:2], strict=True):
         scene = SCENES[name]
         alone = mf.equilibrium(scene.surface, load=LOAD).asperity_area
         place = np.arange(1, 10)
@@ -137,6 +137,5 @@ def _figure():
         )
         ax.plot(place, 1e2 * (np.pi * scene.second()[1] ** 2 / alone - 1.0), "k.", label="second solution")
         ax.set(xlabel="contact", title=name)
-    figure.axes[0].set_ylabel("change of the area [%]")
-    figure.axes[0].legend(frameon=False)
-    return figure
+    axes[0].set_ylabel("change of the area [%]")
+    axes[0].legend(frameon=False)

@@ -14,10 +14,11 @@ import numpy as np
 from scipy.stats import t as student
 
 import metafem as mf
-from metafem.drawing import ACHIEVED, TARGET, new_figure
+from metafem.drawing import ACHIEVED, TARGET
 from validation.check import Claim, Picture, Row, below, reported
 from validation.cost.peers import Grid, installed, solve_with_tamaas
 from validation.fidelity.order3_against_resolved import RADIUS, Scene, irregular, lattice
+from validation.figures import panels
 from validation.methods import two_contacts
 from validation.scenes.models import FEW_ERROR, LOAD_ERROR
 from validation.sources import second_method
@@ -147,14 +148,13 @@ def _rows(name: str) -> list[Row]:
     ]
 
 
-def _figure():
+@panels(8.0, 3.6)
+def _figure(ax):
     """Relative error of A0 at a given load against tamaas, for each scene: order 1 (circles) and order 3
     (squares), with the uncertainty of the extrapolation as bars. Order 3 agrees with tamaas within the
     uncertainty of tamaas, below 0.09 %; point loads deviate by several tenths where contacts are close.
     Dashed: the largest error that is stated for up to nine contacts.
     """
-    figure = new_figure(8.0, 3.6)
-    ax = figure.add_subplot()
     place = np.arange(len(scenes()))
     for order, mark, colour in ((1, "o", TARGET), (3, "s", ACHIEVED)):
         found = [compared(name, order) for name in scenes()]
@@ -168,5 +168,3 @@ def _figure():
         place, [name.replace(" of ", "\nof ").replace(" asp", "\nasp") for name in scenes()], fontsize=8
     )
     ax.set_ylabel("error of A0 at a given load [%]")
-    ax.legend(frameon=False)
-    return figure

@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 import metafem as mf
 from metafem.contact import pedestal_compliance
-from metafem.drawing import new_figure
 from validation.check import Claim, Picture, Row, near, reported
+from validation.figures import panels
 from validation.methods import contact_equations
 from validation.paper.interaction_error import LOADS
 from validation.paper.pictures import INKS
 from validation.paper.surfaces import surfaces
 from validation.sources import second_method
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 MODELS = "order 3 on the bonded layer, 20 loads P/E* to 0.7 mm², with and without pedestals"
 NEWTON = second_method(
@@ -87,19 +82,16 @@ def _rms(change: np.ndarray) -> float:
     return float(np.sqrt((change**2).mean()))
 
 
-def _figure() -> Figure:
+@panels(8.0, 3.2)
+def _figure(ax) -> None:
     """Relative change of A0 [%] over the rescaled load P/E* [mm²] against independent asperities, by the
     layer and the pedestals together. On Figs. 4 and 5 it stays within 1.5 % at every load and within 1 %
     above 0.2 mm². On Fig. 3, whose caps are the tallest, A0 rises by 7 % where the third level comes into
     contact earlier.
     """
-    figure = new_figure(8.0, 3.2)
-    ax = figure.add_subplot()
     for name in surfaces():
         independent, _, pedestals = laws(name)
         ax.plot(LOADS, 100.0 * (pedestals.area / independent.area - 1.0), color=INKS[name], label=name)
     ax.axhline(0.0, color="grey", lw=0.8)
     ax.set_xlabel("rescaled load  P/E* [mm²]")
     ax.set_ylabel("change of A0, layer and pedestals [%]")
-    ax.legend(frameon=False)
-    return figure

@@ -7,11 +7,11 @@ import math
 import numpy as np
 
 from metafem import fe, studies
-from metafem.drawing import new_figure
 from metafem.reference import bonded_layer
 from metafem.reference import single_contacts as exact
 from metafem.studies.element_checks import PITCH, RADIUS, THICKNESS
 from validation.check import Claim, Picture
+from validation.figures import panels
 from validation.finite_elements.rows import as_rows
 
 # Several seconds of finite elements.
@@ -31,13 +31,12 @@ def claim() -> Claim:
     )
 
 
-def _figure():
+@panels(5.0, 3.4)
+def _figure(ax):
     """Load of one contact of the lattice over that of Hertz at the same contact radius, minus 1 [%], over the
     contact radius [mm]: finite elements of one cell (dots), and the curvature of the field of the neighbours
     (line). Neighbours stiffen a contact by 1 % where its radius is a fifth of the pitch.
     """
-    figure = new_figure(5.0, 3.4)
-    ax = figure.add_subplot()
     a = np.linspace(0.08, 0.32, 7)
     side = PITCH / math.sqrt(math.pi)
     load = [fe.press(x, RADIUS, thickness=THICKNESS, cell_radius=side).rescaled_load for x in a.tolist()]
@@ -47,5 +46,3 @@ def _figure():
     bent = 1.0 / (1.0 - 2.0 / 3.0 * fine**3 * curvature)
     ax.plot(fine, 100.0 * (bent - 1.0), "k-", lw=0.8, label="curvature of the field of the neighbours")
     ax.set(xlabel="contact radius [mm]", ylabel="load over that of Hertz at the same a [%]")
-    ax.legend(frameon=False)
-    return figure

@@ -3,25 +3,21 @@
 from __future__ import annotations
 
 from functools import cache
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 import metafem as mf
 from metafem import fe
 from metafem.contact.cap_geometry import sphere_profile
-from metafem.drawing import new_figure
 from metafem.fe.axisymmetric.geometry import Cap
 from metafem.fe.axisymmetric.mesh import graded_mesh
 from metafem.fe.large_strain.body import SoftBody
 from metafem.fe.large_strain.press import FiniteContact, press_sequence
 from metafem.reference import single_contacts as exact
 from validation.check import Claim, Picture, Row, below, near, reported
+from validation.figures import panels
 from validation.finite_elements.frozen_meshes import FOLDER
 from validation.sources import known_input, second_method, self_consistency
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 # Ten contacts on two meshes take a minute.
 SLOW = True
@@ -164,13 +160,12 @@ def _searched(a: float) -> float:
     return found.rescaled_load / exact.hertz(a, R)[0]
 
 
-def _load() -> Figure:
+@panels(5.6, 3.4)
+def _load(ax) -> None:
     """Load over that of Hertz at the same contact radius, over a/R in the deformed state. At large strain it
     lies a few percent below 1 (circles and squares), with cubic elements (crosses) as with quadratic ones; at
     small strain (triangles) it rises above 1. The dashed line is Hertz's law.
     """
-    figure = new_figure(5.6, 3.4)
-    ax = figure.add_subplot()
     for stick, style in ((False, "o-"), (True, "s-")):
         name = "stick" if stick else "slip"
         ax.plot(
@@ -181,5 +176,3 @@ def _load() -> Figure:
     ax.plot(RATIOS, [_small(x * R) for x in RATIOS], "^-", ms=4, label="small strain, slip")
     ax.axhline(1.0, color="k", lw=0.7, ls="--")
     ax.set(xlabel="a/R, deformed", ylabel="load over that of Hertz at the same a")
-    ax.legend(frameon=False, fontsize=8)
-    return figure

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from metafem import fe, studies
-from metafem.drawing import new_figure
 from metafem.report.elements import hertz_figure
 from metafem.studies.element_checks import search_convergence, spectral_convergence
 from validation.check import Claim, Picture
+from validation.figures import panels
 from validation.finite_elements.rows import as_rows
 
 A, R = 0.2, 0.526
@@ -36,19 +36,15 @@ def _fields():
     return hertz_figure(fe.press(A, R), R)
 
 
-def _rates():
+@panels(8.0, 3.2, columns=2)
+def _rates(left, right):
     """Relative error of the load against Hertz's. Left: with the degree of the high-order elements the error
     falls exponentially. Right: with the cell of the active set, relative to the contact radius, load and
     radius converge at the orders in the legend, at least 1.
     """
-    figure = new_figure(8.0, 3.2)
-    left, right = figure.subplots(1, 2)
     spectrum = spectral_convergence()
     left.semilogy(spectrum.value, spectrum.error, "o-", label=f"{-spectrum.rate:.2f} digits per degree")
     left.set(xlabel="degree of the elements", ylabel="relative error of the load")
-    left.legend(frameon=False)
     for name, study in zip(("load", "radius"), search_convergence(), strict=True):
         right.loglog(study.value, study.error, "o-", label=f"{name}: order {study.rate:.1f}")
     right.set(xlabel="cell / contact radius", ylabel="relative error, active set")
-    right.legend(frameon=False)
-    return figure

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from metafem import fe, studies
-from metafem.drawing import new_figure
 from metafem.reference import bonded_layer
 from metafem.studies.element_checks import RADIUS, THICKNESS
 from validation.check import Claim, Picture
+from validation.figures import panels
 from validation.finite_elements.rows import as_rows
 
 # Several seconds of finite elements.
@@ -25,13 +25,12 @@ def claim() -> Claim:
     return Claim("Finite elements: the bonded layer's influence", checks, figures)
 
 
-def _figure():
+@panels(5.0, 3.4)
+def _figure(ax):
     """Displacement at a distance r from a load on the layer, over that on a half-space, by finite elements
     (dots) and by the Hankel integral (line), at a Poisson's ratio of 0.5. The layer is stiffer than the
     half-space at all distances, and rises beside the load beyond 5.5 mm.
     """
-    figure = new_figure(5.0, 3.4)
-    ax = figure.add_subplot()
     contact = fe.press(0.01, RADIUS, thickness=THICKNESS)
     r = np.linspace(0.5, 20.0, 60)
     ax.plot(
@@ -39,5 +38,3 @@ def _figure():
     )
     ax.plot(r, np.pi * r * bonded_layer.influence(r, THICKNESS, 0.5), "k-", lw=0.8, label="Hankel integral")
     ax.set(xlabel="r [mm]", ylabel="layer / half-space")
-    ax.legend(frameon=False)
-    return figure

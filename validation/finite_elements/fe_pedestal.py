@@ -8,8 +8,8 @@ import numpy as np
 
 from metafem import fe
 from metafem.contact.cap_compliance import pedestal_compliance
-from metafem.drawing import new_figure
 from validation.check import Claim, Picture, below
+from validation.figures import panels
 from validation.scenes.pedestals import FOOT_RATIOS, TABLE
 from validation.sources import second_method
 
@@ -36,13 +36,12 @@ def claim() -> Claim:
     return Claim("The pedestal's compliance", checks, figures)
 
 
-def _figure():
+@panels(5.0, 3.4)
+def _figure(ax):
     """Compliance of the pedestal, times R, over the height of the cap relative to R: nodes of the table
     (dots) and their interpolation (lines), for contacts of 0.05, 0.2, 0.4 and 0.6 of the foot's radius, which
     lie close together. High caps yield more, and nearly independently of the size of the contact.
     """
-    figure = new_figure(5.0, 3.4)
-    ax = figure.add_subplot()
     table = np.array(TABLE)
     ratio = np.linspace(table[0, 0], table[-1, 0], 80)
     for fraction, column in zip(FOOT_RATIOS, table[:, 1:].T, strict=True):
@@ -51,4 +50,3 @@ def _figure():
         ax.plot(ratio, pedestal_compliance(ratio, 1.0, a), "k-", lw=0.7)
     ax.set(xlabel="h/R", ylabel="compliance c_p R", title="contacts of 0.05, 0.2, 0.4, 0.6 of the foot")
     ax.title.set_fontsize(9)
-    return figure

@@ -7,9 +7,9 @@ from functools import cache
 import numpy as np
 
 import metafem as mf
-from metafem.drawing import new_figure
 from metafem.reference.single_contacts import hertz
 from validation.check import LINE_REQUIRED, REQUIRED, Claim, Picture, Row, below
+from validation.figures import panels
 from validation.paper.surfaces import template
 from validation.scenes.models import MODELS
 from validation.sources import Source, closed_form, printed
@@ -99,14 +99,13 @@ def _widest() -> tuple[float, Source]:
     return last / first, closed_form(hertz, "one contact at the first load, 2N/3 times it at the last")
 
 
-def _ratio():
+@panels(8.0, 3.4)
+def _ratio(ax):
     """Rescaled friction over rescaled load, which a friction force in proportion to the load makes constant.
     Between the dotted loads each surface must follow the dashed target under the model for which it was
     designed; below the first one contact has too much friction, beyond the last all asperities are in
     contact.
     """
-    figure = new_figure(8.0, 3.4)
-    ax = figure.add_subplot()
     for name, model in MODELS.items():
         result = proportional(name)
         low, high = result.target.load_range
@@ -118,16 +117,13 @@ def _ratio():
     ax.set_ylim(0.8 * SLOPE, 1.2 * SLOPE)
     ax.set_xlabel("rescaled load  P/E* [mm²]")
     ax.set_ylabel("A0 E*/P")
-    ax.legend(frameon=False)
-    return figure
 
 
-def _stepped():
+@panels(8.0, 3.4)
+def _stepped(ax):
     """Rescaled friction over rescaled load of four surfaces whose heights are multiples of 6 µm, and their
     targets (dots). Each line must pass through its dots.
     """
-    figure = new_figure(8.0, 3.4)
-    ax = figure.add_subplot()
     for i, (name, target) in enumerate(STEPPED.items()):
         design, wanted = stepped(name), target.curve()
         load = np.linspace(0.7 * wanted.load[0], 1.1 * wanted.load[-1], 200)
@@ -138,5 +134,3 @@ def _stepped():
         )
     ax.set_xlabel("rescaled load  P/E* [mm²]")
     ax.set_ylabel("A0 E*/P")
-    ax.legend(frameon=False, fontsize=8)
-    return figure

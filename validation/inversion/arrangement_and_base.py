@@ -12,8 +12,9 @@ import numpy as np
 
 import metafem as mf
 from metafem._validate import FloatArray
-from metafem.drawing import ACHIEVED, new_figure
+from metafem.drawing import ACHIEVED
 from validation.check import Claim, Picture, Row, below, near, reported
+from validation.figures import panels
 from validation.paper.surfaces import fig4
 from validation.sources import known_input, second_method
 
@@ -106,14 +107,13 @@ def _rows() -> list[Row]:
     ]
 
 
-def _changes():
+@panels(8.0, 3.2, columns=2)
+def _changes(left, right):
     """Change of the area of real contact by elastic interaction, for the surface of Fig. 4, red. Left, over
     the distance of neighbouring asperities, on a half-space and on wide bases of three thicknesses; a thin
     base changes the law of each contact alone, at any distance. Right, of 100 random arrangements at the
     paper's pitch.
     """
-    figure = new_figure(8.0, 3.2)
-    left, right = figure.subplots(1, 2)
     for thickness in (*THICKNESSES, np.inf):
         label = "half-space" if np.isinf(thickness) else f"base {thickness:g} mm thick"
         left.plot(PITCHES, [100.0 * based(pitch, thickness) for pitch in PITCHES], "o-", ms=3, label=label)
@@ -124,4 +124,3 @@ def _changes():
     right.hist(100.0 * arranged(), 20, color=ACHIEVED)
     right.set_xlabel("rms change of A0 [%]")
     right.set_ylabel("random arrangements")
-    return figure

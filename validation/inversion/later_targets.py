@@ -13,9 +13,10 @@ import numpy as np
 
 import metafem as mf
 from metafem._validate import FloatArray
-from metafem.drawing import ACHIEVED, QUIET, TARGET, new_figure
+from metafem.drawing import ACHIEVED, QUIET, TARGET
 from metafem.reference.single_contacts import hertz, power_law
 from validation.check import REQUIRED, Claim, Picture, Row, above, below, near, reported
+from validation.figures import panels
 from validation.methods import independent, power_caps
 from validation.paper.surfaces import template
 from validation.sources import closed_form, known_input, publication
@@ -181,13 +182,12 @@ def _network() -> list[Row]:
     return [reported("largest misfit of these designs", max(each.misfit for each in designs), NETWORK)]
 
 
-def _laws():
+@panels(7.0, 4.2)
+def _laws(ax):
     """Rescaled friction over rescaled load on logarithmic axes, on which a power law is a straight line. The
     designs (lines) must follow the targets (dots) between the dotted loads. Their exponents range from 2/3,
     which any fixed number of spheres has, to 1.35. Dashed: caps of other shapes.
     """
-    figure = new_figure(7.0, 4.2)
-    ax = figure.add_subplot()
     load = np.geomspace(0.5 * RANGE[0], 1.5 * RANGE[1], 200)
     shown: list[tuple[mf.Design, mf.contact.Contact, str, str]] = [
         (designed(each), mf.Hertz(), f"spheres, {each:.3g}", "-") for each in EXPONENTS
@@ -207,18 +207,16 @@ def _laws():
     ax.set_yticks([], minor=True)
     ax.set_xlabel("rescaled load  P/E* [mm²]")
     ax.set_ylabel("rescaled friction  F/(σB) [mm²]")
-    figure.legend(frameon=False, fontsize=8, loc="outside right upper", title="exponent")
-    return figure
+    ax.figure.legend(frameon=False, fontsize=8, loc="outside right upper", title="exponent")
 
 
-def _misfits():
+@panels(6.4, 3.2)
+def _misfits(ax):
     """Misfit of the nearest surface over the exponent of its target. Below 1 % a target counts as reached.
     The misfit grows before the bound by the last slope (dotted, right), beyond which no surface of 64 equal
     spheres follows the law exactly. Targets below 2/3 (dotted, left), the exponent of a fixed number of
     spheres, are refused.
     """
-    figure = new_figure(6.4, 3.2)
-    ax = figure.add_subplot()
     exponents = np.linspace(2.0 / 3.0, 1.65, 24).tolist()
     misfit = [100.0 * designed(each).misfit for each in exponents]
     ax.semilogy(exponents, misfit, "o-", ms=3, color=ACHIEVED, label="nearest surface")
@@ -230,5 +228,3 @@ def _misfits():
     ax.set_ylabel("misfit [%]")
     ax.set_yticks([0.03, 0.1, 0.3, 1.0, 3.0], ["0.03", "0.1", "0.3", "1", "3"])
     ax.set_yticks([], minor=True)
-    ax.legend(frameon=False, fontsize=8)
-    return figure

@@ -12,8 +12,8 @@ from functools import cache
 import numpy as np
 
 import metafem as mf
-from metafem.drawing import new_figure
 from validation.check import Claim, Picture, Row, below, reported
+from validation.figures import panels
 from validation.paper.pictures import INKS
 from validation.paper.surfaces import fig3, surfaces
 from validation.sources import Source, self_consistency
@@ -102,13 +102,12 @@ def gain(fraction: float) -> Source:
     return self_consistency(rms, f"{fraction:g} times that of the surface as designed, in this run")
 
 
-def _laws():
+@panels(8.0, 3.4)
+def _laws(ax):
     """Difference of the area of real contact with interaction from that of independent asperities, over the
     load, for the paper's surfaces as designed (dashed) and with heights at sites that were chosen against it
     (full).
     """
-    figure = new_figure(8.0, 3.4)
-    ax = figure.add_subplot()
     for name, surface in surfaces().items():
         independent = mf.Independent().curve(surface, OTHER_LOADS).area
         for part, style in ((surface, "--"), (arranged(name, False).surface, "-")):
@@ -117,16 +116,13 @@ def _laws():
     ax.set_xlabel("rescaled load  P/E* [mm²]")
     ax.set_ylabel("change of A0 by interaction [%]")
     ax.set_title("as designed (dashed) and arranged", fontsize=9)
-    ax.legend(frameon=False)
-    return figure
 
 
-def _tilts():
+@panels(8.0, 3.4)
+def _tilts(ax):
     """Change of the area of real contact by a tilt of 0.1°, twenty times the paper's precision, over the
     direction of the tilt: as designed (dashed) and with sites chosen against interaction and tilt (full).
     """
-    figure = new_figure(8.0, 3.4)
-    ax = figure.add_subplot()
     direction = 2.0 * np.pi * np.arange(25) / 24
     slope = np.tan(TILT.angle) * np.stack([np.cos(direction), np.sin(direction)], axis=1)
     for name in TILTED:
@@ -139,5 +135,3 @@ def _tilts():
     ax.set_xlabel("direction of a tilt of 0.1° [°]")
     ax.set_ylabel(f"change of A0 at {LOADS[5]:.2g} mm² [%]")
     ax.set_title("as designed (dashed) and arranged for both", fontsize=9)
-    ax.legend(frameon=False)
-    return figure

@@ -7,12 +7,12 @@ from functools import cache
 import numpy as np
 
 import metafem as mf
-from metafem.drawing import new_figure
 from metafem.inversion.bounds import Bounds
 from metafem.inversion.radii import Radii
 from metafem.reference.height_densities import slope
 from metafem.reference.single_contacts import hertz
 from validation.check import LINE_REQUIRED, REQUIRED, Claim, Picture, Row, above, below, near
+from validation.figures import panels
 from validation.inversion.later_targets import area_at, largest_exponent
 from validation.paper.surfaces import template
 from validation.scenes.models import MODELS
@@ -134,17 +134,17 @@ def _coefficients() -> list[Row]:
     ]
 
 
-def _exponents():
+@panels(9.6, 3.6, columns=2)
+def _exponents(*axes):
     """Friction divided by the power law of one radius that is nearest to the target, which is the grey line.
     The surfaces with caps of two radii must follow the dashed target, which is steeper or less steep.
     """
-    figure = new_figure(9.6, 3.6)
     largest = largest_exponent()
     bounds = {
         0.645: (2.0 / 3.0, "least exponent of one radius: 2/3"),
         1.55: (largest, f"largest exponent of one radius: {largest:.3g}"),
     }
-    for ax, exponent in zip(figure.subplots(1, 2), EXPONENTS, strict=True):
+    for ax, exponent in zip(axes, EXPONENTS, strict=True):
         known, label = bounds[exponent]
         for model, solver in MODELS.items():
             result = designed(exponent, "two tools", model)
@@ -158,16 +158,13 @@ def _exponents():
         ax.set_title(f"exponent {exponent:g}", fontsize=10)
         ax.set_xlabel("rescaled load  P/E* [mm²]")
         ax.set_ylabel(f"A0/P^{known:.3g}, relative to its first value")
-        ax.legend(frameon=False, fontsize=8)
-    return figure
 
 
-def _surface():
+@panels(8.0, 3.0)
+def _surface(ax):
     """Radius of each cap and its depth below the tallest. A small exponent needs large caps that touch first
     among small ones of nearly the same height; a large one needs small caps first and large ones later.
     """
-    figure = new_figure(8.0, 3.0)
-    ax = figure.add_subplot()
     for exponent, marker in zip(EXPONENTS, "ox", strict=True):
         for choice in CHOICES:
             surface = designed(exponent, choice, "independent").surface
@@ -177,5 +174,3 @@ def _surface():
     ax.set_ylabel("radius [mm]")
     ax.set_yticks([0.2, 0.4, 0.8], ["0.2", "0.4", "0.8"])
     ax.set_yticks([], minor=True)
-    ax.legend(frameon=False, fontsize=8)
-    return figure

@@ -7,8 +7,8 @@ from functools import cache, partial
 import numpy as np
 
 import metafem as mf
-from metafem.drawing import new_figure
 from validation.check import REQUIRED, Claim, Picture, below
+from validation.figures import panels
 from validation.paper.surfaces import template
 from validation.scenes.models import MODELS
 from validation.sources import second_method
@@ -67,13 +67,12 @@ def _misfit(result: mf.Design, model: mf.Model) -> float:
     return law.misfit(model.curve(result.surface, law.load).area)
 
 
-def _picture(name: str):
+@panels(8.0, 4.6, rows=2, sharex=True, height_ratios=[2, 1])
+def _picture(name: str, ax, below_ax):
     """Above, the area of real contact against the load: the target (dots) and the law of each design under
     the model for which it was designed. The lines cannot be told apart. Below, their differences from the
     target.
     """
-    figure = new_figure(8.0, 4.6)
-    ax, below_ax = figure.subplots(2, 1, sharex=True, height_ratios=[2, 1])
     law = TARGETS[name].curve()
     load = np.linspace(0.5 * law.load[0], 1.1 * law.load[-1], 300)
     for model, solver in MODELS.items():
@@ -88,5 +87,3 @@ def _picture(name: str):
     ax.set_ylabel("A0 [mm²]")
     below_ax.set_ylabel("difference [%]")
     below_ax.set_xlabel("rescaled load  P/E* [mm²]")
-    ax.legend(frameon=False)
-    return figure

@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 import metafem as mf
-from metafem.drawing import ACHIEVED, QUIET, TARGET, new_figure
+from metafem.drawing import ACHIEVED, QUIET, TARGET
 from metafem.inversion.height_density import TruncatedExponential, slope_excess
 from metafem.reference import height_densities as reference
 from validation.check import Claim, Picture, near
+from validation.figures import panels
 from validation.paper.pictures import INKS
 from validation.paper.surfaces import template
 from validation.published import paper
@@ -69,13 +70,12 @@ def _factor(surface: mf.Surface) -> float:
     return friction.shear_strength * friction.area_ratio / surface.material.composite_modulus
 
 
-def _figure():
+@panels(7.0, 3.6)
+def _figure(ax):
     """Friction coefficient μ over the scale λ of the density [µm], on logarithmic axes. The curve runs
     between the two bounds that the paper prints (dashed lines, 1.10 and 3.03), and meets the upper one at λ =
     9 µm (dotted line). The square is the red surface of Fig. 4, designed for m = 6.87.
     """
-    figure = new_figure(7.0, 3.6)
-    ax = figure.add_subplot()
     surface, numbers = template("fig4_red"), paper()["bounds"]
     factor, radius = _factor(surface), float(surface.radius[0])
     scale = np.geomspace(0.005, 1.0, 200)
@@ -96,6 +96,3 @@ def _figure():
     ax.set(xlabel="scale of the density  λ [µm]", ylabel="friction coefficient  μ")
     ax.set_yticks([1.0, 2.0, 3.0, 4.0], ["1", "2", "3", "4"])
     ax.minorticks_off()
-    ax.spines[["top", "right"]].set_visible(False)
-    ax.legend(frameon=False)
-    return figure

@@ -12,8 +12,8 @@ from functools import cache
 import numpy as np
 
 import metafem as mf
-from metafem.drawing import new_figure
 from validation.check import Claim, Picture, Row, below, reported
+from validation.figures import panels
 from validation.methods import tabulated_contacts
 from validation.paper.contact_laws import ENERGY, LARGEST, model
 from validation.paper.surfaces import fig3, fig4, fig5, words
@@ -109,19 +109,18 @@ def _points(name: str) -> Row:
     )  # fmt: skip
 
 
-def _figure():
+@panels(9.0, 3.4, columns=2, sharey=True)
+def _figure(*axes):
     """Heights [µm] of the designs for four contact laws, from the tallest asperity to the lowest, with the
     design for Hertz contacts (dashed). Left: the two lower levels of Fig. 3 shift, downwards with adhesion
     and upwards for spheres. Right: on the blue surface of Fig. 5 adhesion raises most heights; the other laws
     change little.
     """
-    figure = new_figure(9.0, 3.4)
-    for ax, name in zip(figure.subplots(1, 2, sharey=True), ("Fig. 3", "Fig. 5 blue"), strict=True):
+    for ax, name in zip(axes, ("Fig. 3", "Fig. 5 blue"), strict=True):
         for law in NAMES:
             if (name, law) not in LEFT_OUT:
                 ax.plot(np.sort(again(name, law).surface.height)[::-1] * 1e3, label=law)
         ax.plot(np.sort(designs()[name].surface.height)[::-1] * 1e3, "k--", label="Hertz")
         ax.set(xlabel="asperity, from the tallest", title=words(name))
-    figure.axes[0].set_ylabel("height [µm]")
-    figure.axes[0].legend(frameon=False)
-    return figure
+    axes[0].set_ylabel("height [µm]")
+    axes[0].legend(frameon=False)

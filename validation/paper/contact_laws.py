@@ -7,22 +7,19 @@ from __future__ import annotations
 
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 import metafem as mf
-from metafem.drawing import ACHIEVED, TARGET, new_figure
+from metafem.drawing import ACHIEVED, TARGET
 from metafem.reference import single_contacts
 from validation.check import Claim, Difference, Picture, Row, near, reported
+from validation.figures import panels
 from validation.methods import independent, tabulated_contacts
 from validation.paper import measured_slopes
 from validation.paper.measured_slopes import ADHESION, ENERGY, LARGEST, RADIUS, SECOND, strength
 from validation.paper.surfaces import fig4, fig5, surfaces, words
 from validation.sources import closed_form, printed
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 # The tests of this claim carry the mark "slow".
 SLOW = True
@@ -221,13 +218,12 @@ def _one_contact() -> list[Row]:
     ]
 
 
-def _single() -> Figure:
+@panels(6.0, 3.2)
+def _single(ax) -> None:
     """Area of one contact by JKR's theory over that of Hertz, minus 1 [%], over the normal load [N]. The
     shaded area is what the paper states: less than 2 % above 0.01 N. The curve enters it only near
     {limit:.2f} N.
     """
-    figure = new_figure(6.0, 3.2)
-    ax = figure.add_subplot()
     force, change, _ = one_contact()
     ax.semilogx(force, 1e2 * change, color=ACHIEVED, label="JKR over Hertz, w = 9 mJ/m²")
     ax.fill_between(
@@ -235,23 +231,19 @@ def _single() -> Figure:
     )
     ax.set(xlabel="normal load of one contact  p [N]", ylabel="change of the area [%]")
     ax.set_ylim(bottom=0.0)
-    ax.spines[["top", "right"]].set_visible(False)
-    ax.legend(frameon=False)
-    return figure
 
 
-def _figure() -> Figure:
+@panels(9.0, 3.4, columns=2, sharey=True)
+def _figure(*axes) -> None:
     """Relative change of A0 [%] over the rescaled load P/E* [mm²] by each contact law, on two of the
     surfaces, against Hertz contacts (grey line at 0). Adhesion adds area, most at light loads; spheres and
     soft caps differ from the paraboloid more as the contacts grow. The curve of the soft caps ends where
     their table ends.
     """
-    figure = new_figure(9.0, 3.4)
-    for ax, surface in zip(figure.subplots(1, 2, sharey=True), ("Fig. 4 blue", "Fig. 5 blue"), strict=True):
+    for ax, surface in zip(axes, ("Fig. 4 blue", "Fig. 5 blue"), strict=True):
         for name in LAWS:
             ax.plot(LOADS, 1e2 * changes(surface, name), label=name)
         ax.axhline(0.0, color="grey", lw=0.8)
         ax.set(xlabel="rescaled load  P/E* [mm²]", title=words(surface))
-    figure.axes[0].set_ylabel("change of A0 [%]")
-    figure.axes[0].legend(frameon=False)
-    return figure
+    axes[0].set_ylabel("change of A0 [%]")
+    axes[0].legend(frameon=False)

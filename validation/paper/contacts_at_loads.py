@@ -10,8 +10,9 @@ from functools import cache
 import numpy as np
 
 import metafem as mf
-from metafem.drawing import circles, new_figure, plan
+from metafem.drawing import circles, plan
 from validation.check import Check, Claim, Picture, Result, near, reported
+from validation.figures import panels
 from validation.methods import contact_equations
 from validation.paper.pictures import INKS
 from validation.paper.surfaces import surfaces
@@ -108,18 +109,17 @@ def _count(found: mf.ContactState) -> int:
     return int(np.count_nonzero(found.asperity_area))
 
 
-def _picture():
+@panels(8.4, 6.0, rows=2, columns=3)
+def _picture(*axes):
     """Contacts at the loads of the paper's photographs, to scale, on the bonded layer at order 3. Compare the
     mixture of large and small spots: few large ones on Fig. 3, a gradual decrease of the sizes on Figs. 4 and
     5.
     """
-    figure = new_figure(8.4, 6.0)
-    for ax, name in zip(figure.subplots(2, 3).flat, surfaces(), strict=False):
+    for ax, name in zip(axes, surfaces(), strict=False):
         found = state(name, "layer, order 3")
         circles(ax, surfaces()[name].position, 2.0 * np.sqrt(found.asperity_area / np.pi)).set_facecolor(
             INKS[name]
         )
         plan(ax)
         ax.set_title(f"{name}, {load(name)} N: {_count(found)} contacts", fontsize=9)
-    figure.axes[-1].set_axis_off()
-    return figure
+    axes[-1].set_axis_off()

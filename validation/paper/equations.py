@@ -3,23 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.special import gammainc
 
 import metafem as mf
-from metafem.drawing import ACHIEVED, TARGET, new_figure
+from metafem.drawing import ACHIEVED, TARGET
 from metafem.inversion.height_density import PiecewiseExponential, TruncatedExponential, TwoBranchExponential
 from metafem.reference import height_densities as reference
 from validation.check import Check, Claim, Picture, below
+from validation.figures import panels
 from validation.methods.densities import mean_power
 from validation.methods.independent import sums
 from validation.paper.surfaces import fig3, template
 from validation.sources import closed_form, known_input, second_method
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 RADIUS, COUNT, TOP = 0.526, 64, 0.120
 QUADRATURE = 1e-11  # accuracy of scipy.integrate.quad, asked for 1e-12
@@ -111,14 +108,13 @@ def _integrals(
     ]  # fmt: skip
 
 
-def _figure() -> Figure:
+@panels(7.0, 3.2)
+def _figure(ax) -> None:
     """Relative error of k(x) of eq. S5 as it is printed, in double precision, over x = h_m/λ, against the
     incomplete gamma function γ(3/2, x), to which it is equal. The printed form loses digits below x = 1 and
     all of them below 10⁻¹⁵, where the density is nearly uniform. The designs use γ(3/2, x); the dots are the
     arguments at which the equations are compared here.
     """
-    figure = new_figure(7.0, 3.2)
-    ax = figure.add_subplot()
     x = np.geomspace(1e-15, 100.0, 500)
     error = [abs(reference.k(float(each)) / gammainc(1.5, each) - 1.0) for each in x]
     smallest = np.finfo(float).eps
@@ -127,6 +123,3 @@ def _figure() -> Figure:
         ARGUMENTS, [smallest] * len(ARGUMENTS), "o", ms=4, color=ACHIEVED, label="arguments compared here"
     )
     ax.set(xlabel="x = h_m/λ", ylabel="relative error of k(x)")
-    ax.spines[["top", "right"]].set_visible(False)
-    ax.legend(frameon=False)
-    return figure

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 import metafem as mf
-from metafem.drawing import new_figure
 from validation.check import Claim, Picture, Row, near, reported
+from validation.figures import panels
 from validation.methods.small_errors import drawn_deviation, relative_error
 from validation.paper.pictures import INKS
 from validation.paper.surfaces import surfaces, words
@@ -22,7 +22,6 @@ from validation.published import paper
 from validation.sources import second_method
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
     from xarray import Dataset
 
 # The tests of this claim carry the mark "slow".
@@ -139,14 +138,13 @@ def measured_checks(name: str) -> list[Row]:
     ]  # fmt: skip
 
 
-def figure() -> Figure:
+@panels(7.0, 4.0)
+def figure(ax) -> None:
     """Predicted laws of Fig. 4 (lines), and points on them with the error bars of measured pairs: one
     standard deviation of the rescaled load P/E* and of the rescaled friction F/(σB), both in mm². The bars
     grow with the load, because the errors of E*, σ and B are relative; those of friction are the shorter
     ones.
     """
-    drawn = new_figure(7.0, 4.0)
-    ax = drawn.add_subplot()
     for name in ("Fig. 4 blue", "Fig. 4 red"):
         mark = INKS[name]
         found = measured(name, largest(name) * DRAWN)
@@ -155,6 +153,3 @@ def figure() -> Figure:
         ax.errorbar(found["rescaled_load"], found.nominal_rescaled_friction, found.rescaled_friction_sd,
                     found.rescaled_load_sd, fmt="o", ms=3, lw=1.2, color=mark, label=words(name))  # fmt: skip
     ax.set(xlabel="rescaled load  P/E* [mm²]", ylabel="rescaled friction  F/(σB) [mm²]")
-    ax.spines[["top", "right"]].set_visible(False)
-    ax.legend(frameon=False)
-    return drawn

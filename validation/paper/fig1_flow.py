@@ -10,9 +10,10 @@ import numpy as np
 from scipy import stats
 
 import metafem as mf
-from metafem.drawing import ACHIEVED, MEASURED, QUIET, TARGET, circles, new_figure
+from metafem.drawing import ACHIEVED, MEASURED, QUIET, TARGET, circles
 from metafem.reference import height_densities
 from validation.check import Check, Claim, Picture, Result, above, below, near, reported
+from validation.figures import panels
 from validation.methods import independent
 from validation.published import paper
 from validation.scenes.flow import COEFFICIENT, Flow, flow
@@ -184,32 +185,25 @@ def _line(made: mf.Surface, measured: mf.calibration.MeasuredLaw, load_range: tu
     return float(np.polyfit(x, area, 1)[0])
 
 
-def _figure():
+@panels(10.5, 6.0, rows=2, columns=5, gridspec_kw={"width_ratios": (1, 0.32, 1, 0.32, 1)})
+def _figure(target, first, density, second, heights, law, third, errors, fourth, measured):
     """1: target law. 2: density of the heights that has its slope, and 64 heights at levels of 6 µm. 3:
     heights at their sites. 4: predicted law and target slope. 5: error of each height of the made part. 6:
     measured points of the made part, and the line of the target slope; the points follow the slope, with the
     intercept that the paper explains.
     """
     found = flow()
-    figure = new_figure(10.5, 6.0)
-    grid = figure.subplots(2, 5, gridspec_kw={"width_ratios": (1, 0.32, 1, 0.32, 1)})
-    for (i, j), words in {
-        (0, 1): "inversion",
-        (0, 3): "sites",
-        (1, 1): "mould,\nmade part",
-        (1, 3): "measured",
-    }.items():
-        _arrow(grid[i, j], words)
-    _draw_target(grid[0, 0], found)
-    _draw_density(grid[0, 2], found)
-    _draw_sites(grid[0, 4], found.table, 1e3 * found.table.height, "viridis")
-    grid[0, 4].set_title("3 heights at their sites [µm]", fontsize=9)
-    _draw_law(grid[1, 0], found)
-    moved = 1e3 * (found.made.height - found.table.height)
-    _draw_sites(grid[1, 2], found.table, moved, "coolwarm")
-    grid[1, 2].set_title("5 errors of the made part [µm]", fontsize=9)
-    _draw_measured(grid[1, 4], found)
-    return figure
+    arrows = ((first, "inversion"), (second, "sites"), (third, "mould,\nmade part"), (fourth, "measured"))
+    for ax, words in arrows:
+        _arrow(ax, words)
+    _draw_target(target, found)
+    _draw_density(density, found)
+    _draw_sites(heights, found.table, 1e3 * found.table.height, "viridis")
+    heights.set_title("3 heights at their sites [µm]", fontsize=9)
+    _draw_law(law, found)
+    _draw_sites(errors, found.table, 1e3 * (found.made.height - found.table.height), "coolwarm")
+    errors.set_title("5 errors of the made part [µm]", fontsize=9)
+    _draw_measured(measured, found)
 
 
 def _arrow(ax, words: str) -> None:
@@ -239,7 +233,6 @@ def _draw_density(ax, found: Flow) -> None:
     ax.bar(1e3 * levels, counts, 900.0 * step, color=ACHIEVED, alpha=0.5, label="64 heights")
     ax.plot(1e3 * (limits.offset + h), np.sum(counts) * step * density, color=TARGET, label="density")
     ax.set(xlabel="height [µm]", ylabel="asperities per level")
-    ax.legend(frameon=False, fontsize=8)
     ax.set_title("2 heights", fontsize=9)
 
 
@@ -257,7 +250,6 @@ def _draw_law(ax, found: Flow) -> None:
     ax.plot(law.load, law.friction_force, color=ACHIEVED, label="predicted")
     _draw_slope(ax, law.load, law.friction_force)
     _forces(ax, "4 predicted law")
-    ax.legend(frameon=False, fontsize=8)
 
 
 def _draw_measured(ax, found: Flow) -> None:
@@ -269,7 +261,6 @@ def _draw_measured(ax, found: Flow) -> None:
     law = mf.friction_law(found.made)
     _draw_slope(ax, law.load, law.friction_force)
     _forces(ax, "6 law of the made part")
-    ax.legend(frameon=False, fontsize=8)
 
 
 def _draw_slope(ax, load: np.ndarray, force: np.ndarray) -> None:

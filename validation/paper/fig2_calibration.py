@@ -14,10 +14,11 @@ from functools import cache
 import numpy as np
 
 from metafem.calibration import ContactCalibration, Sample, ShearCalibration, fit_compression, shear
-from metafem.drawing import ACHIEVED, MEASURED, QUIET, TARGET, new_figure
+from metafem.drawing import ACHIEVED, MEASURED, QUIET, TARGET
 from metafem.reference.single_contacts import hertz
 from validation.calibration.contact_calibration import results
 from validation.check import Claim, Difference, Picture, Row, near, reported
+from validation.figures import panels
 from validation.published import paper
 from validation.scenes.compression_tests import ENERGY, ERRORS, MODULUS, RADIUS, compression_tests
 from validation.scenes.sheared_contacts import RATIO, STRENGTH, sheared
@@ -94,15 +95,14 @@ def _of_fig_2a():
     return fitted, alone, 0.05 * alone, closed_form(hertz, "a0 = π (3Rp/4E*)^(2/3), the line of Fig. 2B")
 
 
-def _figure():
+@panels(8.0, 6.4, rows=2, columns=2)
+def _figure(first, line, areas, forces):
     """Synthetic measurements of single contacts with the paper's error bars, drawn as in its Fig. 2. Above,
     left: area over load^(2/3), with Hertz's line for E* = 1.36 MPa as in the paper. Above, right: the
     straight line by which the paper reads E* and the adhesion energy, fitted and true; the lightest contacts,
     with the largest errors of the load, tilt it. Below: sheared area over area, and friction force over
     sheared area, each with its fitted line.
     """
-    figure = new_figure(8.0, 6.4)
-    (first, line), (areas, forces) = figure.subplots(2, 2)
     found, friction = compressed(), slid()
     bars = {"fmt": "o", "ms": 2.5, "lw": 0.8, "color": MEASURED}
     load, area = found.load / CONTACTS, found.area.ravel() / CONTACTS
@@ -150,5 +150,3 @@ def _figure():
     for ax in (first, line, areas, forces):
         ax.set_xlim(0.0)
         ax.set_ylim(0.0)
-        ax.legend(frameon=False, fontsize=8)
-    return figure

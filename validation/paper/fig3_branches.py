@@ -12,8 +12,9 @@ from functools import cache
 import numpy as np
 
 import metafem as mf
-from metafem.drawing import circles, law, name_law, new_figure
+from metafem.drawing import circles, law, name_law
 from validation.check import Check, Claim, Picture, Result, below, near, reported
+from validation.figures import panels
 from validation.methods import contact_equations
 from validation.paper.pictures import LEVELS
 from validation.paper.surfaces import fig3
@@ -153,15 +154,14 @@ def _area(surface: mf.Surface, load: float) -> float:
     return contact_equations.area(contact_equations.independent(surface.height, radius, load)[0], radius)
 
 
-def _branches():
+@panels(7.0, 4.6)
+def _branches(ax):
     """Law of the surface of Fig. 3 (solid) through its three operating points, and the continuations without
     the lower levels (dashed), as in the paper. Each dashed line leaves the solid one at an operating point.
     The inset shows the contacts at 0.92 N to scale, in the colours of their levels.
     """
     found, published = levels(), paper()["fig3"]
     modulus = found.surface.material.composite_modulus
-    figure = new_figure(7.0, 4.6)
-    ax = figure.add_subplot()
     load = LAST * np.linspace(0.002, 1.0, 300)
     law(ax, load, mf.friction_law(found.surface, load=modulus * load).area, forces=False, label="all levels")
     for i in range(2):
@@ -177,16 +177,14 @@ def _branches():
     small = ax.inset_axes((0.04, 0.42, 0.36, 0.56))
     _draw_contacts(small, np.ones(found.surface.count, dtype=bool))
     small.set(xticks=[], yticks=[])
-    return figure
 
 
-def _inset():
+@panels(8.0, 3.8, columns=2)
+def _inset(left, right):
     """The same contacts, left, and nine of them magnified, right. The higher a level, the larger its
     contacts; the smallest of each colour is the adjustment asperity.
     """
     found = levels()
-    figure = new_figure(8.0, 3.8)
-    left, right = figure.subplots(1, 2)
     _draw_contacts(left, np.ones(found.surface.count, dtype=bool))
     for i, colour in enumerate(LEVELS):
         left.plot([], [], "o", color=colour, label=f"level {i + 1}")
@@ -196,7 +194,6 @@ def _inset():
     right.set_title("nine contacts", fontsize=9)
     for ax in (left, right):
         ax.set(xlabel="x [mm]", ylabel="y [mm]")
-    return figure
 
 
 def _middle() -> np.ndarray:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from metafem.drawing import QUIET, new_figure
+from metafem.drawing import QUIET
 from validation.check import Check, Claim, Picture, near
+from validation.figures import panels
 from validation.methods import contact_equations
 from validation.paper.fig3_operating_points import METHODS, second
 from validation.paper.pictures import LEVELS
@@ -45,15 +46,14 @@ def _radius() -> float:
     return float(paper()["sample"]["radius_um"] / 1e3)
 
 
-def _sketch():
+@panels(9.0, 3.6)
+def _sketch(ax):
     """Side view of the 58 asperities, sorted by height and magnified vertically, in the colours of Fig. S1.
     The last asperity of each colour is the adjustment asperity. Dashed lines: planes at the operating points;
     the first two touch the asperities of the next level.
     """
     design = fig3()
     levels, added = (1e3 * design.parameters[name] for name in ("levels", "adjustment_heights"))
-    figure = new_figure(9.0, 3.6)
-    ax = figure.add_subplot()
     start, pitch = 0.0, 1.1
     for i, colour in enumerate(LEVELS):
         count = int(design.parameters["counts"][i])
@@ -70,8 +70,6 @@ def _sketch():
         ax.axhline(plane, color=QUIET, ls="--", lw=0.8)
         ax.annotate(f"plane at point {i + 1}", (start + 10.0, plane + 2.0), ha="right", fontsize=8)
     ax.set(ylim=(0.0, 310.0), xlim=(-pitch, start + 10.0), xticks=[], ylabel="height [µm]")
-    ax.spines[["top", "right"]].set_visible(False)
-    return figure
 
 
 def _cap(ax, centre: float, height: float, colour: str, *, dark: bool) -> None:

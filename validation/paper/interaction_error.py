@@ -13,8 +13,8 @@ from functools import cache
 import numpy as np
 
 import metafem as mf
-from metafem.drawing import new_figure
 from validation.check import Claim, Difference, Picture, Reason, Result, Row, below, near, reported
+from validation.figures import panels
 from validation.methods.contact_equations import area, coupled, layer_influence
 from validation.methods.independent import areas
 from validation.paper.pictures import INKS
@@ -243,14 +243,13 @@ def point_load_changes(surface: mf.Surface, influence: np.ndarray) -> np.ndarray
     return np.array(after) / areas(height, LOADS, radius) - 1.0
 
 
-def _assignments():
+@panels(8.0, 3.4)
+def _assignments(ax):
     """Rms change of A0 by interaction [%] for 1,000 random assignments of the heights to sites: box plots
     with whiskers to the smallest and largest values, and diamonds for the sites of the designs, those of Fig.
     5 by Table S2 row by row. The dashed line is the paper's 2.3 %. Figs. 4 and 5 lie below it with few
     exceptions, on both substrates; the median of Fig. 3 lies above it with this norm and these loads.
     """
-    figure = new_figure(8.0, 3.4)
-    ax = figure.add_subplot()
     for i, name in enumerate(surfaces()):
         for model, shift, colour in (
             ("half-space, order 3", -0.2, "#1b6f8a"),
@@ -265,17 +264,14 @@ def _assignments():
     ax.axhline(2.3, color="grey", lw=0.8, ls="--", label="2.3 %, stated by the paper")
     ax.set_xticks(range(len(surfaces())), list(surfaces()))
     ax.set_ylabel("rms change of A0 [%]")
-    ax.legend(frameon=False)
-    return figure
 
 
-def _laws():
+@panels(8.0, 3.4)
+def _laws(ax):
     """Relative change of A0 [%] by interaction on a half-space over the rescaled load P/E* [mm²], for the
     sites of the designs. The dashed lines are ± 2.3 %, the paper's bound for the rms. The change is largest
     where the plane reaches a new level of heights, most clearly on Fig. 3.
     """
-    figure = new_figure(8.0, 3.4)
-    ax = figure.add_subplot()
     for name in surfaces():
         ax.plot(LOADS, 100.0 * changes(name, "half-space, order 3")["designed"], color=INKS[name], label=name)
     ax.set_xlabel("rescaled load  P/E* [mm²]")
@@ -284,4 +280,3 @@ def _laws():
     ax.set_ylabel("change of A0, half-space [%]")
     ax.set_xlim(left=0.0)
     ax.legend(frameon=False, ncols=5, loc="lower center", bbox_to_anchor=(0.5, 1.0))
-    return figure

@@ -8,22 +8,20 @@ P/E* with its σ and E*, so that the measured ones stay as they are printed.
 from __future__ import annotations
 
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 import metafem as mf
-from metafem.drawing import MEASURED, TARGET, new_figure
+from metafem.drawing import MEASURED, TARGET
 from validation.check import Row, near, reported
+from validation.figures import panels
 from validation.methods import independent, tabulated_contacts
 from validation.paper.surfaces import fig4, fig5, surfaces
 from validation.published import paper
 from validation.scenes.compression_tests import RADII
 from validation.sources import second_method
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 FloatArray = NDArray[np.float64]
 
@@ -203,7 +201,8 @@ def answers() -> dict[str, Any]:
     }  # fmt: skip
 
 
-def picture() -> Figure:
+@panels(8.0, 3.8)
+def picture(ax) -> None:
     """Predicted slopes over the measured ones of Fig. 4, with the printed standard deviations (bars), and
     over the targets of Fig. 5, which the measured slopes meet within 5.2 % (bars). Open symbols: σ as
     printed. Filled symbols: σ of the same forces in full contact, for Hertz's law also E* of the same
@@ -211,8 +210,6 @@ def picture() -> Figure:
     Fig. 4 with σ refitted; of Fig. 5 it then exceeds both second slopes, by more than Hertz's law (circles)
     does.
     """
-    figure = new_figure(8.0, 3.8)
-    ax = figure.add_subplot()
     place = np.arange(len(branches()))
     wanted, error = np.array([each[2:] for each in branches().values()]).T
     ax.errorbar(place - 0.36, np.ones(len(place)), error / wanted, fmt="k_", capsize=3, label="measured")
@@ -232,4 +229,3 @@ def picture() -> Figure:
     ax.set_xticks(place, [name.replace(", ", ",\n") for name in branches()], fontsize=8)
     ax.set_ylabel("slope over the measured one or its target")
     ax.legend(frameon=False, fontsize=8, ncols=2)
-    return figure

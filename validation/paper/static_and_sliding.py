@@ -15,8 +15,9 @@ import numpy as np
 import metafem as mf
 from metafem._validate import FloatArray
 from metafem.calibration import MeasuredLaw, ShearCalibration, ShearRecord, shear, shear_record
-from metafem.drawing import ACHIEVED, MEASURED, MEASURED_BESIDE, QUIET, TARGET, new_figure
+from metafem.drawing import ACHIEVED, MEASURED, MEASURED_BESIDE, QUIET, TARGET
 from validation.check import Claim, Picture, Row, below, near, reported
+from validation.figures import panels
 from validation.methods import independent
 from validation.paper.surfaces import fig4
 from validation.published import paper
@@ -209,36 +210,32 @@ def _stress(index: int) -> float:
     return found.shear_strength * found.area_ratio
 
 
-def _record():
+@panels(8.0, 3.0, columns=2)
+def _record(force, area):
     """Left, a synthetic record of the tangential force: its peak is the static friction, its mean over the
     grey range, 100 to 200 µm after the peak, the sliding friction. Right, the sum of the contact areas, which
     falls as the force rises.
     """
     record = measured()[0].records[-1]
-    figure = new_figure(8.0, 3.0)
-    force, area = figure.subplots(1, 2)
     force.plot(record.displacement, record.friction_force, color=MEASURED, lw=1.0)
     force.plot(record.peak_displacement, record.static_force, "o", color=ACHIEVED, label="static friction")
     low, high = (record.peak_displacement + end for end in record.sliding_range)
     force.axvspan(low, high, color=QUIET, alpha=0.25, lw=0)
     force.plot([low, high], 2 * [record.sliding_force], color=MEASURED_BESIDE, label="sliding friction")
     force.set(xlabel="tangential displacement [mm]", ylabel="tangential force [N]")
-    force.legend(frameon=False, fontsize=8)
     area.plot(record.displacement, record.area, ".", ms=3, color=MEASURED)
     area.axvline(record.peak_displacement, color=ACHIEVED, lw=0.8)
     area.axvspan(low, high, color=QUIET, alpha=0.25, lw=0)
     area.set(xlabel="tangential displacement [mm]", ylabel="contact area [mm²]")
     area.set_ylim(0.0)
-    return figure
 
 
-def _laws():
+@panels(8.0, 3.4, columns=2)
+def _laws(forces, rescaled):
     """Left, friction force over load of the surface of Fig. 4, red: static and sliding friction differ.
     Right, both rescaled by their own σB: the points must fall on one curve, which is that of the heights
     (line).
     """
-    figure = new_figure(8.0, 3.4)
-    forces, rescaled = figure.subplots(1, 2)
     for law, name, ink in zip(measured()[1], ("static", "sliding"), (ACHIEVED, MEASURED_BESIDE), strict=True):
         forces.errorbar(
             law.load,
@@ -259,6 +256,3 @@ def _laws():
     rescaled.plot(load, area, color=TARGET, lw=1.0, label="law of the heights")
     forces.set(xlabel="load P [N]", ylabel="friction force F [N]")
     rescaled.set(xlabel="rescaled load  P/E* [mm²]", ylabel="rescaled friction  F/(σB) [mm²]")
-    for ax in (forces, rescaled):
-        ax.legend(frameon=False, fontsize=8)
-    return figure

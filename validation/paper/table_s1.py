@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from metafem.drawing import ACHIEVED, new_figure
+from metafem.drawing import ACHIEVED
 from validation.check import Claim, Difference, Picture, Reason, Row, near
+from validation.figures import panels
 from validation.methods.densities import expected_counts, scale_of_slope
 from validation.paper.surfaces import fig4
 from validation.published import paper, table
@@ -83,13 +84,13 @@ def _expected(colour: str) -> np.ndarray:
     return expected_counts(_scale(colour), top, numbers["level_step_um"] / 1e3, numbers["asperities"])
 
 
-def _figure():
+@panels(7.0, 3.2, columns=2, sharey=True)
+def _figure(*axes):
     """Numbers of asperities on each height level [µm]: bars are the designs, short marks the numbers of Table
     S1, and the thin line is the expectation of the continuous density at each level. Every mark lies on the
     end of its bar.
     """
-    figure = new_figure(7.0, 3.2)
-    for ax, colour in zip(figure.subplots(1, 2, sharey=True), ("blue", "red"), strict=True):
+    for ax, colour in zip(axes, ("blue", "red"), strict=True):
         design, numbers = fig4(colour), table("table_s1")
         levels = (design.parameters["levels"] - design.limits.offset) * 1e3
         ax.bar(
@@ -99,7 +100,4 @@ def _figure():
         ax.plot(numbers["height"][: len(expected)], expected, color=ACHIEVED, lw=0.8, label="expectation")
         ax.plot(numbers["height"], numbers[f"count_{colour}"], "k_", ms=8, label="Table S1")
         ax.set(xlabel="height above the offset [µm]", title=f"{colour.capitalize()} surface")
-        ax.spines[["top", "right"]].set_visible(False)
-        ax.legend(frameon=False)
-    figure.axes[0].set_ylabel("asperities")
-    return figure
+    axes[0].set_ylabel("asperities")

@@ -7,8 +7,9 @@ from itertools import product
 
 import numpy as np
 
-from metafem.drawing import QUIET, new_figure
+from metafem.drawing import QUIET
 from validation.check import Claim, Difference, Picture, Reason, Row, below, near
+from validation.figures import panels
 from validation.methods.densities import interval_middles, share_above, two_branches
 from validation.paper.surfaces import fig5
 from validation.published import paper, table
@@ -130,14 +131,13 @@ def _difference(design, colour: str) -> np.ndarray:
     return np.abs(np.sort(design.surface.height) * 1e3 - np.sort(table("table_s2")[colour]))
 
 
-def _figure():
+@panels(7.0, 5.0, rows=2, sharex=True, height_ratios=[2, 1])
+def _figure(upper, lower):
     """Upper panel: the heights of both designs [µm], from the lowest to the tallest, as lines, and those of
     Table S2 as dots, which cover the lines. Lower panel: their differences [µm]; all lie below the grey line
     at {limit:.2f} µm, half of the last printed digit of the heights plus the largest effect of the last
     digits of the printed slopes and crossover loads on a height.
     """
-    figure = new_figure(7.0, 5.0)
-    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[2, 1])
     for colour in COLOURS:
         design, rank = fig5(colour), np.arange(1, 65)
         upper.plot(
@@ -155,7 +155,3 @@ def _figure():
     lower.axhline(_limit(), color=QUIET, lw=0.8)
     upper.set_ylabel("height with offset [µm]")
     lower.set(xlabel="asperity, by height", ylabel="difference [µm]")
-    for ax in (upper, lower):
-        ax.spines[["top", "right"]].set_visible(False)
-    upper.legend(frameon=False)
-    return figure

@@ -80,7 +80,7 @@ class Reference:
     stiffness: float
 
 
-def heights(count: int) -> np.ndarray:
+def heights(count: int | tuple[int, ...]) -> np.ndarray:
     """Return 0.12 mm minus random depths, exponential with scale 0.036 mm and at most 0.12 mm."""
     return 0.12 - np.minimum(np.random.default_rng(0).exponential(0.036, count), 0.12)
 

@@ -8,10 +8,11 @@ from functools import cache
 import numpy as np
 
 import metafem as mf
-from metafem.drawing import QUIET, new_figure
+from metafem.drawing import QUIET
 from metafem.models import Model
 from metafem.reference import single_contacts
 from validation.check import Check, Claim, Picture, Row, below, near, reported
+from validation.figures import panels
 from validation.methods.equation_errors import equation_error
 from validation.sources import closed_form, known_input, self_consistency
 
@@ -186,17 +187,14 @@ def _refused(ends: dict[str, tuple[str, str]]) -> str:
     return f"Refused are those with {'; '.join(refused)}. The words for the first: “{words}”."
 
 
-def _decades_figure():
+@panels(6.4, 3.8)
+def _decades_figure(ax):
     """A0 of four asperities over twelve decades of load, from the contact of the tallest alone, which is
     Hertz's (grey line), to the load at which the plane reaches the base plane.
     """
-    figure = new_figure(6.4, 3.8)
-    ax = figure.add_subplot()
     load, _ = decades("independent")
     radius = np.cbrt(0.75 * load * RADIUS / MATERIAL.composite_modulus)
     ax.loglog(load, math.pi * radius**2, color=QUIET, lw=3.0, label="Hertz, one asperity")
     for name in ("independent", "order 3", "order 3, layer"):
         ax.loglog(*decades(name), lw=1.2, label=name)
     ax.set(xlabel="load  P [N]", ylabel="A0 [mm²]")
-    ax.legend(frameon=False)
-    return figure

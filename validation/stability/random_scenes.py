@@ -14,10 +14,10 @@ import click
 import numpy as np
 
 import metafem as mf
-from metafem.drawing import new_figure
 from metafem.models import Curve
 from metafem.prediction.flattening import unloading_curve
 from validation.check import Check, Claim, Picture, Row, below, near, reported
+from validation.figures import panels
 from validation.methods.equation_errors import equation_error
 from validation.scenes.random_contacts import CROWDING, LAYER, WIDTH, Scene, random_scene
 from validation.sources import known_input, self_consistency
@@ -239,13 +239,13 @@ def _examples(group: list[Outcome]) -> str:
     return f"{'; '.join(parts)}. Seed {group[0].seed}: “{group[0].reason}”"
 
 
-def _ends(found: list[Outcome]):
+@panels(9.0, 4.0, columns=2)
+def _ends(found: list[Outcome], *axes):
     """How the scenes of each kind of model, and of each contact law, end: those inside and outside the
     documented ranges together. Designs are refused where the plane would reach the base plane below their
     largest load.
     """
-    figure = new_figure(9.0, 4.0)
-    for ax, kind in zip(figure.subplots(1, 2), ("model", "law"), strict=True):
+    for ax, kind in zip(axes, ("model", "law"), strict=True):
         groups = _groups(found, kind)
         counts = {name: Counter(each.end for each in group) for name, group in groups.items()}
         left = np.zeros(len(groups))
@@ -254,8 +254,7 @@ def _ends(found: list[Outcome]):
             ax.barh(list(groups), width, left=left, color=colour, label=end)
             left += width
         ax.set(xlabel="part of the scenes [%]", xlim=(0, 100), title=f"by {kind}")
-    figure.legend(*ax.get_legend_handles_labels(), frameon=False, loc="outside lower center", ncols=3)
-    return figure
+    axes[0].figure.legend(*ax.get_legend_handles_labels(), frameon=False, loc="outside lower center", ncols=3)
 
 
 @click.command()

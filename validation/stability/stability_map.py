@@ -9,13 +9,14 @@ import math
 
 import numpy as np
 
-from metafem.drawing import BRIGHT, DARK, QUIET, new_figure
+from metafem.drawing import BRIGHT, DARK, QUIET
 from metafem.models.interacting.model import DENSE_LIMIT
 from metafem.models.interacting.model import TOLERANCE as RESIDUAL
 from metafem.models.interacting.newton_krylov import TOLERANCE as LARGE_RESIDUAL
 from metafem.models.truncation import COMPARED
 from metafem.prediction.validity import BOUND
 from validation.check import Check, Claim, Picture, Row, below, near, reported
+from validation.figures import panels
 from validation.methods.resolved_areas import extrapolated_area
 from validation.scenes import stability_points as points
 from validation.scenes.models import AREA_ERROR, FEW_ERROR, LAYER_ERROR
@@ -139,7 +140,8 @@ def _percent(error: float) -> float:
     return max(1e2 * abs(error), PERCENTS[0])
 
 
-def _crowded_figure():
+@panels(9.0, 3.6, columns=2)
+def _crowded_figure(left, right):
     """Left: error of A0 by order 3 for nine contacts on a half-space; a/L is the radius of the tallest
     contact without interaction over the pitch of the lattice, and the spread of the heights is that over the
     indentation of the tallest. Errors below 0.001 % are shown as 0.001 %. 3: Automatic keeps order 3; R: it
@@ -147,8 +149,6 @@ def _crowded_figure():
     where contacts merge (a/L above 0.5). In the text above, a/r is the radius of a contact in equilibrium
     over the distance r of a neighbour.
     """
-    figure = new_figure(9.0, 3.6)
-    left, right = figure.subplots(1, 2)
     rows = [[points.crowded(width, spread) for width in points.WIDTHS] for spread in points.SPREADS]
     error = np.array([[_percent(point.third) for point in row] for row in rows])
     drawn = left.pcolormesh(
@@ -163,7 +163,7 @@ def _crowded_figure():
     left.set_xticks(np.arange(len(points.WIDTHS)) + 0.5, [f"{width:g}" for width in points.WIDTHS])
     left.set_yticks(np.arange(len(points.SPREADS)) + 0.5, [f"{spread:g}" for spread in points.SPREADS])
     left.set(xlabel="a/L", ylabel="spread of the heights over the indentation")
-    bar = figure.colorbar(drawn, ax=left, label="error of order 3 [%]", extend="max")
+    bar = left.figure.colorbar(drawn, ax=left, label="error of order 3 [%]", extend="max")
     bar.set_ticks(PERCENTS, labels=[f"{each:g}" for each in PERCENTS])
     bar.minorticks_off()
     for row, spread, mark in zip(rows, points.SPREADS, "os^", strict=True):
@@ -171,17 +171,14 @@ def _crowded_figure():
         right.semilogy(points.WIDTHS, size, mark, ls="-", ms=5, label=f"spread {spread:g}")
     right.axhline(1e2 * points.TOLERANCE, color=QUIET, lw=1.0, label="tolerance")
     right.set(xlabel="a/L", ylabel="error of Automatic [%]")
-    right.legend(frameon=False, fontsize=8)
-    return figure
 
 
-def _layer_figure():
+@panels(6.4, 3.8)
+def _layer_figure(ax):
     """Error of A0 by order 3 for one contact on a bonded layer of thickness t (lines) and of Automatic (open
     circles). The error of order 3 grows as (a/t)⁵, most for an incompressible layer. Errors below 0.001 % are
     shown as 0.001 %. Lines end where order 3 refuses, because the contact is wider than the layer is thick.
     """
-    figure = new_figure(6.4, 3.8)
-    ax = figure.add_subplot()
     for i, ratio in enumerate(points.RATIOS):
         found = [points.on_layer(width, ratio) for width in points.LAYERS]
         solved = [(p.ratio, p.third) for p in found if not p.refusal]
@@ -193,14 +190,11 @@ def _layer_figure():
         ax.loglog([point.ratio for point in found], chosen, "o", mfc="none", color=f"C{i}", ms=8)
     ax.axhline(1e2 * points.TOLERANCE, color=QUIET, lw=1.0, label="tolerance of Automatic")
     ax.set(xlabel="contact radius over thickness  a/t", ylabel="error of A0 [%]")
-    ax.legend(frameon=False, fontsize=8)
-    return figure
 
 
-def _numerous_figure():
+@panels(7.6, 3.2, columns=2)
+def _numerous_figure(left, right):
     """Newton steps and residual of order 3 under one load, over the number of asperities of a lattice."""
-    figure = new_figure(7.6, 3.2)
-    left, right = figure.subplots(1, 2)
     left.semilogx(points.COUNTS, [points.numerous(count)[0] for count in points.COUNTS], "o-", ms=4)
     left.set(xlabel="asperities", ylabel="Newton steps", ylim=(0, 10))
     right.loglog(
@@ -209,5 +203,3 @@ def _numerous_figure():
     tolerance = [RESIDUAL if count <= DENSE_LIMIT else LARGE_RESIDUAL for count in points.COUNTS]
     right.loglog(points.COUNTS, tolerance, color=QUIET, lw=1.0, drawstyle="steps-mid", label="tolerance")
     right.set(xlabel="asperities", ylabel="residual")
-    right.legend(frameon=False)
-    return figure
