@@ -14,6 +14,7 @@ from metafem.calibration import (
     Comparison,
     ContactCalibration,
     ContactTable,
+    DesignSites,
     Explanation,
     MeasuredLaw,
     Sample,
@@ -189,7 +190,7 @@ def table_of(series: laboratory.Series, design: mf.Surface | None = None) -> Con
         load=series.load,
         friction_force=series.friction_force,
         sheared=sheared,
-        site_position=None if design is None else design.position,
+        sites=None if design is None else DesignSites(design.position),
     ).table
 
 

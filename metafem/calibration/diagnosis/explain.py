@@ -246,9 +246,9 @@ def _single(causes: Causes, name: str, mean: FloatArray, sd: FloatArray) -> Sing
 def _residuals(scene: Scene, residual: FloatArray, mean: FloatArray) -> dict[str, FloatArray]:
     """Return the normalised residuals by quantity."""
     seen, causes = scene.observed, scene.causes
-    k, start = len(seen.load), 0
+    k, start = len(causes.load), 0
     result = {"load": -mean[causes.where["load"]]}
-    for name, values in (("friction_force", seen.force), ("area", seen.total)):
+    for name, values in (("friction_force", seen.forces), ("area", seen.totals)):
         if values is not None:
             result[name] = residual[start : start + k]
             start += k

@@ -147,17 +147,20 @@ class Scene:
         seen, causes = self.observed, self.causes
         total, by_total = _total(found.area, derivative, covariance)
         parts: list[tuple[FloatArray, FloatArray, FloatArray]] = []
-        if seen.force is not None and seen.force_sd is not None and self.friction is not None:
+        errors = seen.measured.errors
+        if seen.forces is not None and self.friction is not None:
+            measured_force, force_sd = seen.forces
             nominal = self.friction.shear_strength * self.friction.area_ratio
             gradient = made.friction * nominal * by_total
             if "friction" in causes.sd:
                 gradient[:, causes.where["friction"].start] += causes.sd["friction"] * nominal * total
             force = made.friction * nominal * total
-            sd = seen.force_sd * _ratio(seen.errors.of_friction_force, force, seen.force)
-            parts.append((seen.force - force, gradient, sd))
-        if seen.total is not None and seen.total_sd is not None:
-            sd = seen.total_sd * _ratio(seen.errors.of_area, total, seen.total)
-            parts.append((seen.total - total, by_total, sd))
+            sd = force_sd * _ratio(errors.of_friction_force, force, measured_force)
+            parts.append((measured_force - force, gradient, sd))
+        if seen.totals is not None:
+            measured_total, total_sd = seen.totals
+            sd = total_sd * _ratio(errors.of_area, total, measured_total)
+            parts.append((measured_total - total, by_total, sd))
         if len(seen.area):
             computed = found.area[seen.row, seen.site]
             least = np.maximum(LEAST_AREA * seen.area, math.pi * seen.boundary**2)

@@ -70,7 +70,7 @@ def _sides(
 
     # what belongs to no region is bright
     dark = np.where(labels > 0, image, np.maximum(image, np.nextafter(np.float32(level), np.inf)))
-    lines = find_contours(dark, level, fully_connected="high")
+    lines = find_contours(dark, level, fully_connected="high")  # type: ignore[no-untyped-call]
     owner = np.array([_owner(labels, line) for line in lines], dtype=np.intp) - 1
     sides = np.array([len(line) - 1 for line in lines], dtype=np.intp)
     # the border shifts the pixels by one, and the centre of a pixel is at one half

@@ -68,12 +68,7 @@ def _asperities(given: Mapping[str, Any], count: int) -> dict[str, Any]:
     missing = np.isnan(areas) if areas.dtype.kind == "f" else np.zeros(areas.shape, bool)
     values = np.where(missing, 0.0, areas) if missing.any() else areas
     filled = check.array("asperity_area", values, shape=(count, None))
-    if filled.min() < 0.0:
-        image, contact = np.unravel_index(filled.argmin(), filled.shape)
-        entry = label(f"asperity_area[{image}, {contact}]")
-        raise InvalidInput(
-            f"{entry} = {formatted('asperity_area', filled.min())} must be at least 0; 0 is an open contact"
-        )
+    check.refuse_entries("asperity_area", filled, filled < 0.0, "must be at least 0; 0 is an open contact")
     site = np.arange(filled.shape[1]) if given["site"] is None else np.array(given["site"])
     if site.shape != filled.shape[1:] or site.dtype.kind not in "iu" or (site < 0).any():
         raise InvalidInput(

@@ -15,7 +15,8 @@ from metafem import drawing
 from metafem._given import formatted, label, shown
 from metafem._validate import FloatArray
 from metafem._values import Value
-from metafem.calibration.bounded_interval import bounded_interval
+from metafem.calibration.bounded_interval import interval_of
+from metafem.calibration.joint import checked_covariance
 from metafem.calibration.measured_law.law import MeasuredLaw
 from metafem.calibration.sheared.proportional import proportional
 from metafem.calibration.verdict import Verdict, judged
@@ -35,9 +36,6 @@ STEP = 1e-4
 
 # Steps that find the load at which the last asperity comes into contact, for an error alone.
 DOUBLINGS, HALVINGS = 10, 12
-
-# Rounding of correlations.
-ROUNDING = 1e-9
 
 # Parameters whose errors may be given.
 PARAMETERS = ("composite_modulus", "area_ratio", "radius")
@@ -181,14 +179,7 @@ def _covariance(given: ArrayLike | None, parameters: Sequence[str]) -> tuple[tup
     unknown = [name for name in names if name not in (*PARAMETERS, "shear_strength")]
     if unknown or len(set(names)) < len(names):
         raise InvalidInput(f"parameters = {shown(names)} must be different names of {', '.join(PARAMETERS)}")
-    matrix = check.array("covariance", given, shape=(len(names), len(names)))
-    scale = np.sqrt(np.abs(np.diagonal(matrix)))
-    scaled = matrix / np.where(scale > 0.0, scale, 1.0) / np.where(scale > 0.0, scale, 1.0)[:, None]
-    if not np.allclose(scaled, scaled.T, atol=ROUNDING) or np.linalg.eigvalsh(scaled)[0] < -ROUNDING:
-        raise InvalidInput(
-            f"covariance = {shown(matrix.tolist())} of {', '.join(names)} must be symmetric and positive "
-            "semidefinite"
-        )
+    matrix = checked_covariance(names, given)
     kept = [i for i, name in enumerate(names) if name in PARAMETERS]
     return tuple(names[i] for i in kept), matrix[np.ix_(kept, kept)]
 
@@ -321,8 +312,7 @@ class StrengthFit(Value):
     @property
     def shear_strength_interval(self) -> tuple[float, float]:
         """68 % interval of sigma [MPa]."""
-        low, high = bounded_interval(self.shear_strength, np.sqrt(self.covariance[-1, -1]))
-        return float(low), float(high)
+        return interval_of(self.shear_strength, self.covariance[-1, -1])
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw friction forces over predicted areas with error bars and the line, and return the axes.
@@ -333,11 +323,9 @@ class StrengthFit(Value):
             Axes to draw on; default: those of a new figure of ``matplotlib.pyplot``.
         """
         ax = drawing.axes(ax)
-        calibration.measured(ax, self.area, self.friction_force, self.area_sd, self.friction_force_sd)
-        ends = np.array([0.0, 1.05 * float(self.area.max())])
-        calibration.fitted(ax, ends, self.shear_strength * self.area_ratio * ends)
+        factor = self.shear_strength * self.area_ratio
+        deviations = self.area_sd, self.friction_force_sd
+        calibration.proportional(ax, self.area, self.friction_force, *deviations, factor)
         ax.set_xlabel("predicted area  A0 [mm²]")
         ax.set_ylabel("friction force  F [N]")
-        ax.set_xlim(left=0.0)
-        ax.set_ylim(bottom=0.0)
         return ax

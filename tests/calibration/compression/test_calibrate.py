@@ -344,7 +344,7 @@ EACH = np.repeat(AREA[:, None], 2, axis=1)
             "load has 2 points; E* and the adhesion energy need at least 3",
         ),
         ({"area": AREA[:5]}, "area has shape (5,); it must have shape (20,)"),
-        ({"area": np.where(A < 0.09, 0.0, AREA)}, "area[0] = 0: there is no contact at the load 0.0"),
+        ({"area": np.where(A < 0.09, 0.0, AREA)}, "area[0] = 0 is no contact; leave the row out"),
         ({"area": np.where(A < 0.09, -0.01, AREA)}, "area[0] = -0.01 must not be negative"),
         ({"area": np.where(A < 0.09, np.nan, AREA)}, "area holds nan at entry 0"),
         ({"area": EACH, "sample": Sample(3)}, "area has shape (20, 2); it must have shape (20, 3)"),
