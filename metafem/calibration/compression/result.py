@@ -163,9 +163,9 @@ class ContactCalibration(Value):
         modulus, root = self.composite_modulus, self.adhesion_root
         turn = np.array([[1.0, 0.0], [0.5 * root / math.sqrt(modulus), math.sqrt(modulus)]])
         (first, both), (_, last) = turn @ self.statistical_covariance @ turn.T
-        alone = modulus - both / last * root * math.sqrt(modulus)
-        systematic = alone * self.radius_change[0] / modulus
-        return float(alone), math.sqrt(first - both**2 / last + systematic**2)
+        without = modulus - both / last * root * math.sqrt(modulus)
+        systematic = without * self.radius_change[0] / modulus
+        return float(without), math.sqrt(first - both**2 / last + systematic**2)
 
     @property
     def parameters(self) -> tuple[str, ...]:

@@ -122,7 +122,7 @@ def compactness(area: FloatArray, moment: FloatArray) -> FloatArray:
 Window: TypeAlias = tuple[slice, ...]
 
 # A contact is merged if its compactness is below this: that of two circles that touch is 0.89 to 0.95 if the
-# radius of one is 1 to 0.3 of the other's. The boundary's noise changes it in second order alone.
+# radius of one is 1 to 0.3 of the other's. The boundary's noise changes it only in second order.
 COMPACT = 0.97
 
 # Share of a contact's grey levels at an end of the scale above which it is saturated.

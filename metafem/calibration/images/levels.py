@@ -129,14 +129,14 @@ def smoothed_noise(bordered: NDArray[np.float32], labels: NDArray[np.int32], wid
         return 0.0
     # dust on the ground differs by more than chance
     scale = float(np.median(np.abs(difference))) / MAD
-    kept = difference[np.abs(difference) <= 4.0 * scale]
-    return float(np.sqrt(np.mean(kept**2) / 2.0))
+    within = difference[np.abs(difference) <= 4.0 * scale]
+    return float(np.sqrt(np.mean(within**2) / 2.0))
 
 
 def measured_levels(
     ground: Ground, threshold: float | None, dark: float | None, blur: float | None
 ) -> Levels:
-    """Return the levels of an image; what is given is kept."""
+    """Return the levels of an image; arguments that are not None are not measured."""
     found = threshold_of(ground) if threshold is None else Threshold(threshold)
     if dark is not None and blur is not None:
         return Levels(ground.level, found.level, dark, blur, sparse=found.darkest is not None)

@@ -79,11 +79,11 @@ class Feature:
 
     def __str__(self) -> str:
         unit = f" {self.unit}".rstrip()
-        beside = (
+        compared = (
             f"{self.predicted:.3g}{unit} ({percent(self.deviation, '+.1f')}, {self.normalised:+.1f} s.d.)"
         )
         return (
-            f"{self.name}: {self.value:.3g} ± {self.sd:.2g}{unit}, design {beside}, "
+            f"{self.name}: {self.value:.3g} ± {self.sd:.2g}{unit}, design {compared}, "
             f"target {self.target:.3g}{unit} ({percent(self.target_deviation, '+.1f')})"
         )
 
@@ -159,7 +159,7 @@ def _slopes(found: Deviations, design: Design) -> tuple[list[Feature], list[Note
 
 
 def _points(found: Deviations, design: Design) -> tuple[list[Feature], list[Note]]:
-    """Return the friction at the operating points, from the two measured points beside each."""
+    """Return the friction at the operating points, from the two measured points around each."""
     features: list[Feature] = []
     notes: list[Note] = []
     if not isinstance(design.target, OperatingPoints):

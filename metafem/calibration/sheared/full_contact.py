@@ -34,10 +34,10 @@ if TYPE_CHECKING:
 # rounding 1e-16 over it.
 STEP = 1e-4
 
-# Steps that find the load at which the last asperity comes into contact, for an error alone.
+# Steps that find the load at which the last asperity comes into contact, for the message of an error.
 DOUBLINGS, HALVINGS = 10, 12
 
-# Parameters whose errors may be given.
+# Parameters whose errors change sigma.
 PARAMETERS = ("composite_modulus", "area_ratio", "radius")
 
 # Of a factor: one, and one more for a residual.
@@ -105,7 +105,7 @@ def shear_strength(
     check.instance("surface", surface, Surface, "a metafem.Surface")
     least = check.number("load_min", load_min, above=0.0)
     solver = Independent() if model is None else model
-    names, given = _covariance(covariance, parameters)
+    names, known = _covariance(covariance, parameters)
     if law.friction_force is None or law.friction_force_sd is None:
         raise InvalidInput("law has no friction forces; sigma needs them")
     friction = surface.friction or law.friction
@@ -141,7 +141,7 @@ def shear_strength(
     residual = (force - factor * area) / np.sqrt(square)
     strength = factor / friction.area_ratio
     measured = float(variance) / friction.area_ratio**2
-    # relative changes of sigma: those of the areas at the given loads, weighted as in the fit, and of B
+    # relative changes of sigma: those of the areas at these loads, weighted as in the fit, and of B
     weight = area / square / (area**2 / square).sum()
     modulus = surface.material.composite_modulus
     change = {
@@ -152,9 +152,9 @@ def shear_strength(
     gradient = strength * np.array([change[name]() for name in names])
     p = len(names)
     whole = np.zeros((p + 1, p + 1))
-    whole[:p, :p] = given
-    whole[p, :p] = whole[:p, p] = given @ gradient
-    whole[p, p] = gradient @ given @ gradient + measured
+    whole[:p, :p] = known
+    whole[p, :p] = whole[:p, p] = known @ gradient
+    whole[p, p] = gradient @ known @ gradient + measured
     return StrengthFit(
         float(strength),
         (*names, "shear_strength"),
@@ -171,17 +171,19 @@ def shear_strength(
     )
 
 
-def _covariance(given: ArrayLike | None, parameters: Sequence[str]) -> tuple[tuple[str, ...], FloatArray]:
+def _covariance(
+    covariance: ArrayLike | None, parameters: Sequence[str]
+) -> tuple[tuple[str, ...], FloatArray]:
     """Return the names of the parameters that change sigma and their covariance."""
-    if given is None:
+    if covariance is None:
         return (), np.zeros((0, 0))
     names = tuple(parameters)
     unknown = [name for name in names if name not in (*PARAMETERS, "shear_strength")]
     if unknown or len(set(names)) < len(names):
         raise InvalidInput(f"parameters = {shown(names)} must be different names of {', '.join(PARAMETERS)}")
-    matrix = checked_covariance(names, given)
-    kept = [i for i, name in enumerate(names) if name in PARAMETERS]
-    return tuple(names[i] for i in kept), matrix[np.ix_(kept, kept)]
+    matrix = checked_covariance(names, covariance)
+    rows = [i for i, name in enumerate(names) if name in PARAMETERS]
+    return tuple(names[i] for i in rows), matrix[np.ix_(rows, rows)]
 
 
 def _growth(surface: Surface, model: Model, load: FloatArray) -> FloatArray:
@@ -245,11 +247,11 @@ class StrengthFit(Value):
     shear_strength : float
         sigma [MPa].
     parameters : tuple of str
-        Names of the rows of `covariance`: the given parameters, and ``shear_strength`` last.
+        Names of the rows of `covariance`: those of the call, and ``shear_strength`` last.
     covariance : ndarray, (p, p)
         Their covariance, in mm, MPa and 1.
     measured_sd : float
-        Standard deviation of sigma from the errors of loads and friction forces alone [MPa].
+        Standard deviation of sigma from the errors of loads and friction forces only [MPa].
     load, friction_force : ndarray, (k,)
         Measured points that were used [N].
     area : ndarray, (k,)

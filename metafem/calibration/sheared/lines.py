@@ -52,7 +52,7 @@ def shear(
     unknown of the fit: A0, B A0 and sigma B A0 were measured with independent errors, whose standard
     deviations follow from the fitted values. The sheared area belongs to both lines, which makes B and sigma
     correlated (about -0.3 with the default errors). Separate fits of the two lines have nearly the same
-    values and errors, but they do not find this covariance, and from their errors alone that of sigma B
+    values and errors, but they do not find this covariance, and from their errors that of sigma B
     would be too large. Aymard et al., Science 383, 200 (2024),
     doi:10.1126/science.adk4234, Fig. 2, C and D.
 

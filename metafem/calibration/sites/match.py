@@ -97,7 +97,7 @@ def match_sites(
     -----
     A square lattice with its outer row open looks like a smaller lattice in two places, and
     ``SiteMatch.ambiguous`` says so unless the areas decide. Without areas, the design's middle is then placed
-    as near as possible to the middle of the frame or of the contacts. From positions alone nothing can tell
+    as near as possible to the middle of the frame or of the contacts. Positions do not show
     a mirrored square lattice, nor one turned by 90°.
 
     Examples

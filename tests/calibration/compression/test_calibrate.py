@@ -131,7 +131,7 @@ def test_the_error_of_the_radius_enters_as_theory_says():
     assert systematic == pytest.approx(np.outer(expected, expected), rel=2e-3)
     assert found.parameters == ("radius", "composite_modulus")
     assert found.parameter_covariance[0, 1] == pytest.approx(0.005 * expected[0], rel=1e-3)
-    assert "the error of the radius alone changes E* by 0.95 %" in map(str, found.notes)
+    assert "the error of the radius changes E* by 0.95 %" in map(str, found.notes)
 
 
 @pytest.mark.parametrize(
