@@ -140,18 +140,10 @@ def pressed_images(table: ContactTable) -> tuple[NDArray[np.intp], tuple[Note, .
     return np.flatnonzero(whole & touching), tuple(notes)
 
 
-@dataclass(frozen=True, eq=False)
-class ShearedPoints:
-    """Total areas [mm^2] and friction forces [N] (k,), nan where not measured, and the image of each."""
+def sheared_points(table: ContactTable) -> tuple[FloatArray, NDArray[np.intp], tuple[Note, ...]]:
+    """Return the points of the images, the image of each, and notes on what they lack.
 
-    area_before: FloatArray
-    area_sheared: FloatArray
-    friction_force: FloatArray
-    image: NDArray[np.intp]
-
-
-def sheared_points(table: ContactTable) -> tuple[ShearedPoints, tuple[Note, ...]]:
-    """Return the points of the images, and notes on what they lack.
+    Points are areas before and after shear [mm^2] and friction forces [N], (3, k), nan where not measured.
 
     An image of which all contacts were measured before and after is one point. Else it is up to two: the
     areas of the contacts that both images show, for B, and the sheared area of all contacts with the friction
@@ -185,7 +177,6 @@ def sheared_points(table: ContactTable) -> tuple[ShearedPoints, tuple[Note, ...]
         if of_strength[i]:
             rows.append((np.nan, total[i], force[i], i))
     columns = np.array(rows, dtype=np.float64).reshape(-1, 4).T
-    points = ShearedPoints(columns[0], columns[1], columns[2], columns[3].astype(np.intp))
     notes = []
     mixed = np.flatnonzero(one.any(axis=1) & of_ratio)
     if mixed.size:
@@ -206,7 +197,7 @@ def sheared_points(table: ContactTable) -> tuple[ShearedPoints, tuple[Note, ...]
                 "could not be measured, and the friction force is that of all contacts"
             )
         )
-    return points, tuple(notes)
+    return columns[:3], columns[3].astype(np.intp), tuple(notes)
 
 
 def of_contacts(

@@ -24,49 +24,51 @@ def table(before, after, force=None):
     )
 
 
-def listed(points):
-    columns = (points.area_before, points.area_sheared, points.friction_force, points.image)
-    return [[None if np.isnan(x) else round(x, 12) for x in row] for row in np.stack(columns, axis=1)]
+def points_of(*given):
+    """Return the points with their images as rows, and the notes."""
+    points, image, notes = sheared_points(table(*given))
+    rows = np.vstack([points, image]).T.tolist()
+    return [[None if np.isnan(x) else round(x, 12) for x in row] for row in rows], notes
 
 
 def test_complete_images_are_one_point():
-    points, notes = sheared_points(table([[0.1, 0.2], [0.1, 0.0]], [[0.08, 0.16], [0.08, 0.0]]))
-    assert listed(points) == [[0.3, 0.24, 0.1, 0], [0.1, 0.08, 0.1, 1]]
+    points, notes = points_of([[0.1, 0.2], [0.1, 0.0]], [[0.08, 0.16], [0.08, 0.0]])
+    assert points == [[0.3, 0.24, 0.1, 0], [0.1, 0.08, 0.1, 1]]
     assert notes == ()
 
 
 def test_a_contact_that_was_not_measured_before_shear_takes_only_itself_from_the_ratio():
-    points, notes = sheared_points(table([[0.1, np.nan]], [[0.08, 0.16]]))
-    assert listed(points) == [[0.1, 0.08, None, 0], [None, 0.24, 0.1, 0]]
+    points, notes = points_of([[0.1, np.nan]], [[0.08, 0.16]])
+    assert points == [[0.1, 0.08, None, 0], [None, 0.24, 0.1, 0]]
     assert notes == ()
 
 
 def test_images_of_sheared_contacts_alone_yield_the_strength():
-    points, _ = sheared_points(table([[np.nan, np.nan]], [[0.08, 0.16]]))
-    assert listed(points) == [[None, 0.24, 0.1, 0]]
+    points, _ = points_of([[np.nan, np.nan]], [[0.08, 0.16]])
+    assert points == [[None, 0.24, 0.1, 0]]
 
 
 def test_a_contact_that_was_not_measured_sheared_leaves_the_ratio_of_the_others():
-    points, (note,) = sheared_points(table([[0.1, 0.2]], [[0.08, np.nan]]))
-    assert listed(points) == [[0.1, 0.08, None, 0]]
+    points, (note,) = points_of([[0.1, 0.2]], [[0.08, np.nan]])
+    assert points == [[0.1, 0.08, None, 0]]
     assert str(note).startswith("sigma is fitted without 1.tif: the sheared area of contact 2 could not")
 
 
 @pytest.mark.parametrize(("area", "filled"), [(0.011, 0.0088), (0.1, LIMIT)])
 def test_a_contact_that_falls_below_the_smallest_area_is_not_taken_as_open(area, filled):
-    points, (note,) = sheared_points(table([[0.1, area]], [[0.08, 0.0]]))
-    assert listed(points) == [[0.1, 0.08, None, 0], [None, 0.08 + filled, 0.1, 0]]
+    points, (note,) = points_of([[0.1, area]], [[0.08, 0.0]])
+    assert points == [[0.1, 0.08, None, 0], [None, 0.08 + filled, 0.1, 0]]
     assert "1.tif: contacts are below the smallest area" in str(note)
 
 
 def test_a_contact_that_only_the_sheared_image_shows_is_part_of_the_strength_alone():
-    points, _ = sheared_points(table([[0.1, 0.0]], [[0.08, 0.011]]))
-    assert listed(points) == [[0.1, 0.08, None, 0], [None, 0.091, 0.1, 0]]
+    points, _ = points_of([[0.1, 0.0]], [[0.08, 0.011]])
+    assert points == [[0.1, 0.08, None, 0], [None, 0.091, 0.1, 0]]
 
 
 def test_images_without_contacts_are_no_points():
-    points, _ = sheared_points(table([[0.0, 0.0], [0.1, 0.0]], [[0.0, 0.0], [0.0, 0.0]]))
-    assert listed(points) == []
+    points, _ = points_of([[0.0, 0.0], [0.1, 0.0]], [[0.0, 0.0], [0.0, 0.0]])
+    assert points == []
 
 
 def test_contacts_near_the_smallest_area_bias_neither_ratio_nor_strength():
@@ -76,8 +78,8 @@ def test_contacts_near_the_smallest_area_bias_neither_ratio_nor_strength():
     measured = [true * (1.0 + 0.03 * rng.standard_normal(area.shape)) for true in (area, ratio * area)]
     before, after = (np.where(each > LIMIT, each, 0.0) for each in measured)
     force = strength * ratio * area.sum(axis=1)
-    points, _ = sheared_points(table(before, after, force))
-    found = shear(points.area_before, points.area_sheared, points.friction_force, errors=MeasurementErrors())
+    points, _, _ = sheared_points(table(before, after, force))
+    found = shear(*points, errors=MeasurementErrors())
     plain = after.sum() / before.sum() / ratio - 1.0
     assert plain < -0.02
     assert found.area_ratio == pytest.approx(ratio, rel=0.003)
