@@ -54,7 +54,7 @@ class Succession:
     @cached_property
     def _half(self) -> FloatArray:
         """The matrix W (k, k), 1/2 between successive points of a test."""
-        return 0.5 * (self._lag == 1.0)
+        return np.where(self._lag == 1.0, 0.5, 0.0)
 
     def lag_one(self, residual: FloatArray) -> tuple[float, float]:
         """Return the correlation of successive residuals (k,), and the probability of one as large.
