@@ -198,3 +198,12 @@ def generator(rng: Any) -> np.random.Generator:
         return np.random.default_rng(rng)
     except (TypeError, ValueError):
         raise InvalidInput(f"rng = {shown(rng)} must be a non-negative seed or a numpy Generator") from None
+
+
+def refuse_entries(name: str, values: FloatArray, wrong: Any, must: str) -> None:
+    """Refuse values of which one is `wrong`, a mask of their shape; the error names the first such entry."""
+    bad = np.argwhere(wrong)
+    if bad.size:
+        place = tuple(bad[0].tolist())
+        entry = label(f"{name}[{', '.join(map(str, place))}]")
+        raise InvalidInput(f"{entry} = {formatted(name, values[place])} {must}")

@@ -31,6 +31,7 @@ from .sheared.record import shear_record as shear_record
 from .sheared.result import ShearCalibration as ShearCalibration
 from .sites.match import SiteMatch as SiteMatch
 from .sites.match import match_sites as match_sites
+from .sites.tracking import DesignSites as DesignSites
 from .sites.tracking import TrackedContacts as TrackedContacts
 from .sites.tracking import track_contacts as track_contacts
 from .topography.correction import Correction as Correction

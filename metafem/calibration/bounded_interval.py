@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.optimize.elementwise import find_root
 from scipy.special import ndtr
 
 from metafem._validate import FloatArray
@@ -13,9 +15,8 @@ from metafem._validate import FloatArray
 # Probability of an interval, and half its width over the standard deviation of a normal distribution.
 PROBABILITY, WIDTH = 0.68, 0.9944578832
 
-# Means, over the standard deviation, at which the intervals of estimates are computed, and bisections of the
-# latter, which reach rounding.
-SMALLEST_MEAN, MEANS, BISECTIONS = 1e-4, 4000, 60
+# Means, over the standard deviation, at which the intervals of estimates are computed.
+SMALLEST_MEAN, MEANS = 1e-4, 4000
 
 
 def bounded_interval(estimate: ArrayLike, sd: ArrayLike) -> tuple[FloatArray, FloatArray]:
@@ -39,6 +40,12 @@ def bounded_interval(estimate: ArrayLike, sd: ArrayLike) -> tuple[FloatArray, Fl
     return np.asarray(low * sd), np.asarray(high * sd)
 
 
+def interval_of(estimate: float, variance: float) -> tuple[float, float]:
+    """Return the 68 % interval of one mean that is at least 0, from an estimate and its variance."""
+    low, high = bounded_interval(estimate, math.sqrt(variance))
+    return float(low), float(high)
+
+
 @lru_cache
 def _accepted() -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return means up to WIDTH, above which all of them are accepted within WIDTH, with their limits.
@@ -46,10 +53,9 @@ def _accepted() -> tuple[FloatArray, FloatArray, FloatArray]:
     Estimates from ``m - (m^2 + t^2)/(2 m)``, where the ratio is that of ``m + t``, to ``m + t``.
     """
     mean = np.geomspace(SMALLEST_MEAN, WIDTH, MEANS)
-    low, high = np.zeros(MEANS), np.full(MEANS, 2.0)
-    for _ in range(BISECTIONS):
-        t = 0.5 * (low + high)
-        less = ndtr(t) - ndtr(-(mean**2 + t**2) / (2.0 * mean)) < PROBABILITY
-        low, high = np.where(less, t, low), np.where(less, high, t)
-    t = 0.5 * (low + high)
+
+    def excess(t: FloatArray, m: FloatArray) -> FloatArray:
+        return np.asarray(ndtr(t) - ndtr(-(m**2 + t**2) / (2.0 * m)) - PROBABILITY)
+
+    t = find_root(excess, (np.zeros(MEANS), np.full(MEANS, 2.0)), args=(mean,)).x
     return mean, mean - (mean**2 + t**2) / (2.0 * mean), mean + t

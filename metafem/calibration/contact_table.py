@@ -140,18 +140,10 @@ def pressed_images(table: ContactTable) -> tuple[NDArray[np.intp], tuple[Note, .
     return np.flatnonzero(whole & touching), tuple(notes)
 
 
-@dataclass(frozen=True, eq=False)
-class ShearedPoints:
-    """Total areas [mm^2] and friction forces [N] (k,), nan where not measured, and the image of each."""
+def sheared_points(table: ContactTable) -> tuple[FloatArray, NDArray[np.intp], tuple[Note, ...]]:
+    """Return the points of the images, the image of each, and notes on what they lack.
 
-    area_before: FloatArray
-    area_sheared: FloatArray
-    friction_force: FloatArray
-    image: NDArray[np.intp]
-
-
-def sheared_points(table: ContactTable) -> tuple[ShearedPoints, tuple[Note, ...]]:
-    """Return the points of the images, and notes on what they lack.
+    Points are areas before and after shear [mm^2] and friction forces [N], (3, k), nan where not measured.
 
     An image of which all contacts were measured before and after is one point. Else it is up to two: the
     areas of the contacts that both images show, for B, and the sheared area of all contacts with the friction
@@ -185,7 +177,6 @@ def sheared_points(table: ContactTable) -> tuple[ShearedPoints, tuple[Note, ...]
         if of_strength[i]:
             rows.append((np.nan, total[i], force[i], i))
     columns = np.array(rows, dtype=np.float64).reshape(-1, 4).T
-    points = ShearedPoints(columns[0], columns[1], columns[2], columns[3].astype(np.intp))
     notes = []
     mixed = np.flatnonzero(one.any(axis=1) & of_ratio)
     if mixed.size:
@@ -206,7 +197,7 @@ def sheared_points(table: ContactTable) -> tuple[ShearedPoints, tuple[Note, ...]
                 "could not be measured, and the friction force is that of all contacts"
             )
         )
-    return points, tuple(notes)
+    return columns[:3], columns[3].astype(np.intp), tuple(notes)
 
 
 def of_contacts(
@@ -223,16 +214,16 @@ def of_contacts(
     # without friction forces, the areas of some contacts are of use where those of all others are known
     known = ~np.isnan(table.area)
     usable = known[:, ~sites].all(axis=1) & known.any(axis=1)
-    kept: NDArray[np.bool_] = np.isfinite(table.load) & (forces if by_force else usable)
-    if not kept.any():
+    used: NDArray[np.bool_] = np.isfinite(table.load) & (forces if by_force else usable)
+    if not used.any():
         what = "a friction force" if by_force else "the areas of all its contacts"
-        raise InvalidInput(f"none of the {len(kept)} images has a load and {what}")
+        raise InvalidInput(f"none of the {len(used)} images has a load and {what}")
     notes = [
         Note(f"image {table.image[i]} is left out: it has no {_missing(table, i, by_force)}")
-        for i in np.flatnonzero(~kept).tolist()
+        for i in np.flatnonzero(~used).tolist()
     ]
-    notes += _unknown(table, kept, ~known & sites)
-    overlooked = np.nanmax(np.where(table.area[kept] == 0.0, table.area_error[kept], 0.0))
+    notes += _unknown(table, used, ~known & sites)
+    overlooked = np.nanmax(np.where(table.area[used] == 0.0, table.area_error[used], 0.0))
     if overlooked > 0.0 and not by_force:
         notes.append(
             Note(
@@ -240,15 +231,15 @@ def of_contacts(
                 "do not include what these contacts lack"
             )
         )
-    area, area_sd = table.area[kept], np.nan_to_num(table.area_error[kept])
-    found: dict[str, Any] = {"load": table.load[kept]}
-    if forces[kept].all():
-        found["friction_force"] = table.friction_force[kept]
+    area, area_sd = table.area[used], np.nan_to_num(table.area_error[used])
+    found: dict[str, Any] = {"load": table.load[used]}
+    if forces[used].all():
+        found["friction_force"] = table.friction_force[used]
     if table.matched:
         found |= {"asperity_area": area[:, sites], "asperity_area_sd": area_sd[:, sites]}
         found["site"] = _asperities(table.site[sites], numbers)
     sd = np.sqrt((np.where(area > 0.0, area_sd, 0.0) ** 2).sum(axis=1))  # open contacts are taken as open
-    if total[kept].all() or (table.matched and total[kept].any()):
+    if total[used].all() or (table.matched and total[used].any()):
         found["area"] = area.sum(axis=1)
         if (sd > 0.0).all():  # else from the errors: an image without contacts has none
             found["area_sd"] = sd
@@ -267,10 +258,10 @@ def _asperities(sites: NDArray[np.intp], numbers: IntArray | None) -> NDArray[np
     return found
 
 
-def _unknown(table: ContactTable, kept: NDArray[np.bool_], unknown: NDArray[np.bool_]) -> list[Note]:
-    """Return which areas of contacts (k, n) the images that are kept lack, one note for images alike."""
+def _unknown(table: ContactTable, used: NDArray[np.bool_], unknown: NDArray[np.bool_]) -> list[Note]:
+    """Return which areas of contacts (k, n) the images in use lack, one note for images alike."""
     images: dict[str, list[str]] = {}
-    for i in np.flatnonzero(kept & unknown.any(axis=1)).tolist():
+    for i in np.flatnonzero(used & unknown.any(axis=1)).tolist():
         sites = table.site[unknown[i]].tolist()
         several = "s" if len(sites) > 1 else ""
         where = f"area{several} of the contact{several} at site{several} {', '.join(map(str, sites))}"

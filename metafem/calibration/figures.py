@@ -35,7 +35,7 @@ MOST = 300
 def calibration_figure(
     contact: ContactCalibration | None, shear: ShearCalibration | None, strength: StrengthFit | None = None
 ) -> Figure:
-    """Return the figure of the calibrations that are given."""
+    """Return the figure of the calibrations that are not None."""
     columns = (contact is not None) + 2 * (shear is not None) + (strength is not None)
     figure, axes = lines.with_residuals(columns)
     places = iter(axes)
@@ -88,7 +88,7 @@ def found_figure(
         sites = np.arange(len(number))
         away = placed.position.copy()
         matched = placed.site >= 0
-        # beside a contact, outside its outline
+        # next to a contact, outside its outline
         half = 0.75 * areas.axes[matched, :1] * [1.0, -1.0]
         away[placed.site[matched]] = areas.centre[matched] + half
         closed, flagged = np.isin(sites, placed.site), np.isin(sites, list(spoilt))

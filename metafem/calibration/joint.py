@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.linalg import block_diag
 
+from metafem import _validate as check
 from metafem._given import shown
 from metafem._validate import FloatArray
 from metafem.errors import InvalidInput
@@ -15,6 +18,9 @@ if TYPE_CHECKING:
     from metafem.calibration.compression.result import ContactCalibration
     from metafem.calibration.sheared.full_contact import StrengthFit
     from metafem.calibration.sheared.result import ShearCalibration
+
+# Largest asymmetry, and most negative eigenvalue, of a correlation matrix: the rounding of what was printed.
+ASYMMETRY = 1e-6
 
 
 def joint_covariance(
@@ -66,3 +72,20 @@ def joint_covariance(
         names += calibration.parameters
         blocks.append(calibration.parameter_covariance)
     return tuple(names), np.asarray(block_diag(*blocks)) if blocks else np.zeros((0, 0))
+
+
+def checked_covariance(names: Sequence[str], covariance: ArrayLike) -> FloatArray:
+    """Return the covariance matrix (p, p) of named parameters, or raise InvalidInput."""
+    matrix = check.array("covariance", covariance, shape=(len(names), len(names)))
+    # with all parameters in units of their standard deviations
+    scale = np.sqrt(np.abs(np.diagonal(matrix)))
+    scaled = matrix / np.outer(*[np.where(scale > 0.0, scale, 1.0)] * 2)
+    if (
+        not np.allclose(scaled, scaled.T, rtol=0.0, atol=ASYMMETRY)
+        or np.linalg.eigvalsh(scaled).min() < -ASYMMETRY
+    ):
+        raise InvalidInput(
+            f"covariance = {shown(matrix.tolist())} of {', '.join(names)} must be symmetric and positive "
+            "semidefinite"
+        )
+    return matrix

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from metafem.drawing import ACHIEVED, QUIET, TARGET, FloatArray, new_figure
 
 if TYPE_CHECKING:
@@ -21,6 +23,17 @@ def measured(
 def fitted(ax: Axes, x: FloatArray, y: FloatArray, label: str | None = None) -> None:
     """Draw a fitted law."""
     ax.plot(x, y, color=TARGET, lw=1.2, label=label, zorder=2.0)
+
+
+def proportional(
+    ax: Axes, x: FloatArray, y: FloatArray, x_sd: FloatArray, y_sd: FloatArray, factor: float
+) -> None:
+    """Draw measured points and the fitted line of this slope through the origin."""
+    measured(ax, x, y, x_sd, y_sd)
+    ends = np.array([0.0, 1.05 * float(np.nanmax(x))])
+    fitted(ax, ends, factor * ends)
+    ax.set_xlim(left=0.0)
+    ax.set_ylim(bottom=0.0)
 
 
 def residuals(ax: Axes, x: FloatArray, residual: FloatArray) -> None:

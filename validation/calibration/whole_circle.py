@@ -13,6 +13,7 @@ from metafem.calibration import (
     Comparison,
     ContactCalibration,
     ContactTable,
+    DesignSites,
     Explanation,
     MeasuredLaw,
     Sample,
@@ -183,7 +184,7 @@ def table_of(series: laboratory.Series, design: mf.Surface | None = None) -> Con
         load=series.load,
         friction_force=series.friction_force,
         sheared=sheared,
-        site_position=None if design is None else design.position,
+        sites=None if design is None else DesignSites(design.position),
     ).table
 
 

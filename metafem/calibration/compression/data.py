@@ -151,17 +151,9 @@ def checked_data(
     one_by_one = check.depth(area) == 2
     shape = (len(loads), number) if one_by_one else (len(loads),)
     areas = check.array("area", area, shape=shape)
-    negative = np.argwhere(areas < 0.0)
-    if negative.size:
-        raise InvalidInput(f"{_entry('area', areas, negative[0])} must not be negative")
+    check.refuse_entries("area", areas, areas < 0.0, "must not be negative")
     total = areas.sum(axis=1) if one_by_one else areas
-    open_rows = np.flatnonzero(total == 0.0)
-    if open_rows.size:
-        i = int(open_rows[0])
-        raise InvalidInput(
-            f"{label(f'area[{i}]')} = {formatted('area', 0.0)}: there is no contact at the load "
-            f"{formatted('load', loads[i])}; leave the row out"
-        )
+    check.refuse_entries("area", total, total == 0.0, "is no contact; leave the row out")
     if np.ptp(total) <= ONE_AREA * total.max():
         raise InvalidInput(
             f"all areas are {formatted('area', total.max())}: E* and the adhesion energy need points at "
@@ -170,18 +162,11 @@ def checked_data(
     sd = None
     if area_sd is not None:
         sd = check.array("area_sd", area_sd, shape=shape)
-        bad = np.argwhere((sd < 0.0) | ((sd == 0.0) & (areas > 0.0)))
-        if bad.size:
-            raise InvalidInput(f"{_entry('area_sd', sd, bad[0])} must be greater than 0")
+        wrong = (sd < 0.0) | ((sd == 0.0) & (areas > 0.0))
+        check.refuse_entries("area_sd", sd, wrong, "must be greater than 0")
     if not one_by_one:
         areas = areas[:, None] / number
         sd = None if sd is None else sd[:, None] / number
     stands_for = 1 if one_by_one else number
     labels = labels_of(test, len(loads))
     return Data(loads, errors.of_load(loads), areas, sd, stands_for, one_by_one, errors, labels, robust)
-
-
-def _entry(name: str, values: FloatArray, index: Any) -> str:
-    """Return the name and the value of an entry."""
-    place = ", ".join(map(str, index.tolist()))
-    return f"{label(f'{name}[{place}]')} = {formatted(name, values[tuple(index)])}"

@@ -136,8 +136,8 @@ def distance_fit(
         y = load - (sloped * (area - fitted)).sum(axis=-1)
         total = variance + (sloped**2 * spread).sum(axis=-1)
         weight = 1.0 / total
-        kept = _robust(residual * np.sqrt(weight), step) if robust else np.ones(load.shape)
-        found, covariance = _regression(q, s, y, weight * kept)
+        robustness = _robust(residual * np.sqrt(weight), step) if robust else np.ones(load.shape)
+        found, covariance = _regression(q, s, y, weight * robustness)
         deviation = np.sqrt(np.diagonal(covariance, axis1=-2, axis2=-1))
         done = np.asarray((np.abs(found - known) <= ENOUGH * deviation).all(axis=-1) & (step > first))
         known = found
@@ -151,9 +151,9 @@ def distance_fit(
         moved = np.minimum(np.maximum(moved, SMALLEST_PART * area), largest)
         fitted = fitted + SHARES[step] * (moved - fitted)
     variance_of = TUKEY_VARIANCE if robust else 1.0
-    regressor = np.stack([q, s], axis=-1) * np.sqrt(weight * kept / variance_of)[..., None]
+    regressor = np.stack([q, s], axis=-1) * np.sqrt(weight * robustness / variance_of)[..., None]
     normal, covariance = residual * np.sqrt(weight), variance_of * covariance
-    return DistanceFit(known[..., 0], known[..., 1], covariance, normal, fitted, kept, regressor, done)
+    return DistanceFit(known[..., 0], known[..., 1], covariance, normal, fitted, robustness, regressor, done)
 
 
 def _robust(residual: FloatArray, step: int) -> FloatArray:

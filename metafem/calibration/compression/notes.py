@@ -94,7 +94,7 @@ def notes_of(found: ContactCalibration, cap: Contact, bootstrap: Bootstrap | Non
         )
     if found.radius_sd:
         share = abs(found.radius_change[0]) / found.composite_modulus
-        notes.append(information(f"the error of the radius alone changes E* by {percent(share)}"))
+        notes.append(information(f"the error of the radius changes E* by {percent(share)}"))
     return tuple(notes)
 
 

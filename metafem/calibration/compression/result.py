@@ -11,7 +11,7 @@ import numpy as np
 from metafem import drawing
 from metafem._validate import FloatArray
 from metafem._values import Value
-from metafem.calibration.bounded_interval import WIDTH, bounded_interval
+from metafem.calibration.bounded_interval import WIDTH, interval_of
 from metafem.calibration.compression.adhesive_line import AdhesiveLine
 from metafem.calibration.verdict import Heterogeneity, SingleTest, Verdict
 from metafem.contact import Contact
@@ -142,8 +142,7 @@ class ContactCalibration(Value):
     @property
     def composite_modulus_interval(self) -> tuple[float, float]:
         """68 % interval of E* [MPa], which is at least 0."""
-        low, high = bounded_interval(self.composite_modulus, math.sqrt(self.root_covariance[0, 0]))
-        return float(low), float(high)
+        return interval_of(self.composite_modulus, self.root_covariance[0, 0])
 
     @property
     def adhesion_root_interval(self) -> tuple[float, float]:
@@ -154,8 +153,8 @@ class ContactCalibration(Value):
     @property
     def adhesion_energy_interval(self) -> tuple[float, float]:
         """68 % interval of w [N/mm], asymmetric; it begins at 0 where the data do not show adhesion."""
-        low, high = bounded_interval(self.adhesion_root, math.sqrt(self.root_covariance[1, 1]))
-        return float(low) ** 2, float(high) ** 2
+        low, high = interval_of(self.adhesion_root, self.root_covariance[1, 1])
+        return low**2, high**2
 
     @property
     def modulus_without_adhesion(self) -> tuple[float, float]:
@@ -164,9 +163,9 @@ class ContactCalibration(Value):
         modulus, root = self.composite_modulus, self.adhesion_root
         turn = np.array([[1.0, 0.0], [0.5 * root / math.sqrt(modulus), math.sqrt(modulus)]])
         (first, both), (_, last) = turn @ self.statistical_covariance @ turn.T
-        alone = modulus - both / last * root * math.sqrt(modulus)
-        systematic = alone * self.radius_change[0] / modulus
-        return float(alone), math.sqrt(first - both**2 / last + systematic**2)
+        without = modulus - both / last * root * math.sqrt(modulus)
+        systematic = without * self.radius_change[0] / modulus
+        return float(without), math.sqrt(first - both**2 / last + systematic**2)
 
     @property
     def parameters(self) -> tuple[str, ...]:

@@ -183,7 +183,7 @@ def cap_curve(cap: Contact, radius: float) -> AreaCurve:
 
 
 def scaled_cap(cap: Contact, scale: float) -> Contact:
-    """Return the law of caps all of whose lengths are larger by a factor, where R alone does not tell it."""
+    """Return the law of caps all of whose lengths are larger by a factor, where they do not follow from R."""
     if isinstance(cap, TabulatedContact):
         return TabulatedContact(
             *(cap.table.T * np.array([scale, scale**2, scale**2])).T, material=cap.material

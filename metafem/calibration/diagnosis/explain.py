@@ -54,13 +54,13 @@ def explain(
     linear where contacts open; sums of areas are averaged over the posterior. Tarantola, Inverse Problem
     Theory (SIAM, 2005), doi:10.1137/1.9780898717921, section 3.2.3.
 
-    The error of a load enters all that was measured at this load: the true loads are unknowns beside the
+    The error of a load enters all that was measured at this load: the true loads are unknowns as well as the
     errors of the part, with the measured ones as their means. Linearised, this is the effective covariance
     ``C + J_P C_P J_P'``, but with its derivatives at the true loads and not at the measured ones. The error
     of the area of a contact is that of its boundary, and grows with the true area. A contact found open has
     no area with an error: it says that the indentation is at most 0 at the largest load at which it was found
     open. This step is replaced by the Gaussian factor with the same mean and variance (expectation
-    propagation). The total area is not used beside the areas of the contacts, whose sum it is.
+    propagation). The total area is not used where those of the contacts are known, whose sum it is.
 
     A common offset of all heights changes nothing at a given load. An outlier among the heights, larger than
     the largest error of 99 % of parts, is no draw from the prior: it gets its own size as prior standard
@@ -136,11 +136,11 @@ def explain(
 def _models(model: Model | None, surface: Surface, contact: Contact) -> list[Model]:
     if model is not None:
         return [checked_model(model)]
-    alone = Independent(contact=contact)
+    independent = Independent(contact=contact)
     # interacting adhesive contacts are followed from the first touch, seconds for each of hundreds of states
     if surface.block is None or contact.adhesive:
-        return [alone]
-    return [alone, with_contact(Interacting(substrate=BondedLayer()), contact)]
+        return [independent]
+    return [independent, with_contact(Interacting(substrate=BondedLayer()), contact)]
 
 
 def _solved(scene: Scene) -> tuple[Scene, Posterior]:
@@ -246,9 +246,9 @@ def _single(causes: Causes, name: str, mean: FloatArray, sd: FloatArray) -> Sing
 def _residuals(scene: Scene, residual: FloatArray, mean: FloatArray) -> dict[str, FloatArray]:
     """Return the normalised residuals by quantity."""
     seen, causes = scene.observed, scene.causes
-    k, start = len(seen.load), 0
+    k, start = len(causes.load), 0
     result = {"load": -mean[causes.where["load"]]}
-    for name, values in (("friction_force", seen.force), ("area", seen.total)):
+    for name, values in (("friction_force", seen.forces), ("area", seen.totals)):
         if values is not None:
             result[name] = residual[start : start + k]
             start += k

@@ -29,7 +29,7 @@ SEEN, SEEN_SD = 0.5, math.sqrt(1.25)
 # Smallest standard deviation of an area over the largest area.
 SMALLEST = 1e-12
 
-# Differences are kept while no unknown moves by more than this number of prior standard deviations.
+# Differences are used again while no unknown moves by more than this number of prior standard deviations.
 NEAR = 0.05
 
 # Largest contact radius over the summit's at which the indentation of an overlooked area is taken: a
@@ -70,7 +70,7 @@ class Scene:
     observed: Observations
     friction: Friction | None
     # the last differences by each kind of error, and where they were taken
-    kept: dict[str, tuple[FloatArray, FloatArray]] = field(default_factory=dict, compare=False)
+    differences: dict[str, tuple[FloatArray, FloatArray]] = field(default_factory=dict, compare=False)
 
     def response(self, made: Made) -> Response:
         """Return the contacts of a part at its true loads."""
@@ -111,8 +111,8 @@ class Scene:
         else:
             for name in causes.common:
                 if name != "friction":
-                    result[:, :, causes.where[name].start] = self._kept_difference(z, name)
-            loads[rows, :, rows] = self._kept_difference(z, "load")
+                    result[:, :, causes.where[name].start] = self._near_difference(z, name)
+            loads[rows, :, rows] = self._near_difference(z, "load")
         if {"height", "position"} & causes.sd.keys():
             each = found.by_each_height()
             if "height" in causes.sd:
@@ -124,11 +124,11 @@ class Scene:
             result[:, :, causes.where["radius"]] = causes.sd["radius"] * found.by_each_radius()
         return result
 
-    def _kept_difference(self, z: FloatArray, name: str) -> FloatArray:
+    def _near_difference(self, z: FloatArray, name: str) -> FloatArray:
         """Return the difference of the areas by one kind of error, or that of a place near z."""
-        if name not in self.kept or np.abs(z - self.kept[name][0]).max() > NEAR:
-            self.kept[name] = z, self._difference(z, self.causes.where[name])
-        return self.kept[name][1]
+        if name not in self.differences or np.abs(z - self.differences[name][0]).max() > NEAR:
+            self.differences[name] = z, self._difference(z, self.causes.where[name])
+        return self.differences[name][1]
 
     def _difference(self, z: FloatArray, where: slice) -> FloatArray:
         """Return the central difference of the areas, with all numbers of one kind changed together."""
@@ -147,17 +147,20 @@ class Scene:
         seen, causes = self.observed, self.causes
         total, by_total = _total(found.area, derivative, covariance)
         parts: list[tuple[FloatArray, FloatArray, FloatArray]] = []
-        if seen.force is not None and seen.force_sd is not None and self.friction is not None:
+        errors = seen.measured.errors
+        if seen.forces is not None and self.friction is not None:
+            measured_force, force_sd = seen.forces
             nominal = self.friction.shear_strength * self.friction.area_ratio
             gradient = made.friction * nominal * by_total
             if "friction" in causes.sd:
                 gradient[:, causes.where["friction"].start] += causes.sd["friction"] * nominal * total
             force = made.friction * nominal * total
-            sd = seen.force_sd * _ratio(seen.errors.of_friction_force, force, seen.force)
-            parts.append((seen.force - force, gradient, sd))
-        if seen.total is not None and seen.total_sd is not None:
-            sd = seen.total_sd * _ratio(seen.errors.of_area, total, seen.total)
-            parts.append((seen.total - total, by_total, sd))
+            sd = force_sd * _ratio(errors.of_friction_force, force, measured_force)
+            parts.append((measured_force - force, gradient, sd))
+        if seen.totals is not None:
+            measured_total, total_sd = seen.totals
+            sd = total_sd * _ratio(errors.of_area, total, measured_total)
+            parts.append((measured_total - total, by_total, sd))
         if len(seen.area):
             computed = found.area[seen.row, seen.site]
             least = np.maximum(LEAST_AREA * seen.area, math.pi * seen.boundary**2)
@@ -166,7 +169,7 @@ class Scene:
         residual, gradient, sd = (np.concatenate(values) for values in zip(*parts, strict=True))
         rate = found.area_rate[seen.open_row, seen.open_site]
         by_indentation = derivative[seen.open_row, seen.open_site] / rate[:, None]
-        if "radius" in causes.sd:  # the latent area is pi R d: that of the gap alone
+        if "radius" in causes.sd:  # the latent area is pi R d: that of the gap
             place = causes.where["radius"].start + seen.open_site
             own = found.area_by_radius[seen.open_row, seen.open_site] / rate
             by_indentation[np.arange(len(rate)), place] -= causes.sd["radius"] * own

@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple, Protocol, cast
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 
 from metafem._validate import FloatArray
+from metafem.calibration.diagnosis.causes import Made
 from metafem.contact import Contact
 from metafem.models import Model
 from metafem.models.alone import contacts_alone
@@ -82,31 +83,7 @@ class Response:
         return self.area_rate / self.stiffness[:, None]
 
 
-class Part(Protocol):
-    """A made part; `surface` is needed by models other than independent Hertz contacts."""
-
-    @property
-    def height(self) -> FloatArray:
-        """Heights of the summits, (n,) [mm]."""
-
-    @property
-    def radius(self) -> FloatArray:
-        """Radii of the summits, (n,) [mm]."""
-
-    @property
-    def material(self) -> Material:
-        """Its material."""
-
-    @property
-    def adhesion(self) -> float:
-        """Root of the adhesion energy over that of the contact law."""
-
-    @property
-    def surface(self) -> Surface:
-        """All of it."""
-
-
-def response(model: Model, part: Part, load: FloatArray) -> Response:
+def response(model: Model, part: Made, load: FloatArray) -> Response:
     """Return the contacts at rescaled loads (k,) in any order; derivatives are of independent asperities."""
     contact = with_adhesion(contact_of(model), part.adhesion)
     law = contact.for_material(part.material)
@@ -134,8 +111,14 @@ def law_changes(
     contact: Contact, material: Material, size: FloatArray, radius: FloatArray
 ) -> tuple[Change, Change]:
     """Return the derivatives of a contact law at contact radii by log E* and by log sqrt(w)."""
-    pairs = _by_modulus(contact, material), _by_adhesion(contact, material)
-    return _change(pairs[0], size, radius), _change(pairs[1], size, radius)
+    factors = (1.0 - STEP, 1.0 + STEP)
+    stiffer = [replace(material, composite_modulus=f * material.composite_modulus) for f in factors]
+    by_modulus = [contact.for_material(each) for each in stiffer]
+    by_adhesion = [with_adhesion(contact, factor).for_material(material) for factor in factors]
+    return (
+        _change(by_modulus if contact.for_material(material).scales_with_stress else [], size, radius),
+        _change(by_adhesion if contact.adhesive else [], size, radius),
+    )
 
 
 def with_adhesion(contact: Contact, root: float) -> Contact:
@@ -172,25 +155,8 @@ def _by_radius(
     return y - stiffness * x, np.where(size > 0.0, -rate * x, latent)
 
 
-def _by_modulus(contact: Contact, material: Material) -> tuple[Contact, ...]:
-    """Return the laws at E* (1 - STEP) and E* (1 + STEP); nothing if they are the same."""
-    if not contact.for_material(material).scales_with_stress:
-        return ()
-    factors = (1.0 - STEP, 1.0 + STEP)
-    moduli = (factor * material.composite_modulus for factor in factors)
-    return tuple(contact.for_material(replace(material, composite_modulus=modulus)) for modulus in moduli)
-
-
-def _by_adhesion(contact: Contact, material: Material) -> tuple[Contact, ...]:
-    """Return the laws with the roots of the adhesion energy (1 - STEP) and (1 + STEP) times as large."""
-    if not contact.adhesive:
-        return ()
-    factors = (1.0 - STEP, 1.0 + STEP)
-    return tuple(with_adhesion(contact, factor).for_material(material) for factor in factors)
-
-
-def _change(laws: tuple[Contact, ...], size: FloatArray, radius: FloatArray) -> Change:
-    """Return the derivatives between two laws, low and high, at contact radii (k, n) and radii (n,)."""
+def _change(laws: list[Contact], size: FloatArray, radius: FloatArray) -> Change:
+    """Return the derivatives between two laws, low and high, at contact radii (k, n); 0 without laws."""
     if not laws:
         return Change(np.zeros(size.shape), np.zeros(size.shape))
     low, high = laws

@@ -47,9 +47,9 @@ def shares(causes: Causes, posterior: Posterior) -> Shares:
         for name, members in GROUPS.items()
         if any(one in causes.sd for one in members)
     }
-    alone = np.zeros(causes.size, dtype=bool)
-    alone[load] = True
-    loads, before = solved(alone)
+    loads_only = np.zeros(causes.size, dtype=bool)
+    loads_only[load] = True
+    loads, before = solved(loads_only)
     means, after = solved(np.ones(causes.size, dtype=bool))
     terms = (force - information @ loads) * means
     share, without = {}, {}

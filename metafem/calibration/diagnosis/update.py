@@ -133,6 +133,6 @@ def _factors(
     narrowed = np.clip(narrowed, 1e-9 * without, without)
     tau, nu = 1.0 / narrowed - 1.0 / without, matched / narrowed - centre / without
     new_precision[active], new_shift[active] = tau, nu
-    alone = 0.5 * ((centre / without + nu) ** 2 / (1.0 / without + tau) - centre**2 / without)
-    log = log_mass + 0.5 * np.log1p(tau * without) - alone - 0.5 * tau * g**2 + nu * g
+    rest = 0.5 * ((centre / without + nu) ** 2 / (1.0 / without + tau) - centre**2 / without)
+    log = log_mass + 0.5 * np.log1p(tau * without) - rest - 0.5 * tau * g**2 + nu * g
     return new_precision, new_shift, float(log.sum())

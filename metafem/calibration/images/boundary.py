@@ -70,7 +70,7 @@ def _sides(
 
     # what belongs to no region is bright
     dark = np.where(labels > 0, image, np.maximum(image, np.nextafter(np.float32(level), np.inf)))
-    lines = find_contours(dark, level, fully_connected="high")
+    lines = find_contours(dark, level, fully_connected="high")  # type: ignore[no-untyped-call]
     owner = np.array([_owner(labels, line) for line in lines], dtype=np.intp) - 1
     sides = np.array([len(line) - 1 for line in lines], dtype=np.intp)
     # the border shifts the pixels by one, and the centre of a pixel is at one half
@@ -122,7 +122,7 @@ def compactness(area: FloatArray, moment: FloatArray) -> FloatArray:
 Window: TypeAlias = tuple[slice, ...]
 
 # A contact is merged if its compactness is below this: that of two circles that touch is 0.89 to 0.95 if the
-# radius of one is 1 to 0.3 of the other's. The boundary's noise changes it in second order alone.
+# radius of one is 1 to 0.3 of the other's. The boundary's noise changes it only in second order.
 COMPACT = 0.97
 
 # Share of a contact's grey levels at an end of the scale above which it is saturated.

@@ -87,6 +87,11 @@ class ContactAreas(Value):
         return len(self.area)
 
     @property
+    def frame(self) -> FloatArray:
+        """Width and height of the image, (2,) [mm]."""
+        return self.pixel_size * np.array(self.shape[::-1])
+
+    @property
     def complete(self) -> NDArray[np.bool_]:
         """Whether each contact is neither at the edge of the frame nor merged with another."""
         return ~(self.edge | self.merged)

@@ -73,9 +73,9 @@ def without_illumination(image: NDArray[np.float32], bright_contacts: bool) -> G
     # of two guesses, one serves large gradients, and the other large contacts
     guesses = [sign * grid, above.reshape(grid.shape)]
     fits = [_fitted(terms, grid, sign, _brighter(guess, error), error) for guess in guesses]
-    coefficients, kept, scale = min(fits, key=lambda fit: fit[2])
+    coefficients, on_ground, scale = min(fits, key=lambda fit: fit[2])
     residual = grid - (terms @ coefficients).reshape(grid.shape)
-    structure = _structure(np.where(kept, residual, np.nan), error)
+    structure = _structure(np.where(on_ground, residual, np.nan), error)
     rows, columns = (
         legendre.legvander(_scaled(np.arange(n, dtype=np.float64) + 0.5, n), DEGREE) for n in image.shape
     )
@@ -101,7 +101,7 @@ def without_illumination(image: NDArray[np.float32], bright_contacts: bool) -> G
 
 
 def _brighter(guess: FloatArray, error: float) -> NDArray[np.bool_]:
-    """Return which blocks are ground by Otsu's threshold; all, if they differ by noise alone."""
+    """Return which blocks are ground by Otsu's threshold; all, if they differ only by noise."""
     return guess >= (otsu(guess) if np.ptp(guess) > CLIPPED * error else -np.inf)
 
 
@@ -109,19 +109,19 @@ def _fitted(
     terms: FloatArray, grid: FloatArray, sign: float, bright: NDArray[np.bool_], error: float
 ) -> tuple[FloatArray, NDArray[np.bool_], float]:
     """Return coefficients, the blocks they were fitted to, and the standard deviation of those."""
-    kept = _clear_of(~bright)
+    on_ground = _clear_of(~bright)
     for _ in range(ROUNDS):
-        used = terms[kept.ravel()]
-        coefficients = np.linalg.solve(used.T @ used, used.T @ grid[kept])
+        used = terms[on_ground.ravel()]
+        coefficients = np.linalg.solve(used.T @ used, used.T @ grid[on_ground])
         height = sign * (grid - (terms @ coefficients).reshape(grid.shape))
         # blocks on the other side of the surface than the contacts hold nothing but ground
-        beyond = height[kept & (height > 0.0)]
+        beyond = height[on_ground & (height > 0.0)]
         scale = float(max(np.median(beyond) / MAD if beyond.size else 0.0, error))
         now = _clear_of(height < -CLIPPED * scale) & (height < 2.0 * CLIPPED * scale)
-        if np.array_equal(now, kept) or now.sum() < 2 * terms.shape[1]:
+        if np.array_equal(now, on_ground) or now.sum() < 2 * terms.shape[1]:
             break
-        kept = now
-    return np.asarray(coefficients, dtype=np.float64), kept, scale
+        on_ground = now
+    return np.asarray(coefficients, dtype=np.float64), on_ground, scale
 
 
 def otsu(values: NDArray[Any]) -> float:
@@ -145,10 +145,10 @@ def _envelope(terms: FloatArray, levels: FloatArray, sign: float) -> FloatArray:
 
 
 def _clear_of(dark: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return which blocks are not dark and, where that leaves enough, have no dark block beside them."""
-    beside = ~binary_dilation(dark, np.ones((3, 3)))
-    enough = np.count_nonzero(beside) >= ENOUGH * dark.size
-    return np.asarray(beside if enough else ~dark)
+    """Return which blocks are not dark and, where that leaves enough, have no dark neighbour."""
+    clear = ~binary_dilation(dark, np.ones((3, 3)))
+    enough = np.count_nonzero(clear) >= ENOUGH * dark.size
+    return np.asarray(clear if enough else ~dark)
 
 
 def _structure(residual: FloatArray, error: float) -> float:

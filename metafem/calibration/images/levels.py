@@ -84,14 +84,6 @@ class Levels:
         return float(np.float32(0.5 * (1.0 + self.dark)))
 
 
-@dataclass(frozen=True)
-class Threshold:
-    """A threshold over the level of the ground, and that of the darkest region if Otsu's method failed."""
-
-    level: float
-    darkest: float | None = None
-
-
 def smoothed(corrected: NDArray[np.float32], width: float) -> tuple[NDArray[np.float32], float]:
     """Return an image smoothed by a Gaussian, with a border of one pixel of ground, and its variance."""
     bordered = np.ones((corrected.shape[0] + 2, corrected.shape[1] + 2), dtype=np.float32)
@@ -129,40 +121,42 @@ def smoothed_noise(bordered: NDArray[np.float32], labels: NDArray[np.int32], wid
         return 0.0
     # dust on the ground differs by more than chance
     scale = float(np.median(np.abs(difference))) / MAD
-    kept = difference[np.abs(difference) <= 4.0 * scale]
-    return float(np.sqrt(np.mean(kept**2) / 2.0))
+    within = difference[np.abs(difference) <= 4.0 * scale]
+    return float(np.sqrt(np.mean(within**2) / 2.0))
 
 
 def measured_levels(
     ground: Ground, threshold: float | None, dark: float | None, blur: float | None
 ) -> Levels:
-    """Return the levels of an image; what is given is kept."""
-    found = threshold_of(ground) if threshold is None else Threshold(threshold)
+    """Return the levels of an image; arguments that are not None are not measured."""
+    level, darkest = threshold_of(ground) if threshold is None else (threshold, None)
+    sparse = darkest is not None
     if dark is not None and blur is not None:
-        return Levels(ground.level, found.level, dark, blur, sparse=found.darkest is not None)
-    return replace(_from_widest(ground, found, dark, blur), sparse=found.darkest is not None)
+        return Levels(ground.level, level, dark, blur, sparse=sparse)
+    return replace(_from_widest(ground, level, darkest, dark, blur), sparse=sparse)
 
 
-def threshold_of(ground: Ground) -> Threshold:
-    """Return Otsu's threshold, or the half level of the darkest region if that one divides noise."""
+def threshold_of(ground: Ground) -> tuple[float, float | None]:
+    """Return Otsu's threshold, or if it divides noise the half level of the darkest region and that level."""
     level = ground.otsu()
     noise = float(np.median(np.abs(ground.corrected[::EVERY, ::EVERY] - 1.0))) / MAD
     if 1.0 - level > IN_NOISE * noise:
-        return Threshold(level)
+        return level, None
     darkest = float(gaussian_filter(np.clip(ground.corrected, *ground.span), WIDE, mode="nearest").min())
     if 1.0 - level > SHALLOW * (1.0 - darkest):
-        return Threshold(level)
-    return Threshold(0.5 * (1.0 + darkest), darkest)
+        return level, None
+    return 0.5 * (1.0 + darkest), darkest
 
 
-def _from_widest(ground: Ground, found: Threshold, dark: float | None, blur: float | None) -> Levels:
+def _from_widest(
+    ground: Ground, threshold: float, darkest: float | None, dark: float | None, blur: float | None
+) -> Levels:
     """Return the levels of the widest contacts of an image."""
-    threshold = found.level
     image, variance = smoothed(ground.corrected, LEAST_SMOOTHING)
     below = image[1:-1, 1:-1][ground.corrected < threshold]
     if not below.size:
         raise InvalidInput(f"threshold = {threshold:.4g} must be above the grey level of the contacts")
-    guess = float(np.median(below)) if found.darkest is None else found.darkest
+    guess = float(np.median(below)) if darkest is None else darkest
     first = guess if dark is None else dark
     labels, count = label(image < Levels(ground.level, threshold, first, 0.0).half)
     if not count:

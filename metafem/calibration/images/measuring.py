@@ -42,7 +42,7 @@ CLEAR = 3.0
 
 
 def measured(image: Any, options: Options, found: Levels | None = None) -> tuple[ContactAreas, Levels]:
-    """Return the contacts of an image, and its levels; the levels of another image are used if given."""
+    """Return the contacts of an image and its levels; `found` are the levels of another image, if any."""
     values = grey_values(image)
     ground = without_illumination(values.astype(np.float32), options.bright_contacts)
     own = found is None
@@ -84,11 +84,11 @@ def _contacts(
     if options.smallest_area is not None:
         least = options.smallest_area / pixel**2
     size = pixels_of(labels, windows)
-    # regions that are certainly too small are dropped before, others after their contours are known
-    kept = size >= max(0.5 * (least - math.pi * total**2), 4.0)
-    if not kept.all():
-        labels = np.concatenate([[0], np.where(kept, np.cumsum(kept), 0)]).astype(np.int32)[labels]
-        windows, size = [windows[i] for i in np.flatnonzero(kept)], size[kept]
+    # regions that are certainly too small are left out first, others after their contours are known
+    large = size >= max(0.5 * (least - math.pi * total**2), 4.0)
+    if not large.all():
+        labels = np.concatenate([[0], np.where(large, np.cumsum(large), 0)]).astype(np.int32)[labels]
+        windows, size = [windows[i] for i in np.flatnonzero(large)], size[large]
     shape = contours(image, labels, found.half, size.size)
     area = errors.enclosed(shape.area, shape.holes.astype(np.float64), total)
     enough = area >= least
@@ -185,7 +185,7 @@ UNEVEN = 0.02
 NAMED = 10
 
 
-def remarks(found: ContactAreas, levels: Levels, ground: Ground, dropped: int, drift: float) -> ContactAreas:
+def remarks(found: ContactAreas, levels: Levels, ground: Ground, left_out: int, drift: float) -> ContactAreas:
     """Return the contacts with notes on what was left out and on what is uncertain.
 
     `drift` is the difference of the contacts' grey level from that of the levels, over the contrast.
@@ -213,10 +213,10 @@ def remarks(found: ContactAreas, levels: Levels, ground: Ground, dropped: int, d
                 "noise of the ground; the level half-way to the darkest region is used instead"
             )
         )
-    if dropped:
+    if left_out:
         notes.append(
             information(
-                f"{dropped} dark spot{'s' * (dropped > 1)} below {found.smallest_area:.2g} mm^2 left out"
+                f"{left_out} dark spot{'s' * (left_out > 1)} below {found.smallest_area:.2g} mm^2 left out"
             )
         )
     if not ground.divided:
@@ -230,7 +230,7 @@ def remarks(found: ContactAreas, levels: Levels, ground: Ground, dropped: int, d
             Note(
                 f"the contacts are {'brighter' if drift > 0.0 else 'darker'} by {percent(abs(drift))} of the "
                 "contrast than in the image at the largest load, and the errors of the areas are increased "
-                "by what this may cause; keep lamp and exposure, or measure this image alone"
+                "by what this may cause; keep lamp and exposure, or measure this image by itself"
             )
         )
     return replace(found, notes=(*notes, *contact_notes(found)))

@@ -11,15 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 from metafem import _validate as check
 from metafem._validate import FloatArray
 from metafem._values import Value, span
+from metafem.calibration.joint import checked_covariance
 from metafem.calibration.magnitude import beyond, is_off, unit_hint, within_errors
-from metafem.calibration.measured_law.features import (
-    Deviations,
-    Feature,
-    Prediction,
-    features_of,
-    operating_loads,
-    predicted_at,
-)
+from metafem.calibration.measured_law.features import Deviations, Feature, deviations_of, features_of
 from metafem.calibration.measured_law.law import MeasuredLaw
 from metafem.calibration.verdict import Verdict, judged
 from metafem.errors import InvalidInput
@@ -32,9 +26,6 @@ PARAMETERS = ("composite_modulus", "shear_strength", "area_ratio")
 
 # Ratio of E* to that of the design from which on it is another material, or a wrong unit.
 OTHER_MATERIAL = 3.0
-
-# Largest asymmetry of a covariance matrix, relative to its largest entry: the rounding of what was printed.
-ASYMMETRY = 1e-6
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -192,9 +183,7 @@ def compare(
             f"all measured loads lie below the first load of the target, P/E* = {first:.4g} mm^2 or "
             f"{modulus * first:.4g} N; the largest is {modulus * last:.4g} N{beyond('load', last / first)}"
         )
-    prediction = predicted_at(measured, point, design, operating_loads(design))
-    deviation = measured.rescaled_friction[point] - prediction.friction
-    total = _covariance(measured, point, prediction, names, matrix)
+    found = deviations_of(measured, point, design, names, matrix)
     notes = tuple(
         Note(_left_out(measured.load[which], why))
         for which, why in (
@@ -203,17 +192,17 @@ def compare(
         )
         if which.any()
     )
-    notes += _magnitudes(measured, point, prediction, design)
-    features, more = features_of(Deviations(measured, point, prediction, total), design)
+    notes += _magnitudes(found, design)
+    features, more = features_of(found, design)
     # residuals in order of load, each less what those before it predict: independent if the law holds
-    residual = np.linalg.solve(np.linalg.cholesky(total), deviation)
+    residual = np.linalg.solve(np.linalg.cholesky(found.covariance), found.values)
     deviations = dict(zip(names, np.sqrt(np.diag(matrix)).tolist(), strict=True))
     return Comparison(
         measured=measured,
         point=point,
-        predicted=prediction.friction,
-        deviation=deviation,
-        covariance=total,
+        predicted=found.predicted,
+        deviation=found.values,
+        covariance=found.covariance,
         features=features,
         verdict=judged(residual, parameters=0),
         parameters=deviations,
@@ -228,14 +217,14 @@ def _first_load(design: Design | FrictionLaw) -> float:
     return min([float(design.target_law.load[0]), *(branch.load_range[0] for branch, _ in design.fits)])
 
 
-def _magnitudes(
-    measured: MeasuredLaw, point: NDArray[np.intp], prediction: Prediction, design: Design | FrictionLaw
-) -> tuple[Note, ...]:
+def _magnitudes(found: Deviations, design: Design | FrictionLaw) -> tuple[Note, ...]:
     """Return notes on loads within their errors, and on frictions and moduli far from the design's."""
+    measured = found.measured
     notes = within_errors("load", measured.load, measured.load_sd)
-    there = prediction.friction > 0.0
+    there = found.predicted > 0.0
     if there.any():
-        ratio = float(np.median(measured.rescaled_friction[point][there] / prediction.friction[there]))
+        friction = measured.rescaled_friction[found.point]
+        ratio = float(np.median(friction[there] / found.predicted[there]))
         if is_off(ratio):
             name = "friction_force" if measured.by_force else "area"
             notes += (Note(f"{name} is {ratio:.2g} times that of the design; {unit_hint(name, ratio)}"),)
@@ -265,41 +254,7 @@ def _parameters(
         return names, np.diag(np.square(sd)) if sd else np.zeros((0, 0))
     if isinstance(parameters, Mapping):
         raise InvalidInput("parameters must be a list of names if covariance is given")
-    matrix = check.array("covariance", covariance, shape=(len(names), len(names)))
-    largest = float(np.abs(matrix).max())
-    if np.abs(matrix - matrix.T).max() > ASYMMETRY * largest:
-        raise InvalidInput("covariance must be symmetric")
-    # with all parameters in units of their standard deviations
-    scale = np.sqrt(np.abs(np.diag(matrix)))
-    scale[scale == 0.0] = 1.0
-    if np.linalg.eigvalsh(matrix / np.outer(scale, scale)).min() < -ASYMMETRY:
-        raise InvalidInput("covariance must be positive semidefinite")
-    return names, matrix
-
-
-def _covariance(
-    measured: MeasuredLaw,
-    point: NDArray[np.intp],
-    prediction: Prediction,
-    names: tuple[str, ...],
-    matrix: FloatArray,
-) -> FloatArray:
-    """Return the covariance matrix of the deviations (m, m)."""
-    x, y = measured.rescaled_load[point], measured.rescaled_friction[point]
-    own = (
-        measured.rescaled_friction_sd[point] ** 2 + (prediction.slope * measured.rescaled_load_sd[point]) ** 2
-    )
-    total = np.diag(own)
-    if not names:
-        return total
-    # areas do not depend on the shear strength and the area ratio
-    by_force = y if measured.by_force else np.zeros_like(y)
-    columns = {"composite_modulus": prediction.slope * x / measured.material.composite_modulus}
-    if measured.friction is not None:
-        columns["shear_strength"] = -by_force / measured.friction.shear_strength
-        columns["area_ratio"] = -by_force / measured.friction.area_ratio
-    jacobian = np.column_stack([columns[name] for name in names])
-    return total + jacobian @ matrix @ jacobian.T
+    return names, checked_covariance(names, covariance)
 
 
 def _left_out(load: FloatArray, why: str) -> str:

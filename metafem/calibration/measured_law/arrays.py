@@ -30,21 +30,21 @@ FALLING = 4.0
 SMALL_CONTACT = 0.01
 
 
-def checked(given: Mapping[str, Any], errors: MeasurementErrors) -> dict[str, Any]:
+def checked(passed: Mapping[str, Any], errors: MeasurementErrors) -> dict[str, Any]:
     """Return the arrays of a law that are known, in the order of load."""
-    found: dict[str, Any] = {"load": check.array("load", given["load"], shape=(None,))}
+    found: dict[str, Any] = {"load": check.array("load", passed["load"], shape=(None,))}
     count = len(found["load"])
-    if given["friction_force"] is not None:
-        found["friction_force"] = check.array("friction_force", given["friction_force"], shape=(count,))
-    asperities = _asperities(given, count)
-    found |= _area(given["area"], count, asperities.get("asperity_area"), "friction_force" in found)
+    if passed["friction_force"] is not None:
+        found["friction_force"] = check.array("friction_force", passed["friction_force"], shape=(count,))
+    asperities = _asperities(passed, count)
+    found |= _area(passed["area"], count, asperities.get("asperity_area"), "friction_force" in found)
     found |= asperities
     if "friction_force" not in found and "area" not in found:
         raise InvalidInput("a measured law needs friction_force, area or asperity_area")
     for name in QUANTITIES:
         if name in found:
-            found[f"{name}_sd"] = _deviation(name, given, found, errors)
-        elif given[f"{name}_sd"] is not None:
+            found[f"{name}_sd"] = _deviation(name, passed, found, errors)
+        elif passed[f"{name}_sd"] is not None:
             raise InvalidInput(f"{name}_sd needs {name}")
     for name in ("load", "friction_force", "area"):
         if name in found:
@@ -57,28 +57,23 @@ def checked(given: Mapping[str, Any], errors: MeasurementErrors) -> dict[str, An
     return ordered
 
 
-def _asperities(given: Mapping[str, Any], count: int) -> dict[str, Any]:
+def _asperities(passed: Mapping[str, Any], count: int) -> dict[str, Any]:
     """Return the checked areas of the asperities and their numbers."""
-    if given["asperity_area"] is None:
-        if given["site"] is not None:
+    if passed["asperity_area"] is None:
+        if passed["site"] is not None:
             raise InvalidInput("site needs asperity_area")
         return {}
-    areas = np.asarray(given["asperity_area"])
+    areas = np.asarray(passed["asperity_area"])
     # nan stands for what was not measured; all else must be a number
     missing = np.isnan(areas) if areas.dtype.kind == "f" else np.zeros(areas.shape, bool)
     values = np.where(missing, 0.0, areas) if missing.any() else areas
     filled = check.array("asperity_area", values, shape=(count, None))
-    if filled.min() < 0.0:
-        image, contact = np.unravel_index(filled.argmin(), filled.shape)
-        entry = label(f"asperity_area[{image}, {contact}]")
-        raise InvalidInput(
-            f"{entry} = {formatted('asperity_area', filled.min())} must be at least 0; 0 is an open contact"
-        )
-    site = np.arange(filled.shape[1]) if given["site"] is None else np.array(given["site"])
+    check.refuse_entries("asperity_area", filled, filled < 0.0, "must be at least 0; 0 is an open contact")
+    site = np.arange(filled.shape[1]) if passed["site"] is None else np.array(passed["site"])
     if site.shape != filled.shape[1:] or site.dtype.kind not in "iu" or (site < 0).any():
         raise InvalidInput(
-            f"site = {shown(given['site'])} must hold the number of each of the {filled.shape[1]} asperities "
-            "of asperity_area in the design"
+            f"site = {shown(passed['site'])} must hold the number of each of the {filled.shape[1]} "
+            "asperities of asperity_area in the design"
         )
     numbers, counts = np.unique(site, return_counts=True)
     if (counts > 1).any():
@@ -105,10 +100,10 @@ def _unknown(area: Any, count: int) -> NDArray[np.bool_]:
 
 
 def _deviation(
-    name: str, given: Mapping[str, Any], found: Mapping[str, Any], errors: MeasurementErrors
+    name: str, passed: Mapping[str, Any], found: Mapping[str, Any], errors: MeasurementErrors
 ) -> FloatArray:
-    """Return the standard deviation of a quantity, as given or from the errors."""
-    values, sd = found[name], given[f"{name}_sd"]
+    """Return the standard deviation of a quantity, as passed or from the errors."""
+    values, sd = found[name], passed[f"{name}_sd"]
     missing = np.isnan(values)
     if sd is not None:
         filled = np.where(missing, 1.0, sd) if missing.any() and np.shape(sd) == values.shape else sd
@@ -121,7 +116,7 @@ def _deviation(
         return errors.of_friction_force(values)
     if name == "asperity_area":
         return errors.of_area(values)
-    if given["area"] is None:
+    if passed["area"] is None:
         closed = found["asperity_area"] > 0.0
         total: FloatArray = np.sqrt((np.where(closed, found["asperity_area_sd"], 0.0) ** 2).sum(axis=1))
     else:

@@ -89,25 +89,25 @@ def chi_square(points: Points, p: FloatArray) -> FloatArray:
 
 def descended(points: Points, start: FloatArray, free: tuple[int, ...]) -> Bent:
     """Return the least chi-square over free parameters near a start (b, 4), by Levenberg and Marquardt."""
-    p, kept = start.copy(), list(free)
+    p, index = start.copy(), list(free)
     along_y, along_x, slopes = deviations(points, p)
     best = (along_y**2 + along_x**2).sum(axis=1)
     active, damping = np.arange(len(p)), np.full(len(p), DAMPING)
     for _ in range(MOST_STEPS):
-        jacobian = slopes[:, :, kept]
+        jacobian = slopes[:, :, index]
         normal = np.einsum("bni,bnj->bij", jacobian, jacobian)
         gradient = np.einsum("bni,bn->bi", jacobian, along_y)
         if KINK in free:
-            sx, at = points.sx[active], kept.index(KINK)
+            sx, at = points.sx[active], index.index(KINK)
             gradient[:, at] -= (along_x / sx).sum(axis=1)
             normal[:, at, at] += ((along_x != 0.0) / sx**2).sum(axis=1)
         diagonal = np.einsum("bii->bi", normal)
         scale = np.sqrt(diagonal + REGULAR * diagonal.max(axis=1, keepdims=True))
         scaled = normal / (scale[:, :, None] * scale[:, None, :])
-        scaled += (damping[active, None, None] + REGULAR) * np.eye(len(kept))
+        scaled += (damping[active, None, None] + REGULAR) * np.eye(len(index))
         step = -np.linalg.solve(scaled, (gradient / scale)[:, :, None])[:, :, 0] / scale
         trial = p[active]
-        trial[:, kept] += step
+        trial[:, index] += step
         few = points.take(active)
         new_y, new_x, new_slopes = deviations(few, trial)
         value = (new_y**2 + new_x**2).sum(axis=1)
@@ -179,7 +179,7 @@ def least(points: Points, count: int, left: float | FloatArray | None = None,
 # 68 %, and that quantile of chi-square with one degree of freedom.
 LEVEL_OF_INTERVALS, REGULAR_GROWTH = 0.68, 0.98894665
 
-# Number of crossovers at which chi-square of a simulated law is computed, beside the true one.
+# Number of crossovers at which chi-square of a simulated law is computed, besides the true one.
 TRIED = 25
 
 

@@ -79,11 +79,11 @@ class Feature:
 
     def __str__(self) -> str:
         unit = f" {self.unit}".rstrip()
-        beside = (
+        compared = (
             f"{self.predicted:.3g}{unit} ({percent(self.deviation, '+.1f')}, {self.normalised:+.1f} s.d.)"
         )
         return (
-            f"{self.name}: {self.value:.3g} ± {self.sd:.2g}{unit}, design {beside}, "
+            f"{self.name}: {self.value:.3g} ± {self.sd:.2g}{unit}, design {compared}, "
             f"target {self.target:.3g}{unit} ({percent(self.target_deviation, '+.1f')})"
         )
 
@@ -94,8 +94,10 @@ class Deviations:
 
     measured: MeasuredLaw
     point: NDArray[np.intp]
-    prediction: Prediction
-    covariance: FloatArray
+    predicted: FloatArray  # (m,), rescaled friction of the design [mm^2]
+    slope: FloatArray  # (m,), its mean slope over the error bar of the load [-]
+    operating: FloatArray  # (q,), its rescaled friction at the operating points of the target [mm^2]
+    covariance: FloatArray  # (m, m), [mm^4]
 
     @property
     def load(self) -> FloatArray:
@@ -105,7 +107,7 @@ class Deviations:
     @property
     def values(self) -> FloatArray:
         """Deviations [mm^2]."""
-        return self.measured.rescaled_friction[self.point] - self.prediction.friction
+        return self.measured.rescaled_friction[self.point] - self.predicted
 
     def compared(self, which: NDArray[np.bool_]) -> MeasuredLaw:
         """Return the law of some of the compared points, as areas."""
@@ -123,13 +125,6 @@ class Deviations:
         value = predicted + float(weight @ self.values)
         sd = math.sqrt(float(weight @ self.covariance @ weight))
         return Feature(name, unit, value, sd, predicted, target, (value - sd, value + sd))
-
-
-def operating_loads(design: Design | FrictionLaw) -> FloatArray:
-    """Return the rescaled loads of the operating points of a design's target, (q,) [mm^2]."""
-    if isinstance(design, Design) and isinstance(design.target, OperatingPoints):
-        return design.target.rescaled_load
-    return np.empty(0)
 
 
 def features_of(
@@ -159,14 +154,12 @@ def _slopes(found: Deviations, design: Design) -> tuple[list[Feature], list[Note
             continue
         centred = np.where(chosen, found.load - found.load[chosen].mean(), 0.0)
         weight = centred / (centred**2).sum()
-        features.append(
-            found.feature(name, "", weight, float(weight @ found.prediction.friction), branch.slope)
-        )
+        features.append(found.feature(name, "", weight, float(weight @ found.predicted), branch.slope))
     return features, notes
 
 
 def _points(found: Deviations, design: Design) -> tuple[list[Feature], list[Note]]:
-    """Return the friction at the operating points, from the two measured points beside each."""
+    """Return the friction at the operating points, from the two measured points around each."""
     features: list[Feature] = []
     notes: list[Note] = []
     if not isinstance(design.target, OperatingPoints):
@@ -174,7 +167,7 @@ def _points(found: Deviations, design: Design) -> tuple[list[Feature], list[Note
     for load, wanted, predicted in zip(
         design.target.rescaled_load.tolist(),
         design.target.rescaled_friction.tolist(),
-        found.prediction.operating.tolist(),
+        found.operating.tolist(),
         strict=True,
     ):
         name = f"friction at P/E* = {load:.3g} mm²"
@@ -214,9 +207,7 @@ def _crossover(found: Deviations, design: Design) -> tuple[list[Feature], list[N
     except InvalidInput as error:
         return [], [information(f"crossover: {error}")]
     # the same estimator on the law of the design at the same loads
-    exact = least(replace(points_of(law), y=found.prediction.friction[below][None]), TRIED).parameters[
-        0, KINK
-    ]
+    exact = least(replace(points_of(law), y=found.predicted[below][None]), TRIED).parameters[0, KINK]
     low, high = fit.crossover_interval
     sd = 0.5 * (high - low)
     feature = Feature(
@@ -225,30 +216,47 @@ def _crossover(found: Deviations, design: Design) -> tuple[list[Feature], list[N
     return [feature], [information(f"crossover: {note}") for note in fit.notes]
 
 
-@dataclass(frozen=True, eq=False)
-class Prediction:
-    """Rescaled friction of a design at measured loads (m,) and at operating points (q,) [mm^2], and slope."""
-
-    friction: FloatArray
-    slope: FloatArray  # (m,), mean slope over the error bar of the load [-]
-    operating: FloatArray
-
-
 @doing("computing the law of the design at the measured loads")
-def predicted_at(
-    measured: MeasuredLaw, point: NDArray[np.intp], design: Design | FrictionLaw, operating: FloatArray
-) -> Prediction:
-    """Return the prediction at some points of a law, and at other rescaled loads (q,) [mm^2]."""
+def deviations_of(
+    measured: MeasuredLaw,
+    point: NDArray[np.intp],
+    design: Design | FrictionLaw,
+    parameters: tuple[str, ...],
+    matrix: FloatArray,
+) -> Deviations:
+    """Return the deviations of points of a law, with the covariance matrix (p, p) of parameters."""
     x, sd = measured.rescaled_load[point], measured.rescaled_load_sd[point]
     end = float((design.law if isinstance(design, Design) else design).rescaled_load[-1])
     middle = np.clip(x, 0.0, end)
     low, high = np.clip(x - sd, 0.0, end), np.clip(x + sd, 0.0, end)
     # where the whole error bar lies below 0, the slope at the smallest loads
     high = np.where(high > low, high, np.minimum(sd, end))
+    operating = np.empty(0)
+    if isinstance(design, Design) and isinstance(design.target, OperatingPoints):
+        operating = design.target.rescaled_load
     loads, place = np.unique(np.concatenate([middle, low, high, operating]), return_inverse=True)
     friction = _law(measured, design, loads)[place]
-    at_middle, at_low, at_high, at_operating = np.split(friction, np.cumsum([len(x)] * 3))
-    return Prediction(at_middle, (at_high - at_low) / (high - low), at_operating)
+    predicted, at_low, at_high, at_operating = np.split(friction, np.cumsum([len(x)] * 3))
+    slope = (at_high - at_low) / (high - low)
+    total = np.diag(measured.rescaled_friction_sd[point] ** 2 + (slope * sd) ** 2)
+    if parameters:
+        changes = _changes(measured, point, slope)
+        jacobian = np.column_stack([changes[name] for name in parameters])
+        total = total + jacobian @ matrix @ jacobian.T
+    return Deviations(measured, point, predicted, slope, at_operating, total)
+
+
+def _changes(measured: MeasuredLaw, point: NDArray[np.intp], slope: FloatArray) -> dict[str, FloatArray]:
+    """Return the changes of the deviations (m,) with each parameter."""
+    changes = {
+        "composite_modulus": slope * measured.rescaled_load[point] / measured.material.composite_modulus
+    }
+    if measured.friction is not None:
+        # areas do not depend on the shear strength and the area ratio
+        by_force = measured.rescaled_friction[point] if measured.by_force else np.zeros(len(point))
+        changes["shear_strength"] = -by_force / measured.friction.shear_strength
+        changes["area_ratio"] = -by_force / measured.friction.area_ratio
+    return changes
 
 
 def _law(measured: MeasuredLaw, design: Design | FrictionLaw, rescaled_load: FloatArray) -> FloatArray:

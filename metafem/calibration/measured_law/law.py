@@ -37,7 +37,7 @@ class MeasuredLaw(BaseLaw):
     """Friction law of a part as measured: friction forces or contact areas at k loads, with error bars.
 
     The rescaled law is ``F/(sigma B)`` over ``P/E*`` where the friction force F was measured, else the
-    contact area A0 over P/E*. The standard deviations are those of the measurements alone: errors of E*,
+    contact area A0 over P/E*. The standard deviations are those of the measurements: errors of E*,
     sigma and B shift all points together, and `compare` takes them into account. Aymard et al., Science 383,
     200 (2024), doi:10.1126/science.adk4234, Figs. 3 to 5.
 
@@ -138,10 +138,10 @@ class MeasuredLaw(BaseLaw):
     ) -> MeasuredLaw:
         """Return the law of the contacts found in images.
 
-        The area of a load is the sum over its contacts. Images without a load, and images without a friction
-        force beside others that have one, are left out, and the notes name them. Areas of contacts that were
-        not matched to a site are part of the sums alone. Of an image in which the area of a matched contact
-        is unknown, the areas of the others are kept.
+        The area of a load is the sum over its contacts. Images without a load are left out, and where
+        some have a friction force, those without; the notes name them. Areas of contacts that were not
+        matched to a site are part of the sums only. Of an image in which the area of a matched contact is
+        unknown, the areas of the others are used.
 
         Parameters
         ----------
@@ -194,17 +194,17 @@ class MeasuredLaw(BaseLaw):
 
     def known(self) -> MeasuredLaw:
         """Return the law of the loads at which all contacts, or the friction force, were measured."""
-        kept = ~np.isnan(self.rescaled_friction)
-        if kept.all():
+        known = ~np.isnan(self.rescaled_friction)
+        if known.all():
             return self
-        if not kept.any():
+        if not known.any():
             raise InvalidInput(
                 "the contact area is unknown at every load, since an area of a contact is nan at each; "
                 "give friction forces, or areas at more loads"
             )
         arrays = {name: getattr(self, name) for name in ARRAYS if name != "site"}
         changes: dict[str, Any] = {
-            name: None if values is None else values[kept] for name, values in arrays.items()
+            name: None if values is None else values[known] for name, values in arrays.items()
         }
         return replace(self, **changes)
 

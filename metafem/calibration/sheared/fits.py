@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -13,6 +12,7 @@ from metafem.calibration.measurement_errors import MeasurementErrors
 from metafem.calibration.resampling import Bootstrap
 from metafem.calibration.serial_correlation import Succession
 from metafem.calibration.sheared.proportional import proportional
+from metafem.calibration.sheared.result import ShearCalibration
 from metafem.calibration.verdict import SingleTest, Verdict, errors_of, judged_in_order
 from metafem.notes import Note
 
@@ -21,18 +21,6 @@ LINES = ("Af = B A0", "F = sigma Af")
 
 # Numbers of points that are drawn at once.
 AT_ONCE = 200_000
-
-
-@dataclass(frozen=True, eq=False)
-class ShearFit:
-    """B and sigma with their covariance, the fitted A0 and what the points say of the two lines."""
-
-    parameters: FloatArray
-    covariance: FloatArray
-    value: FloatArray
-    residual: tuple[FloatArray, FloatArray]
-    verdicts: tuple[Verdict, Verdict]
-    notes: tuple[Note, ...]
 
 
 def parameters(points: FloatArray, errors: MeasurementErrors) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -49,7 +37,7 @@ def parameters(points: FloatArray, errors: MeasurementErrors) -> tuple[FloatArra
     return np.stack([ratio, strength], axis=-1), covariance, value
 
 
-def fitted(points: FloatArray, test: Sequence[str], errors: MeasurementErrors) -> ShearFit:
+def fitted(points: FloatArray, test: Sequence[str], errors: MeasurementErrors) -> ShearCalibration:
     """Fit points (3, k); those with a single quantity have no fitted value."""
     used = np.isfinite(points).sum(axis=0) >= 2
     value = np.full(points.shape[1], np.nan)
@@ -72,7 +60,21 @@ def fitted(points: FloatArray, test: Sequence[str], errors: MeasurementErrors) -
         verdicts.append(verdict)
         notes += more
     covariance = covariance * np.outer(factor, factor)
-    return ShearFit(found, covariance, value, residual, (verdicts[0], verdicts[1]), tuple(notes))
+    return ShearCalibration(
+        area_ratio=float(ratio),
+        shear_strength=float(strength),
+        covariance=covariance,
+        area_before=before,
+        area_sheared=sheared,
+        friction_force=force,
+        area_fitted=value,
+        area_residual=residual[0],
+        friction_residual=residual[1],
+        area_verdict=verdicts[0],
+        friction_verdict=verdicts[1],
+        errors=errors,
+        notes=tuple(notes),
+    )
 
 
 def fitted_tests(

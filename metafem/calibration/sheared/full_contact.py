@@ -15,7 +15,8 @@ from metafem import drawing
 from metafem._given import formatted, label, shown
 from metafem._validate import FloatArray
 from metafem._values import Value
-from metafem.calibration.bounded_interval import bounded_interval
+from metafem.calibration.bounded_interval import interval_of
+from metafem.calibration.joint import checked_covariance
 from metafem.calibration.measured_law.law import MeasuredLaw
 from metafem.calibration.sheared.proportional import proportional
 from metafem.calibration.verdict import Verdict, judged
@@ -33,13 +34,10 @@ if TYPE_CHECKING:
 # rounding 1e-16 over it.
 STEP = 1e-4
 
-# Steps that find the load at which the last asperity comes into contact, for an error alone.
+# Steps that find the load at which the last asperity comes into contact, for the message of an error.
 DOUBLINGS, HALVINGS = 10, 12
 
-# Rounding of correlations.
-ROUNDING = 1e-9
-
-# Parameters whose errors may be given.
+# Parameters whose errors change sigma.
 PARAMETERS = ("composite_modulus", "area_ratio", "radius")
 
 # Of a factor: one, and one more for a residual.
@@ -107,7 +105,7 @@ def shear_strength(
     check.instance("surface", surface, Surface, "a metafem.Surface")
     least = check.number("load_min", load_min, above=0.0)
     solver = Independent() if model is None else model
-    names, given = _covariance(covariance, parameters)
+    names, known = _covariance(covariance, parameters)
     if law.friction_force is None or law.friction_force_sd is None:
         raise InvalidInput("law has no friction forces; sigma needs them")
     friction = surface.friction or law.friction
@@ -143,7 +141,7 @@ def shear_strength(
     residual = (force - factor * area) / np.sqrt(square)
     strength = factor / friction.area_ratio
     measured = float(variance) / friction.area_ratio**2
-    # relative changes of sigma: those of the areas at the given loads, weighted as in the fit, and of B
+    # relative changes of sigma: those of the areas at these loads, weighted as in the fit, and of B
     weight = area / square / (area**2 / square).sum()
     modulus = surface.material.composite_modulus
     change = {
@@ -154,9 +152,9 @@ def shear_strength(
     gradient = strength * np.array([change[name]() for name in names])
     p = len(names)
     whole = np.zeros((p + 1, p + 1))
-    whole[:p, :p] = given
-    whole[p, :p] = whole[:p, p] = given @ gradient
-    whole[p, p] = gradient @ given @ gradient + measured
+    whole[:p, :p] = known
+    whole[p, :p] = whole[:p, p] = known @ gradient
+    whole[p, p] = gradient @ known @ gradient + measured
     return StrengthFit(
         float(strength),
         (*names, "shear_strength"),
@@ -173,24 +171,19 @@ def shear_strength(
     )
 
 
-def _covariance(given: ArrayLike | None, parameters: Sequence[str]) -> tuple[tuple[str, ...], FloatArray]:
+def _covariance(
+    covariance: ArrayLike | None, parameters: Sequence[str]
+) -> tuple[tuple[str, ...], FloatArray]:
     """Return the names of the parameters that change sigma and their covariance."""
-    if given is None:
+    if covariance is None:
         return (), np.zeros((0, 0))
     names = tuple(parameters)
     unknown = [name for name in names if name not in (*PARAMETERS, "shear_strength")]
     if unknown or len(set(names)) < len(names):
         raise InvalidInput(f"parameters = {shown(names)} must be different names of {', '.join(PARAMETERS)}")
-    matrix = check.array("covariance", given, shape=(len(names), len(names)))
-    scale = np.sqrt(np.abs(np.diagonal(matrix)))
-    scaled = matrix / np.where(scale > 0.0, scale, 1.0) / np.where(scale > 0.0, scale, 1.0)[:, None]
-    if not np.allclose(scaled, scaled.T, atol=ROUNDING) or np.linalg.eigvalsh(scaled)[0] < -ROUNDING:
-        raise InvalidInput(
-            f"covariance = {shown(matrix.tolist())} of {', '.join(names)} must be symmetric and positive "
-            "semidefinite"
-        )
-    kept = [i for i, name in enumerate(names) if name in PARAMETERS]
-    return tuple(names[i] for i in kept), matrix[np.ix_(kept, kept)]
+    matrix = checked_covariance(names, covariance)
+    rows = [i for i, name in enumerate(names) if name in PARAMETERS]
+    return tuple(names[i] for i in rows), matrix[np.ix_(rows, rows)]
 
 
 def _growth(surface: Surface, model: Model, load: FloatArray) -> FloatArray:
@@ -254,11 +247,11 @@ class StrengthFit(Value):
     shear_strength : float
         sigma [MPa].
     parameters : tuple of str
-        Names of the rows of `covariance`: the given parameters, and ``shear_strength`` last.
+        Names of the rows of `covariance`: those of the call, and ``shear_strength`` last.
     covariance : ndarray, (p, p)
         Their covariance, in mm, MPa and 1.
     measured_sd : float
-        Standard deviation of sigma from the errors of loads and friction forces alone [MPa].
+        Standard deviation of sigma from the errors of loads and friction forces only [MPa].
     load, friction_force : ndarray, (k,)
         Measured points that were used [N].
     area : ndarray, (k,)
@@ -321,8 +314,7 @@ class StrengthFit(Value):
     @property
     def shear_strength_interval(self) -> tuple[float, float]:
         """68 % interval of sigma [MPa]."""
-        low, high = bounded_interval(self.shear_strength, np.sqrt(self.covariance[-1, -1]))
-        return float(low), float(high)
+        return interval_of(self.shear_strength, self.covariance[-1, -1])
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw friction forces over predicted areas with error bars and the line, and return the axes.
@@ -333,11 +325,9 @@ class StrengthFit(Value):
             Axes to draw on; default: those of a new figure of ``matplotlib.pyplot``.
         """
         ax = drawing.axes(ax)
-        calibration.measured(ax, self.area, self.friction_force, self.area_sd, self.friction_force_sd)
-        ends = np.array([0.0, 1.05 * float(self.area.max())])
-        calibration.fitted(ax, ends, self.shear_strength * self.area_ratio * ends)
+        factor = self.shear_strength * self.area_ratio
+        deviations = self.area_sd, self.friction_force_sd
+        calibration.proportional(ax, self.area, self.friction_force, *deviations, factor)
         ax.set_xlabel("predicted area  A0 [mm²]")
         ax.set_ylabel("friction force  F [N]")
-        ax.set_xlim(left=0.0)
-        ax.set_ylim(bottom=0.0)
         return ax

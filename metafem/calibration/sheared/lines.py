@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from metafem._validate import FloatArray
 from metafem.calibration.magnitude import OFF, is_off, unit_hint, within_errors
 from metafem.calibration.measurement_errors import MeasurementErrors
 from metafem.calibration.resampling import Bootstrap, labels_of
-from metafem.calibration.sheared.fits import LINES, ShearFit, fitted, fitted_tests, resampled
+from metafem.calibration.sheared.fits import LINES, fitted, fitted_tests, resampled
 from metafem.calibration.sheared.record import measured_or_nan
 from metafem.calibration.sheared.result import ShearCalibration
 from metafem.calibration.verdict import Heterogeneity, heterogeneity
@@ -51,7 +52,7 @@ def shear(
     unknown of the fit: A0, B A0 and sigma B A0 were measured with independent errors, whose standard
     deviations follow from the fitted values. The sheared area belongs to both lines, which makes B and sigma
     correlated (about -0.3 with the default errors). Separate fits of the two lines have nearly the same
-    values and errors, but they do not find this covariance, and from their errors alone that of sigma B
+    values and errors, but they do not find this covariance, and from their errors that of sigma B
     would be too large. Aymard et al., Science 383, 200 (2024),
     doi:10.1126/science.adk4234, Fig. 2, C and D.
 
@@ -98,50 +99,35 @@ def shear(
             both = f"{NAMES[first]} and {NAMES[second]}"
             raise InvalidInput(f"{line} needs at least {FEWEST} points with {both}; there are {number}")
     found = fitted(points, names, errors)
-    _refuse_contradiction(points, found)
+    _refuse_contradiction(found)
     tests = fitted_tests(points, names, errors) if len(set(names)) > 1 else ()
-    draws = None if bootstrap is None else resampled(points, names, errors, bootstrap)
-    ratio, strength = found.parameters.tolist()
     compared = heterogeneity(tests) if tests else None
-    return ShearCalibration(
-        ratio,
-        strength,
-        found.covariance,
-        points[0],
-        points[1],
-        points[2],
-        found.value,
-        found.residual[0],
-        found.residual[1],
-        found.verdicts[0],
-        found.verdicts[1],
-        errors,
-        tests,
-        compared,
-        draws,
-        tuple(_notes(points, found, errors, compared)),
-    )
+    draws = None if bootstrap is None else resampled(points, names, errors, bootstrap)
+    notes = tuple(_notes(found, compared))
+    return replace(found, tests=tests, heterogeneity=compared, bootstrap=draws, notes=notes)
 
 
-def _points(*given: ArrayLike) -> FloatArray:
+def _points(*quantities: ArrayLike) -> FloatArray:
     """Return the measured quantities (3, k), areas of several contacts added."""
-    columns = [measured_or_nan(name, value) for name, value in zip(NAMES, given, strict=True)]
+    columns = [measured_or_nan(name, value) for name, value in zip(NAMES, quantities, strict=True)]
     lengths = {name: len(column) for name, column in zip(NAMES, columns, strict=True)}
     if len(set(lengths.values())) > 1:
-        told = ", ".join(f"{name} has {length}" for name, length in lengths.items())
-        raise InvalidInput(f"{told} points; all must have the same number")
+        lengths_of = ", ".join(f"{name} has {length}" for name, length in lengths.items())
+        raise InvalidInput(f"{lengths_of} points; all must have the same number")
     return np.stack(columns)
 
 
-def _refuse_contradiction(points: FloatArray, found: ShearFit) -> None:
+def _refuse_contradiction(found: ShearCalibration) -> None:
     """Refuse a strength that is not positive, and lines that the points reject by a negative slope."""
-    if found.parameters[1] <= 0.0:
+    if found.shear_strength <= 0.0:
         raise InvalidInput(
-            f"friction_force is not positive on the whole: sigma = {found.parameters[1]:.4g} MPa; forces "
+            f"friction_force is not positive on the whole: sigma = {found.shear_strength:.4g} MPa; forces "
             "that resist sliding are positive"
         )
-    for index, verdict in enumerate(found.verdicts):
-        x, y = points[index : index + 2][:, np.isfinite(points[index : index + 2]).all(axis=0)]
+    quantities = [getattr(found, name) for name in NAMES]
+    for index, verdict in enumerate((found.area_verdict, found.friction_verdict)):
+        both = np.stack(quantities[index : index + 2])
+        x, y = both[:, np.isfinite(both).all(axis=0)]
         apart = x - x.mean()
         slope = float((apart * y).sum())
         if slope < 0.0 and not verdict.fits:
@@ -152,18 +138,15 @@ def _refuse_contradiction(points: FloatArray, found: ShearFit) -> None:
             )
 
 
-def _notes(
-    points: FloatArray, found: ShearFit, errors: MeasurementErrors, compared: Heterogeneity | None
-) -> list[Note]:
+def _notes(found: ShearCalibration, compared: Heterogeneity | None) -> list[Note]:
     """Return notes on lines and tests that do not fit, and on points that lack a quantity."""
-    known = np.isfinite(points)
     notes = [
         Note(f"{line}: {verdict}; the stated uncertainties hold only for a law that fits, without outliers")
-        for line, verdict in zip(LINES, found.verdicts, strict=True)
-        if not (verdict.law_fits and not verdict["largest"].noticed)
+        for line, verdict in zip(LINES, (found.area_verdict, found.friction_verdict), strict=True)
+        if not verdict.law_fits or verdict["largest"].noticed
     ]
     notes += found.notes
-    ratio, sd = found.parameters[0], np.sqrt(found.covariance[0, 0])
+    ratio, sd = found.area_ratio, np.sqrt(found.covariance[0, 0])
     if ratio > 1.0 + ABOVE_ONE * sd:
         notes.append(
             Note(
@@ -172,27 +155,24 @@ def _notes(
                 "check that they are not exchanged"
             )
         )
-    notes += _magnitudes(points, found, errors)
+    notes += _magnitudes(found)
     if compared is not None and not compared.agree:
         notes.append(compared.note())
-    single = int((known.sum(axis=0) < 2).sum())
-    if single:
-        count = known.shape[1]
+    unused, count = int(np.isnan(found.area_fitted).sum()), len(found.area_fitted)
+    if unused:
         notes.append(
-            information(f"{single} of {count} points hold less than two quantities and are not used")
+            information(f"{unused} of {count} points hold less than two quantities and are not used")
         )
     return notes
 
 
-def _magnitudes(points: FloatArray, found: ShearFit, errors: MeasurementErrors) -> list[Note]:
+def _magnitudes(found: ShearCalibration) -> list[Note]:
     """Return notes on values that only a wrong unit explains."""
-    before, sheared, force = points
-    notes = [
-        *within_errors(NAMES[0], before, errors.of_area(before)),
-        *within_errors(NAMES[1], sheared, errors.of_area(sheared)),
-        *within_errors(NAMES[2], force, errors.of_friction_force(force)),
-    ]
-    ratio, strength = found.parameters.tolist()
+    deviations = (found.errors.of_area, found.errors.of_area, found.errors.of_friction_force)
+    notes: list[Note] = []
+    for name, of in zip(NAMES, deviations, strict=True):
+        notes += within_errors(name, getattr(found, name), of(getattr(found, name)))
+    ratio, strength = found.area_ratio, found.shear_strength
     if is_off(ratio):
         notes.append(Note(f"B = {ratio:.2g}, but areas change little; {unit_hint(NAMES[1], ratio)}"))
     soft = ratio < 1.0 - ABOVE_ONE * math.sqrt(found.covariance[0, 0])

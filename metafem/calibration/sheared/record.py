@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from metafem import _validate as check
-from metafem._given import formatted, label, plain, shown
+from metafem._given import formatted, plain, shown
 from metafem._validate import FloatArray
 from metafem._values import Value, span
 from metafem.errors import InvalidInput
@@ -128,14 +128,13 @@ def shear_record(
     """
     x = check.array("displacement", displacement, shape=(None,))
     force = check.array("friction_force", friction_force, shape=(len(x),))
-    low, high = _range(sliding_range)
-    back = np.flatnonzero(np.diff(x) < 0.0)
-    if back.size:
-        i = int(back[0]) + 1
-        raise InvalidInput(
-            f"{label(f'displacement[{i}]')} = {formatted('displacement', x[i])} is less than the "
-            "one before; give one pull in one direction"
-        )
+    low, high = check.array("sliding_range", sliding_range, shape=(2,)).tolist()
+    if not 0.0 <= low < high:
+        raise InvalidInput(f"sliding_range = ({low:g}, {high:g}) must increase and not begin before the peak")
+    back = np.diff(x, prepend=x[0]) < 0.0
+    check.refuse_entries(
+        "displacement", x, back, "is less than the one before; give one pull in one direction"
+    )
     peak = int(force.argmax())
     _refuse_without_peak(x, force, peak)
     after = x - x[peak]
@@ -184,14 +183,6 @@ def shear_record(
         areas,
         tuple(notes),
     )
-
-
-def _range(given: tuple[float, float]) -> tuple[float, float]:
-    """Return the sliding range; it may begin at the peak."""
-    low, high = check.array("sliding_range", given, shape=(2,)).tolist()
-    if not 0.0 <= low < high:
-        raise InvalidInput(f"sliding_range = ({low:g}, {high:g}) must increase and not begin before the peak")
-    return low, high
 
 
 def _refuse_without_peak(x: FloatArray, force: FloatArray, peak: int) -> None:
@@ -273,11 +264,8 @@ def measured_or_nan(name: str, value: ArrayLike) -> FloatArray:
     known = entries[np.isfinite(entries)]
     if known.size:
         check.array(name, known, shape=(None,))
-    if not force and known.size and known.min() <= 0.0:
-        index = ", ".join(str(i) for i in np.argwhere(entries <= 0.0)[0])
-        least = formatted(name, float(entries[entries <= 0.0][0]))
-        raise InvalidInput(
-            f"{label(f'{name}[{index}]')} = {least} must be greater than 0; leave out points without contact"
-        )
+    if not force:
+        without = "must be greater than 0; leave out points without contact"
+        check.refuse_entries(name, entries, entries <= 0.0, without)
     total: FloatArray = entries if entries.ndim == 1 else entries.sum(axis=1)
     return total

@@ -11,7 +11,7 @@ from metafem import drawing
 from metafem._given import shown
 from metafem._validate import FloatArray
 from metafem._values import Value
-from metafem.calibration.bounded_interval import bounded_interval
+from metafem.calibration.bounded_interval import interval_of
 from metafem.calibration.measurement_errors import MeasurementErrors
 from metafem.calibration.verdict import Heterogeneity, SingleTest, Verdict
 from metafem.drawing import calibration
@@ -106,12 +106,12 @@ class ShearCalibration(Value):
     @property
     def area_ratio_interval(self) -> tuple[float, float]:
         """68 % interval of B [-]."""
-        return self._interval(self.area_ratio, 0)
+        return interval_of(self.area_ratio, self.covariance[0, 0])
 
     @property
     def shear_strength_interval(self) -> tuple[float, float]:
         """68 % interval of sigma [MPa]."""
-        return self._interval(self.shear_strength, 1)
+        return interval_of(self.shear_strength, self.covariance[1, 1])
 
     def plot(self, ax: Axes | None = None, line: Literal["area", "friction"] = "friction") -> Axes:
         """Draw the points of one line with their error bars, and return the axes.
@@ -141,15 +141,7 @@ class ShearCalibration(Value):
         else:
             x, y, factor = self.area_sheared, self.friction_force, self.shear_strength
             x_sd, y_sd = of_area(sheared), self.errors.of_friction_force(self.shear_strength * sheared)
-        calibration.measured(ax, x, y, x_sd, y_sd)
-        ends = np.array([0.0, 1.05 * float(np.nanmax(x))])
-        calibration.fitted(ax, ends, factor * ends)
+        calibration.proportional(ax, x, y, x_sd, y_sd, factor)
         ax.set_xlabel("area before shear  A0 [mm²]" if line == "area" else "sheared area  Af [mm²]")
         ax.set_ylabel("sheared area  Af [mm²]" if line == "area" else "friction force  F [N]")
-        ax.set_xlim(left=0.0)
-        ax.set_ylim(bottom=0.0)
         return ax
-
-    def _interval(self, value: float, index: int) -> tuple[float, float]:
-        low, high = bounded_interval(value, np.sqrt(self.covariance[index, index]))
-        return float(low), float(high)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -97,7 +98,7 @@ def match_sites(
     -----
     A square lattice with its outer row open looks like a smaller lattice in two places, and
     ``SiteMatch.ambiguous`` says so unless the areas decide. Without areas, the design's middle is then placed
-    as near as possible to the middle of the frame or of the contacts. From positions alone nothing can tell
+    as near as possible to the middle of the frame or of the contacts. Positions do not show
     a mirrored square lattice, nor one turned by 90°.
 
     Examples
@@ -132,14 +133,13 @@ def match_sites(
             raise InvalidInput(
                 f"{len(points)} {what} cannot be matched: shift, rotation and scale need at least {FEWEST}"
             )
-    scene = _Scene(complex_points(centres), sites, bounds, areas, size)
-    lattice = scene.lattice(mirrored)
-    if lattice.spacing == 0.0:
+    scene = _Scene(complex_points(centres), sites, mirrored, bounds, areas, size)
+    if scene.lattice.spacing == 0.0:
         raise InvalidInput("site_position holds coincident sites; each site must have a position of its own")
-    poses = scene.poses(mirrored)
+    poses = scene.poses()
     if not poses or poses[0].matched < max(FEWEST, ON_SITES * len(centres)):
-        raise InvalidInput(scene.another_lattice(poses[:1], mirrored))
-    return scene.match(poses, mirrored)
+        raise InvalidInput(scene.another_lattice(poses[:1]))
+    return scene.match(poses)
 
 
 def viewing_side(viewed_from: Any) -> bool:
@@ -154,67 +154,64 @@ def viewing_side(viewed_from: Any) -> bool:
 
 @dataclass(frozen=True)
 class _Scene:
-    """The contacts in an image, the sites of a design, and what else is known."""
+    """The contacts in an image, the sites of a design as seen from one side, and what else is known."""
 
     points: ComplexArray
     sites: FloatArray
+    mirrored: bool
     bounds: Bounds
     areas: tuple[FloatArray, FloatArray] | None
     frame: FloatArray | None
 
-    def lattice(self, mirrored: bool) -> Lattice:
-        return Lattice(complex_points(self.sites, mirrored))
+    @cached_property
+    def lattice(self) -> Lattice:
+        return Lattice(complex_points(self.sites, self.mirrored))
 
-    def poses(self, mirrored: bool) -> list[Pose]:
+    def poses(self) -> list[Pose]:
         """Return the poses that match most contacts, all of them equally many, the most likely first."""
-        lattice = self.lattice(mirrored)
-        found = search.searched(self.points, lattice, self.bounds)
+        found = search.searched(self.points, self.lattice, self.bounds)
         if not found:
             return []
-        shifted = search.shifted(self.points, lattice, found[0], self.bounds)
-        return self._best([*found, *shifted], lattice)
+        return self._best([*found, *search.shifted(self.points, self.lattice, found[0], self.bounds)])
 
-    def view(self, pose: Pose, mirrored: bool, quarters: int) -> list[Pose]:
-        """Return the best poses from a side after quarter turns of a pose, for lattices that allow them."""
+    def turned(self, pose: Pose, quarters: int) -> list[Pose]:
+        """Return the best poses after quarter turns of a pose, for lattices that allow them."""
         turned = Similarity(pose.similarity.factor * 1j**quarters, pose.similarity.shift)
-        rotation = self.bounds.rotation + 0.5 * math.pi * quarters
-        bounds = Bounds(rotation, self.bounds.turn, self.bounds.stretch)
-        lattice = self.lattice(mirrored)
-        return self._best(search.shifted(self.points, lattice, Pose(turned, pose.site), bounds), lattice)
+        bounds = replace(self.bounds, rotation=self.bounds.rotation + 0.5 * math.pi * quarters)
+        return self._best(search.shifted(self.points, self.lattice, Pose(turned, pose.site), bounds))
 
-    def _best(self, poses: list[Pose], lattice: Lattice) -> list[Pose]:
+    def _best(self, poses: list[Pose]) -> list[Pose]:
         if not poses:
             return []
         known = {pose.site.tobytes(): pose for pose in reversed(poses)}
         most = max(pose.matched for pose in known.values())
         best = [pose for pose in known.values() if pose.matched == most]
         if self.areas is None:
-            return sorted(best, key=lambda pose: self._off_centre(pose, lattice))
-        return sorted(best, key=lambda pose: -self.likely(pose, lattice))
+            return sorted(best, key=self._off_centre)
+        return sorted(best, key=lambda pose: -self.likely(pose))
 
-    def _off_centre(self, pose: Pose, lattice: Lattice) -> float:
+    def _off_centre(self, pose: Pose) -> float:
         """Return the distance between the middle of the design and that of the frame or of the contacts."""
         middle = 0.5 * complex(*self.frame) if self.frame is not None else self.points.mean()
-        return float(abs(pose.similarity.image(lattice.sites).mean() - middle))
+        return float(abs(pose.similarity.image(self.lattice.sites).mean() - middle))
 
-    def likely(self, pose: Pose, lattice: Lattice) -> float:
+    def likely(self, pose: Pose) -> float:
         """Return the log-likelihood of the areas."""
         assert self.areas is not None
         seen = np.ones(len(self.sites), dtype=bool)
         if self.frame is not None:
-            place = real_points(pose.similarity.image(lattice.sites))
+            place = real_points(pose.similarity.image(self.lattice.sites))
             seen = np.all((place >= 0.0) & (place <= self.frame), axis=1)
         return log_likelihood(*self.areas, pose.site, seen)
 
-    def match(self, poses: list[Pose], mirrored: bool) -> SiteMatch:
+    def match(self, poses: list[Pose]) -> SiteMatch:
         """Return the first of the poses, which match equally many contacts."""
-        best, lattice = poses[0], self.lattice(mirrored)
-        similarity = best.similarity
+        best, similarity = poses[0], poses[0].similarity
         matched = best.site >= 0
-        away = self.points[matched] - similarity.image(lattice.sites[best.site[matched]])
+        away = self.points[matched] - similarity.image(self.lattice.sites[best.site[matched]])
         ambiguous = len(poses) > 1
         if self.areas is not None and ambiguous:
-            ambiguous = not decides(self.likely(best, lattice), self.likely(poses[1], lattice))
+            ambiguous = not decides(self.likely(best), self.likely(poses[1]))
         site = best.site.copy()
         site.flags.writeable = False
         return SiteMatch(
@@ -222,13 +219,13 @@ class _Scene:
             shift=np.array([similarity.shift.real, similarity.shift.imag]),
             rotation=float(np.angle(similarity.factor)),
             scale=abs(similarity.factor),
-            mirrored=mirrored,
+            mirrored=self.mirrored,
             residual=float(np.sqrt(np.mean(np.abs(away) ** 2))),
             ambiguous=ambiguous,
-            notes=tuple(self._notes(poses, mirrored, ambiguous)),
+            notes=tuple(self._notes(poses, ambiguous)),
         )
 
-    def _notes(self, poses: list[Pose], mirrored: bool, ambiguous: bool) -> list[Note]:
+    def _notes(self, poses: list[Pose], ambiguous: bool) -> list[Note]:
         notes = []
         n, best = len(poses), poses[0]
         if ambiguous:
@@ -249,24 +246,21 @@ class _Scene:
                 )
             )
         if self.areas is not None:
-            notes += self._other_views(best, mirrored)
+            notes += self._other_views(best)
         return notes
 
-    def _other_views(self, best: Pose, mirrored: bool) -> list[Note]:
+    def _other_views(self, best: Pose) -> list[Note]:
         """Return a warning if the areas are more likely from the other side or after a quarter turn."""
-        own = self.likely(best, self.lattice(mirrored))
-        others = []
-        for side in (mirrored, not mirrored):
-            for quarter in range(4):
-                if side == mirrored and not quarter:
-                    continue
-                poses = self.view(best, side, quarter)
+        own, others = self.likely(best), []
+        for scene in (self, replace(self, mirrored=not self.mirrored)):
+            for quarter in range(scene is self, 4):
+                poses = scene.turned(best, quarter)
                 if poses and poses[0].matched >= best.matched:
-                    others.append((self.likely(poses[0], self.lattice(side)), side, 90 * quarter))
-        likely, side, angle = max(others, default=(own, mirrored, 0))
+                    others.append((scene.likely(poses[0]), scene.mirrored, 90 * quarter))
+        likely, side, angle = max(others, default=(own, self.mirrored, 0))
         if not decides(likely, own):
             return []
-        views = [name for name, value in SIDES.items() if value == side and side != mirrored]
+        views = [name for name, value in SIDES.items() if value == side != self.mirrored]
         changes = [f"seen through the {name}" for name in views] + [f"turned by {angle}°"] * bool(angle)
         turn = (math.degrees(self.bounds.rotation) + angle + 180.0) % 360.0 - 180.0
         tries = [f"--viewed-from {name}" for name in views] + [f'--rotation "{turn:.4g} deg"'] * bool(angle)
@@ -277,9 +271,9 @@ class _Scene:
             )
         ]
 
-    def another_lattice(self, poses: list[Pose], mirrored: bool) -> str:
+    def another_lattice(self, poses: list[Pose]) -> str:
         """Return the error about contacts that are not on sites."""
-        lattice, count = self.lattice(mirrored), len(self.points)
+        lattice, count = self.lattice, len(self.points)
         own = Lattice(self.points).spacing
         apart = f"neighbours are {own:.3g} mm apart in the image and {lattice.spacing:.3g} mm in the design"
         turn, range_ = math.degrees(self.bounds.rotation), math.degrees(self.bounds.turn)

@@ -111,8 +111,7 @@ def placed(
         if len(inside) == 1 and own[inside[0]] > 0.0:
             site[region] = inside[0]
             taken.update(inside)
-    frame = areas.pixel_size * np.array(areas.shape[::-1])
-    outside = np.any((where < 0.0) | (where > frame), axis=1)
+    outside = np.any((where < 0.0) | (where > areas.frame), axis=1)
     outside[site[site >= 0]] = False
     spoilt, strays = [], []
     for region in np.flatnonzero(site < 0).tolist():

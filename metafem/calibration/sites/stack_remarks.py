@@ -50,7 +50,7 @@ def remarks_of(
 
 
 def not_numbered(areas: ContactAreas, known: NDArray[np.bool_]) -> tuple[str, ...]:
-    """Return what the image that numbers the contacts shows beside the known ones (n,)."""
+    """Return what the image that numbers the contacts shows besides the known ones (n,)."""
     left = ~known & (areas.edge | areas.merged)
     if not left.any():
         return ()

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from metafem import _validate as check
 from metafem._given import printable
@@ -33,11 +33,7 @@ def track_contacts(
     load: ArrayLike | None = None,
     friction_force: ArrayLike | None = None,
     sheared: Sequence[ContactAreas | None] | None = None,
-    site_position: ArrayLike | None = None,
-    site: ArrayLike | None = None,
-    viewed_from: str = "glass",
-    rotation: float = 0.0,
-    expected_area: Any = None,
+    sites: DesignSites | None = None,
 ) -> TrackedContacts:
     """Find the same contacts in all images of one sample, and list their areas.
 
@@ -61,17 +57,8 @@ def track_contacts(
         Normal load and friction force of each image [N]; nan where they are not known; default: not known.
     sheared : sequence of ContactAreas or None, (k,), optional
         Contacts of the images at the peak of the friction force; default: none.
-    site_position : array_like, (m, 2), optional
-        Sites of the design [mm], as in `heights.csv`; default: contacts are not matched.
-    site : array_like of int, (m,), optional
-        Numbers of the sites in the table; default: 0 to m - 1.
-    viewed_from : {"glass", "block"}
-        As for `match_sites`; default: "glass".
-    rotation : float
-        As for `match_sites` [rad]; default: 0.
-    expected_area : array_like, (k, m), optional
-        Areas that the design's law predicts at the loads of the images [mm^2], nan where they are not known;
-        default: none.
+    sites : DesignSites, optional
+        Sites of the design, and how they are seen; default: contacts are numbered.
 
     Returns
     -------
@@ -94,17 +81,59 @@ def track_contacts(
     ([[0.032], [0.032]], array([0.05, 0.05]))
     """
     stack = _Stack.checked(areas, image, test, load, friction_force, sheared)
-    if site_position is None:
+    if sites is None:
         return stack.numbered()
-    sites = check.array("site_position", site_position, shape=(None, 2))
-    number = np.arange(len(sites)) if site is None else np.asarray(site, dtype=np.intp)
-    if number.shape != (len(sites),) or len(np.unique(number)) != len(sites):
-        raise InvalidInput(f"site must hold {len(sites)} different numbers, one for each site")
-    if expected_area is not None and np.shape(expected_area) != (len(stack.areas), len(sites)):
-        shape = (len(stack.areas), len(sites))
-        raise InvalidInput(f"expected_area has shape {np.shape(expected_area)}; it must have shape {shape}")
-    options = {"viewed_from": viewed_from, "rotation": rotation}
-    return stack.matched(sites, number, options, expected_area)
+    check.instance("sites", sites, DesignSites, "a metafem.calibration.DesignSites")
+    shape = (len(stack.areas), len(sites.position))
+    if sites.expected_area is not None and sites.expected_area.shape != shape:
+        raise InvalidInput(f"expected_area has shape {sites.expected_area.shape}; it must have shape {shape}")
+    return stack.matched(sites)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class DesignSites(Value):
+    """The m sites of a design, and how they are seen in images.
+
+    Parameters
+    ----------
+    position : array_like, (m, 2)
+        Sites of the design [mm], as in `heights.csv`.
+    number : array_like of int, (m,), optional
+        Numbers of the sites in the table; default: 0 to m - 1.
+    expected_area : array_like, (k, m), optional
+        Areas that the design's law predicts at the loads of k images [mm^2], nan where they are not known;
+        default: none.
+    viewed_from : {"glass", "block"}
+        As for `match_sites`; default: "glass".
+    rotation : float
+        As for `match_sites` [rad]; default: 0.
+
+    Raises
+    ------
+    InvalidInput
+        For numbers that are not different, one for each site.
+
+    Examples
+    --------
+    >>> DesignSites([[0.0, 0.0], [1.5, 0.0]]).number
+    array([0, 1])
+    """
+
+    position: FloatArray
+    number: NDArray[np.intp] = None  # type: ignore[assignment]
+    expected_area: FloatArray | None = None
+    viewed_from: str = "glass"
+    rotation: float = 0.0
+
+    def __post_init__(self) -> None:
+        position = check.array("site_position", self.position, shape=(None, 2))
+        m = len(position)
+        number = np.arange(m) if self.number is None else np.asarray(self.number, dtype=np.intp)
+        if number.shape != (m,) or len(np.unique(number)) != m:
+            raise InvalidInput(f"site must hold {m} different numbers, one for each site")
+        expected = None if self.expected_area is None else np.asarray(self.expected_area, dtype=np.float64)
+        for name, value in (("position", position), ("number", number), ("expected_area", expected)):
+            object.__setattr__(self, name, value)
 
 
 @dataclass(frozen=True)
@@ -183,32 +212,36 @@ class _Stack:
             table, reference, None, found, sheared, unclear_notes(self.image, found, "contact")
         )
 
-    def matched(
-        self, sites: FloatArray, number: Any, options: dict[str, Any], expected: Any
-    ) -> TrackedContacts:
+    def matched(self, sites: DesignSites) -> TrackedContacts:
         """Match the contacts of the fullest image to sites."""
-        reference, match = self._match(sites, options, expected)
-        names = [f"site {s}" for s in number]
-        found, sheared = self._placed(match.to_image(sites), names)
+        reference, match = self._match(sites)
+        names = [f"site {s}" for s in sites.number]
+        found, sheared = self._placed(match.to_image(sites.position), names)
         own = {reference: tuple(str(note) for note in match.notes if note.warns)}
-        table = self._table(found, sheared, sites, number, True, self._remarks(found, sheared, names, own))
+        remarks = self._remarks(found, sheared, names, own)
+        table = self._table(found, sheared, sites.position, sites.number, True, remarks)
         notes = tuple(replace(note, text=f"{self.image[reference]}: {note.text}") for note in match.notes)
         return TrackedContacts(
             table, reference, match, found, sheared, (*notes, *unclear_notes(self.image, found, "site"))
         )
 
-    def _match(self, sites: FloatArray, options: dict[str, Any], expected: Any) -> tuple[int, SiteMatch]:
+    def _match(self, sites: DesignSites) -> tuple[int, SiteMatch]:
         """Return the fullest image that can be matched, and its match."""
         first: InvalidInput | None = None
         for i in self.fullest()[:TRIED]:
             areas = self.areas[i]
-            known = None if expected is None else np.asarray(expected, dtype=np.float64)[i]
-            by_area = {}
-            if known is not None and np.isfinite(known).all():
-                by_area = {"area": areas.area[areas.complete], "expected_area": known}
-            frame = areas.pixel_size * np.array(areas.shape[::-1])
+            known = None if sites.expected_area is None else sites.expected_area[i]
+            decided = known is not None and np.isfinite(known).all()
             try:
-                match = match_sites(areas.centre[areas.complete], sites, frame=frame, **options, **by_area)
+                match = match_sites(
+                    areas.centre[areas.complete],
+                    sites.position,
+                    viewed_from=sites.viewed_from,
+                    rotation=sites.rotation,
+                    area=areas.area[areas.complete],
+                    expected_area=known if decided else None,
+                    frame=areas.frame,
+                )
             except InvalidInput as error:
                 first = first or InvalidInput(f"{printable(self.image[i], 60)}: {error}")
                 continue

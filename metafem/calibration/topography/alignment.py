@@ -30,7 +30,7 @@ class Alignment:
     """Sites of summits (m,), -1 where there is none; positions in the design's frame (m, 2) [mm].
 
     `rotation` is the angle of the part on the map, anticlockwise [rad], and `scale` that of distances on the
-    map. If not `decided`, another way to place the part fits the heights nearly as well. `misfit` is the
+    map. If not `decided`, another placement of the part fits the heights nearly as well. `misfit` is the
     standard deviation of the height errors [mm].
     """
 
@@ -82,10 +82,10 @@ def _placed(
     match = view(centre, design.position)
     if match.ambiguous:
         match = view(centre, design.position, area=height, expected_area=design.height)
-    kept = match.site >= 0
+    on_site = match.site >= 0
     points = centre * np.array([-1.0, 1.0]) if mirrored else centre
-    position, angle = _rigid(points, points[kept], design.position[match.site[kept]])
-    misfit = float((height[kept] - design.height[match.site[kept]]).std())
+    position, angle = _rigid(points, points[on_site], design.position[match.site[on_site]])
+    misfit = float((height[on_site] - design.height[match.site[on_site]]).std())
     turned = angle if mirrored else -angle
     return Alignment(match.site, position, turned, mirrored, match.scale, misfit, not match.ambiguous)
 

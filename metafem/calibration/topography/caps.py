@@ -86,7 +86,7 @@ def fitted_caps(
     The squares of the distances from the sphere, per area of the sphere, are minimised: roughness varies
     along the surface, so that equal areas of it have equal information. A pixel therefore counts with the
     cosine of its slope times the square of its vertical residual. Residuals above 4.5 robust standard
-    deviations are excluded, with the pixels beside them.
+    deviations are excluded, with their neighbours.
     """
     widest = max(cap.part(steepest) for cap in starts)
     side = max(1, round(2.0 * widest / ACROSS / max(height_map.pixel)))
@@ -152,7 +152,7 @@ def _fitted(
 def _outliers(
     z: FloatArray, known: NDArray[np.bool_], x: FloatArray, y: FloatArray, cap: Cap
 ) -> NDArray[np.bool_]:
-    """Return the pixels too far from a sphere and those beside them."""
+    """Return the pixels too far from a sphere and their neighbours."""
     square = (x - cap.x) ** 2 + (y - cap.y) ** 2
     root = np.sqrt(np.maximum(cap.radius**2 - square, 0.0))
     distance = (z - (cap.height - cap.radius + root)) * root / cap.radius

@@ -46,14 +46,14 @@ class Correction(Value):
 
     The height errors of the part are ``e = offset + scale (h - h0) + tilt_x x + tilt_y y + bow_xx x^2 +
     bow_xy x y + bow_yy y^2`` and a random rest, with the designed height h, its mean h0, and x, y from the
-    mean position. Only groups of terms that are significant at 1 % by an F test are kept.
+    mean position. Only groups of terms that are significant at 1 % by an F test are used.
 
     Attributes
     ----------
     surface : Surface
         The design with the heights to make next.
     terms : tuple of str
-        The terms that were kept: ``offset`` [mm], ``scale`` [-], ``tilt_x``, ``tilt_y`` [-], ``bow_xx``,
+        The significant terms: ``offset`` [mm], ``scale`` [-], ``tilt_x``, ``tilt_y`` [-], ``bow_xx``,
         ``bow_xy``, ``bow_yy`` [1/mm].
     value, value_sd : ndarray, (number of terms,)
         Their values and standard deviations.
@@ -152,14 +152,14 @@ def corrected_heights(design: Surface | Design, made: MadeSurface) -> Correction
     error = made.height_error
     every = _terms(wanted, made.site)
     fit = _significant(every, made.site, error)
-    kept = dict(zip(fit.names, fit.value.tolist(), strict=True))
-    systematic = sum((value * every[name] for name, value in kept.items()), np.zeros(wanted.count))
+    significant = dict(zip(fit.names, fit.value.tolist(), strict=True))
+    systematic = sum((value * every[name] for name, value in significant.items()), np.zeros(wanted.count))
     # the corrected height h' solves h' + e(h') = h
-    surface = wanted.replaced(height=wanted.height - systematic / (1.0 + kept.get("scale", 0.0)))
+    surface = wanted.replaced(height=wanted.height - systematic / (1.0 + significant.get("scale", 0.0)))
     random = max(fit.variance - float((made.height_sd**2).mean()), 0.0)
     # the errors of p terms add p / n of the variance, and that of the offset is common to all heights
-    terms = len(kept)
-    around = terms - ("offset" in kept)
+    terms = len(significant)
+    around = terms - ("offset" in significant)
     notes = _notes(made, surface, fit.left_out)
     return Correction(
         surface,

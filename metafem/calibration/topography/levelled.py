@@ -106,41 +106,41 @@ def levelled(
         )
     values = found.mean[known]
     matrix = _powers(u[known], v[known], bowed)
-    kept = np.ones(len(values), dtype=bool)
+    inside = np.ones(len(values), dtype=bool)
     weight = np.ones(len(values))
     sd = 0.0
     for step in range(STEPS):
-        weighted = matrix * (weight * kept)
+        weighted = matrix * (weight * inside)
         fit = np.linalg.lstsq(weighted @ matrix.T, weighted @ values, rcond=None)[0]
         residual = values - fit @ matrix
         if caps is None and step < STEPS // 2:  # least absolute deviations
             weight = 1.0 / np.maximum(np.abs(residual), 1e-3 * np.abs(residual).mean() + 1e-300)
             continue
         weight[:] = 1.0
-        middle = float(np.median(residual[kept]))
-        below = residual[residual <= middle] if caps is None else residual[kept]
+        middle = float(np.median(residual[inside]))
+        below = residual[residual <= middle] if caps is None else residual[inside]
         sd = SD_OF_MEDIAN * float(np.median(np.abs(below - middle)))
-        before, kept = kept, np.abs(residual - middle) <= OUTLIER * sd
-        if (before == kept).all():
+        before, inside = inside, np.abs(residual - middle) <= OUTLIER * sd
+        if (before == inside).all():
             break
-    if kept.sum() < FEWEST:
+    if inside.sum() < FEWEST:
         raise InvalidInput(
             f"{label('height_map')} holds no base plane: its cells between the summits do not lie on one"
         )
     grid = np.zeros(found.mean.shape)
-    grid[known] = np.where(kept, residual, 0.0)
-    used = np.zeros(found.mean.shape)
-    used[known] = kept
+    grid[known] = np.where(inside, residual, 0.0)
+    weight_of = np.zeros(found.mean.shape)
+    weight_of[known] = inside
     tensor = np.zeros((count, *found.mean.shape))
-    tensor[:, known] = matrix * kept
+    tensor[:, known] = matrix * inside
     bread = np.linalg.inv(np.einsum("kij,lij->kl", tensor, tensor))
-    meat = summed(tensor, correlation([grid], [used], count)) * float((residual[kept] ** 2).mean())
+    meat = summed(tensor, correlation([grid], [weight_of], count)) * float((residual[inside] ** 2).mean())
     scale = extent ** -np.array([sum(power) for power in BOWED[:count]], dtype=float)
     coefficient = np.zeros(6)
     coefficient[:count] = fit * scale
     return Levelling(
         centre, extent, coefficient[1:3], coefficient[3:], float(coefficient[0]), sd, found.size,
-        1.0 - float(kept.sum()) / float(np.isfinite(found.mean).sum()), bread @ meat @ bread,
+        1.0 - float(inside.sum()) / float(np.isfinite(found.mean).sum()), bread @ meat @ bread,
     )  # fmt: skip
 
 

@@ -28,7 +28,7 @@ ACROSS = 10
 # Summits are searched above this part of the lowest height of the design.
 LOWEST = 0.25
 
-# Caps lower than this part of their radius cannot be told from roughness [-]: 5 um for the paper's radius.
+# Caps lower than this part of their radius look like roughness [-]: 5 um for the paper's radius.
 FLATTEST = 0.01
 
 # A map needs at least this many pixels along each axis.
@@ -37,7 +37,7 @@ FEWEST = 16
 
 @dataclass(frozen=True, eq=False, repr=False)
 class MadeSurface(Value):
-    """A surface as it was made and measured, beside its design.
+    """A surface as it was made and measured, with its design.
 
     Attributes
     ----------

@@ -144,7 +144,7 @@ def measured_series(
     """Measure the images, with one threshold before and after shear, and follow the contacts."""
     import numpy as np
 
-    from metafem.calibration import stack_areas, track_contacts
+    from metafem.calibration import DesignSites, stack_areas, track_contacts
     from metafem.files import Images
 
     before = [shot.image for shot in series]
@@ -168,9 +168,9 @@ def measured_series(
     for i, one in zip(after, found[len(before) :], strict=True):
         sheared[i] = one
     sites, expected = _sites(options["sites"], load)
-    given: dict[str, Any] = {}
+    seen = None
     if sites is not None:
-        given = {"site_position": sites.position, "site": sites.number, "expected_area": expected}
+        seen = DesignSites(sites.position, sites.number, expected, options["viewed_from"], rotation)
     with doing("following the contacts"):
         tracked = track_contacts(
             areas,
@@ -179,9 +179,7 @@ def measured_series(
             load=load,
             friction_force=[shot.friction_force for shot in series],
             sheared=sheared,
-            viewed_from=options["viewed_from"],
-            rotation=rotation,
-            **given,
+            sites=seen,
         )
     more = [*notes, *_notes(images, areas, tracked, pixel)]
     if sites is not None and (expected is None or np.isnan(expected[tracked.reference]).any()):

@@ -228,15 +228,14 @@ def _of_contacts(
     place = np.array([f"{name}, image {image}" for image in contacts.image])
     test = np.array([each or label for each in contacts.test])
     used, left_out = pressed_images(contacts)
-    points, without = sheared_points(contacts)
+    points, image, without = sheared_points(contacts)
     found: list[Compression | Shear] = []
     if used.size:
         found.append(
             Compression(contacts.load[used], contacts.area[used], tuple(test[used]), tuple(place[used]))
         )
-    if points.image.size:
-        tests, places = tuple(test[points.image]), tuple(place[points.image])
-        found.append(Shear(points.area_before, points.area_sheared, points.friction_force, tests, places))
+    if image.size:
+        found.append(Shear(*points, tuple(test[image]), tuple(place[image])))
     if not found:
         why = "; ".join(map(str, left_out)) or "no image has a load and an area"
         raise InvalidInput(

@@ -9,8 +9,10 @@ import pytest
 
 import metafem as mf
 from metafem.calibration import Priors, explain
+from metafem.calibration.diagnosis.causes import Causes
 from metafem.calibration.diagnosis.sentences import ranking
-from tests.calibration.diagnosis.scenes import COMMON, design, measured
+from metafem.calibration.diagnosis.shares import unresolved
+from tests.calibration.diagnosis.scenes import COMMON, ERRORS, LOADS, design, measured
 
 PART = design((3, 3))
 
@@ -45,3 +47,26 @@ def test_a_negative_share_is_stated_so_that_the_named_ones_add_to_one():
     first, second = ranking({"radius": 0.95, "composite_modulus": 0.25, "friction": -0.2})
     assert first == "It is explained by radii (95 %) and E* (25 %)."
     assert second.startswith("All shares add to 100 %: negative is that of σB (-20 %)")
+
+
+def found(gradient: np.ndarray):
+    """Return what data with these derivatives by the five errors leave unresolved."""
+    causes = Causes.of(design((2, 2)), LOADS, ERRORS.of_load(LOADS), COMMON, True)
+    precision = np.eye(causes.size)
+    precision[:5, :5] += gradient.T @ gradient
+    return unresolved(causes, np.linalg.inv(precision), precision)
+
+
+def test_a_sum_of_two_errors_leaves_their_difference():
+    gradient = np.diag([100.0, 100.0, 100.0, 0.0, 0.0])
+    gradient[3, 3:] = 100.0
+    (one,) = found(gradient)
+    assert set(one.change) == {"composite_modulus", "friction"}
+    assert one.change["composite_modulus"] * one.change["friction"] < 0.0
+    assert one.variance_left > 0.999
+
+
+def test_what_is_not_measured_is_named_alone_and_what_is_measured_is_not():
+    names = [set(one.change) for one in found(np.diag([0.0, 100.0, 100.0, 100.0, 0.0]))]
+    assert names == [{"angle_x"}, {"friction"}]
+    assert found(100.0 * np.eye(5)) == ()

@@ -1,5 +1,7 @@
 """Contours against scikit-image's, and moments against closed forms."""
 
+from __future__ import annotations
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -7,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.ndimage import label
 from skimage.measure import euler_number, find_contours
 
-from metafem.calibration.images.boundary import contours
+from metafem.calibration.images.boundary import compactness, contours
 from validation.scenes.pictures import coverage
 
 
@@ -47,3 +49,32 @@ def test_an_image_without_regions_has_no_contours():
     found = contours(np.ones((9, 9), dtype=np.float32), np.zeros((9, 9), dtype=np.int32), 0.5, 0)
     assert found.area.shape == (0,)
     assert found.centre.shape == (0, 2)
+
+
+@pytest.mark.parametrize(("a", "b", "angle"), [(3.0, 3.0, 0.0), (5.0, 2.0, 0.3), (9.0, 1.0, 1.2)])
+def test_ellipses_have_the_compactness_one(a, b, angle):
+    cos, sin, area = np.cos(angle), np.sin(angle), np.pi * a * b
+    moment = (
+        area
+        / 4.0
+        * np.array(
+            [(a * cos) ** 2 + (b * sin) ** 2, (a * sin) ** 2 + (b * cos) ** 2, (a * a - b * b) * sin * cos]
+        )
+    )
+    assert compactness(np.array([area]), moment[None])[0] == pytest.approx(1.0, rel=1e-12)
+
+
+@pytest.mark.parametrize(("ratio", "expected"), [(1.0, 0.894), (0.5, 0.896), (0.3, 0.945)])
+def test_circles_that_touch(ratio, expected):
+    # parallel axes: the distance 1 + ratio, and the reduced area
+    areas = np.pi * np.array([1.0, ratio**2])
+    own = areas @ np.array([1.0, ratio**2]) / 4.0
+    along = own + areas.prod() / areas.sum() * (1.0 + ratio) ** 2
+    assert compactness(areas.sum(keepdims=True), np.array([[along, own, 0.0]]))[0] == pytest.approx(
+        expected, abs=1e-3
+    )
+
+
+def test_squares():
+    moment = np.array([[1.0 / 12.0, 1.0 / 12.0, 0.0]])
+    assert compactness(np.ones(1), moment)[0] == pytest.approx(3.0 / np.pi, rel=1e-12)

@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from metafem.calibration import track_contacts
+from metafem.calibration import DesignSites, track_contacts
 from metafem.errors import InvalidInput
 from metafem.notes import Note
 from tests.calibration.sites.scenes import contacts
@@ -36,8 +36,7 @@ def test_areas_stand_at_their_sites_in_all_images(mirrored):
         found,
         names,
         load=0.1 * np.arange(6),
-        site_position=SITES,
-        viewed_from="block" if mirrored else "glass",
+        sites=DesignSites(SITES, viewed_from="block" if mirrored else "glass"),
     )
     table = tracked.table
     np.testing.assert_allclose(table.area, exact, rtol=1e-12)
@@ -56,7 +55,7 @@ def test_areas_stand_at_their_sites_in_all_images(mirrored):
 def test_numbers_of_sites_are_those_given():
     few = np.arange(3, 64, 2)
     areas = contacts(seen(SITES[few])[::-1], 0.1 + 0.001 * few[::-1])
-    table = track_contacts([areas], ["a"], site_position=SITES[few], site=few).table
+    table = track_contacts([areas], ["a"], sites=DesignSites(SITES[few], few)).table
     assert table.site.tolist() == few.tolist()
     np.testing.assert_allclose(table.area[0], np.pi * (0.1 + 0.001 * few) ** 2, rtol=1e-12)
 
@@ -93,7 +92,7 @@ def test_sheared_images_move_with_their_contacts():
         None if i % 2 else replace(one, centre=one.centre + np.array([0.4, 0.1]), area=0.85 * one.area)
         for i, one in enumerate(found)
     ]
-    table = track_contacts(found, list("abcdef"), sheared=moved, site_position=SITES).table
+    table = track_contacts(found, list("abcdef"), sheared=moved, sites=DesignSites(SITES)).table
     np.testing.assert_allclose(table.sheared_area[::2], 0.85 * exact[::2], rtol=1e-12)
     assert np.isnan(table.sheared_area[1::2]).all()
 
@@ -101,7 +100,7 @@ def test_sheared_images_move_with_their_contacts():
 def test_a_shift_by_more_than_half_a_pitch_is_found_where_the_whole_lattice_is_seen():
     found, exact = loading(drift=0.0)
     moved = [replace(one, centre=one.centre + np.array([1.0, 0.0]), shape=(1400, 1600)) for one in found]
-    table = track_contacts([*found, moved[-1]], list("abcdefg"), site_position=SITES).table
+    table = track_contacts([*found, moved[-1]], list("abcdefg"), sites=DesignSites(SITES)).table
     np.testing.assert_allclose(table.area[-1], exact[-1], rtol=1e-12)
 
 
@@ -146,12 +145,12 @@ def test_contacts_that_no_image_shows_whole_count_for_the_shift():
 def test_contacts_at_the_edge_count_for_the_shift_of_a_design():
     few, full, _, closed = cropped()
     edge = replace(few, edge=np.isin(closed, [39, 63]))
-    table = track_contacts([edge, full], ["a", "b"], site_position=SITES).table
+    table = track_contacts([edge, full], ["a", "b"], sites=DesignSites(SITES)).table
     assert np.flatnonzero(table.area[0] > 0.0).tolist() == sorted(set(closed) - {39, 63})
     assert np.flatnonzero(np.isnan(table.area[0])).tolist() == [39, 63]
 
 
-@pytest.mark.parametrize("given", [{}, {"site_position": SITES}])
+@pytest.mark.parametrize("given", [{}, {"sites": DesignSites(SITES)}])
 def test_a_shift_by_one_pitch_that_matches_two_contacts_more_is_not_taken(given):
     """Two of eight contacts stand beyond the upper row."""
     where = seen(SITES)
@@ -168,11 +167,11 @@ def test_a_shift_by_one_pitch_that_matches_two_contacts_more_is_not_taken(given)
 def test_a_shift_by_nearly_half_a_pitch_is_not_certain_for_few_contacts(drift, unclear):
     where = seen(SITES)
     few = contacts(where[[18, 27, 29, 37]] + [drift, 0.0], 0.1)
-    tracked = track_contacts([few, contacts(where, 0.2)], ["a", "b"], site_position=SITES)
+    tracked = track_contacts([few, contacts(where, 0.2)], ["a", "b"], sites=DesignSites(SITES))
     assert np.flatnonzero(tracked.table.area[0] > 0.0).tolist() == [18, 27, 29, 37]
     assert any("may be shifted" in str(note) for note in tracked.notes) == unclear
     all_of_them = contacts(where + np.array([drift, 0.0]), 0.1, shape=(1400, 1500))
-    tracked = track_contacts([all_of_them, contacts(where, 0.2)], ["a", "b"], site_position=SITES)
+    tracked = track_contacts([all_of_them, contacts(where, 0.2)], ["a", "b"], sites=DesignSites(SITES))
     assert not any("may be shifted" in str(note) for note in tracked.notes)
 
 
@@ -189,7 +188,7 @@ def test_what_cannot_be_measured_is_named():
     second = replace(second, axes=axes)
     third = contacts(where[:0], 0.3, failed=True, notes=(Note("cannot be read: truncated"),))
     fourth = contacts(where[where[:, 1] < 12.0], 0.3, shape=(1200, 1400))
-    found = track_contacts([last, second, third, fourth], list("abcd"), site_position=SITES).table
+    found = track_contacts([last, second, third, fourth], list("abcd"), sites=DesignSites(SITES)).table
     assert found.remarks == (
         "b: 1 region belongs to no site; the largest has 0.283 mm² at (2.95, 3.95) mm",
         "b, site 0: at the edge of the frame",
@@ -208,7 +207,7 @@ def test_a_region_beside_its_site_is_not_open():
     centre = seen(SITES)
     centre[5] += 0.15
     table = track_contacts(
-        [contacts(seen(SITES), 0.2), contacts(centre, 0.3)], ["a", "b"], site_position=SITES
+        [contacts(seen(SITES), 0.2), contacts(centre, 0.3)], ["a", "b"], sites=DesignSites(SITES)
     )
     assert np.flatnonzero(np.isnan(table.table.area[1])).tolist() == [5]
     assert table.table.remarks == (
@@ -219,13 +218,13 @@ def test_a_region_beside_its_site_is_not_open():
 def test_an_image_of_another_lattice_is_named():
     other = contacts(seen(lattice(pitch=1.1)), 0.2)
     with pytest.raises(InvalidInput, match=r"b\.tif: the 64 contacts are not on the sites"):
-        track_contacts([contacts([[1.0, 1.0]], 0.1), other], ["a.tif", "b.tif"], site_position=SITES)
+        track_contacts([contacts([[1.0, 1.0]], 0.1), other], ["a.tif", "b.tif"], sites=DesignSites(SITES))
 
 
 def test_dust_in_the_fullest_image_leaves_the_others():
     rng = np.random.default_rng(0)
     dusty = contacts(np.vstack([seen(SITES), rng.random((80, 2)) * 13.0]), 0.1)
-    tracked = track_contacts([contacts(seen(SITES), 0.2), dusty], ["a", "b"], site_position=SITES)
+    tracked = track_contacts([contacts(seen(SITES), 0.2), dusty], ["a", "b"], sites=DesignSites(SITES))
     assert tracked.reference == 0
 
 
@@ -235,9 +234,9 @@ def test_expected_areas_decide_by_the_load_of_the_image():
     expected[1, 56:] = 0.0
     closed = contacts(seen(SITES[:56]), np.sqrt(expected[1, :56] / np.pi), shape=(1400, 1200))
     few = contacts(seen(SITES[:5]), 0.1, shape=(1400, 1200))
-    given = {"areas": [few, closed], "image": ["a", "b"], "site_position": SITES}
+    given = {"areas": [few, closed], "image": ["a", "b"], "sites": DesignSites(SITES)}
     assert track_contacts(**given).table.remarks[0].startswith("b: the 56 contacts match the sites equally")
-    tracked = track_contacts(**given, expected_area=expected)
+    tracked = track_contacts(**(given | {"sites": DesignSites(SITES, expected_area=expected)}))
     assert tracked.match.site.tolist() == list(range(56))
     assert [note.warns for note in tracked.notes] == [False]
 
@@ -251,9 +250,13 @@ def test_expected_areas_decide_by_the_load_of_the_image():
     ({"load": [1.0, 2.0]}, "load must hold 1 forces"),
     ({"load": [np.inf]}, "load must hold 1 forces"),
     ({"test": []}, "test holds 0 entries"),
-    ({"site_position": SITES, "site": [1] * 64}, "site must hold 64 different numbers"),
-    ({"site_position": SITES, "expected_area": np.ones(64)}, r"it must have shape \(1, 64\)"),
+    ({"sites": DesignSites(SITES, expected_area=np.ones(64))}, r"it must have shape \(1, 64\)"),
 ])  # fmt: skip
 def test_bad_input(given_, message):
     with pytest.raises(InvalidInput, match=message):
         track_contacts(**{"areas": [contacts(seen(SITES), 0.1)], "image": ["a"], **given_})
+
+
+def test_sites_have_numbers_of_their_own():
+    with pytest.raises(InvalidInput, match="site must hold 64 different numbers"):
+        DesignSites(SITES, [1] * 64)

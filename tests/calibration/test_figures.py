@@ -1,5 +1,7 @@
 """The map without its base plane and its caps is flat."""
 
+from __future__ import annotations
+
 import numpy as np
 
 import metafem as mf
