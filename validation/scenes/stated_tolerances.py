@@ -62,10 +62,8 @@ def _combined(design: mf.Design, seed: int, draws: int) -> tuple[str, float, flo
         requirement = mf.studies.Requirement(MISFIT, PROBABILITY)
         found = mf.studies.combined(design, mf.Tolerances(height_sd=sd), requirement=requirement)
         stated.append(sd * float(found.factor.sel({"tolerance": "all"})))
-    tolerances, branches = (
-        mf.Tolerances(height_sd=float(np.mean(stated))),
-        [branch for branch, _ in design.fits],
-    )
+    tolerances = mf.Tolerances(height_sd=float(np.mean(stated)))
+    branches = tuple(branch for branch, _ in design.fits)
     task = MadeLaws(
         design.surface, design.law.model, tolerances, None, design.target_law, branches, None,
         seed=seed + 1, size=AT_ONCE, draws=draws,
